@@ -1,0 +1,65 @@
+//! The three facts that accompany every enclosure.
+
+use std::fmt;
+use std::ops::{BitAnd, BitOr};
+
+/// What is proven of a function over a box, beside its bounds: a set of three bits.
+///
+/// A missing bit claims nothing. [`Facts::NOWHERE`] excludes the other two.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Facts(u32);
+
+impl Facts {
+    /// Nothing is proven.
+    pub const NONE: Self = Self(0);
+    /// Defined at no point of the box: the enclosure is empty, whatever its bounds say.
+    pub const NOWHERE: Self = Self(1);
+    /// Defined at every point of the box.
+    pub const DEFINED: Self = Self(2);
+    /// Defined and continuous at every point of the box.
+    pub const CONTINUOUS: Self = Self(4);
+    /// Both [`Facts::DEFINED`] and [`Facts::CONTINUOUS`].
+    pub const TOTAL: Self = Self(6);
+
+    /// The set with exactly these bits; others are dropped.
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits & 7)
+    }
+
+    /// The bits, as kernels store them.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// Whether every bit of `other` is set here.
+    pub const fn has(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+}
+
+impl BitAnd for Facts {
+    type Output = Self;
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Facts {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl fmt::Debug for Facts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = [
+            (Self::NOWHERE, "nowhere"),
+            (Self::DEFINED, "defined"),
+            (Self::CONTINUOUS, "continuous"),
+        ];
+        f.debug_set()
+            .entries(names.iter().filter(|n| self.has(n.0)).map(|n| n.1))
+            .finish()
+    }
+}

@@ -1,0 +1,302 @@
+//! Constants as the real numbers that were typed.
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{One, Signed, ToPrimitive, Zero};
+use zeroset_interval::Interval;
+
+/// Exact numerators and denominators stay below this many bits; larger results become enclosures.
+const EXACT_BITS: u64 = 512;
+/// Decimal exponents beyond this exceed every float by far and are enclosed at once.
+const EXPONENT_LIMIT: i64 = 2000;
+/// Digits beyond these cannot move either end of an f64 enclosure by more than its last place, but they cost
+/// quadratic time; a remainder widens the enclosure instead.
+const KEPT_DIGITS: usize = 1200;
+
+/// A real constant: exactly, while it is a rational number of moderate size, else enclosed by two floats.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Constant {
+    /// This rational number.
+    Exact(BigRational),
+    /// Some real number within these bounds (the bits of an [`Interval`], so that equality is that of bits).
+    Enclosed([u64; 2]),
+}
+
+impl Constant {
+    /// The integer `value`.
+    pub fn integer(value: i64) -> Self {
+        Self::Exact(BigRational::from_integer(value.into()))
+    }
+
+    /// The quotient `numerator / denominator`, or `None` if the denominator is 0.
+    pub fn ratio(numerator: i64, denominator: i64) -> Option<Self> {
+        (denominator != 0)
+            .then(|| Self::Exact(BigRational::new(numerator.into(), denominator.into())))
+    }
+
+    /// A rational number; enclosed if it is too large to be kept exactly.
+    pub fn rational(value: BigRational) -> Self {
+        if value.numer().bits().max(value.denom().bits()) <= EXACT_BITS {
+            Self::Exact(value)
+        } else {
+            Self::enclosed(enclose(&value))
+        }
+    }
+
+    /// Some number within `bounds`; exact if there is only one.
+    pub fn enclosed(bounds: Interval) -> Self {
+        match bounds.singleton().and_then(BigRational::from_float) {
+            Some(value) => Self::rational_or(value, bounds),
+            None => Self::bits(bounds),
+        }
+    }
+
+    fn rational_or(value: BigRational, bounds: Interval) -> Self {
+        if value.numer().bits().max(value.denom().bits()) <= EXACT_BITS {
+            Self::Exact(value)
+        } else {
+            Self::bits(bounds)
+        }
+    }
+
+    fn bits(bounds: Interval) -> Self {
+        Self::Enclosed([bounds.lo.to_bits(), bounds.hi.to_bits()])
+    }
+
+    /// The number that a decimal like `12`, `.5`, `1.` or `2.5e-3` stands for, exactly. `None` if `text` is not one.
+    pub fn decimal(text: &str) -> Option<Self> {
+        let (mantissa, exponent) = match text.split_once(['e', 'E']) {
+            Some((mantissa, exponent)) => (mantissa, Some(exponent)),
+            None => (text, None),
+        };
+        let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+        let digits = format!("{whole}{fraction}");
+        if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
+            return None;
+        }
+        let exponent = match exponent {
+            None => 0,
+            Some(text) => {
+                let unsigned = text.strip_prefix(['+', '-']).unwrap_or(text);
+                if unsigned.is_empty() || !unsigned.bytes().all(|b| b.is_ascii_digit()) {
+                    return None;
+                }
+                // Digits only, so the one failure is an exponent too long for 64 bits.
+                let saturated = if text.starts_with('-') {
+                    i64::MIN / 2
+                } else {
+                    i64::MAX / 2
+                };
+                text.parse().unwrap_or(saturated)
+            }
+        };
+        let significant = digits.trim_start_matches('0');
+        if significant.is_empty() {
+            return Some(Self::integer(0));
+        }
+        let scale = exponent - fraction.len() as i64;
+        let magnitude = scale + significant.len() as i64; // value in [10^(magnitude-1), 10^magnitude)
+        if magnitude > EXPONENT_LIMIT {
+            return Some(Self::bits(Interval {
+                lo: f64::MAX,
+                hi: f64::INFINITY,
+            }));
+        }
+        if magnitude < -EXPONENT_LIMIT {
+            return Some(Self::bits(Interval {
+                lo: 0.0,
+                hi: f64::from_bits(1),
+            }));
+        }
+        let kept = significant.len().min(KEPT_DIGITS);
+        let power = |n: i64| num_traits::pow(BigInt::from(10), n.unsigned_abs() as usize);
+        let value = |numerator: BigInt, scale: i64| {
+            if scale >= 0 {
+                BigRational::from_integer(numerator * power(scale))
+            } else {
+                BigRational::new(numerator, power(scale))
+            }
+        };
+        let numerator: BigInt = significant[..kept].parse().ok()?;
+        let scale = scale + (significant.len() - kept) as i64;
+        if kept < significant.len() {
+            let low = enclose(&value(numerator.clone(), scale));
+            let high = enclose(&value(numerator + 1, scale));
+            return Some(Self::bits(low.hull(high)));
+        }
+        Some(Self::rational(value(numerator, scale)))
+    }
+
+    /// The circle constant π.
+    pub fn pi() -> Self {
+        // The nearest double is below π; source: OEIS A000796.
+        Self::bits(Interval {
+            lo: std::f64::consts::PI,
+            hi: std::f64::consts::PI.next_up(),
+        })
+    }
+
+    /// The circle constant τ = 2π.
+    pub fn tau() -> Self {
+        Self::bits(Interval {
+            lo: std::f64::consts::TAU,
+            hi: std::f64::consts::TAU.next_up(),
+        })
+    }
+
+    /// Euler's number e.
+    pub fn e() -> Self {
+        // The nearest double is below e; source: OEIS A001113.
+        Self::bits(Interval {
+            lo: std::f64::consts::E,
+            hi: std::f64::consts::E.next_up(),
+        })
+    }
+
+    /// The golden ratio φ = (1 + √5)/2.
+    pub fn phi() -> Self {
+        // 1.618033988749894848204586834365638117720309..., source: OEIS A001622; the nearest double is
+        // 1.6180339887498949025..., above φ.
+        let nearest = 1.618_033_988_749_895_f64;
+        Self::bits(Interval {
+            lo: nearest.next_down(),
+            hi: nearest,
+        })
+    }
+
+    /// The tightest `f64` bounds of the number.
+    pub fn bounds(&self) -> Interval {
+        match self {
+            Self::Exact(value) => enclose(value),
+            Self::Enclosed([lo, hi]) => Interval {
+                lo: f64::from_bits(*lo),
+                hi: f64::from_bits(*hi),
+            },
+        }
+    }
+
+    /// The rational number, if it is known exactly.
+    pub fn exact(&self) -> Option<&BigRational> {
+        match self {
+            Self::Exact(value) => Some(value),
+            Self::Enclosed(_) => None,
+        }
+    }
+
+    /// The number as an integer, if it is one that fits.
+    pub fn as_integer(&self) -> Option<i64> {
+        self.exact()
+            .filter(|value| value.is_integer())
+            .and_then(|value| value.numer().to_i64())
+    }
+
+    /// Whether the number is exactly 0.
+    pub fn is_zero(&self) -> bool {
+        self.exact().is_some_and(Zero::is_zero)
+    }
+
+    /// Whether the number is exactly 1.
+    pub fn is_one(&self) -> bool {
+        self.exact().is_some_and(One::is_one)
+    }
+}
+
+/// The tightest `f64` interval around a rational number.
+fn enclose(value: &BigRational) -> Interval {
+    if value.is_negative() {
+        let positive = enclose(&-value);
+        return Interval {
+            lo: -positive.hi,
+            hi: -positive.lo,
+        };
+    }
+    // A guess, then exact comparisons: correct whatever the rounding of the guess.
+    let mut lo = value
+        .to_f64()
+        .filter(|guess| !guess.is_nan())
+        .unwrap_or(f64::MAX)
+        .min(f64::MAX);
+    let exact = |x: f64| BigRational::from_float(x).unwrap_or_else(BigRational::zero);
+    while exact(lo) > *value {
+        lo = lo.next_down();
+    }
+    while lo < f64::MAX && exact(lo.next_up()) <= *value {
+        lo = lo.next_up();
+    }
+    let hi = if exact(lo) == *value {
+        lo
+    } else {
+        lo.next_up()
+    };
+    Interval { lo, hi }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bounds(text: &str) -> (f64, f64) {
+        let bounds = Constant::decimal(text).expect("a decimal").bounds();
+        (bounds.lo, bounds.hi)
+    }
+
+    #[test]
+    fn decimals_are_enclosed_tightly() {
+        assert_eq!(bounds("0.5"), (0.5, 0.5));
+        assert_eq!(bounds("1."), (1.0, 1.0));
+        assert_eq!(bounds("1e8"), (1e8, 1e8));
+        // 0.1 as a double is above one tenth.
+        assert_eq!(bounds("0.1"), (0.1_f64.next_down(), 0.1));
+        assert_eq!(bounds("1e400"), (f64::MAX, f64::INFINITY));
+        assert_eq!(bounds("1e99999999999999999999"), (f64::MAX, f64::INFINITY));
+        assert_eq!(bounds("1e-400"), (0.0, f64::from_bits(1)));
+        assert_eq!(bounds("1e-99999999999999999999"), (0.0, f64::from_bits(1)));
+        let long = format!("0.{}", "1".repeat(100_000));
+        let (lo, hi) = bounds(&long);
+        assert!(lo <= 1.0 / 9.0 && 1.0 / 9.0 <= hi && hi <= lo.next_up().next_up());
+    }
+
+    #[test]
+    fn text_that_is_no_decimal_is_refused() {
+        for text in ["", ".", "e5", "1e", "1e+", "-1", "1_000", "0x10", "1.2.3"] {
+            assert_eq!(Constant::decimal(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn known_constants_lie_inside_their_bounds() {
+        // Integer arithmetic on published digits, independent of float parsing.
+        let digits = |text: &str| {
+            Constant::decimal(text)
+                .and_then(|c| c.exact().cloned())
+                .expect("exact")
+        };
+        for (constant, text) in [
+            (
+                Constant::pi(),
+                "3.14159265358979323846264338327950288419716939937510",
+            ),
+            (
+                Constant::tau(),
+                "6.28318530717958647692528676655900576839433879875021",
+            ),
+            (
+                Constant::e(),
+                "2.71828182845904523536028747135266249775724709369995",
+            ),
+            (
+                Constant::phi(),
+                "1.61803398874989484820458683436563811772030917980576",
+            ),
+        ] {
+            let bounds = constant.bounds();
+            let exact = |x: f64| BigRational::from_float(x).expect("finite");
+            let value = digits(text);
+            assert!(
+                exact(bounds.lo) < value && value < exact(bounds.hi),
+                "{text}"
+            );
+            assert_eq!(bounds.lo.next_up(), bounds.hi, "{text}");
+        }
+    }
+}

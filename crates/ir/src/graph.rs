@@ -1,0 +1,192 @@
+//! The graph itself.
+
+use crate::constant::Constant;
+use rustc_hash::FxHashMap;
+use zeroset_ops::Op;
+
+/// A coordinate of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Axis {
+    /// The first coordinate.
+    X,
+    /// The second coordinate.
+    Y,
+    /// The third coordinate.
+    Z,
+}
+
+impl Axis {
+    /// All three, in order.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+}
+
+/// A node's place in its [`Graph`]. Operands have smaller ids than the nodes that use them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(u32);
+
+impl NodeId {
+    /// The place as an index into per-node tables.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What a node computes.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A coordinate of the sample point.
+    Variable(Axis),
+    /// A named value that may change without recompiling: a slider or time, by its number.
+    Parameter(u32),
+    /// A fixed real number.
+    Constant(Constant),
+    /// An operation on earlier nodes.
+    Apply(Op, Operands),
+}
+
+/// One to three operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Operands {
+    // Unused places repeat the first operand, so that equality and hashing need no length.
+    ids: [NodeId; 3],
+    len: u8,
+}
+
+impl std::ops::Deref for Operands {
+    type Target = [NodeId];
+    fn deref(&self) -> &[NodeId] {
+        &self.ids[..usize::from(self.len)]
+    }
+}
+
+/// A growing set of expressions, each stored once.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    index: FxHashMap<Node, NodeId>,
+}
+
+impl Graph {
+    /// A graph without nodes.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The number of nodes.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no node yet.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// What `id` computes.
+    ///
+    /// # Panics
+    /// If `id` belongs to a larger graph.
+    pub fn node(&self, id: NodeId) -> &Node {
+        &self.nodes[id.index()]
+    }
+
+    /// All nodes, operands before users.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (NodeId, &Node)> {
+        self.nodes
+            .iter()
+            .enumerate()
+            .map(|(index, node)| (NodeId(index as u32), node))
+    }
+
+    /// A coordinate.
+    pub fn variable(&mut self, axis: Axis) -> NodeId {
+        self.intern(Node::Variable(axis))
+    }
+
+    /// The parameter with this number.
+    pub fn parameter(&mut self, number: u32) -> NodeId {
+        self.intern(Node::Parameter(number))
+    }
+
+    /// A real number.
+    pub fn constant(&mut self, value: Constant) -> NodeId {
+        self.intern(Node::Constant(value))
+    }
+
+    /// A small integer.
+    pub fn integer(&mut self, value: i64) -> NodeId {
+        self.constant(Constant::integer(value))
+    }
+
+    /// `op` applied to `operands`, as written: nothing is simplified.
+    ///
+    /// # Panics
+    /// If the number of operands is not the arity of `op`, or one of them does not exist.
+    pub fn apply(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
+        assert_eq!(operands.len(), op.arity(), "{op:?}");
+        assert!(
+            operands.iter().all(|id| id.index() < self.nodes.len()),
+            "unknown operand"
+        );
+        let mut ids = [operands[0]; 3];
+        ids[..operands.len()].copy_from_slice(operands);
+        self.intern(Node::Apply(
+            op,
+            Operands {
+                ids,
+                len: operands.len() as u8,
+            },
+        ))
+    }
+
+    fn intern(&mut self, node: Node) -> NodeId {
+        if let Some(&id) = self.index.get(&node) {
+            return id;
+        }
+        let id = NodeId(u32::try_from(self.nodes.len()).expect("fewer than 2^32 nodes"));
+        self.nodes.push(node.clone());
+        self.index.insert(node, id);
+        id
+    }
+
+    /// Whether each node is needed by one of `roots`, by index.
+    pub fn reachable(&self, roots: &[NodeId]) -> Vec<bool> {
+        let mut needed = vec![false; self.nodes.len()];
+        for root in roots {
+            needed[root.index()] = true;
+        }
+        for index in (0..self.nodes.len()).rev() {
+            if let (true, Node::Apply(_, operands)) = (needed[index], &self.nodes[index]) {
+                operands.iter().for_each(|id| needed[id.index()] = true);
+            }
+        }
+        needed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_expressions_are_one_node() {
+        let mut graph = Graph::new();
+        let x = graph.variable(Axis::X);
+        let one = graph.integer(1);
+        let a = graph.apply(Op::Add, &[x, one]);
+        let again = graph.integer(1);
+        assert_eq!(graph.apply(Op::Add, &[x, again]), a);
+        assert_ne!(graph.apply(Op::Add, &[one, x]), a);
+        assert_eq!(graph.len(), 4);
+    }
+
+    #[test]
+    fn reachable_follows_operands_only() {
+        let mut graph = Graph::new();
+        let x = graph.variable(Axis::X);
+        let y = graph.variable(Axis::Y);
+        let root = graph.apply(Op::Sin, &[x]);
+        let needed = graph.reachable(&[root]);
+        assert!(needed[x.index()] && needed[root.index()] && !needed[y.index()]);
+    }
+}

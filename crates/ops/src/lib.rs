@@ -1,0 +1,96 @@
+//! The table of operations: what `zeroset` can compute, one row each.
+//!
+//! Two kinds of function share one name space. A native [`Op`] is a node of the expression graph with its own
+//! interval rule; a [`Composed`] function is a formula over other functions, written in the language itself.
+//! Parser look-up, completion, help, suggestions, random generators and table-walking tests are all derived
+//! from [`TABLE`] and [`COMPOSED`]. This crate knows neither numbers nor text: only names and properties.
+
+mod composed;
+mod op;
+mod table;
+
+pub use composed::{COMPOSED, Composed};
+pub use op::{Continuity, Domain, Monotonicity, Notation, Op, Row};
+pub use table::TABLE;
+
+/// The native operation a user may call by `name` (exact spelling, aliases included), or `None`.
+///
+/// Infix and internal operations have names too, for printing, but cannot be called.
+pub fn native(name: &str) -> Option<&'static Row> {
+    TABLE.iter().find(|row| {
+        matches!(
+            row.notation,
+            Notation::Function | Notation::Infix { callable: true, .. }
+        ) && (row.name == name || row.aliases.contains(&name))
+    })
+}
+
+/// The composed functions called `name` (exact spelling, aliases included), one per arity.
+pub fn composed(name: &str) -> impl Iterator<Item = &'static Composed> {
+    COMPOSED
+        .iter()
+        .filter(move |f| f.name == name || f.aliases.contains(&name))
+}
+
+/// Every callable name, aliases included, in table order: for completion and suggestions.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    let native = TABLE
+        .iter()
+        .filter(|row| {
+            matches!(
+                row.notation,
+                Notation::Function | Notation::Infix { callable: true, .. }
+            )
+        })
+        .flat_map(|row| std::iter::once(row.name).chain(row.aliases.iter().copied()));
+    let composed = COMPOSED
+        .iter()
+        .flat_map(|f| std::iter::once(f.name).chain(f.aliases.iter().copied()));
+    native.chain(composed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashMap;
+
+    #[test]
+    fn rows_stand_in_the_order_of_the_enum() {
+        for (index, row) in TABLE.iter().enumerate() {
+            assert_eq!(row.op as usize, index, "{}", row.name);
+            assert_eq!(row.op.row().name, row.name);
+            assert_eq!(row.partials.len(), usize::from(row.arity), "{}", row.name);
+        }
+    }
+
+    #[test]
+    fn no_name_means_two_things() {
+        let mut seen: HashMap<(&str, usize), &str> = HashMap::new();
+        for row in TABLE {
+            for name in std::iter::once(&row.name).chain(row.aliases) {
+                assert!(
+                    seen.insert((name, usize::from(row.arity)), row.name)
+                        .is_none(),
+                    "{name}"
+                );
+            }
+        }
+        for f in COMPOSED {
+            for name in std::iter::once(&f.name).chain(f.aliases) {
+                assert!(
+                    seen.insert((name, f.parameters.len()), f.name).is_none(),
+                    "{name}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn look_up_finds_names_and_aliases_only() {
+        assert_eq!(native("log").map(|row| row.op), Some(Op::Ln));
+        assert_eq!(native("pow").map(|row| row.op), Some(Op::Pow));
+        assert!(native("select_negative").is_none());
+        assert_eq!(composed("hypot").count(), 3);
+        assert!(names().any(|name| name == "smoothstep"));
+    }
+}

@@ -1,0 +1,139 @@
+//! What an operation is, and the properties a row of the table states.
+
+/// A native operation: a node of the expression graph that has an interval rule of its own.
+///
+/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm: the compiler
+/// then lists every place that a new row still needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[allow(missing_docs)] // each variant is documented by its row
+pub enum Op {
+    Neg,
+    Abs,
+    Sign,
+    Floor,
+    Ceil,
+    Round,
+    Trunc,
+    Fract,
+    Sqr,
+    Sqrt,
+    Cbrt,
+    Exp,
+    Ln,
+    Log2,
+    Log10,
+    Sin,
+    Cos,
+    Tan,
+    Atan,
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Pow,
+    Mod,
+    Min,
+    Max,
+    SelectNegative,
+    WhereNonneg,
+    WherePositive,
+    WhereNonzero,
+    WhereDefined,
+}
+
+impl Op {
+    /// This operation's row.
+    pub fn row(self) -> &'static Row {
+        &crate::TABLE[self as usize]
+    }
+
+    /// How many operands it takes: 1, 2 or 3.
+    pub fn arity(self) -> usize {
+        usize::from(self.row().arity)
+    }
+}
+
+/// One row of the table of operations.
+#[derive(Debug)]
+pub struct Row {
+    /// The operation described.
+    pub op: Op,
+    /// The name it is printed and called by.
+    pub name: &'static str,
+    /// Other accepted names.
+    pub aliases: &'static [&'static str],
+    /// Number of operands.
+    pub arity: u8,
+    /// How it is written.
+    pub notation: Notation,
+    /// Where it is defined, for operands that are themselves defined.
+    pub domain: Domain,
+    /// Where it is continuous, within its domain.
+    pub continuity: Continuity,
+    /// How it changes with its first operand.
+    pub monotonicity: Monotonicity,
+    /// Partial derivative for each operand, in the language, over operands `a`, `b`, `c`.
+    pub partials: &'static [&'static str],
+    /// One line for help.
+    pub doc: &'static str,
+    /// Where the definition comes from.
+    pub source: &'static str,
+}
+
+/// How an operation is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Notation {
+    /// By its name, with arguments in brackets.
+    Function,
+    /// By a symbol; `callable` if the name may be called as well.
+    Infix {
+        /// The symbol, as printed.
+        symbol: &'static str,
+        /// Whether `name(…)` is accepted too.
+        callable: bool,
+    },
+    /// Never by a user: it arises from other notation or from simplification.
+    Internal,
+}
+
+/// Where an operation is defined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// For all reals.
+    All,
+    /// Where the first operand is ≥ 0.
+    Nonneg,
+    /// Where the first operand is > 0.
+    Positive,
+    /// Where the last operand is ≠ 0.
+    LastNonzero,
+    /// Where the last operand is ≥ 0.
+    LastNonneg,
+    /// Where the last operand is > 0.
+    LastPositive,
+    /// Where the cosine of the operand is ≠ 0.
+    CosineNonzero,
+    /// That of a power: all reals for an integer exponent ≥ 0, base ≠ 0 for a negative one; otherwise base > 0,
+    /// or base = 0 with exponent > 0.
+    Power,
+}
+
+/// Where an operation is continuous, within its domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Continuity {
+    /// Everywhere in its domain.
+    Domain,
+    /// Everywhere but where it jumps: at integers, half integers, zero or multiples, as its doc line says.
+    Jumps,
+}
+
+/// How an operation changes with its first operand, the others held fixed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Monotonicity {
+    /// Never decreases.
+    Increasing,
+    /// Never increases.
+    Decreasing,
+    /// Depends on where, or on the other operands.
+    Neither,
+}

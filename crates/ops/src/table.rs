@@ -1,0 +1,103 @@
+//! The rows.
+
+use crate::op::{Continuity, Domain, Monotonicity, Notation, Op, Row};
+use Continuity::Jumps;
+use Monotonicity::{Decreasing, Increasing, Neither};
+
+/// A callable function, continuous where defined; rows override what differs.
+const BASE: Row = Row {
+    op: Op::Neg,
+    name: "",
+    aliases: &[],
+    arity: 1,
+    notation: Notation::Function,
+    domain: Domain::All,
+    continuity: Continuity::Domain,
+    monotonicity: Neither,
+    partials: &[],
+    doc: "",
+    source: "IEEE 1788-2015, table 9.1",
+};
+
+const fn infix(symbol: &'static str) -> Notation {
+    Notation::Infix {
+        symbol,
+        callable: false,
+    }
+}
+
+/// Every native operation, in the order of [`Op`].
+#[rustfmt::skip] // one field group a line keeps the rows comparable
+pub static TABLE: &[Row] = &[
+    Row { op: Op::Neg, name: "neg", notation: infix("-"), monotonicity: Decreasing,
+        partials: &["-1"], doc: "the opposite of a", ..BASE },
+    Row { op: Op::Abs, name: "abs",
+        partials: &["sign(a)"], doc: "absolute value; |a| means the same", ..BASE },
+    Row { op: Op::Sign, name: "sign", aliases: &["sgn"], continuity: Jumps, monotonicity: Increasing,
+        partials: &["0"], doc: "-1, 0 or 1 by the sign of a; jumps at 0", ..BASE },
+    Row { op: Op::Floor, name: "floor", continuity: Jumps, monotonicity: Increasing,
+        partials: &["0"], doc: "largest integer not above a; jumps at integers", ..BASE },
+    Row { op: Op::Ceil, name: "ceil", continuity: Jumps, monotonicity: Increasing,
+        partials: &["0"], doc: "smallest integer not below a; jumps at integers", ..BASE },
+    Row { op: Op::Round, name: "round", continuity: Jumps, monotonicity: Increasing,
+        partials: &["0"], doc: "nearest integer, halves to even; jumps at half integers", ..BASE },
+    Row { op: Op::Trunc, name: "trunc", continuity: Jumps, monotonicity: Increasing,
+        partials: &["0"], doc: "a without its fraction; jumps at integers but 0", ..BASE },
+    Row { op: Op::Fract, name: "fract", aliases: &["frac"], continuity: Jumps,
+        partials: &["1"], doc: "a - floor(a), in [0, 1); jumps at integers", source: "GLSL 4.60, 8.3", ..BASE },
+    Row { op: Op::Sqr, name: "sqr", aliases: &["square"],
+        partials: &["2*a"], doc: "a squared", ..BASE },
+    Row { op: Op::Sqrt, name: "sqrt", domain: Domain::Nonneg, monotonicity: Increasing,
+        partials: &["1/(2*sqrt(a))"], doc: "square root; defined for a >= 0", ..BASE },
+    Row { op: Op::Cbrt, name: "cbrt", monotonicity: Increasing,
+        partials: &["1/(3*sqr(cbrt(a)))"], doc: "cube root, also of negative numbers", source: "IEEE 1788-2015, table 10.5 (rootn)", ..BASE },
+    Row { op: Op::Exp, name: "exp", monotonicity: Increasing,
+        partials: &["exp(a)"], doc: "e to the power a", ..BASE },
+    Row { op: Op::Ln, name: "ln", aliases: &["log"], domain: Domain::Positive, monotonicity: Increasing,
+        partials: &["1/a"], doc: "natural logarithm; defined for a > 0", ..BASE },
+    Row { op: Op::Log2, name: "log2", domain: Domain::Positive, monotonicity: Increasing,
+        partials: &["1/(a*ln(2))"], doc: "logarithm to base 2; defined for a > 0", ..BASE },
+    Row { op: Op::Log10, name: "log10", domain: Domain::Positive, monotonicity: Increasing,
+        partials: &["1/(a*ln(10))"], doc: "logarithm to base 10; defined for a > 0", ..BASE },
+    Row { op: Op::Sin, name: "sin",
+        partials: &["cos(a)"], doc: "sine of an angle in radians", ..BASE },
+    Row { op: Op::Cos, name: "cos",
+        partials: &["-sin(a)"], doc: "cosine of an angle in radians", ..BASE },
+    Row { op: Op::Tan, name: "tan", domain: Domain::CosineNonzero,
+        partials: &["1+sqr(tan(a))"], doc: "tangent; undefined at odd multiples of pi/2", ..BASE },
+    Row { op: Op::Atan, name: "atan", aliases: &["arctan"], monotonicity: Increasing,
+        partials: &["1/(1+sqr(a))"], doc: "angle in (-pi/2, pi/2) whose tangent is a", ..BASE },
+    Row { op: Op::Add, name: "add", arity: 2, notation: infix("+"), monotonicity: Increasing,
+        partials: &["1", "1"], doc: "sum", ..BASE },
+    Row { op: Op::Sub, name: "sub", arity: 2, notation: infix("-"), monotonicity: Increasing,
+        partials: &["1", "-1"], doc: "difference", ..BASE },
+    Row { op: Op::Mul, name: "mul", arity: 2, notation: infix("*"),
+        partials: &["b", "a"], doc: "product", ..BASE },
+    Row { op: Op::Div, name: "div", arity: 2, notation: infix("/"), domain: Domain::LastNonzero,
+        partials: &["1/b", "-a/sqr(b)"], doc: "quotient; undefined where b = 0", ..BASE },
+    Row { op: Op::Pow, name: "pow", arity: 2, notation: Notation::Infix { symbol: "^", callable: true },
+        domain: Domain::Power,
+        partials: &["b*a^(b-1)", "a^b*ln(a)"], doc: "a to the power b; a >= 0 unless b is an integer constant",
+        source: "IEEE 1788-2015, table 9.1 (pow, pown)", ..BASE },
+    Row { op: Op::Mod, name: "mod", arity: 2, domain: Domain::LastNonzero, continuity: Jumps,
+        partials: &["1", "-floor(a/b)"], doc: "a - b*floor(a/b); jumps where a is a multiple of b",
+        source: "GLSL 4.60, 8.3", ..BASE },
+    Row { op: Op::Min, name: "min", aliases: &["union"], arity: 2, monotonicity: Increasing,
+        partials: &["step(a, b)", "1-step(a, b)"], doc: "the smallest of its arguments; union of solids", ..BASE },
+    Row { op: Op::Max, name: "max", aliases: &["intersect"], arity: 2, monotonicity: Increasing,
+        partials: &["step(b, a)", "1-step(b, a)"], doc: "the largest of its arguments; intersection of solids", ..BASE },
+    Row { op: Op::SelectNegative, name: "select_negative", arity: 3, notation: Notation::Internal, continuity: Jumps,
+        partials: &["0", "1-step(0, a)", "step(0, a)"], doc: "b where a < 0, c where a >= 0; only the chosen one need be defined",
+        source: "zeroset", ..BASE },
+    Row { op: Op::WhereNonneg, name: "where_nonneg", arity: 2, notation: Notation::Internal,
+        domain: Domain::LastNonneg, monotonicity: Increasing,
+        partials: &["1", "0"], doc: "a, restricted to where b >= 0", source: "zeroset", ..BASE },
+    Row { op: Op::WherePositive, name: "where_positive", arity: 2, notation: Notation::Internal,
+        domain: Domain::LastPositive, monotonicity: Increasing,
+        partials: &["1", "0"], doc: "a, restricted to where b > 0", source: "zeroset", ..BASE },
+    Row { op: Op::WhereNonzero, name: "where_nonzero", arity: 2, notation: Notation::Internal,
+        domain: Domain::LastNonzero, monotonicity: Increasing,
+        partials: &["1", "0"], doc: "a, restricted to where b is not 0", source: "zeroset", ..BASE },
+    Row { op: Op::WhereDefined, name: "where_defined", arity: 2, notation: Notation::Internal, monotonicity: Increasing,
+        partials: &["1", "0"], doc: "a, restricted to where b is defined", source: "zeroset", ..BASE },
+];
