@@ -3,8 +3,17 @@
 //! Nothing here knows text, kernels or pictures. A graph only grows, and a node's operands always come before it,
 //! so the order of ids is a topological order and every pass is one loop.
 
+mod algebra;
+mod compact;
 mod constant;
+mod derivative;
+mod error;
 mod graph;
+mod simplify;
 
+pub use compact::compact;
 pub use constant::Constant;
+pub use derivative::gradient;
+pub use error::{IrError, NODE_LIMIT};
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
+pub use simplify::simplify;

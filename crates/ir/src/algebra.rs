@@ -1,0 +1,135 @@
+//! Building expressions with the obvious steps taken at once: zeros, ones and exact numbers vanish.
+//!
+//! For passes that make many terms which are mostly trivial. A factor 0 drops the other factor with its domain of
+//! definition, so these are for derivatives and cleared forms, not for [`simplify`](crate::simplify()).
+
+use crate::constant::Constant;
+use crate::graph::{Graph, Node, NodeId};
+use num_rational::BigRational;
+use zeroset_ops::Op;
+
+fn exact(graph: &Graph, id: NodeId) -> Option<&BigRational> {
+    match graph.node(id) {
+        Node::Constant(value) => value.exact(),
+        Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
+    }
+}
+
+fn is_integer(graph: &Graph, id: NodeId, value: i64) -> bool {
+    matches!(graph.node(id), Node::Constant(c) if c.as_integer() == Some(value))
+}
+
+fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
+    match graph.node(id) {
+        Node::Apply(Op::Neg, operands) => Some(operands[0]),
+        Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
+    }
+}
+
+/// Whether `id` is the number 0.
+pub(crate) fn is_zero(graph: &Graph, id: NodeId) -> bool {
+    is_integer(graph, id, 0)
+}
+
+/// Whether `id` is the number 1.
+pub(crate) fn is_one(graph: &Graph, id: NodeId) -> bool {
+    is_integer(graph, id, 1)
+}
+
+/// `-a`
+pub(crate) fn neg(graph: &mut Graph, a: NodeId) -> NodeId {
+    if let Some(value) = exact(graph, a).cloned() {
+        return graph.constant(Constant::rational(-value));
+    }
+    match negated(graph, a) {
+        Some(inner) => inner,
+        None => graph.apply(Op::Neg, &[a]),
+    }
+}
+
+/// `a + b`
+pub(crate) fn add(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    if is_zero(graph, a) {
+        return b;
+    }
+    if is_zero(graph, b) {
+        return a;
+    }
+    if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b)) {
+        let sum = p + q;
+        return graph.constant(Constant::rational(sum));
+    }
+    match negated(graph, b) {
+        Some(inner) => graph.apply(Op::Sub, &[a, inner]),
+        None => graph.apply(Op::Add, &[a, b]),
+    }
+}
+
+/// `a - b`
+pub(crate) fn sub(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    if is_zero(graph, b) {
+        return a;
+    }
+    if is_zero(graph, a) {
+        return neg(graph, b);
+    }
+    if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b)) {
+        let difference = p - q;
+        return graph.constant(Constant::rational(difference));
+    }
+    match negated(graph, b) {
+        Some(inner) => graph.apply(Op::Add, &[a, inner]),
+        None => graph.apply(Op::Sub, &[a, b]),
+    }
+}
+
+/// `a * b`
+pub(crate) fn mul(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    if is_zero(graph, a) || is_one(graph, b) {
+        return a;
+    }
+    if is_zero(graph, b) || is_one(graph, a) {
+        return b;
+    }
+    if is_integer(graph, a, -1) {
+        return neg(graph, b);
+    }
+    if is_integer(graph, b, -1) {
+        return neg(graph, a);
+    }
+    if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b)) {
+        let product = p * q;
+        return graph.constant(Constant::rational(product));
+    }
+    if a == b {
+        return graph.apply(Op::Sqr, &[a]);
+    }
+    graph.apply(Op::Mul, &[a, b])
+}
+
+/// `a / b`; as written where `b` is the number 0.
+pub(crate) fn div(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    if is_one(graph, b) || (is_zero(graph, a) && !is_zero(graph, b)) {
+        return a;
+    }
+    if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b))
+        && !is_zero(graph, b)
+    {
+        let quotient = p / q;
+        return graph.constant(Constant::rational(quotient));
+    }
+    graph.apply(Op::Div, &[a, b])
+}
+
+/// `a` to an integer power.
+pub(crate) fn powi(graph: &mut Graph, a: NodeId, exponent: i64) -> NodeId {
+    match exponent {
+        0 => graph.integer(1),
+        1 => a,
+        2 => graph.apply(Op::Sqr, &[a]),
+        _ => {
+            let exponent = graph.integer(exponent);
+            graph.apply(Op::Pow, &[a, exponent])
+        }
+    }
+}

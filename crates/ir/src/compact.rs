@@ -1,0 +1,42 @@
+//! Copying only what some roots need into a graph of its own.
+
+use crate::graph::{Graph, Node, NodeId};
+
+/// A graph that holds only what `roots` need, in the same order, and the roots in it.
+///
+/// # Panics
+/// If a root does not belong to `graph`.
+pub fn compact(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
+    let needed = graph.reachable(roots);
+    let mut copy = Graph::new();
+    let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];
+    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+        places[id.index()] = Some(copy_node(&mut copy, node, |operand| {
+            place(&places, operand)
+        }));
+    }
+    let roots = roots.iter().map(|root| place(&places, *root)).collect();
+    (copy, roots)
+}
+
+/// Adds `node` to `graph`, its operands translated by `place`.
+pub(crate) fn copy_node(
+    graph: &mut Graph,
+    node: &Node,
+    place: impl Fn(NodeId) -> NodeId,
+) -> NodeId {
+    match node {
+        Node::Variable(axis) => graph.variable(*axis),
+        Node::Parameter(number) => graph.parameter(*number),
+        Node::Constant(value) => graph.constant(value.clone()),
+        Node::Apply(op, operands) => {
+            let operands: Vec<NodeId> = operands.iter().map(|id| place(*id)).collect();
+            graph.apply(*op, &operands)
+        }
+    }
+}
+
+/// The new place of a node whose users come later.
+pub(crate) fn place(places: &[Option<NodeId>], id: NodeId) -> NodeId {
+    places[id.index()].expect("operands come before their users")
+}
