@@ -1,1 +1,28 @@
-//! Placeholder.
+//! From kernels to a picture: cameras, the part of space that is seen, traversers, G-buffer and shading.
+//!
+//! A picture is made in three steps that share only data. A traverser asks kernels where each ray first meets the
+//! zero set and fills a [`GBuffer`]; [`normals`] asks for gradients at the points found; [`shade`] turns the buffer
+//! into colours without asking anything of the function. This crate never names a code generator, never reads a
+//! file and never prints: the reference evaluator drives it as well as native code does.
+
+mod camera;
+mod colour;
+mod frame;
+mod gbuffer;
+mod light;
+mod normal;
+mod region;
+mod region_caps;
+mod shade;
+mod view;
+
+pub use camera::{Camera, CameraError, Projection, Ray};
+pub use colour::Colour;
+pub use frame::Frame;
+pub use gbuffer::{GBuffer, PixelCounts, Status};
+pub use light::Light;
+pub use normal::{NormalSource, normals};
+pub use region::{HalfSpace, Region, RegionError};
+pub use region_caps::cap;
+pub use shade::{Appearance, SurfaceColours, UndecidedStyle, shade};
+pub use view::View;

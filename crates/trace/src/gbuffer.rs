@@ -1,0 +1,152 @@
+//! What is known of each pixel before it has a colour.
+
+/// What is proven of the ray through a pixel's centre.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    /// It meets no zero inside the region.
+    #[default]
+    Miss = 0,
+    /// It meets one.
+    Hit = 1,
+    /// Neither is proven.
+    Undecided = 2,
+}
+
+/// How many pixels have each status.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PixelCounts {
+    /// Proven misses.
+    pub miss: usize,
+    /// Proven hits.
+    pub hit: usize,
+    /// Pixels of which neither is proven.
+    pub undecided: usize,
+}
+
+/// One value per pixel and quantity, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GBuffer {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+    /// What is proven.
+    pub status: Vec<Status>,
+    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first undecided segment;
+    /// infinite for a miss.
+    pub distance: Vec<f32>,
+    /// Distance of the point that is painted; infinite where the background shows.
+    pub drawn: Vec<f32>,
+    /// Number of the surface that is painted; meaningless where the background shows.
+    pub surface: Vec<u16>,
+    /// Unit normal of what is painted, towards f > 0; zero where unknown or where the background shows.
+    pub normal: Vec<[f32; 3]>,
+    /// Whether the painted point lies on a face of the region that cuts a solid open.
+    pub cap: Vec<bool>,
+    /// Whether the light is hidden from the painted point.
+    pub shadow: Vec<bool>,
+}
+
+impl GBuffer {
+    /// A picture of the given size in which every pixel is a miss, for the surface with this number.
+    pub fn new(width: usize, height: usize, surface: u16) -> Self {
+        let pixels = width * height;
+        Self {
+            width,
+            height,
+            status: vec![Status::Miss; pixels],
+            distance: vec![f32::INFINITY; pixels],
+            drawn: vec![f32::INFINITY; pixels],
+            surface: vec![surface; pixels],
+            normal: vec![[0.0; 3]; pixels],
+            cap: vec![false; pixels],
+            shadow: vec![false; pixels],
+        }
+    }
+
+    /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and the nearer painted
+    /// point are kept. Of an undecided segment and a hit at the same distance, the former is kept.
+    ///
+    /// # Panics
+    /// If the sizes differ.
+    pub fn merge(&mut self, other: &Self) {
+        assert_eq!(
+            (self.width, self.height),
+            (other.width, other.height),
+            "sizes differ"
+        );
+        for pixel in 0..self.status.len() {
+            let (mine, theirs) = (self.distance[pixel], other.distance[pixel]);
+            if theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided) {
+                self.distance[pixel] = theirs;
+                self.status[pixel] = other.status[pixel];
+            }
+            if other.drawn[pixel] < self.drawn[pixel] {
+                self.drawn[pixel] = other.drawn[pixel];
+                self.surface[pixel] = other.surface[pixel];
+                self.normal[pixel] = other.normal[pixel];
+                self.cap[pixel] = other.cap[pixel];
+                self.shadow[pixel] = other.shadow[pixel];
+            }
+        }
+    }
+
+    /// How many pixels have each status.
+    pub fn counts(&self) -> PixelCounts {
+        let mut counts = PixelCounts::default();
+        for status in &self.status {
+            match status {
+                Status::Miss => counts.miss += 1,
+                Status::Hit => counts.hit += 1,
+                Status::Undecided => counts.undecided += 1,
+            }
+        }
+        counts
+    }
+
+    /// Whether anything is painted in the pixel with this index.
+    pub fn is_drawn(&self, pixel: usize) -> bool {
+        self.drawn[pixel].is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pixel(status: Status, distance: f32, drawn: f32, surface: u16) -> GBuffer {
+        let mut buffer = GBuffer::new(1, 1, surface);
+        buffer.status[0] = status;
+        buffer.distance[0] = distance;
+        buffer.drawn[0] = drawn;
+        buffer
+    }
+
+    #[test]
+    fn the_nearer_claim_and_the_nearer_paint_win_apart() {
+        // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint is the hit's.
+        let mut buffer = pixel(Status::Hit, 5.0, 5.0, 0);
+        buffer.merge(&pixel(Status::Undecided, 3.0, f32::INFINITY, 1));
+        assert_eq!(
+            (buffer.status[0], buffer.distance[0]),
+            (Status::Undecided, 3.0)
+        );
+        assert_eq!((buffer.drawn[0], buffer.surface[0]), (5.0, 0));
+        // A hit in front decides.
+        buffer.merge(&pixel(Status::Hit, 2.0, 2.0, 2));
+        assert_eq!((buffer.status[0], buffer.surface[0]), (Status::Hit, 2));
+        // A miss changes nothing.
+        let before = buffer.clone();
+        buffer.merge(&GBuffer::new(1, 1, 3));
+        assert_eq!(buffer, before);
+        assert_eq!(
+            buffer.counts(),
+            PixelCounts {
+                miss: 0,
+                hit: 1,
+                undecided: 0
+            }
+        );
+    }
+}

@@ -1,0 +1,70 @@
+//! The one light of a picture.
+
+use crate::camera::Ray;
+use crate::frame::Frame;
+use glam::DVec3;
+
+/// Where light comes from, beside the ambient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// From infinitely far away; the direction points at the light and has length 1.
+    Directional(DVec3),
+    /// From a point of space.
+    Positional(DVec3),
+}
+
+impl Light {
+    /// A distant light above and to the left of the camera, which moves with it.
+    pub fn above_left(frame: &Frame) -> Self {
+        // About 45 degrees off the view, so that shapes show relief and most shadows fall within the picture.
+        let towards = -frame.forward() + 0.75 * frame.up() - 0.6 * frame.right();
+        Self::Directional(towards.normalize())
+    }
+
+    /// The way from `point` to the light: a unit vector and the distance, infinite for a distant light. At the light
+    /// itself the vector is zero.
+    pub fn towards(&self, point: DVec3) -> (DVec3, f64) {
+        match self {
+            Self::Directional(direction) => (*direction, f64::INFINITY),
+            Self::Positional(at) => {
+                let way = *at - point;
+                (way.normalize_or_zero(), way.length())
+            }
+        }
+    }
+
+    /// The ray from `point` to the light and the distance at which it arrives, or `None` at the light itself.
+    pub fn shadow_ray(&self, point: DVec3) -> Option<(Ray, f64)> {
+        let (direction, distance) = self.towards(point);
+        (direction != DVec3::ZERO).then_some((
+            Ray {
+                origin: point,
+                direction,
+            },
+            distance,
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Projection};
+
+    #[test]
+    fn the_default_light_stands_above_and_left_of_the_eye() {
+        let eye = DVec3::new(0.0, -5.0, 0.0);
+        let projection = Projection::Perspective { fov: 40.0 };
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
+        let (direction, distance) = Light::above_left(&camera.frame(2, 2)).towards(DVec3::ZERO);
+        assert!(direction.x < 0.0 && direction.y < 0.0 && direction.z > 0.0);
+        assert!((direction.length() - 1.0).abs() < 1e-12 && distance == f64::INFINITY);
+    }
+
+    #[test]
+    fn a_positional_light_is_approached() {
+        let light = Light::Positional(DVec3::new(0.0, 0.0, 4.0));
+        assert_eq!(light.towards(DVec3::Z), (DVec3::Z, 3.0));
+        assert!(light.shadow_ray(DVec3::new(0.0, 0.0, 4.0)).is_none());
+    }
+}

@@ -1,0 +1,310 @@
+//! Normals of painted points, asked for after the traversal and only where something is painted.
+//!
+//! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the function's domain) is
+//! replaced by central differences over growing steps, and at last by the direction to the eye, so that a picture never
+//! holds a NaN.
+
+use crate::frame::Frame;
+use crate::gbuffer::GBuffer;
+use glam::DVec3;
+use rayon::prelude::*;
+use zeroset_eval::{GradientKernel, GradientPacket, LANES, PointKernel, PointPacket, ValuePacket};
+
+/// Which kernel answers for normals.
+#[derive(Clone, Copy)]
+pub enum NormalSource<'a> {
+    /// The exact derivative, rounded.
+    Gradient(&'a (dyn GradientKernel + 'a)),
+    /// Differences of the values one step to either side on each axis, as in Knoll et al. 2007.
+    Central(&'a (dyn PointKernel + 'a)),
+}
+
+/// Points per call of a kernel: enough to hide the call, few enough to share out among threads.
+const BATCH: usize = 256;
+
+/// Each failing step of the differences is followed by one this much longer.
+const STEP_GROWTH: f64 = 8.0;
+
+/// How many step lengths are tried.
+const STEPS: u32 = 3;
+
+/// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of central differences in
+/// world units; a thousandth of the region's extent serves.
+pub fn normals(buffer: &mut GBuffer, frame: &Frame, source: NormalSource<'_>, step: f64) {
+    let pixels: Vec<usize> = (0..buffer.drawn.len())
+        .filter(|&pixel| buffer.is_drawn(pixel) && buffer.normal[pixel] == [0.0; 3])
+        .collect();
+    let found: Vec<Vec<[f32; 3]>> = pixels
+        .par_chunks(BATCH)
+        .map(|batch| {
+            let seen: Vec<Seen> = batch
+                .iter()
+                .map(|&pixel| {
+                    let ray = frame.ray_of(pixel);
+                    Seen {
+                        point: ray.at(f64::from(buffer.drawn[pixel])),
+                        direction: ray.direction,
+                    }
+                })
+                .collect();
+            source.of_batch(&seen, step)
+        })
+        .collect();
+    for (pixel, normal) in pixels.into_iter().zip(found.into_iter().flatten()) {
+        buffer.normal[pixel] = normal;
+    }
+}
+
+/// A painted point and the direction in which it is seen.
+struct Seen {
+    point: DVec3,
+    direction: DVec3,
+}
+
+impl NormalSource<'_> {
+    fn of_batch(&self, seen: &[Seen], step: f64) -> Vec<[f32; 3]> {
+        let points: Vec<DVec3> = seen.iter().map(|seen| seen.point).collect();
+        let mut normals = match self {
+            Self::Gradient(kernel) => gradients(*kernel, &points),
+            Self::Central(_) => vec![None; points.len()],
+        };
+        let mut reach = step;
+        for _ in 0..STEPS {
+            let open: Vec<usize> = (0..points.len())
+                .filter(|&k| normals[k].is_none())
+                .collect();
+            if open.is_empty() {
+                break;
+            }
+            let differences = self.differences(open.iter().map(|&k| points[k]), reach);
+            for (k, difference) in open.into_iter().zip(differences) {
+                normals[k] = unit(difference);
+            }
+            reach *= STEP_GROWTH;
+        }
+        let before: Vec<DVec3> = seen.iter().map(|s| s.point - s.direction * step).collect();
+        let unresolved = normals.iter().any(Option::is_none);
+        let values = if unresolved {
+            self.sample(&before)
+        } else {
+            Vec::new()
+        };
+        normals
+            .into_iter()
+            .enumerate()
+            .map(|(k, normal)| {
+                normal.unwrap_or_else(|| {
+                    let towards_eye = -seen[k].direction.as_vec3();
+                    (if values[k] < 0.0 {
+                        -towards_eye
+                    } else {
+                        towards_eye
+                    })
+                    .to_array()
+                })
+            })
+            .collect()
+    }
+
+    /// Twice the step times the gradient, by differences; one-sided where the function is undefined on the other side,
+    /// and 0 where it is on both.
+    fn differences(&self, points: impl Iterator<Item = DVec3>, step: f64) -> Vec<DVec3> {
+        // Seven samples per point: itself, then a pair for each axis.
+        let stencil: Vec<DVec3> = points
+            .flat_map(|p| {
+                let pair = move |axis: DVec3| [p + axis * step, p - axis * step];
+                std::iter::once(p).chain(DVec3::AXES.into_iter().flat_map(pair))
+            })
+            .collect();
+        let slope = |here: f32, ahead: f32, behind: f32| {
+            let (here, ahead, behind) = (f64::from(here), f64::from(ahead), f64::from(behind));
+            match (ahead.is_finite(), behind.is_finite()) {
+                (true, true) => ahead - behind,
+                (true, false) if here.is_finite() => 2.0 * (ahead - here),
+                (false, true) if here.is_finite() => 2.0 * (here - behind),
+                _ => 0.0,
+            }
+        };
+        self.sample(&stencil)
+            .chunks_exact(7)
+            .map(|v| {
+                DVec3::new(
+                    slope(v[0], v[1], v[2]),
+                    slope(v[0], v[3], v[4]),
+                    slope(v[0], v[5], v[6]),
+                )
+            })
+            .collect()
+    }
+
+    fn sample(&self, points: &[DVec3]) -> Vec<f32> {
+        let packets = packed(points);
+        let values: Vec<_> = match self {
+            Self::Gradient(kernel) => {
+                let mut out = vec![GradientPacket::default(); packets.len()];
+                kernel.gradient(&packets, &mut out);
+                out.iter().flat_map(|packet| packet.value).collect()
+            }
+            Self::Central(kernel) => {
+                let mut out = vec![ValuePacket::default(); packets.len()];
+                kernel.sample(&packets, &mut out);
+                out.iter().flat_map(|packet| packet.value).collect()
+            }
+        };
+        values
+    }
+}
+
+fn gradients(kernel: &dyn GradientKernel, points: &[DVec3]) -> Vec<Option<[f32; 3]>> {
+    let packets = packed(points);
+    let mut out = vec![GradientPacket::default(); packets.len()];
+    kernel.gradient(&packets, &mut out);
+    (0..points.len())
+        .map(|k| {
+            unit(axes(|axis| {
+                f64::from(out[k / LANES].gradient[axis][k % LANES])
+            }))
+        })
+        .collect()
+}
+
+fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
+    DVec3::new(component(0), component(1), component(2))
+}
+
+/// Points in packets; the last packet repeats its last point.
+fn packed(points: &[DVec3]) -> Vec<PointPacket> {
+    points
+        .chunks(LANES)
+        .map(|chunk| PointPacket {
+            at: [0, 1, 2].map(|axis| {
+                std::array::from_fn(|lane| chunk[lane.min(chunk.len() - 1)][axis] as f32)
+            }),
+        })
+        .collect()
+}
+
+/// The vector at length 1, or `None` if it has no direction.
+fn unit(vector: DVec3) -> Option<[f32; 3]> {
+    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the direction.
+    let largest = vector.abs().max_element();
+    if !vector.is_finite() || largest == 0.0 {
+        return None;
+    }
+    Some((vector / largest).normalize().as_vec3().to_array())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Projection};
+
+    /// A function of a point with values and, optionally, gradients.
+    struct Plain<F, G>(F, G);
+
+    impl<F: Fn([f32; 3]) -> f32 + Sync, G: Sync> PointKernel for Plain<F, G> {
+        fn sample(&self, points: &[PointPacket], out: &mut [ValuePacket]) {
+            for (point, out) in points.iter().zip(out) {
+                for lane in 0..LANES {
+                    out.value[lane] = self.0(point.at.map(|axis| axis[lane]));
+                }
+            }
+        }
+    }
+
+    impl<F, G> GradientKernel for Plain<F, G>
+    where
+        F: Fn([f32; 3]) -> f32 + Sync,
+        G: Fn([f32; 3]) -> [f32; 3] + Sync,
+    {
+        fn gradient(&self, points: &[PointPacket], out: &mut [GradientPacket]) {
+            for (point, out) in points.iter().zip(out) {
+                for lane in 0..LANES {
+                    let at = point.at.map(|axis| axis[lane]);
+                    out.value[lane] = self.0(at);
+                    for (axis, slope) in self.1(at).into_iter().enumerate() {
+                        out.gradient[axis][lane] = slope;
+                    }
+                }
+            }
+        }
+    }
+
+    /// One pixel that looks along +y from (0, −5, 0) at a point 4 away: (0, −1, 0).
+    fn normal_of(source: NormalSource<'_>) -> [f32; 3] {
+        let projection = Projection::Perspective { fov: 40.0 };
+        let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+        let mut buffer = GBuffer::new(1, 1, 0);
+        buffer.drawn[0] = 4.0;
+        normals(
+            &mut buffer,
+            &camera.expect("valid").frame(1, 1),
+            source,
+            1e-3,
+        );
+        buffer.normal[0]
+    }
+
+    fn near(a: [f32; 3], b: [f32; 3]) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-3)
+    }
+
+    #[test]
+    fn gradients_and_differences_agree_on_a_sphere() {
+        let value = |[x, y, z]: [f32; 3]| x * x + y * y + z * z - 1.0;
+        let sphere = Plain(value, |p: [f32; 3]| p.map(|c| 2.0 * c));
+        assert!(near(
+            normal_of(NormalSource::Gradient(&sphere)),
+            [0.0, -1.0, 0.0]
+        ));
+        assert!(near(
+            normal_of(NormalSource::Central(&sphere)),
+            [0.0, -1.0, 0.0]
+        ));
+    }
+
+    #[test]
+    fn a_missing_gradient_is_replaced_by_differences() {
+        for broken in [f32::NAN, 0.0, f32::INFINITY] {
+            let kernel = Plain(|[x, y, _]: [f32; 3]| x - y, move |_: [f32; 3]| [broken; 3]);
+            let half = std::f32::consts::FRAC_1_SQRT_2;
+            assert!(near(
+                normal_of(NormalSource::Gradient(&kernel)),
+                [half, -half, 0.0]
+            ));
+        }
+    }
+
+    #[test]
+    fn beyond_the_edge_of_the_domain_one_sided_differences_serve() {
+        // Undefined for y > −1, the very point painted.
+        let edge = |[_, y, z]: [f32; 3]| if y > -1.0 { f32::NAN } else { y + z };
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let normal = normal_of(NormalSource::Central(&Plain(edge, ())));
+        assert!(near(normal, [0.0, half, half]), "{normal:?}");
+    }
+
+    #[test]
+    fn with_nothing_to_go_by_the_normal_faces_the_side_that_is_seen() {
+        let undefined = Plain(|_: [f32; 3]| f32::NAN, ());
+        assert!(near(
+            normal_of(NormalSource::Central(&undefined)),
+            [0.0, -1.0, 0.0]
+        ));
+        let negative = Plain(|_: [f32; 3]| -1.0, ());
+        assert!(near(
+            normal_of(NormalSource::Central(&negative)),
+            [0.0, 1.0, 0.0]
+        ));
+    }
+
+    #[test]
+    fn huge_gradients_keep_their_direction() {
+        let steep = Plain(|_: [f32; 3]| 0.0, |_: [f32; 3]| [0.0, f32::MAX, f32::MAX]);
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        assert!(near(
+            normal_of(NormalSource::Gradient(&steep)),
+            [0.0, half, half]
+        ));
+    }
+}

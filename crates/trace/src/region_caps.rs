@@ -1,0 +1,180 @@
+//! Caps: where the region's faces cut a solid open.
+//!
+//! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region already inside it.
+
+use crate::camera::Ray;
+use crate::frame::Frame;
+use crate::gbuffer::{GBuffer, Status};
+use crate::region::{Entry, Region};
+use rayon::prelude::*;
+use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
+use zeroset_interval::Facts;
+
+/// Rays per call of the kernel.
+const BATCH: usize = 256;
+
+/// What the solid does at the point where a ray enters the region.
+#[derive(Clone, Copy, PartialEq)]
+enum Inside {
+    Yes,
+    No,
+    Unknown,
+}
+
+/// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates what is proven: an
+/// entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is undefined changes nothing, and any other
+/// makes its pixel undecided from there on. A ray that starts inside the region enters nowhere.
+pub fn cap(buffer: &mut GBuffer, frame: &Frame, region: &Region, kernel: &dyn IntervalKernel) {
+    let entries: Vec<(usize, Entry)> = (0..buffer.status.len())
+        .filter_map(|pixel| Some((pixel, region.entry(&frame.ray_of(pixel))?)))
+        .collect();
+    let verdicts: Vec<Inside> = entries
+        .par_chunks(BATCH)
+        .flat_map_iter(|batch| judge(batch, frame, region, kernel))
+        .collect();
+    for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
+        let distance = entry.distance.0 as f32;
+        let paint = match inside {
+            Inside::No => continue,
+            Inside::Yes if entry.certain => {
+                buffer.status[pixel] = Status::Hit;
+                true
+            }
+            Inside::Yes => {
+                buffer.status[pixel] = Status::Undecided;
+                true
+            }
+            Inside::Unknown => {
+                buffer.status[pixel] = Status::Undecided;
+                false
+            }
+        };
+        buffer.distance[pixel] = distance;
+        if paint {
+            buffer.drawn[pixel] = distance;
+            buffer.normal[pixel] = entry.normal.as_vec3().to_array();
+            buffer.cap[pixel] = true;
+        }
+    }
+}
+
+fn judge(
+    batch: &[(usize, Entry)],
+    frame: &Frame,
+    region: &Region,
+    kernel: &dyn IntervalKernel,
+) -> Vec<Inside> {
+    let boxes: Vec<BoxPacket> = batch
+        .chunks(LANES)
+        .map(|chunk| {
+            let mut packet = BoxPacket::default();
+            for lane in 0..LANES {
+                let (pixel, entry) = &chunk[lane.min(chunk.len() - 1)];
+                let ray = frame.ray_of(*pixel);
+                for axis in 0..3 {
+                    let (low, high) = enclosed(&ray, entry, region, axis);
+                    packet.neg_lo[axis][lane] = above(-low);
+                    packet.hi[axis][lane] = above(high);
+                }
+            }
+            packet
+        })
+        .collect();
+    let mut out = vec![EnclosurePacket::default(); boxes.len()];
+    kernel.enclose(&boxes, &mut out);
+    (0..batch.len())
+        .map(|k| {
+            let (packet, lane) = (&out[k / LANES], k % LANES);
+            let facts = Facts::from_bits(packet.facts[lane]);
+            if facts.has(Facts::NOWHERE) || packet.neg_lo[lane] < 0.0 {
+                Inside::No
+            } else if facts.has(Facts::DEFINED) && packet.hi[lane] < 0.0 {
+                Inside::Yes
+            } else {
+                Inside::Unknown
+            }
+        })
+        .collect()
+}
+
+/// Bounds on one coordinate of the point where the ray enters, which lies in the box.
+fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64) {
+    let (origin, slope) = (ray.origin[axis], ray.direction[axis]);
+    let ends = [entry.distance.0, entry.distance.1].map(|t| slope * t);
+    let low = (origin + ends[0].min(ends[1]).next_down()).next_down();
+    let high = (origin + ends[0].max(ends[1]).next_up()).next_up();
+    // Clamped on both sides, so that the two stay in order even if rounding put the point outside.
+    let clamp = |x: f64| x.clamp(region.low()[axis], region.high()[axis]);
+    (clamp(low), clamp(high))
+}
+
+/// The least `f32` that is no smaller.
+fn above(value: f64) -> f32 {
+    let nearest = value as f32;
+    if f64::from(nearest) < value {
+        nearest.next_up()
+    } else {
+        nearest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Projection};
+    use crate::region::HalfSpace;
+    use glam::DVec3;
+
+    /// The half-space x ≤ 0.25, as the function x − 0.25.
+    struct LeftHalf;
+
+    impl IntervalKernel for LeftHalf {
+        fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
+            for (b, out) in boxes.iter().zip(out) {
+                for lane in 0..LANES {
+                    out.neg_lo[lane] = b.neg_lo[0][lane] + 0.25;
+                    out.hi[lane] = b.hi[0][lane] - 0.25;
+                    out.facts[lane] = Facts::TOTAL.bits();
+                }
+            }
+        }
+    }
+
+    fn picture(region: &Region) -> GBuffer {
+        let projection = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+        let frame = camera.expect("valid").frame(8, 8);
+        let mut buffer = GBuffer::new(8, 8, 0);
+        cap(&mut buffer, &frame, region, &LeftHalf);
+        buffer
+    }
+
+    #[test]
+    fn the_front_face_is_painted_where_the_solid_reaches_it() {
+        let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("valid");
+        let buffer = picture(&region);
+        // Pixel centres at x = −7/8, −5/8, … 7/8; the first five are left of 0.25.
+        for pixel in 0..64 {
+            let expected = pixel % 8 < 5;
+            assert_eq!(buffer.status[pixel] == Status::Hit, expected, "{pixel}");
+            assert_eq!(buffer.cap[pixel], expected);
+        }
+        assert_eq!(buffer.normal[0], [0.0, -1.0, 0.0]);
+        assert!((buffer.distance[0] - 4.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_clipping_plane_is_capped_too() {
+        let clip = HalfSpace {
+            normal: DVec3::NEG_Y,
+            offset: 0.0,
+        };
+        let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0))
+            .and_then(|region| region.with_clip(clip))
+            .expect("valid");
+        let buffer = picture(&region);
+        assert!((buffer.distance[0] - 5.0).abs() < 1e-6);
+        assert_eq!(buffer.normal[0], [0.0, -1.0, 0.0]);
+        assert_eq!(buffer.status[7], Status::Miss);
+    }
+}
