@@ -1,0 +1,199 @@
+//! The oracle: a rigorous `f64` enclosure of a function at one exact point.
+//!
+//! It exists to contradict the evaluators, so it shares no arithmetic with them: every operation is
+//! done in round-to-nearest `f64` (elementary functions by CORE-MATH, which rounds correctly) and
+//! widened by one unit in the last place unless it is known to be exact. Boxes, `f32`, derivatives
+//! and simplified graphs are deliberately unknown here.
+
+mod elementary;
+mod power;
+mod rounded;
+mod rules;
+mod span;
+#[cfg(test)]
+mod tests;
+
+use num_bigint::BigInt;
+use num_traits::{FromPrimitive, ToPrimitive};
+use power::Exponent;
+use span::Span;
+use zeroset_ir::{Graph, Node, NodeId};
+
+/// Whether a function is defined at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Defined {
+    /// It certainly is.
+    Yes,
+    /// It certainly is not.
+    No,
+    /// `f64` arithmetic cannot tell.
+    Unknown,
+}
+
+impl Defined {
+    /// Defined where both are.
+    fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::No, _) | (_, Self::No) => Self::No,
+            (Self::Yes, Self::Yes) => Self::Yes,
+            _ => Self::Unknown,
+        }
+    }
+
+    /// `Yes` if it must hold, `No` if it cannot, else `Unknown`.
+    fn decide(must: bool, may: bool) -> Self {
+        match (must, may) {
+            (true, _) => Self::Yes,
+            (false, true) => Self::Unknown,
+            (false, false) => Self::No,
+        }
+    }
+}
+
+/// What is certain of a function's value at a point.
+///
+/// If the function is defined there, its exact real value lies between `lo` and `hi`; an infinite
+/// bound means that no `f64` is known to bound the value. Neither bound is ever NaN, `lo ≤ hi`,
+/// `lo < +∞` and `hi > −∞`. Where `defined` is [`Defined::No`] the bounds are −∞ and +∞.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Claim {
+    /// Lower bound.
+    pub lo: f64,
+    /// Upper bound.
+    pub hi: f64,
+    /// Whether there is a value at all.
+    pub defined: Defined,
+}
+
+impl Claim {
+    fn new(span: Span, defined: Defined) -> Self {
+        let span = if defined == Defined::No {
+            Span::ENTIRE
+        } else {
+            span
+        };
+        Self {
+            lo: span.lo,
+            hi: span.hi,
+            defined,
+        }
+    }
+
+    fn span(self) -> Span {
+        Span {
+            lo: self.lo,
+            hi: self.hi,
+        }
+    }
+}
+
+/// A graph prepared for many points: constants are enclosed once.
+#[derive(Clone, Debug)]
+pub struct Oracle<'a> {
+    graph: &'a Graph,
+    roots: Vec<NodeId>,
+    /// Per node, whether a root needs it.
+    needed: Vec<bool>,
+    /// Per node, its value if it is a constant.
+    constants: Vec<Span>,
+    /// Per node, what it would be as an exponent.
+    exponents: Vec<Exponent>,
+}
+
+impl<'a> Oracle<'a> {
+    /// Prepares the nodes that `roots` need. Give it the graph as typed, before simplification.
+    ///
+    /// # Panics
+    /// If a root does not belong to `graph`.
+    pub fn new(graph: &'a Graph, roots: &[NodeId]) -> Self {
+        let needed = graph.reachable(roots);
+        let mut constants = Vec::with_capacity(graph.len());
+        let mut exponents: Vec<Exponent> = Vec::with_capacity(graph.len());
+        for (_, node) in graph.iter() {
+            constants.push(match node {
+                Node::Constant(value) => Span::constant(value),
+                Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => Span::ENTIRE,
+            });
+            exponents.push(match node {
+                Node::Variable(_) | Node::Parameter(_) => Exponent::Varying,
+                Node::Constant(value) => Exponent::of(value),
+                Node::Apply(_, operands) => {
+                    let varies = |id: &NodeId| matches!(exponents[id.index()], Exponent::Varying);
+                    if operands.iter().any(varies) {
+                        Exponent::Varying
+                    } else {
+                        Exponent::PerhapsInteger
+                    }
+                }
+            });
+        }
+        Self {
+            graph,
+            roots: roots.to_vec(),
+            needed,
+            constants,
+            exponents,
+        }
+    }
+
+    /// What is certain at `point`, one claim per root.
+    ///
+    /// `parameters` holds, by number, two bounds of each parameter's value. A parameter that is
+    /// missing, or whose bounds are not in order, may be any real; so may a coordinate that is not
+    /// finite. The calling thread must round to nearest, as Rust code always does.
+    pub fn at(&self, point: [f64; 3], parameters: &[(f64, f64)]) -> Vec<Claim> {
+        let nowhere = Claim::new(Span::ENTIRE, Defined::No);
+        let mut claims: Vec<Claim> = Vec::with_capacity(self.graph.len());
+        for (id, node) in self.graph.iter() {
+            let index = id.index();
+            let claim = match node {
+                _ if !self.needed[index] => nowhere,
+                Node::Variable(axis) => {
+                    Claim::new(Span::point(point[*axis as usize]), Defined::Yes)
+                }
+                Node::Parameter(number) => {
+                    let bounds = parameters.get(*number as usize);
+                    let span = bounds.map_or(Span::ENTIRE, |&(lo, hi)| Span::new(lo, hi));
+                    Claim::new(span, Defined::Yes)
+                }
+                Node::Constant(_) => Claim::new(self.constants[index], Defined::Yes),
+                Node::Apply(op, operands) => {
+                    let mut values = [nowhere; 3];
+                    let mut exponent = Exponent::Varying;
+                    for (value, operand) in values.iter_mut().zip(operands.iter()) {
+                        *value = claims[operand.index()];
+                        exponent = self.exponents[operand.index()];
+                    }
+                    rules::apply(*op, values, exponent)
+                }
+            };
+            debug_assert!(claim.lo <= claim.hi, "{claim:?} of {node:?}");
+            claims.push(claim);
+        }
+        self.roots.iter().map(|id| claims[id.index()]).collect()
+    }
+}
+
+/// What is certain of each root at `point`: see [`Oracle::at`], which is faster for many points.
+///
+/// # Panics
+/// If a root does not belong to `graph`.
+pub fn enclose_at(
+    graph: &Graph,
+    roots: &[NodeId],
+    point: [f64; 3],
+    parameters: &[(f64, f64)],
+) -> Vec<Claim> {
+    Oracle::new(graph, roots).at(point, parameters)
+}
+
+/// Two `f64` around an integer; equal if it is one.
+fn around(integer: &BigInt) -> Span {
+    // The conversion rounds to within a unit in the last place; only exactness needs a check.
+    let nearest = integer.to_f64().unwrap_or(f64::NAN);
+    if BigInt::from_f64(nearest).as_ref() == Some(integer) {
+        Span::point(nearest)
+    } else {
+        Span::new(nearest.next_down(), nearest.next_up())
+    }
+}

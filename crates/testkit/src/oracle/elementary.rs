@@ -1,0 +1,107 @@
+//! Elementary functions over a small range of operands.
+//!
+//! A non-zero rational operand has an irrational value under exp, ln, sin, cos, tan and atan
+//! (Lindemann), except for ln 1, so the exact cases named here are all there are.
+
+use super::rounded::Rounded;
+use super::span::Span;
+
+/// Ranges narrower than this, in radians, hold at most one zero of a sine or cosine: it is less
+/// than π by far more than the rounding of a width.
+const LESS_THAN_HALF_PERIOD: f64 = 3.0;
+
+pub(super) fn exp(a: Span) -> Span {
+    a.increasing(|x| Rounded::when(core_math::exp(x), x == 0.0 || x.is_infinite()))
+        .within(0.0, f64::INFINITY)
+}
+
+/// The natural logarithm of the positive members of `a`.
+pub(super) fn ln(a: Span) -> Span {
+    logarithm(a, |x| Rounded::when(core_math::log(x), x == 1.0))
+}
+
+/// The binary logarithm of the positive members of `a`.
+pub(super) fn log2(a: Span) -> Span {
+    logarithm(a, |x| {
+        let (exponent, fraction) = (x.to_bits() >> 52, x.to_bits() & ((1 << 52) - 1));
+        let is_power = if exponent == 0 {
+            fraction.is_power_of_two()
+        } else {
+            fraction == 0
+        };
+        Rounded::when(core_math::log2(x), is_power)
+    })
+}
+
+/// The decimal logarithm of the positive members of `a`.
+pub(super) fn log10(a: Span) -> Span {
+    logarithm(a, |x| {
+        // No other powers of ten are floats; up to the 22nd the products are exact.
+        let is_power = (0..=22).scan(1.0, |power, _| {
+            let this = *power;
+            *power *= 10.0;
+            Some(this)
+        });
+        Rounded::when(core_math::log10(x), is_power.into_iter().any(|p| p == x))
+    })
+}
+
+fn logarithm(a: Span, f: impl Fn(f64) -> Rounded) -> Span {
+    a.within(0.0, f64::INFINITY).increasing(|x| match x {
+        0.0 => Rounded::exact(f64::NEG_INFINITY),
+        f64::INFINITY => Rounded::exact(x),
+        _ => f(x),
+    })
+}
+
+pub(super) fn sin(a: Span) -> Span {
+    wave(a, core_math::sin, core_math::cos, 0.0)
+}
+
+pub(super) fn cos(a: Span) -> Span {
+    wave(a, core_math::cos, |x| -core_math::sin(x), 1.0)
+}
+
+/// A sine or cosine with the sign of its derivative, and its value at 0.
+fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span {
+    if !is_narrow(a) {
+        return Span::new(-1.0, 1.0);
+    }
+    let value = |x: f64| match x {
+        0.0 => Rounded::exact(at_zero),
+        _ => Rounded::inexact(f(x)),
+    };
+    let mut range = Span::hull(value(a.lo), value(a.hi));
+    // The slope has at most one zero here, so a change of its sign is the one extremum. A slope that
+    // is rounded correctly has the right sign, and is 0 only where it is exactly 0: at an end.
+    let (before, after) = (slope(a.lo), slope(a.hi));
+    if before > 0.0 && after < 0.0 {
+        range.hi = 1.0;
+    }
+    if before < 0.0 && after > 0.0 {
+        range.lo = -1.0;
+    }
+    range.within(-1.0, 1.0)
+}
+
+/// Whether `a` certainly holds no pole of the tangent.
+pub(super) fn has_no_pole(a: Span) -> bool {
+    is_narrow(a) && (core_math::cos(a.lo) > 0.0) == (core_math::cos(a.hi) > 0.0)
+}
+
+/// The tangent over `a`; unbounded if there may be a pole.
+pub(super) fn tan(a: Span) -> Span {
+    if has_no_pole(a) {
+        a.increasing(|x| Rounded::when(core_math::tan(x), x == 0.0))
+    } else {
+        Span::ENTIRE
+    }
+}
+
+pub(super) fn atan(a: Span) -> Span {
+    a.increasing(|x| Rounded::when(core_math::atan(x), x == 0.0))
+}
+
+fn is_narrow(a: Span) -> bool {
+    a.hi - a.lo < LESS_THAN_HALF_PERIOD
+}

@@ -1,0 +1,125 @@
+//! Powers, which depend on what kind of expression the exponent is.
+
+use super::rounded::{self, Rounded};
+use super::span::Span;
+use super::{Claim, Defined, around};
+use num_integer::Integer;
+use num_traits::Signed;
+use zeroset_ir::Constant;
+
+/// What is known of an exponent from the graph alone.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Exponent {
+    /// An integer constant: any base but 0 will do, and 0 if it is not negative.
+    Integer {
+        /// Around the integer, which may be larger than a float can hold exactly.
+        value: Span,
+        /// Whether it is odd.
+        odd: bool,
+        /// Whether it is below 0.
+        negative: bool,
+    },
+    /// A constant that is no integer.
+    Fraction,
+    /// An expression without coordinates and parameters: whether it is an integer constant is for
+    /// whoever folds constants to say, so both readings are allowed for.
+    PerhapsInteger,
+    /// It depends on coordinates or parameters.
+    Varying,
+}
+
+impl Exponent {
+    pub(super) fn of(value: &Constant) -> Self {
+        match value.exact() {
+            Some(value) if value.is_integer() => Self::Integer {
+                value: around(value.numer()),
+                odd: value.numer().is_odd(),
+                negative: value.is_negative(),
+            },
+            Some(_) => Self::Fraction,
+            None => Self::PerhapsInteger,
+        }
+    }
+}
+
+/// `base` to the power `power`, whose node is of the kind `exponent`.
+pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defined) {
+    let (a, b) = (base.span(), power.span());
+    match exponent {
+        Exponent::Integer {
+            value,
+            odd,
+            negative,
+        } => {
+            let defined = Defined::decide(!negative || !a.has_zero(), !negative || !a.is_zero());
+            (integer_power(a, value, odd), defined)
+        }
+        Exponent::Fraction | Exponent::Varying => real_power(a, b),
+        Exponent::PerhapsInteger => {
+            let (value, defined) = real_power(a, b);
+            let holds_integer = b.lo.ceil() <= b.hi;
+            if defined == Defined::Yes || !holds_integer {
+                return (value, defined);
+            }
+            let magnitude = magnitudes(a.abs(), b);
+            (magnitude.union(magnitude.neg()), Defined::Unknown)
+        }
+    }
+}
+
+/// Integer powers of the members of `a`, without 0 if `n` is negative.
+fn integer_power(a: Span, n: Span, odd: bool) -> Span {
+    if n.is_zero() {
+        return Span::point(1.0);
+    }
+    if !odd || a.lo >= 0.0 {
+        return magnitudes(a.abs(), n);
+    }
+    let negative = magnitudes(Span::new(-a.hi.min(0.0), -a.lo), n).neg();
+    if a.hi <= 0.0 {
+        negative
+    } else {
+        negative.union(magnitudes(Span::new(0.0, a.hi), n))
+    }
+}
+
+/// Powers where the base is positive, or 0 under a positive exponent.
+fn real_power(a: Span, b: Span) -> (Span, Defined) {
+    let defined = Defined::decide(
+        a.lo > 0.0 || (a.lo >= 0.0 && b.lo > 0.0),
+        a.hi > 0.0 || (a.hi >= 0.0 && b.hi > 0.0),
+    );
+    (magnitudes(a.within(0.0, f64::INFINITY), b), defined)
+}
+
+/// xʸ for x ≥ 0: monotonic in x and in y, so extremes are at corners. The limits at 0 and ∞ are
+/// those that IEEE 754 gives to `pow`.
+fn magnitudes(x: Span, y: Span) -> Span {
+    Span::of(&x.corners(y, corner)).within(0.0, f64::INFINITY)
+}
+
+/// xʸ for x ≥ 0, both possibly infinite.
+fn corner(x: f64, y: f64) -> Rounded {
+    if x == 0.0 || x == 1.0 || y == 0.0 || x.is_infinite() || y.is_infinite() {
+        return Rounded::exact(core_math::pow(x.abs(), y));
+    }
+    exact_power(x, y).map_or_else(|| Rounded::inexact(core_math::pow(x, y)), Rounded::exact)
+}
+
+/// xʸ by multiplication, if y is a small integer and no step rounds.
+fn exact_power(x: f64, y: f64) -> Option<f64> {
+    // Beyond 64 factors only powers of two stay exact, and they soon overflow.
+    const MOST_FACTORS: f64 = 64.0;
+    if y.fract() != 0.0 || y.abs() > MOST_FACTORS {
+        return None;
+    }
+    let mut product = 1.0;
+    for _ in 0..y.abs() as u32 {
+        product = rounded::mul(product, x).known()?;
+    }
+    if y < 0.0 {
+        rounded::div(1.0, product).known()
+    } else {
+        Some(product)
+    }
+}

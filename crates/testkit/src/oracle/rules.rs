@@ -1,0 +1,131 @@
+//! The rule of every operation.
+
+use super::power::{self, Exponent};
+use super::rounded::{self, Rounded};
+use super::span::Span;
+use super::{Claim, Defined, elementary};
+use zeroset_ops::Op;
+
+/// What is certain of `op` applied to `operands`, of which there are as many as its arity says.
+/// `exponent` describes the last operand and matters for powers alone.
+pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
+    if op == Op::SelectNegative {
+        return select_negative(operands);
+    }
+    let [a, b, _] = operands.map(Claim::span);
+    let everywhere = |value: Span| (value, Defined::Yes);
+    let (value, local) = match op {
+        Op::Neg => everywhere(a.neg()),
+        Op::Abs => everywhere(a.abs()),
+        Op::Sign => everywhere(a.increasing(|x| Rounded::exact(sign(x)))),
+        Op::Floor => everywhere(a.increasing(|x| Rounded::exact(x.floor()))),
+        Op::Ceil => everywhere(a.increasing(|x| Rounded::exact(x.ceil()))),
+        Op::Round => everywhere(a.increasing(|x| Rounded::exact(x.round_ties_even()))),
+        Op::Trunc => everywhere(a.increasing(|x| Rounded::exact(x.trunc()))),
+        Op::Fract => everywhere(fract(a)),
+        Op::Sqr => everywhere(a.sqr()),
+        Op::Sqrt => (
+            a.within(0.0, f64::INFINITY).increasing(rounded::sqrt),
+            nonneg(a),
+        ),
+        Op::Cbrt => everywhere(a.increasing(rounded::cbrt)),
+        Op::Exp => everywhere(elementary::exp(a)),
+        Op::Ln => (elementary::ln(a), positive(a)),
+        Op::Log2 => (elementary::log2(a), positive(a)),
+        Op::Log10 => (elementary::log10(a), positive(a)),
+        Op::Sin => everywhere(elementary::sin(a)),
+        Op::Cos => everywhere(elementary::cos(a)),
+        // Where a cosine is 0 is irrational, so no range is certain to hold nothing else.
+        Op::Tan => (
+            elementary::tan(a),
+            Defined::decide(elementary::has_no_pole(a), true),
+        ),
+        Op::Atan => everywhere(elementary::atan(a)),
+        Op::Add => everywhere(a.add(b)),
+        Op::Sub => everywhere(a.sub(b)),
+        Op::Mul => everywhere(a.mul(b)),
+        Op::Div => (a.div(b), nonzero(b)),
+        Op::Pow => power::pow(operands[0], operands[1], exponent),
+        Op::Mod => (modulo(a, b), nonzero(b)),
+        Op::Min => everywhere(Span::new(a.lo.min(b.lo), a.hi.min(b.hi))),
+        Op::Max => everywhere(Span::new(a.lo.max(b.lo), a.hi.max(b.hi))),
+        Op::SelectNegative => unreachable!("done above: its branches need not all be defined"),
+        Op::WhereNonneg => (a, nonneg(b)),
+        Op::WherePositive => (a, positive(b)),
+        Op::WhereNonzero => (a, nonzero(b)),
+        Op::WhereDefined => everywhere(a),
+    };
+    let defined = operands[..op.arity()]
+        .iter()
+        .fold(local, |all, operand| all.and(operand.defined));
+    Claim::new(value, defined)
+}
+
+fn nonneg(a: Span) -> Defined {
+    Defined::decide(a.lo >= 0.0, a.hi >= 0.0)
+}
+
+fn positive(a: Span) -> Defined {
+    Defined::decide(a.lo > 0.0, a.hi > 0.0)
+}
+
+fn nonzero(a: Span) -> Defined {
+    Defined::decide(!a.has_zero(), !a.is_zero())
+}
+
+fn sign(x: f64) -> f64 {
+    if x > 0.0 {
+        1.0
+    } else if x < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+fn fract(a: Span) -> Span {
+    let whole = a.lo.floor();
+    if whole == a.hi.floor() && whole.is_finite() {
+        a.sub(Span::point(whole)).within(0.0, 1.0)
+    } else {
+        Span::new(0.0, 1.0)
+    }
+}
+
+/// a − b·⌊a/b⌋ for the members of `b` that are not 0.
+fn modulo(a: Span, b: Span) -> Span {
+    // The result lies between 0 and b.
+    let (least, most) = (b.lo.min(0.0), b.hi.max(0.0));
+    let quotient = a.div(b);
+    let whole = quotient.lo.floor();
+    if b.has_zero() || whole != quotient.hi.floor() || !whole.is_finite() {
+        return Span::new(least, most);
+    }
+    // Linear in a and b, with one rounding at each corner.
+    let corner = |a: f64, b: f64| rounded::mul_add(-whole, b, a);
+    let corners = [
+        corner(a.lo, b.lo),
+        corner(a.lo, b.hi),
+        corner(a.hi, b.lo),
+        corner(a.hi, b.hi),
+    ];
+    Span::of(&corners).within(least, most)
+}
+
+/// b where a < 0, c where a ≥ 0; the other branch need not be defined.
+fn select_negative([a, b, c]: [Claim; 3]) -> Claim {
+    let chosen = if a.hi < 0.0 {
+        b
+    } else if a.lo >= 0.0 {
+        c
+    } else {
+        match (b.defined, c.defined) {
+            // A branch without a value cannot give one.
+            (Defined::No, Defined::No) => b,
+            (Defined::No, _) => Claim::new(c.span(), Defined::Unknown),
+            (_, Defined::No) => Claim::new(b.span(), Defined::Unknown),
+            (p, q) => Claim::new(b.span().union(c.span()), p.and(q)),
+        }
+    };
+    Claim::new(chosen.span(), chosen.defined.and(a.defined))
+}

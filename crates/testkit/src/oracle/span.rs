@@ -1,0 +1,180 @@
+//! A range of reals with `f64` ends, and the arithmetic of the four rules on it.
+
+use super::around;
+use super::rounded::{self, Rounded};
+use num_rational::BigRational;
+use num_traits::{Signed, ToPrimitive};
+use zeroset_ir::Constant;
+
+/// The reals from `lo` to `hi`. Never NaN, `lo ≤ hi`, `lo < +∞`, `hi > −∞`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    pub(super) lo: f64,
+    pub(super) hi: f64,
+}
+
+impl Span {
+    pub(super) const ENTIRE: Self = Self {
+        lo: f64::NEG_INFINITY,
+        hi: f64::INFINITY,
+    };
+
+    /// From `lo` to `hi`; everything, if that is no range.
+    pub(super) fn new(lo: f64, hi: f64) -> Self {
+        if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
+            // Adding +0 turns −0 into +0, so that no rule meets a signed zero.
+            Self {
+                lo: lo + 0.0,
+                hi: hi + 0.0,
+            }
+        } else {
+            Self::ENTIRE
+        }
+    }
+
+    pub(super) fn point(value: f64) -> Self {
+        if value.is_finite() {
+            Self::new(value, value)
+        } else {
+            Self::ENTIRE
+        }
+    }
+
+    /// Around both results of rounding.
+    pub(super) fn hull(a: Rounded, b: Rounded) -> Self {
+        Self::of(&[a, b])
+    }
+
+    /// Around all of `results`, of which there is at least one.
+    pub(super) fn of(results: &[Rounded]) -> Self {
+        let lo = results
+            .iter()
+            .map(|r| r.down())
+            .fold(f64::INFINITY, f64::min);
+        let hi = results
+            .iter()
+            .map(|r| r.up())
+            .fold(f64::NEG_INFINITY, f64::max);
+        // An end that overflowed is beyond the largest float, which bounds it from within.
+        Self::new(lo.min(f64::MAX), hi.max(f64::MIN))
+    }
+
+    /// Around a constant of a graph.
+    pub(super) fn constant(value: &Constant) -> Self {
+        match value {
+            Constant::Exact(value) => rational(value),
+            Constant::Enclosed([lo, hi]) => Self::new(f64::from_bits(*lo), f64::from_bits(*hi)),
+        }
+    }
+
+    pub(super) fn has_zero(self) -> bool {
+        self.lo <= 0.0 && 0.0 <= self.hi
+    }
+
+    pub(super) fn is_zero(self) -> bool {
+        self.lo == 0.0 && self.hi == 0.0
+    }
+
+    pub(super) fn union(self, other: Self) -> Self {
+        Self::new(self.lo.min(other.lo), self.hi.max(other.hi))
+    }
+
+    /// The part between `lo` and `hi`, where the true value is known to lie.
+    pub(super) fn within(self, lo: f64, hi: f64) -> Self {
+        Self::new(self.lo.clamp(lo, hi), self.hi.clamp(lo, hi))
+    }
+
+    pub(super) fn neg(self) -> Self {
+        Self::new(-self.hi, -self.lo)
+    }
+
+    pub(super) fn abs(self) -> Self {
+        if self.lo >= 0.0 {
+            self
+        } else if self.hi <= 0.0 {
+            self.neg()
+        } else {
+            Self::new(0.0, self.hi.max(-self.lo))
+        }
+    }
+
+    pub(super) fn add(self, other: Self) -> Self {
+        Self::hull(
+            rounded::add(self.lo, other.lo),
+            rounded::add(self.hi, other.hi),
+        )
+    }
+
+    pub(super) fn sub(self, other: Self) -> Self {
+        self.add(other.neg())
+    }
+
+    pub(super) fn mul(self, other: Self) -> Self {
+        Self::of(&self.corners(other, rounded::mul))
+    }
+
+    pub(super) fn sqr(self) -> Self {
+        let a = self.abs();
+        Self::hull(rounded::mul(a.lo, a.lo), rounded::mul(a.hi, a.hi))
+    }
+
+    /// Quotients by the members of `other` that are not 0.
+    pub(super) fn div(self, other: Self) -> Self {
+        if self.is_zero() {
+            return Self::point(0.0);
+        }
+        if other.lo < 0.0 && 0.0 < other.hi {
+            return Self::ENTIRE;
+        }
+        // A zero end stands for arbitrarily small divisors of the other end's sign.
+        let other = if other.hi == 0.0 {
+            Self {
+                lo: other.lo,
+                hi: -0.0,
+            }
+        } else {
+            other
+        };
+        Self::of(&self.corners(other, rounded::div))
+    }
+
+    /// `f` at the four pairs of ends.
+    pub(super) fn corners(self, other: Self, f: fn(f64, f64) -> Rounded) -> [Rounded; 4] {
+        [
+            f(self.lo, other.lo),
+            f(self.lo, other.hi),
+            f(self.hi, other.lo),
+            f(self.hi, other.hi),
+        ]
+    }
+
+    /// `f`, which never decreases, at both ends.
+    pub(super) fn increasing(self, f: impl Fn(f64) -> Rounded) -> Self {
+        Self::hull(f(self.lo), f(self.hi))
+    }
+}
+
+/// Two floats around a rational number, equal if it is one.
+fn rational(value: &BigRational) -> Span {
+    if value.is_integer() {
+        return around(value.numer());
+    }
+    let exact = |x: f64| BigRational::from_float(x);
+    // Only a guess; what makes it right are the exact comparisons.
+    let Some(guess) = value.to_f64().filter(|x| x.is_finite()) else {
+        let huge = Span::new(f64::MAX, f64::INFINITY);
+        return if value.is_negative() {
+            huge.neg()
+        } else {
+            huge
+        };
+    };
+    let (mut lo, mut hi) = (guess, guess);
+    while lo.is_finite() && exact(lo).is_some_and(|x| x > *value) {
+        lo = lo.next_down();
+    }
+    while hi.is_finite() && exact(hi).is_some_and(|x| x < *value) {
+        hi = hi.next_up();
+    }
+    Span::new(lo, hi)
+}
