@@ -1,6 +1,25 @@
-//! Software intervals with outward rounding, and the rule of every operation on them.
+//! Intervals with outward rounding, and the rule of every operation on them.
+//!
+//! A rule is written once, over the primitive lane operations of a [`Machine`] that rounds up; an interval is
+//! the pair (−lo, hi), so rounding both up rounds outward. The same text runs on the [`Software`] machine here
+//! (folding, range analysis, the reference evaluator) and is emitted as native code elsewhere. This crate knows
+//! neither graphs nor code generation.
+
 mod bounds;
+mod enclosure;
 mod facts;
+mod fold;
+mod machine;
+mod point;
+pub mod round;
+mod rules;
+mod software;
 
 pub use bounds::Interval;
+pub use enclosure::{Enclosure, Fact, Operand};
 pub use facts::Facts;
+pub use fold::fold;
+pub use machine::{Format, Machine};
+pub use point::evaluate;
+pub use rules::enclose;
+pub use software::{Lanes, Software};

@@ -1,0 +1,117 @@
+//! What an interval rule takes and gives.
+
+use crate::bounds::Interval;
+use crate::machine::{Format, Machine};
+
+/// Lanes of enclosures: −lo and hi, and three facts.
+#[derive(Clone, Copy, Debug)]
+pub struct Enclosure<V> {
+    /// The negated lower ends. Never NaN, never −∞.
+    pub neg_lo: V,
+    /// The upper ends. Never NaN, never −∞.
+    pub hi: V,
+    /// Lanes where the expression is defined nowhere in the box.
+    pub nowhere: Fact<V>,
+    /// Lanes where it is defined throughout the box.
+    pub defined: Fact<V>,
+    /// Lanes where it is defined and continuous throughout the box.
+    pub continuous: Fact<V>,
+}
+
+impl<V: Copy> Enclosure<V> {
+    /// Bounds of an expression that is defined and continuous everywhere.
+    pub fn total(neg_lo: V, hi: V) -> Self {
+        Self {
+            neg_lo,
+            hi,
+            nowhere: Fact::False,
+            defined: Fact::True,
+            continuous: Fact::True,
+        }
+    }
+}
+
+/// A truth per lane: known when the code is made, or a mask.
+#[derive(Clone, Copy, Debug)]
+pub enum Fact<V> {
+    /// In no lane.
+    False,
+    /// In every lane.
+    True,
+    /// Where the mask is set.
+    Lanes(V),
+}
+
+impl<V: Copy> Fact<V> {
+    /// Both.
+    #[must_use]
+    pub fn and<M: Machine<V = V>>(self, m: &mut M, other: Self) -> Self {
+        match (self, other) {
+            (Self::False, _) | (_, Self::False) => Self::False,
+            (Self::True, fact) | (fact, Self::True) => fact,
+            (Self::Lanes(a), Self::Lanes(b)) => Self::Lanes(m.and(a, b)),
+        }
+    }
+
+    /// Either.
+    #[must_use]
+    pub fn or<M: Machine<V = V>>(self, m: &mut M, other: Self) -> Self {
+        match (self, other) {
+            (Self::True, _) | (_, Self::True) => Self::True,
+            (Self::False, fact) | (fact, Self::False) => fact,
+            (Self::Lanes(a), Self::Lanes(b)) => Self::Lanes(m.or(a, b)),
+        }
+    }
+
+    /// The fact as a mask.
+    pub fn mask<M: Machine<V = V>>(self, m: &mut M, format: Format) -> V {
+        match self {
+            Self::False => m.bits(format, 0),
+            Self::True => m.bits(format, u64::MAX),
+            Self::Lanes(mask) => mask,
+        }
+    }
+}
+
+/// An operand of a rule: its lanes, and bounds that hold whenever the code runs.
+#[derive(Clone, Copy, Debug)]
+pub struct Operand<V> {
+    /// The lanes.
+    pub value: Enclosure<V>,
+    /// Every lane's bounds lie within these, for every box the code will ever see.
+    pub range: Interval,
+}
+
+/// A sign that an operand's bounds are known to have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sign {
+    Nonneg,
+    Nonpos,
+    Unknown,
+}
+
+impl<V: Copy> Operand<V> {
+    pub(crate) fn sign(&self) -> Sign {
+        if self.range.lo >= 0.0 {
+            Sign::Nonneg
+        } else if self.range.hi <= 0.0 {
+            Sign::Nonpos
+        } else {
+            Sign::Unknown
+        }
+    }
+
+    pub(crate) fn negated(&self) -> Self {
+        Self {
+            value: Enclosure {
+                neg_lo: self.value.hi,
+                hi: self.value.neg_lo,
+                ..self.value
+            },
+            range: Interval {
+                lo: -self.range.hi,
+                hi: -self.range.lo,
+            },
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Operations on software intervals, for constants and range analysis.
+
+use crate::bounds::Interval;
+use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::facts::Facts;
+use crate::machine::Format;
+use crate::rules;
+use crate::software::{Lanes, Software};
+use zeroset_ops::Op;
+
+/// Encloses `op` over boxes of operands in `f64`, rounded outward, with what is proven of the result.
+///
+/// Where the result is defined nowhere, its bounds are all reals.
+///
+/// ```
+/// use zeroset_interval::{Facts, Interval, fold};
+/// use zeroset_ops::Op;
+///
+/// let a = (Interval::new(-1.0, 4.0).unwrap(), Facts::TOTAL);
+/// let (bounds, facts) = fold(Op::Sqrt, &[a]);
+/// assert_eq!((bounds.lo, bounds.hi), (0.0, 2.0));
+/// assert_eq!(facts, Facts::NONE); // undefined for part of the operand
+/// ```
+///
+/// # Panics
+/// If the number of operands is not the arity of `op`.
+pub fn fold(op: Op, operands: &[(Interval, Facts)]) -> (Interval, Facts) {
+    let operands: Vec<Operand<Lanes>> = operands
+        .iter()
+        .map(|&(range, facts)| {
+            let fact = |bit: Facts| {
+                if facts.has(bit) {
+                    Fact::True
+                } else {
+                    Fact::False
+                }
+            };
+            let value = Enclosure {
+                neg_lo: Lanes::from_f64([-range.lo; 2]),
+                hi: Lanes::from_f64([range.hi; 2]),
+                nowhere: fact(Facts::NOWHERE),
+                defined: fact(Facts::DEFINED),
+                continuous: fact(Facts::CONTINUOUS),
+            };
+            Operand { value, range }
+        })
+        .collect();
+    let value = rules::enclose(&mut Software, Format::F64, op, &operands);
+    let (neg_lo, hi) = (value.neg_lo.f64()[0], value.hi.f64()[0]);
+    let facts = [
+        (value.nowhere, Facts::NOWHERE),
+        (value.defined, Facts::DEFINED),
+        (value.continuous, Facts::CONTINUOUS),
+    ]
+    .into_iter()
+    .filter(|(fact, _)| fact.mask(&mut Software, Format::F64).bits_64()[0] != 0)
+    .fold(Facts::NONE, |facts, (_, bit)| facts | bit);
+    if facts.has(Facts::NOWHERE) {
+        return (Interval::ENTIRE, Facts::NOWHERE);
+    }
+    // 0 − x turns −0 into 0.
+    (
+        Interval {
+            lo: 0.0 - neg_lo,
+            hi: hi + 0.0,
+        },
+        facts,
+    )
+}

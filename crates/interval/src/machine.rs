@@ -1,0 +1,82 @@
+//! The primitive lane operations in which every kernel text is written.
+
+/// The type of the lanes of a 128-bit vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Four lanes of `f32`.
+    F32,
+    /// Two lanes of `f64`.
+    F64,
+}
+
+/// A machine with 128-bit vectors that rounds up.
+///
+/// Rules are written once over this trait. One implementation emits native code, the other
+/// ([`Software`](crate::Software)) computes; both give the same bits (NaN apart, which no rule lets through).
+/// Arithmetic rounds to +∞, subnormals are kept, nothing is fused. Operands of one call share a [`Format`]. A mask
+/// is a vector whose lanes are all ones or all zeros.
+pub trait Machine {
+    /// A vector.
+    type V: Copy;
+
+    /// The same number in all lanes; `value` must be exact in `format`.
+    fn number(&mut self, format: Format, value: f64) -> Self::V;
+    /// The same bits in all lanes (the low 32 for `F32`).
+    fn bits(&mut self, format: Format, bits: u64) -> Self::V;
+
+    /// a + b.
+    fn add(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// a − b.
+    fn sub(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// a · b.
+    fn mul(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// a / b.
+    fn div(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// √a.
+    fn sqrt(&mut self, a: Self::V) -> Self::V;
+    /// −a, exactly.
+    fn neg(&mut self, a: Self::V) -> Self::V;
+    /// |a|, exactly.
+    fn abs(&mut self, a: Self::V) -> Self::V;
+    /// a where a < b, else b: b if either is NaN.
+    fn min(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// a where a > b, else b: b if either is NaN.
+    fn max(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// Largest integer ≤ a.
+    fn floor(&mut self, a: Self::V) -> Self::V;
+    /// Smallest integer ≥ a.
+    fn ceil(&mut self, a: Self::V) -> Self::V;
+    /// a without its fraction.
+    fn trunc(&mut self, a: Self::V) -> Self::V;
+    /// The nearest integer, halves to even.
+    fn nearest(&mut self, a: Self::V) -> Self::V;
+
+    /// Mask of a < b; false for NaN.
+    fn lt(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// Mask of a ≤ b; false for NaN.
+    fn le(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// Mask of a = b; false for NaN.
+    fn eq(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// Bitwise and.
+    fn and(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// Bitwise or.
+    fn or(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// Bitwise exclusive or.
+    fn xor(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// a where the mask is set, else b.
+    fn select(&mut self, mask: Self::V, a: Self::V, b: Self::V) -> Self::V;
+
+    /// Lane bits a + b as integers, wrapping.
+    fn int_add(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// Lane bits a − b as integers, wrapping.
+    fn int_sub(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// Lane bits shifted left.
+    fn shift_left(&mut self, a: Self::V, by: u8) -> Self::V;
+    /// Lane bits shifted right, zeros entering.
+    fn shift_right(&mut self, a: Self::V, by: u8) -> Self::V;
+
+    /// Four `f32` lanes as two vectors of `f64`: lanes 0 and 1, lanes 2 and 3. Exact.
+    fn widen(&mut self, a: Self::V) -> [Self::V; 2];
+    /// The inverse of [`Machine::widen`], rounded up.
+    fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;
+}

@@ -1,0 +1,198 @@
+//! The value of every operation at points, written once over [`Machine`].
+//!
+//! Values carry no bound: they shade pictures and start searches. Where an operation is undefined the value is NaN.
+
+use crate::bounds::Interval;
+use crate::machine::{Format, Machine};
+use crate::rules::{ANGLE_LIMIT, Rule, by_halves};
+use zeroset_ops::Op;
+
+/// Evaluates `op` over lanes of operands, all in `format`; `ranges` bound the operands as for
+/// [`enclose`](crate::enclose), and tell which exponents are constant integers.
+///
+/// # Panics
+/// If the number of operands is not the arity of `op`.
+pub fn evaluate<M: Machine>(
+    m: &mut M,
+    format: Format,
+    op: Op,
+    operands: &[M::V],
+    ranges: &[Interval],
+) -> M::V {
+    assert_eq!(operands.len(), op.arity(), "{op:?}");
+    let mut rule = Rule { m, format };
+    let a = operands[0];
+    match op {
+        Op::Neg => rule.m.neg(a),
+        Op::Abs => rule.m.abs(a),
+        Op::Sign => rule.sign_of(a),
+        Op::Floor => rule.m.floor(a),
+        Op::Ceil => rule.m.ceil(a),
+        Op::Round => rule.m.nearest(a),
+        Op::Trunc => rule.m.trunc(a),
+        Op::Fract => {
+            let floor = rule.m.floor(a);
+            rule.m.sub(a, floor)
+        }
+        Op::Sqr => rule.m.mul(a, a),
+        Op::Sqrt => rule.m.sqrt(a),
+        Op::Cbrt => rule.at_halves(a, |text, a| text.cbrt(a)),
+        Op::Exp => rule.at_halves(a, |text, a| text.exp_near(a)),
+        Op::Ln => rule.logarithm_at(a, 1.0),
+        Op::Log2 => rule.logarithm_at(a, std::f64::consts::LOG2_E),
+        Op::Log10 => rule.logarithm_at(a, std::f64::consts::LOG10_E),
+        Op::Sin => rule.angle_at(a, |text, a| text.sin(a)),
+        Op::Cos => rule.angle_at(a, |text, a| text.cos(a)),
+        Op::Tan => rule.angle_at(a, |text, a| text.tan(a)),
+        Op::Atan => rule.at_halves(a, |text, a| text.atan(a)),
+        Op::Add => rule.m.add(a, operands[1]),
+        Op::Sub => rule.m.sub(a, operands[1]),
+        Op::Mul => rule.m.mul(a, operands[1]),
+        Op::Div => rule.m.div(a, operands[1]),
+        Op::Pow => match ranges[1].integer() {
+            Some(n) => rule.integer_power_at(a, n),
+            None => rule.real_power_at(a, operands[1]),
+        },
+        Op::Mod => {
+            let quotient = rule.m.div(a, operands[1]);
+            let cells = rule.m.floor(quotient);
+            let multiple = rule.m.mul(operands[1], cells);
+            rule.m.sub(a, multiple)
+        }
+        // Either operand NaN: NaN, which min and max alone would drop.
+        Op::Min => {
+            let least = rule.m.min(a, operands[1]);
+            rule.nan_where_unordered(least, a, operands[1])
+        }
+        Op::Max => {
+            let most = rule.m.max(a, operands[1]);
+            rule.nan_where_unordered(most, a, operands[1])
+        }
+        Op::SelectNegative => {
+            let zero = rule.zero();
+            let negative = rule.m.lt(a, zero);
+            let nonneg = rule.m.le(zero, a);
+            let rest = rule.nan_unless(nonneg, operands[2]);
+            rule.m.select(negative, operands[1], rest)
+        }
+        Op::WhereNonneg => {
+            let zero = rule.zero();
+            let inside = rule.m.le(zero, operands[1]);
+            rule.nan_unless(inside, a)
+        }
+        Op::WherePositive => {
+            let zero = rule.zero();
+            let inside = rule.m.lt(zero, operands[1]);
+            rule.nan_unless(inside, a)
+        }
+        Op::WhereNonzero => {
+            let zero = rule.zero();
+            let magnitude = rule.m.abs(operands[1]);
+            let inside = rule.m.lt(zero, magnitude);
+            rule.nan_unless(inside, a)
+        }
+        Op::WhereDefined => {
+            let inside = rule.m.eq(operands[1], operands[1]);
+            rule.nan_unless(inside, a)
+        }
+    }
+}
+
+impl<M: Machine> Rule<'_, M> {
+    fn nan_unless(&mut self, mask: M::V, value: M::V) -> M::V {
+        let nan = self.nan();
+        self.m.select(mask, value, nan)
+    }
+
+    fn nan(&mut self) -> M::V {
+        // A quiet NaN, by bits: its arithmetic is the same everywhere.
+        let bits = match self.format {
+            Format::F32 => u64::from(f32::NAN.to_bits()),
+            Format::F64 => f64::NAN.to_bits(),
+        };
+        self.m.bits(self.format, bits)
+    }
+
+    fn nan_where_unordered(&mut self, value: M::V, a: M::V, b: M::V) -> M::V {
+        let (a_is, b_is) = (self.m.eq(a, a), self.m.eq(b, b));
+        let ordered = self.m.and(a_is, b_is);
+        self.nan_unless(ordered, value)
+    }
+
+    /// An elementary text at points; NaN at NaN.
+    fn at_halves(
+        &mut self,
+        a: M::V,
+        mut f: impl FnMut(&mut crate::rules::Text<'_, M>, M::V) -> M::V,
+    ) -> M::V {
+        let [value] = by_halves(self.m, self.format, [a], |text, [a]| [f(text, a)]);
+        let is_number = self.m.eq(a, a);
+        self.nan_unless(is_number, value)
+    }
+
+    fn logarithm_at(&mut self, a: M::V, scale: f64) -> M::V {
+        let value = self.at_halves(a, |text, a| text.ln(a, scale));
+        let (zero, infinity) = (self.zero(), self.infinity());
+        let unbounded = self.m.eq(a, infinity);
+        let value = self.m.select(unbounded, infinity, value);
+        let positive = self.gt(a, zero);
+        self.nan_unless(positive, value)
+    }
+
+    fn angle_at(
+        &mut self,
+        a: M::V,
+        f: impl FnMut(&mut crate::rules::Text<'_, M>, M::V) -> M::V,
+    ) -> M::V {
+        let value = self.at_halves(a, f);
+        let magnitude = self.m.abs(a);
+        let limit = self.number(ANGLE_LIMIT);
+        let near = self.m.le(magnitude, limit);
+        self.nan_unless(near, value)
+    }
+
+    fn integer_power_at(&mut self, a: M::V, n: i32) -> M::V {
+        if n < 0 {
+            let power = self.integer_power_at(a, n.saturating_neg());
+            let one = self.number(1.0);
+            return self.m.div(one, power);
+        }
+        let (mut result, mut square, mut rest) = (None, a, n);
+        while rest > 0 {
+            if rest & 1 == 1 {
+                result = Some(match result {
+                    None => square,
+                    Some(result) => self.m.mul(result, square),
+                });
+            }
+            rest >>= 1;
+            if rest > 0 {
+                square = self.m.mul(square, square);
+            }
+        }
+        if let Some(power) = result {
+            return power;
+        }
+        let one = self.number(1.0);
+        let is_number = self.m.eq(a, a);
+        self.nan_unless(is_number, one)
+    }
+
+    fn real_power_at(&mut self, a: M::V, b: M::V) -> M::V {
+        let zero = self.zero();
+        let [value] = by_halves(self.m, self.format, [a, b], |text, [a, b]| {
+            let ln = text.ln(a, 1.0);
+            let exponent = text.m.mul(ln, b);
+            [text.exp_near(exponent)]
+        });
+        let positive = self.gt(a, zero);
+        let exponent_is_number = self.m.eq(b, b);
+        let defined = self.m.and(positive, exponent_is_number);
+        let value = self.nan_unless(defined, value);
+        // 0^b = 0 for b > 0.
+        let is_zero = self.m.eq(a, zero);
+        let up = self.gt(b, zero);
+        let at_zero = self.m.and(is_zero, up);
+        self.m.select(at_zero, zero, value)
+    }
+}

@@ -1,0 +1,236 @@
+//! Arithmetic rounded up, in software: what one lane of a kernel computes while the rounding mode is +∞.
+//!
+//! Nothing here reads or sets the rounding mode of the processor: each function corrects the result rounded to
+//! nearest by the sign of its exact error. NaN and infinities behave as in IEEE 754.
+
+/// The smallest float not below an exact real given as `nearest`, its value rounded to nearest, and the sign of
+/// `exact − nearest` when both are finite.
+macro_rules! correct_up {
+    ($type:ty, $nearest:expr, $finite_operands:expr, $error_is_positive:expr) => {{
+        let nearest: $type = $nearest;
+        if nearest.is_finite() {
+            if $error_is_positive { nearest.next_up() } else { nearest }
+        } else if nearest == <$type>::NEG_INFINITY && $finite_operands {
+            // The exact result is below every float, and the next float up is the lowest finite one.
+            -<$type>::MAX
+        } else {
+            nearest
+        }
+    }};
+}
+
+/// `f32` results rounded up. Sums, products and remainders of two `f32` are computed in `f64`, where they are exact
+/// but for sums of very different magnitude, which carry their error along.
+pub mod f32_up {
+    /// `value + error`, where `|error|` is at most half a unit in the last place of `value`, rounded up to `f32`.
+    fn demote(value: f64, error: f64) -> f32 {
+        let nearest = value as f32;
+        let back = f64::from(nearest);
+        correct_up!(
+            f32,
+            nearest,
+            value.is_finite(),
+            back < value || (back == value && error > 0.0)
+        )
+    }
+
+    /// `value` rounded up.
+    pub fn from_f64(value: f64) -> f32 {
+        demote(value, 0.0)
+    }
+
+    /// `a + b`.
+    pub fn add(a: f32, b: f32) -> f32 {
+        let (a, b) = (f64::from(a), f64::from(b));
+        let sum = a + b;
+        demote(sum, super::sum_error(a, b, sum))
+    }
+
+    /// `a − b`.
+    pub fn sub(a: f32, b: f32) -> f32 {
+        add(a, -b)
+    }
+
+    /// `a · b`; the product of two 24-bit significands is exact in `f64`.
+    pub fn mul(a: f32, b: f32) -> f32 {
+        demote(f64::from(a) * f64::from(b), 0.0)
+    }
+
+    /// `a / b`.
+    pub fn div(a: f32, b: f32) -> f32 {
+        let (a, b) = (f64::from(a), f64::from(b));
+        let quotient = a / b;
+        if !quotient.is_finite() || b.is_infinite() {
+            return quotient as f32;
+        }
+        // The remainder a − q·b is representable, so the fused product is exact.
+        let remainder = (-quotient).mul_add(b, a);
+        demote(quotient, if b > 0.0 { remainder } else { -remainder })
+    }
+
+    /// √a; NaN for a < 0.
+    pub fn sqrt(a: f32) -> f32 {
+        let a = f64::from(a);
+        let root = a.sqrt();
+        if !root.is_finite() {
+            return root as f32;
+        }
+        demote(root, (-root).mul_add(root, a))
+    }
+}
+
+/// `f64` results rounded up.
+pub mod f64_up {
+    /// Exponents in this range leave room for the error of a product, quotient or root to be a float.
+    const COMFORT: std::ops::RangeInclusive<i32> = -400..=400;
+
+    /// `a + b`.
+    pub fn add(a: f64, b: f64) -> f64 {
+        let sum = a + b;
+        correct_up!(
+            f64,
+            sum,
+            a.is_finite() && b.is_finite(),
+            super::sum_error(a, b, sum) > 0.0
+        )
+    }
+
+    /// `a − b`.
+    pub fn sub(a: f64, b: f64) -> f64 {
+        add(a, -b)
+    }
+
+    /// `a · b`.
+    pub fn mul(a: f64, b: f64) -> f64 {
+        let special = !a.is_finite() || !b.is_finite() || a == 0.0 || b == 0.0;
+        if special {
+            return a * b;
+        }
+        let ((a, i), (b, j)) = (split(a), split(b));
+        let product = a * b;
+        scale(product, a.mul_add(b, -product), i + j)
+    }
+
+    /// `a / b`.
+    pub fn div(a: f64, b: f64) -> f64 {
+        let special = !a.is_finite() || !b.is_finite() || a == 0.0 || b == 0.0;
+        if special {
+            return a / b;
+        }
+        let ((a, i), (b, j)) = (split(a), split(b));
+        let quotient = a / b;
+        let remainder = (-quotient).mul_add(b, a);
+        scale(
+            quotient,
+            if b > 0.0 { remainder } else { -remainder },
+            i - j,
+        )
+    }
+
+    /// √a; NaN for a < 0.
+    pub fn sqrt(a: f64) -> f64 {
+        if a.is_nan() || a <= 0.0 || a == f64::INFINITY {
+            return a.sqrt();
+        }
+        let (a, i) = split(a);
+        let (a, i) = if i % 2 == 0 { (a, i) } else { (2.0 * a, i - 1) };
+        let root = a.sqrt();
+        scale(root, (-root).mul_add(root, a), i / 2)
+    }
+
+    /// A finite nonzero number as `(m, e)` with `m · 2^e` exact and 1 ≤ |m| < 2.
+    fn split(a: f64) -> (f64, i32) {
+        let exponent = |a: f64| ((a.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+        let unit = |a: f64| f64::from_bits((a.to_bits() & !(0x7ff << 52)) | (1023 << 52));
+        if exponent(a) == -1023 {
+            let scaled = a * power(64); // subnormal
+            (unit(scaled), exponent(scaled) - 64)
+        } else {
+            (unit(a), exponent(a))
+        }
+    }
+
+    /// 2^n for a normal result.
+    fn power(n: i32) -> f64 {
+        f64::from_bits(((n + 1023) as u64) << 52)
+    }
+
+    /// `(value + error) · 2^n` rounded up, for 1/4 < |value| < 4 and |error| at most half its last place; only the
+    /// sign of `error` is used.
+    fn scale(value: f64, error: f64, n: i32) -> f64 {
+        if COMFORT.contains(&n) {
+            let nearest = value * power(n); // exact: no underflow
+            return if error > 0.0 {
+                nearest.next_up()
+            } else {
+                nearest
+            };
+        }
+        // Two exact steps at most, then the one that rounds; compare the result with the exact value by undoing it.
+        let clamped = n.clamp(-1200, 1200); // beyond, the result is 0 or infinite in any case
+        let half = clamped / 2;
+        let nearest = value * power(half) * power(clamped - half);
+        if nearest.is_infinite() {
+            return if nearest > 0.0 { nearest } else { -f64::MAX };
+        }
+        let back = nearest * power(-half) * power(half - clamped);
+        let below = back < value || (back == value && error > 0.0);
+        if below { nearest.next_up() } else { nearest }
+    }
+}
+
+/// The exact error of `sum = a + b` rounded to nearest (Knuth's two-sum), or 0 if the sum is not finite.
+fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
+    if !sum.is_finite() {
+        return 0.0;
+    }
+    let b_part = sum - a;
+    let a_part = sum - b_part;
+    (a - a_part) + (b - b_part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{f32_up, f64_up};
+
+    #[test]
+    fn exact_results_stay() {
+        assert_eq!(f32_up::add(1.0, 2.0), 3.0);
+        assert_eq!(f32_up::mul(3.0, 5.0), 15.0);
+        assert_eq!(f32_up::div(1.0, 4.0), 0.25);
+        assert_eq!(f32_up::sqrt(9.0), 3.0);
+        assert_eq!(f64_up::add(1.0, 2.0), 3.0);
+        assert_eq!(f64_up::mul(3.0, 5.0), 15.0);
+        assert_eq!(f64_up::div(1.0, 4.0), 0.25);
+        assert_eq!(f64_up::sqrt(9.0), 3.0);
+    }
+
+    #[test]
+    fn inexact_results_go_up() {
+        assert_eq!(f32_up::add(1.0, 1e-30), 1.0_f32.next_up());
+        assert_eq!(f32_up::add(-1.0, -1e-30), -1.0);
+        assert_eq!(f32_up::add(-1.0, 1e-30), (-1.0_f32).next_up());
+        assert_eq!(f64_up::add(1.0, 1e-300), 1.0_f64.next_up());
+        let third = f64_up::div(1.0, 3.0);
+        assert_eq!(third, (1.0_f64 / 3.0).next_up());
+        assert_eq!(f64_up::div(-1.0, 3.0), -(1.0_f64 / 3.0));
+    }
+
+    #[test]
+    fn overflow_and_underflow_round_up() {
+        assert_eq!(f32_up::add(f32::MAX, 1.0), f32::INFINITY);
+        assert_eq!(f32_up::add(-f32::MAX, -1.0), -f32::MAX);
+        assert_eq!(f32_up::mul(-f32::MAX, 2.0), -f32::MAX);
+        assert_eq!(f32_up::mul(1e-40, 1e-40), f32::from_bits(1));
+        assert_eq!(f32_up::mul(-1e-40, 1e-40), 0.0);
+        assert_eq!(f64_up::mul(-f64::MAX, 2.0), -f64::MAX);
+        assert_eq!(f64_up::mul(1e-200, 1e-200), f64::from_bits(1));
+        assert_eq!(f64_up::mul(-1e-200, 1e-200), 0.0);
+        assert_eq!(f64_up::div(f64::from_bits(1), 2.0), f64::from_bits(1));
+        assert_eq!(f64_up::div(1.0, f64::from_bits(1)), f64::INFINITY);
+        assert_eq!(
+            f64_up::sqrt(f64::from_bits(4)),
+            f64_up::sqrt(f64::from_bits(1)) * 2.0
+        );
+    }
+}

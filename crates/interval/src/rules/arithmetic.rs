@@ -1,0 +1,256 @@
+//! + − · / and the absolute value.
+
+use super::Rule;
+use crate::bounds::Interval;
+use crate::enclosure::{Enclosure, Fact, Operand, Sign};
+use crate::machine::Machine;
+
+impl<M: Machine> Rule<'_, M> {
+    /// The given bounds with the facts of two operands combined: nowhere if either is, else only what both claim.
+    pub(super) fn combine(
+        &mut self,
+        neg_lo: M::V,
+        hi: M::V,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+    ) -> Enclosure<M::V> {
+        let (a, b) = (&a.value, &b.value);
+        Enclosure {
+            neg_lo,
+            hi,
+            nowhere: a.nowhere.or(self.m, b.nowhere),
+            defined: a.defined.and(self.m, b.defined),
+            continuous: a.continuous.and(self.m, b.continuous),
+        }
+    }
+
+    /// An enclosure with the facts of one more operation: the lanes where it is defined at no point, and those
+    /// where it is defined and continuous at every point.
+    pub(super) fn restrict(
+        &mut self,
+        value: Enclosure<M::V>,
+        nowhere: Fact<M::V>,
+        throughout: Fact<M::V>,
+    ) -> Enclosure<M::V> {
+        Enclosure {
+            nowhere: value.nowhere.or(self.m, nowhere),
+            defined: value.defined.and(self.m, throughout),
+            continuous: value.continuous.and(self.m, throughout),
+            ..value
+        }
+    }
+
+    pub(super) fn add(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        // No bound is −∞, so no sum is NaN.
+        let neg_lo = self.m.add(a.value.neg_lo, b.value.neg_lo);
+        let hi = self.m.add(a.value.hi, b.value.hi);
+        self.combine(neg_lo, hi, a, b)
+    }
+
+    /// −min |a|, at most −0: exact.
+    pub(super) fn neg_mignitude(&mut self, a: &Operand<M::V>) -> M::V {
+        match a.sign() {
+            Sign::Nonneg => a.value.neg_lo,
+            Sign::Nonpos => a.value.hi,
+            Sign::Unknown => {
+                let zero = self.zero();
+                let least = self.m.min(a.value.neg_lo, a.value.hi);
+                self.m.min(least, zero)
+            }
+        }
+    }
+
+    /// max |a|: exact.
+    pub(super) fn magnitude(&mut self, a: &Operand<M::V>) -> M::V {
+        match a.sign() {
+            Sign::Nonneg => a.value.hi,
+            Sign::Nonpos => a.value.neg_lo,
+            Sign::Unknown => self.m.max(a.value.neg_lo, a.value.hi),
+        }
+    }
+
+    pub(super) fn abs(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        Enclosure {
+            neg_lo: self.neg_mignitude(a),
+            hi: self.magnitude(a),
+            ..a.value
+        }
+    }
+
+    pub(super) fn mul(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        let guard = !(a.range.is_bounded() && b.range.is_bounded());
+        let (neg_lo, hi) = self.product(a, b, guard);
+        self.combine(neg_lo, hi, a, b)
+    }
+
+    /// (−lo, hi) of a·b. With `guard`, bounds may be infinite and 0·∞ must not make NaN.
+    fn product(&mut self, a: &Operand<M::V>, b: &Operand<M::V>, guard: bool) -> (M::V, M::V) {
+        match (a.sign(), b.sign()) {
+            (Sign::Nonpos, _) => {
+                let (neg_lo, hi) = self.product(&a.negated(), b, guard);
+                (hi, neg_lo)
+            }
+            (_, Sign::Nonpos) => {
+                let (neg_lo, hi) = self.product(a, &b.negated(), guard);
+                (hi, neg_lo)
+            }
+            (Sign::Nonneg, Sign::Nonneg) => {
+                // Lower ends are finite, so only hi·hi can be 0·∞.
+                let low = self.m.neg(b.value.neg_lo);
+                let neg_lo = self.m.mul(a.value.neg_lo, low);
+                let hi = self.m.mul(a.value.hi, b.value.hi);
+                (neg_lo, if guard { self.close(hi) } else { hi })
+            }
+            (Sign::Nonneg, Sign::Unknown) => self.product_nonneg(a, b, guard),
+            (Sign::Unknown, Sign::Nonneg) => self.product_nonneg(b, a, guard),
+            (Sign::Unknown, Sign::Unknown) => self.product_unknown(&a.value, &b.value, guard),
+        }
+    }
+
+    /// (−lo, hi) of a·b for a ≥ 0.
+    fn product_nonneg(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+        guard: bool,
+    ) -> (M::V, M::V) {
+        let (b_neg_lo, b_hi) = (b.value.neg_lo, b.value.hi);
+        let mut neg_lo = self.m.mul(a.value.hi, b_neg_lo);
+        let mut hi = self.m.mul(a.value.hi, b_hi);
+        if a.range.singleton().is_none() {
+            let low = self.m.neg(a.value.neg_lo);
+            let (other_neg_lo, other_hi) = (self.m.mul(low, b_neg_lo), self.m.mul(low, b_hi));
+            neg_lo = self.m.max(other_neg_lo, neg_lo);
+            hi = self.m.max(other_hi, hi);
+        }
+        if guard {
+            (self.close(neg_lo), self.close(hi))
+        } else {
+            (neg_lo, hi)
+        }
+    }
+
+    fn product_unknown(
+        &mut self,
+        a: &Enclosure<M::V>,
+        b: &Enclosure<M::V>,
+        guard: bool,
+    ) -> (M::V, M::V) {
+        let a_lo = self.m.neg(a.neg_lo);
+        let a_neg_hi = self.m.neg(a.hi);
+        let neg_lo = [
+            (a.hi, b.neg_lo),
+            (a_lo, b.neg_lo),
+            (a.neg_lo, b.hi),
+            (a_neg_hi, b.hi),
+        ];
+        let hi = [
+            (a.hi, b.hi),
+            (a_lo, b.hi),
+            (a.neg_lo, b.neg_lo),
+            (a_neg_hi, b.neg_lo),
+        ];
+        (
+            self.largest_product(neg_lo, guard),
+            self.largest_product(hi, guard),
+        )
+    }
+
+    /// The largest of four products. A NaN among the last three is dropped by `max`: the extreme it stands for,
+    /// 0, is also reached by the product with the other end. One in the first is closed to +∞.
+    fn largest_product(&mut self, pairs: [(M::V, M::V); 4], guard: bool) -> M::V {
+        let products = pairs.map(|(a, b)| self.m.mul(a, b));
+        if guard {
+            let [first, rest @ ..] = products;
+            let largest = rest.into_iter().fold(first, |acc, p| self.m.max(p, acc));
+            self.close(largest)
+        } else {
+            let left = self.m.max(products[0], products[1]);
+            let right = self.m.max(products[2], products[3]);
+            self.m.max(left, right)
+        }
+    }
+
+    pub(super) fn div(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        if b.range.lo > 0.0 {
+            return self.quotient_positive(a, b);
+        }
+        if b.range.hi < 0.0 {
+            return self.quotient_positive(&a.negated(), &b.negated());
+        }
+        self.quotient(a, b)
+    }
+
+    /// a / b for b > 0.
+    fn quotient_positive(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        let b_lo = self.m.neg(b.value.neg_lo);
+        let b_hi = b.value.hi;
+        let (neg_lo_by, hi_by) = if b.range.singleton().is_some() {
+            (b_hi, b_hi)
+        } else {
+            match a.sign() {
+                Sign::Nonneg => (b_hi, b_lo),
+                Sign::Nonpos => (b_lo, b_hi),
+                Sign::Unknown => (
+                    self.far_divisor(a.value.neg_lo, b_lo, b_hi),
+                    self.far_divisor(a.value.hi, b_lo, b_hi),
+                ),
+            }
+        };
+        let neg_lo = self.m.div(a.value.neg_lo, neg_lo_by);
+        let hi = self.m.div(a.value.hi, hi_by);
+        self.combine(neg_lo, hi, a, b)
+    }
+
+    /// The end of a positive divisor that makes `bound / divisor` largest.
+    fn far_divisor(&mut self, bound: M::V, lo: M::V, hi: M::V) -> M::V {
+        let zero = self.zero();
+        let positive = self.gt(bound, zero);
+        self.m.select(positive, lo, hi)
+    }
+
+    /// a / b where b may contain 0.
+    fn quotient(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        let zero = self.zero();
+        let infinity = self.infinity();
+        // Where b ≤ 0, negate both; then b ≥ 0 unless it straddles 0.
+        let flip = self.m.le(b.value.hi, zero);
+        let (an, ah, bn, bh) = (a.value.neg_lo, a.value.hi, b.value.neg_lo, b.value.hi);
+        let x_neg_lo = self.m.select(flip, ah, an);
+        let x_hi = self.m.select(flip, an, ah);
+        let y_neg_lo = self.m.select(flip, bh, bn);
+        let y_hi = self.m.select(flip, bn, bh);
+        let y_lo = self.m.sub(zero, y_neg_lo);
+        // Also where b = [0, 0], which is nowhere defined: its quotients by 0 are no bounds.
+        let straddles = self.gt(y_neg_lo, zero);
+        let is_zero = self.m.le(y_hi, zero);
+        let straddles = self.m.or(straddles, is_zero);
+        let neg_lo_by = self.far_divisor(x_neg_lo, y_lo, y_hi);
+        let hi_by = self.far_divisor(x_hi, y_lo, y_hi);
+        let neg_lo = self.m.div(x_neg_lo, neg_lo_by);
+        let neg_lo = self.m.select(straddles, infinity, neg_lo);
+        let hi = self.m.div(x_hi, hi_by);
+        let hi = self.m.select(straddles, infinity, hi);
+        let value = self.combine(neg_lo, hi, a, b);
+        let (nowhere, throughout) = self.nonzero(b);
+        self.restrict(value, nowhere, throughout)
+    }
+
+    /// Lanes where an operand is the number 0, and those where it does not contain 0.
+    pub(super) fn nonzero(&mut self, a: &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>) {
+        if a.range.lo > 0.0 || a.range.hi < 0.0 {
+            return (Fact::False, Fact::True);
+        }
+        if a.range == Interval::ZERO {
+            return (Fact::True, Fact::False);
+        }
+        let zero = self.zero();
+        let largest = self.m.max(a.value.neg_lo, a.value.hi);
+        let least = self.m.min(a.value.neg_lo, a.value.hi);
+        // max(−lo, hi) = 0 only for [0, 0]; min(−lo, hi) < 0 only off zero.
+        (
+            Fact::Lanes(self.m.le(largest, zero)),
+            Fact::Lanes(self.m.lt(least, zero)),
+        )
+    }
+}

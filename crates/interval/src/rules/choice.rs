@@ -1,0 +1,126 @@
+//! Minimum, maximum, selection and restriction.
+
+use super::Rule;
+use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::machine::Machine;
+
+impl<M: Machine> Rule<'_, M> {
+    pub(super) fn min(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        let neg_lo = self.m.max(a.value.neg_lo, b.value.neg_lo);
+        let hi = self.m.min(a.value.hi, b.value.hi);
+        self.combine(neg_lo, hi, a, b)
+    }
+
+    pub(super) fn max(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        let neg_lo = self.m.min(a.value.neg_lo, b.value.neg_lo);
+        let hi = self.m.max(a.value.hi, b.value.hi);
+        self.combine(neg_lo, hi, a, b)
+    }
+
+    /// b where a < 0, c where a ≥ 0, their hull where both occur.
+    pub(super) fn select_negative(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+        c: &Operand<M::V>,
+    ) -> Enclosure<M::V> {
+        let zero = self.zero();
+        let negative = self.m.lt(a.value.hi, zero);
+        let nonneg = self.m.le(a.value.neg_lo, zero);
+        let (b, c) = (&b.value, &c.value);
+        let pick = |rule: &mut Self, b: M::V, c: M::V, both: M::V| {
+            let rest = rule.m.select(nonneg, c, both);
+            rule.m.select(negative, b, rest)
+        };
+        let both_neg_lo = self.m.max(b.neg_lo, c.neg_lo);
+        let both_hi = self.m.max(b.hi, c.hi);
+        let neg_lo = pick(self, b.neg_lo, c.neg_lo, both_neg_lo);
+        let hi = pick(self, b.hi, c.hi, both_hi);
+        // A fact of the result holds where it holds for the chosen branch, or for both.
+        let mut fact = |b: Fact<M::V>, c: Fact<M::V>| {
+            let on_b = b.and(self.m, Fact::Lanes(negative));
+            let on_c = c.and(self.m, Fact::Lanes(nonneg));
+            let either = on_b.or(self.m, on_c);
+            let both = b.and(self.m, c);
+            (either, both)
+        };
+        let (nowhere, nowhere_both) = fact(b.nowhere, c.nowhere);
+        let (defined, defined_both) = fact(b.defined, c.defined);
+        let (continuous, _) = fact(b.continuous, c.continuous);
+        let nowhere = nowhere.or(self.m, nowhere_both);
+        let defined = defined.or(self.m, defined_both);
+        Enclosure {
+            neg_lo,
+            hi,
+            nowhere: nowhere.or(self.m, a.value.nowhere),
+            defined: defined.and(self.m, a.value.defined),
+            continuous: continuous.and(self.m, a.value.continuous),
+        }
+    }
+
+    /// `a` with its bounds, defined only where `b` is.
+    pub(super) fn with_facts_of(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+    ) -> Enclosure<M::V> {
+        // Only the definition of b matters, not its continuity.
+        let value = self.combine(a.value.neg_lo, a.value.hi, a, b);
+        Enclosure {
+            continuous: a.value.continuous.and(self.m, b.value.defined),
+            ..value
+        }
+    }
+
+    pub(super) fn where_nonneg(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        let (nowhere, throughout) = self.nonneg(b);
+        let value = self.with_facts_of(a, b);
+        self.restrict(value, nowhere, throughout)
+    }
+
+    pub(super) fn where_positive(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+    ) -> Enclosure<M::V> {
+        let (nowhere, throughout) = self.positive(b);
+        let value = self.with_facts_of(a, b);
+        self.restrict(value, nowhere, throughout)
+    }
+
+    pub(super) fn where_nonzero(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+    ) -> Enclosure<M::V> {
+        let (nowhere, throughout) = self.nonzero(b);
+        let value = self.with_facts_of(a, b);
+        self.restrict(value, nowhere, throughout)
+    }
+
+    /// Lanes where an operand is entirely < 0, and those where it is entirely ≥ 0.
+    pub(super) fn nonneg(&mut self, a: &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>) {
+        if a.range.lo >= 0.0 {
+            return (Fact::False, Fact::True);
+        }
+        let zero = self.zero();
+        let nowhere = self.m.lt(a.value.hi, zero);
+        (
+            Fact::Lanes(nowhere),
+            Fact::Lanes(self.m.le(a.value.neg_lo, zero)),
+        )
+    }
+
+    /// Lanes where an operand is entirely ≤ 0, and those where it is entirely > 0.
+    pub(super) fn positive(&mut self, a: &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>) {
+        if a.range.lo > 0.0 {
+            return (Fact::False, Fact::True);
+        }
+        let zero = self.zero();
+        let nowhere = self.m.le(a.value.hi, zero);
+        (
+            Fact::Lanes(nowhere),
+            Fact::Lanes(self.m.lt(a.value.neg_lo, zero)),
+        )
+    }
+}

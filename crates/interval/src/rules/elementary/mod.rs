@@ -1,0 +1,238 @@
+//! Exponentials, logarithms and trigonometric functions: bounds from the texts in [`wide`].
+
+pub(crate) mod wide;
+
+use super::Rule;
+use crate::bounds::Interval;
+use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::machine::{Format, Machine};
+use wide::{ANGLE_LIMIT, Text, by_halves};
+
+impl<M: Machine> Rule<'_, M> {
+    /// Bounds of an increasing function from its approximations at both ends.
+    fn increasing(
+        &mut self,
+        a: &Operand<M::V>,
+        mut f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V,
+    ) -> Enclosure<M::V> {
+        let ends = [a.value.neg_lo, a.value.hi];
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [neg_lo, hi]| {
+            let lo = text.m.neg(neg_lo);
+            let (at_lo, at_hi) = (f(text, lo), f(text, hi));
+            [text.above_negated(at_lo), text.above(at_hi)]
+        });
+        Enclosure {
+            neg_lo,
+            hi,
+            ..a.value
+        }
+    }
+
+    pub(super) fn exp(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let ends = [a.value.neg_lo, a.value.hi];
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, ends| text.exp(ends));
+        Enclosure {
+            neg_lo,
+            hi,
+            ..a.value
+        }
+    }
+
+    pub(super) fn ln(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        self.logarithm(a, 1.0)
+    }
+
+    pub(super) fn log2(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        self.logarithm(a, std::f64::consts::LOG2_E)
+    }
+
+    pub(super) fn log10(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        self.logarithm(a, std::f64::consts::LOG10_E)
+    }
+
+    fn logarithm(&mut self, a: &Operand<M::V>, scale: f64) -> Enclosure<M::V> {
+        let ends = self.positive_ends(a);
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [lo, hi]| {
+            let (at_lo, at_hi) = (text.ln(lo, scale), text.ln(hi, scale));
+            [text.above_negated(at_lo), text.above(at_hi)]
+        });
+        let (neg_lo, hi) = self.logarithm_ends(a, neg_lo, hi);
+        let (nowhere, throughout) = self.positive(a);
+        self.restrict(
+            Enclosure {
+                neg_lo,
+                hi,
+                ..a.value
+            },
+            nowhere,
+            throughout,
+        )
+    }
+
+    /// (lo, hi) raised to the least positive number of the format, where a logarithm can start.
+    pub(super) fn positive_ends(&mut self, a: &Operand<M::V>) -> [M::V; 2] {
+        let lo = self.lo(&a.value);
+        if a.range.lo > 0.0 {
+            return [lo, a.value.hi];
+        }
+        let least = self.number(match self.format {
+            Format::F32 => f64::from(f32::from_bits(1)),
+            Format::F64 => f64::from_bits(1),
+        });
+        [self.m.max(lo, least), self.m.max(a.value.hi, least)]
+    }
+
+    /// Bounds of a logarithm from those over [`Self::positive_ends`]: −∞ from a lower end at or below 0, +∞ from an
+    /// infinite upper one.
+    pub(super) fn logarithm_ends(
+        &mut self,
+        a: &Operand<M::V>,
+        mut neg_lo: M::V,
+        mut hi: M::V,
+    ) -> (M::V, M::V) {
+        let infinity = self.infinity();
+        if a.range.lo <= 0.0 {
+            let zero = self.zero();
+            let from_zero = self.m.le(zero, a.value.neg_lo);
+            neg_lo = self.m.select(from_zero, infinity, neg_lo);
+        }
+        if a.range.hi == f64::INFINITY {
+            let unbounded = self.m.eq(a.value.hi, infinity);
+            hi = self.m.select(unbounded, infinity, hi);
+        }
+        (neg_lo, hi)
+    }
+
+    pub(super) fn atan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        self.increasing(a, |text, x| text.atan(x))
+    }
+
+    pub(super) fn cbrt(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let value = self.increasing(a, |text, x| text.cbrt(x));
+        if a.range.is_bounded() {
+            return value;
+        }
+        let infinity = self.infinity();
+        let mut keep = |end: M::V, bound: M::V| {
+            let unbounded = self.m.eq(end, infinity);
+            self.m.select(unbounded, infinity, bound)
+        };
+        Enclosure {
+            neg_lo: keep(a.value.neg_lo, value.neg_lo),
+            hi: keep(a.value.hi, value.hi),
+            ..value
+        }
+    }
+
+    pub(super) fn sin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        // The maximum 1 is at π/2 + 2πj, the minimum at −π/2 + 2πj.
+        self.wave(a, |text, x| text.sin(x), 0.25, -0.25)
+    }
+
+    pub(super) fn cos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        self.wave(a, |text, x| text.cos(x), 0.0, 0.5)
+    }
+
+    /// Sine or cosine: `f` approximates it, `peak` and `trough` say at how many turns from 0 it is 1 and −1.
+    fn wave(
+        &mut self,
+        a: &Operand<M::V>,
+        f: impl Fn(&mut Text<'_, M>, M::V) -> M::V,
+        peak: f64,
+        trough: f64,
+    ) -> Enclosure<M::V> {
+        let one = self.number(1.0);
+        let ends = [a.value.neg_lo, a.value.hi];
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [neg_lo, hi]| {
+            let lo = text.m.neg(neg_lo);
+            let (at_lo, at_hi) = (f(text, lo), f(text, hi));
+            let (least, most) = (text.m.min(at_lo, at_hi), text.m.max(at_lo, at_hi));
+            [text.above_negated(least), text.above(most)]
+        });
+        let mut neg_lo = self.m.min(neg_lo, one);
+        let mut hi = self.m.min(hi, one);
+        let has_peak = self.has_turn(a, 1.0, peak);
+        let has_trough = self.has_turn(a, 1.0, trough);
+        hi = self.m.select(has_peak, one, hi);
+        neg_lo = self.m.select(has_trough, one, neg_lo);
+        if let Some(near) = self.within_angle_limit(a) {
+            neg_lo = self.m.select(near, neg_lo, one);
+            hi = self.m.select(near, hi, one);
+        }
+        Enclosure {
+            neg_lo,
+            hi,
+            ..a.value
+        }
+    }
+
+    pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let value = self.increasing(a, |text, x| text.tan(x));
+        // Poles at a quarter turn and every half turn after it.
+        let pole = self.has_turn(a, 2.0, 0.5);
+        let mut free = self.not(pole);
+        if let Some(near) = self.within_angle_limit(a) {
+            free = self.m.and(free, near);
+        }
+        let infinity = self.infinity();
+        let neg_lo = self.m.select(free, value.neg_lo, infinity);
+        let hi = self.m.select(free, value.hi, infinity);
+        self.restrict(
+            Enclosure {
+                neg_lo,
+                hi,
+                ..a.value
+            },
+            Fact::False,
+            Fact::Lanes(free),
+        )
+    }
+
+    /// Lanes where the angle may pass `(j + offset) / per_turn` full turns for some integer j: set wherever it does.
+    fn has_turn(&mut self, a: &Operand<M::V>, per_turn: f64, offset: f64) -> M::V {
+        // floor(hi − offset) ≥ ceil(lo − offset), both ends rounded outward.
+        let (hi, neg_lo) = (
+            self.turns(a.value.hi, per_turn),
+            self.turns(a.value.neg_lo, per_turn),
+        );
+        let (offset, zero) = (self.number(offset), self.zero());
+        let last = self.m.sub(hi, offset);
+        let last = self.m.floor(last);
+        let neg_first = self.m.add(neg_lo, offset);
+        let neg_first = self.m.floor(neg_first);
+        let count = self.m.add(last, neg_first);
+        self.m.le(zero, count)
+    }
+
+    /// An upper bound of `per_turn` · a / 2π.
+    fn turns(&mut self, a: M::V, per_turn: f64) -> M::V {
+        // 1/2π from below; its successor is above. OEIS A086201.
+        let (below, above) = match self.format {
+            Format::F32 => {
+                let below = f32::from_bits(0x3e22_f983);
+                (f64::from(below), f64::from(below.next_up()))
+            }
+            Format::F64 => {
+                let above = f64::from_bits(0x3fc4_5f30_6dc9_c883);
+                (above.next_down(), above)
+            }
+        };
+        let (below, above) = (self.number(per_turn * below), self.number(per_turn * above));
+        let (below, above) = (self.m.mul(a, below), self.m.mul(a, above));
+        self.m.max(below, above)
+    }
+
+    /// Lanes whose ends the angle reduction can handle, or `None` if all can.
+    fn within_angle_limit(&mut self, a: &Operand<M::V>) -> Option<M::V> {
+        let limit = Interval {
+            lo: -ANGLE_LIMIT,
+            hi: ANGLE_LIMIT,
+        };
+        if limit.encloses(a.range) {
+            return None;
+        }
+        let far = self.m.max(a.value.neg_lo, a.value.hi);
+        let limit = self.number(ANGLE_LIMIT);
+        Some(self.m.le(far, limit))
+    }
+}

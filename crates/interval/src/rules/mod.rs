@@ -1,0 +1,107 @@
+//! The interval rule of every operation, written once over [`Machine`].
+//!
+//! A rule may assume what [`Operand::range`] states, and only that; it is then sound for every box. Where an operand
+//! may be infinite, rules close each bound so that no NaN leaves them.
+
+mod arithmetic;
+mod choice;
+mod elementary;
+mod power;
+mod step;
+
+pub(crate) use elementary::wide::{ANGLE_LIMIT, Text, by_halves};
+
+use crate::enclosure::{Enclosure, Operand};
+use crate::machine::{Format, Machine};
+use zeroset_ops::Op;
+
+/// Encloses `op` over lanes of operands, all in `format`.
+///
+/// # Panics
+/// If the number of operands is not the arity of `op`.
+pub fn enclose<M: Machine>(
+    m: &mut M,
+    format: Format,
+    op: Op,
+    operands: &[Operand<M::V>],
+) -> Enclosure<M::V> {
+    assert_eq!(operands.len(), op.arity(), "{op:?}");
+    let mut rule = Rule { m, format };
+    let a = &operands[0];
+    match op {
+        Op::Neg => a.negated().value,
+        Op::Abs => rule.abs(a),
+        Op::Sign => rule.sign(a),
+        Op::Floor => rule.floor(a),
+        Op::Ceil => rule.ceil(a),
+        Op::Round => rule.round(a),
+        Op::Trunc => rule.trunc(a),
+        Op::Fract => rule.fract(a),
+        Op::Sqr => rule.sqr(a),
+        Op::Sqrt => rule.sqrt(a),
+        Op::Cbrt => rule.cbrt(a),
+        Op::Exp => rule.exp(a),
+        Op::Ln => rule.ln(a),
+        Op::Log2 => rule.log2(a),
+        Op::Log10 => rule.log10(a),
+        Op::Sin => rule.sin(a),
+        Op::Cos => rule.cos(a),
+        Op::Tan => rule.tan(a),
+        Op::Atan => rule.atan(a),
+        Op::Add => rule.add(a, &operands[1]),
+        Op::Sub => rule.add(a, &operands[1].negated()),
+        Op::Mul => rule.mul(a, &operands[1]),
+        Op::Div => rule.div(a, &operands[1]),
+        Op::Pow => rule.pow(a, &operands[1]),
+        Op::Mod => rule.modulo(a, &operands[1]),
+        Op::Min => rule.min(a, &operands[1]),
+        Op::Max => rule.max(a, &operands[1]),
+        Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2]),
+        Op::WhereNonneg => rule.where_nonneg(a, &operands[1]),
+        Op::WherePositive => rule.where_positive(a, &operands[1]),
+        Op::WhereNonzero => rule.where_nonzero(a, &operands[1]),
+        Op::WhereDefined => rule.with_facts_of(a, &operands[1]),
+    }
+}
+
+/// The machine and format that a rule writes for.
+pub(crate) struct Rule<'a, M> {
+    pub(crate) m: &'a mut M,
+    pub(crate) format: Format,
+}
+
+impl<M: Machine> Rule<'_, M> {
+    pub(crate) fn number(&mut self, value: f64) -> M::V {
+        self.m.number(self.format, value)
+    }
+
+    pub(crate) fn zero(&mut self) -> M::V {
+        self.number(0.0)
+    }
+
+    pub(crate) fn infinity(&mut self) -> M::V {
+        self.number(f64::INFINITY)
+    }
+
+    /// The mask a > b.
+    pub(crate) fn gt(&mut self, a: M::V, b: M::V) -> M::V {
+        self.m.lt(b, a)
+    }
+
+    fn not(&mut self, mask: M::V) -> M::V {
+        let ones = self.m.bits(self.format, u64::MAX);
+        self.m.xor(mask, ones)
+    }
+
+    /// `a` with NaN replaced by +∞.
+    fn close(&mut self, a: M::V) -> M::V {
+        let infinity = self.infinity();
+        self.m.min(a, infinity)
+    }
+
+    /// The lower ends, positive zero for zero.
+    fn lo(&mut self, a: &Enclosure<M::V>) -> M::V {
+        let zero = self.zero();
+        self.m.sub(zero, a.neg_lo)
+    }
+}

@@ -1,0 +1,231 @@
+//! Squares, roots and powers.
+
+use super::Rule;
+use super::elementary::wide::by_halves;
+use crate::bounds::Interval;
+use crate::enclosure::{Enclosure, Operand, Sign};
+use crate::machine::{Format, Machine};
+
+impl<M: Machine> Rule<'_, M> {
+    pub(super) fn sqr(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let neg_mig = self.neg_mignitude(a);
+        let mag = self.magnitude(a);
+        let (neg_lo, hi) = self.square_nonneg(neg_mig, mag);
+        Enclosure {
+            neg_lo,
+            hi,
+            ..a.value
+        }
+    }
+
+    /// (−lo, hi) of the square of a nonnegative pair (−lo, hi).
+    fn square_nonneg(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
+        let lo = self.m.neg(neg_lo);
+        (self.m.mul(neg_lo, lo), self.m.mul(hi, hi))
+    }
+
+    pub(super) fn sqrt(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let zero = self.zero();
+        let (mut lo, mut hi) = (self.lo(&a.value), a.value.hi);
+        if a.range.lo < 0.0 {
+            lo = self.m.max(lo, zero);
+            hi = self.m.max(hi, zero);
+        }
+        let hi = self.m.sqrt(hi);
+        // The root rounded up is one step too high exactly when its square exceeds the operand.
+        let up = self.m.sqrt(lo);
+        let square = self.m.mul(up, up);
+        let inexact = self.gt(square, lo);
+        let down = self.m.int_add(up, inexact); // a set mask is −1
+        let neg_lo = self.m.neg(down);
+        let (nowhere, throughout) = self.nonneg(a);
+        self.restrict(
+            Enclosure {
+                neg_lo,
+                hi,
+                ..a.value
+            },
+            nowhere,
+            throughout,
+        )
+    }
+
+    pub(super) fn pow(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        if let Some(n) = b.range.integer() {
+            let value = self.integer_power(a, n);
+            // Whatever the exponent is, it has to be defined where the power is.
+            return self.with_facts_of(
+                &Operand {
+                    value,
+                    range: Interval::ENTIRE,
+                },
+                b,
+            );
+        }
+        self.real_power(a, b)
+    }
+
+    fn integer_power(&mut self, a: &Operand<M::V>, n: i32) -> Enclosure<M::V> {
+        match n {
+            0 => {
+                let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+                Enclosure {
+                    neg_lo: minus_one,
+                    hi: one,
+                    continuous: a.value.defined,
+                    ..a.value
+                }
+            }
+            1 => a.value,
+            n if n < 0 => {
+                let value = self.integer_power(a, n.saturating_neg());
+                // The range of the power is not known here, but that of a nonzero base has no 0 either.
+                let (nowhere, throughout) = self.nonzero(a);
+                let power = Operand {
+                    value,
+                    range: Interval::ENTIRE,
+                };
+                let one = Operand {
+                    value: Enclosure::total(self.number(-1.0), self.number(1.0)),
+                    range: Interval::ONE,
+                };
+                let quotient = self.div(&one, &power);
+                let facts = self.restrict(value, nowhere, throughout);
+                Enclosure {
+                    neg_lo: quotient.neg_lo,
+                    hi: quotient.hi,
+                    ..facts
+                }
+            }
+            n if n % 2 == 0 => {
+                let neg_mig = self.neg_mignitude(a);
+                let mag = self.magnitude(a);
+                let (neg_lo, hi) = self.power_nonneg(neg_mig, mag, n.unsigned_abs());
+                Enclosure {
+                    neg_lo,
+                    hi,
+                    ..a.value
+                }
+            }
+            n => {
+                let n = n.unsigned_abs();
+                let (neg_lo, hi) = match a.sign() {
+                    Sign::Nonneg => self.power_nonneg(a.value.neg_lo, a.value.hi, n),
+                    Sign::Nonpos => {
+                        let (lo, neg_hi) = self.power_nonneg(a.value.hi, a.value.neg_lo, n);
+                        (neg_hi, lo)
+                    }
+                    Sign::Unknown => (
+                        self.odd_power_up(a.value.neg_lo, n),
+                        self.odd_power_up(a.value.hi, n),
+                    ),
+                };
+                Enclosure {
+                    neg_lo,
+                    hi,
+                    ..a.value
+                }
+            }
+        }
+    }
+
+    /// (−lo, hi) of the n-th power, n ≥ 1, of a nonnegative pair, by squaring. Lower ends stay finite and upper ends
+    /// of powers of one number are all 0 or all not, so no product is 0·∞.
+    fn power_nonneg(&mut self, neg_lo: M::V, hi: M::V, n: u32) -> (M::V, M::V) {
+        let mut result: Option<(M::V, M::V)> = None;
+        let mut square = (neg_lo, hi);
+        let mut rest = n;
+        loop {
+            if rest & 1 == 1 {
+                result = Some(match result {
+                    None => square,
+                    Some((neg_lo, hi)) => {
+                        let low = self.m.neg(square.0);
+                        (self.m.mul(neg_lo, low), self.m.mul(hi, square.1))
+                    }
+                });
+            }
+            rest >>= 1;
+            match result {
+                Some(result) if rest == 0 => return result,
+                _ => square = self.square_nonneg(square.0, square.1),
+            }
+        }
+    }
+
+    /// aⁿ rounded up, for odd n ≥ 3 and a of any sign.
+    fn odd_power_up(&mut self, a: M::V, n: u32) -> M::V {
+        let magnitude = self.m.abs(a);
+        let negated = self.m.neg(magnitude);
+        let (neg_lo, hi) = self.power_nonneg(negated, magnitude, n - 1);
+        let lo = self.m.neg(neg_lo);
+        // a times the enclosure of |a|ⁿ⁻¹: the larger product, whichever sign a has. lo is finite; hi = ∞ only for
+        // a ≠ 0.
+        let far = self.m.mul(a, hi);
+        let near = self.m.mul(a, lo);
+        self.m.max(far, near)
+    }
+
+    /// exp(b·ln a) with 0^b = 0 for b > 0, in `f64` whatever the format.
+    fn real_power(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        // Where the base reaches 0, its ends are raised to the least positive number for the logarithm, and the
+        // result is corrected below.
+        let [base_lo, base_hi] = self.positive_ends(a);
+        let bounded = a.range.hi < f64::INFINITY;
+        let ln_range = match self.format {
+            Format::F32 => Interval {
+                lo: -104.0,
+                hi: if bounded { 89.0 } else { f64::INFINITY },
+            },
+            Format::F64 => Interval {
+                lo: -746.0,
+                hi: if bounded { 710.0 } else { f64::INFINITY },
+            },
+        };
+        let ends = [base_lo, base_hi, b.value.neg_lo, b.value.hi];
+        let [mut neg_lo, mut hi] = by_halves(self.m, self.format, ends, |text, ends| {
+            let (at_lo, at_hi) = (text.ln(ends[0], 1.0), text.ln(ends[1], 1.0));
+            let (neg_lo, mut hi) = (text.above_negated(at_lo), text.above(at_hi));
+            if !bounded {
+                let infinity = text.m.number(Format::F64, f64::INFINITY);
+                let unbounded = text.m.eq(ends[1], infinity);
+                hi = text.m.select(unbounded, infinity, hi);
+            }
+            let ln = Operand {
+                value: Enclosure::total(neg_lo, hi),
+                range: ln_range,
+            };
+            let b = Operand {
+                value: Enclosure::total(ends[2], ends[3]),
+                range: b.range,
+            };
+            let exponent = Rule {
+                m: text.m,
+                format: Format::F64,
+            }
+            .mul(&b, &ln);
+            text.exp([exponent.neg_lo, exponent.hi])
+        });
+        let zero = self.zero();
+        if a.range.lo <= 0.0 {
+            // Powers of 0 start at 0 for exponents above 0; for others they have no bound.
+            let from_zero = self.m.le(zero, a.value.neg_lo);
+            let neg_lo_zero = self.m.max(neg_lo, zero);
+            neg_lo = self.m.select(from_zero, neg_lo_zero, neg_lo);
+            let exponent_positive = self.m.lt(b.value.neg_lo, zero);
+            let infinity = self.infinity();
+            let hi_zero = self.m.select(exponent_positive, hi, infinity);
+            hi = self.m.select(from_zero, hi_zero, hi);
+        }
+        let value = self.combine(neg_lo, hi, a, b);
+        // Defined for a > 0, or a = 0 and b > 0.
+        let (not_positive, positive) = self.positive(a);
+        let (negative, nonneg) = self.nonneg(a);
+        let (never_up, always_up) = self.positive(b);
+        let nowhere = not_positive.and(self.m, never_up);
+        let nowhere = nowhere.or(self.m, negative);
+        let throughout = nonneg.and(self.m, always_up);
+        let throughout = throughout.or(self.m, positive);
+        self.restrict(value, nowhere, throughout)
+    }
+}

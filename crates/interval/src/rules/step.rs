@@ -1,0 +1,112 @@
+//! Functions that jump: rounding to integers, sign, remainder.
+
+use super::Rule;
+use crate::bounds::Interval;
+use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::machine::Machine;
+
+impl<M: Machine> Rule<'_, M> {
+    /// Bounds of an integer-valued function, continuous where it takes one value.
+    fn steps(&mut self, a: &Operand<M::V>, neg_lo: M::V, hi: M::V) -> Enclosure<M::V> {
+        // lo = hi, as −(−lo) = hi; ∞ − ∞ is NaN and claims nothing.
+        let lo = self.m.neg(neg_lo);
+        let one_value = self.m.eq(lo, hi);
+        let continuous = a.value.continuous.and(self.m, Fact::Lanes(one_value));
+        Enclosure {
+            neg_lo,
+            hi,
+            continuous,
+            ..a.value
+        }
+    }
+
+    pub(super) fn floor(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let neg_lo = self.m.ceil(a.value.neg_lo);
+        let hi = self.m.floor(a.value.hi);
+        self.steps(a, neg_lo, hi)
+    }
+
+    pub(super) fn ceil(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let neg_lo = self.m.floor(a.value.neg_lo);
+        let hi = self.m.ceil(a.value.hi);
+        self.steps(a, neg_lo, hi)
+    }
+
+    pub(super) fn round(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let neg_lo = self.m.nearest(a.value.neg_lo);
+        let hi = self.m.nearest(a.value.hi);
+        self.steps(a, neg_lo, hi)
+    }
+
+    pub(super) fn trunc(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let neg_lo = self.m.trunc(a.value.neg_lo);
+        let hi = self.m.trunc(a.value.hi);
+        self.steps(a, neg_lo, hi)
+    }
+
+    pub(super) fn sign(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let neg_lo = self.sign_of(a.value.neg_lo);
+        let hi = self.sign_of(a.value.hi);
+        self.steps(a, neg_lo, hi)
+    }
+
+    /// −1, 0 or 1.
+    pub(crate) fn sign_of(&mut self, a: M::V) -> M::V {
+        let (zero, one, minus_one) = (self.zero(), self.number(1.0), self.number(-1.0));
+        let positive = self.gt(a, zero);
+        let negative = self.m.lt(a, zero);
+        let up = self.m.and(positive, one);
+        let down = self.m.and(negative, minus_one);
+        self.m.or(up, down)
+    }
+
+    pub(super) fn fract(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let (zero, one) = (self.zero(), self.number(1.0));
+        let floor = self.floor(a);
+        let floor_lo = self.m.neg(floor.neg_lo);
+        let one_cell = self.m.eq(floor_lo, floor.hi);
+        let neg_lo = self.m.add(a.value.neg_lo, floor.hi);
+        let neg_lo = self.m.select(one_cell, neg_lo, zero);
+        let hi = self.m.sub(a.value.hi, floor.hi);
+        let hi = self.m.select(one_cell, hi, one);
+        Enclosure {
+            neg_lo,
+            hi,
+            ..floor
+        }
+    }
+
+    /// a − b·floor(a/b), within [0, b) for b > 0 and (b, 0] for b < 0.
+    pub(super) fn modulo(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        let entire = Interval::ENTIRE;
+        let quotient = Operand {
+            value: self.div(a, b),
+            range: entire,
+        };
+        let cells = Operand {
+            value: self.floor(&quotient),
+            range: entire,
+        };
+        // Whole cells; unbounded range, so the product is guarded.
+        let multiple = Operand {
+            value: self.mul(b, &cells),
+            range: entire,
+        };
+        let direct = self.add(a, &multiple.negated());
+        // Where the quotient is finite, the direct bounds and [min(0, b), max(0, b)] both hold: take the tighter.
+        // Their intersection is never empty where the function is defined somewhere.
+        let zero = self.zero();
+        let within_neg_lo = self.m.max(b.value.neg_lo, zero);
+        let within_hi = self.m.max(b.value.hi, zero);
+        let neg_lo = self.m.min(direct.neg_lo, within_neg_lo);
+        let hi = self.m.min(direct.hi, within_hi);
+        // Keep lo ≤ hi also in lanes that are nowhere defined.
+        let lo = self.m.neg(neg_lo);
+        let hi = self.m.max(hi, lo);
+        Enclosure {
+            neg_lo,
+            hi,
+            ..direct
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! The machine that computes: the reference for every kernel.
+
+use crate::machine::{Format, Machine};
+use crate::round::{f32_up, f64_up};
+
+/// A vector's lanes, as bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lanes {
+    /// Four `f32`.
+    F32([u32; 4]),
+    /// Two `f64`.
+    F64([u64; 2]),
+}
+
+impl Lanes {
+    /// Four `f32` lanes.
+    pub fn from_f32(lanes: [f32; 4]) -> Self {
+        Self::F32(lanes.map(f32::to_bits))
+    }
+
+    /// Two `f64` lanes.
+    pub fn from_f64(lanes: [f64; 2]) -> Self {
+        Self::F64(lanes.map(f64::to_bits))
+    }
+
+    /// The lanes as bits of `f32`.
+    ///
+    /// # Panics
+    /// If the lanes are `f64`.
+    pub fn bits_32(self) -> [u32; 4] {
+        match self {
+            Self::F32(lanes) => lanes,
+            Self::F64(_) => panic!("expected f32 lanes"),
+        }
+    }
+
+    /// The lanes as bits of `f64`.
+    ///
+    /// # Panics
+    /// If the lanes are `f32`.
+    pub fn bits_64(self) -> [u64; 2] {
+        match self {
+            Self::F64(lanes) => lanes,
+            Self::F32(_) => panic!("expected f64 lanes"),
+        }
+    }
+
+    /// The lanes as `f32`.
+    ///
+    /// # Panics
+    /// If the lanes are `f64`.
+    pub fn f32(self) -> [f32; 4] {
+        self.bits_32().map(f32::from_bits)
+    }
+
+    /// The lanes as `f64`.
+    ///
+    /// # Panics
+    /// If the lanes are `f32`.
+    pub fn f64(self) -> [f64; 2] {
+        self.bits_64().map(f64::from_bits)
+    }
+}
+
+/// A [`Machine`] that computes each lane in software, rounding up whatever the processor's rounding mode.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Software;
+
+fn unary(a: Lanes, f: impl Fn(f32) -> f32, g: impl Fn(f64) -> f64) -> Lanes {
+    match a {
+        Lanes::F32(a) => Lanes::F32(a.map(|a| f(f32::from_bits(a)).to_bits())),
+        Lanes::F64(a) => Lanes::F64(a.map(|a| g(f64::from_bits(a)).to_bits())),
+    }
+}
+
+fn binary(a: Lanes, b: Lanes, f: impl Fn(f32, f32) -> f32, g: impl Fn(f64, f64) -> f64) -> Lanes {
+    integer(
+        a,
+        b,
+        |a, b| f(f32::from_bits(a), f32::from_bits(b)).to_bits(),
+        |a, b| g(f64::from_bits(a), f64::from_bits(b)).to_bits(),
+    )
+}
+
+fn integer(a: Lanes, b: Lanes, f: impl Fn(u32, u32) -> u32, g: impl Fn(u64, u64) -> u64) -> Lanes {
+    match (a, b) {
+        (Lanes::F32(a), Lanes::F32(b)) => Lanes::F32(std::array::from_fn(|i| f(a[i], b[i]))),
+        (Lanes::F64(a), Lanes::F64(b)) => Lanes::F64(std::array::from_fn(|i| g(a[i], b[i]))),
+        _ => panic!("operands of one operation share a format"),
+    }
+}
+
+fn compare(
+    a: Lanes,
+    b: Lanes,
+    f: impl Fn(f32, f32) -> bool,
+    g: impl Fn(f64, f64) -> bool,
+) -> Lanes {
+    integer(
+        a,
+        b,
+        |a, b| {
+            if f(f32::from_bits(a), f32::from_bits(b)) {
+                u32::MAX
+            } else {
+                0
+            }
+        },
+        |a, b| {
+            if g(f64::from_bits(a), f64::from_bits(b)) {
+                u64::MAX
+            } else {
+                0
+            }
+        },
+    )
+}
+
+impl Machine for Software {
+    type V = Lanes;
+
+    fn number(&mut self, format: Format, value: f64) -> Lanes {
+        match format {
+            Format::F32 => {
+                let narrow = value as f32;
+                debug_assert!(f64::from(narrow) == value, "{value} is not exact in f32");
+                Lanes::from_f32([narrow; 4])
+            }
+            Format::F64 => Lanes::from_f64([value; 2]),
+        }
+    }
+    fn bits(&mut self, format: Format, bits: u64) -> Lanes {
+        match format {
+            Format::F32 => Lanes::F32([bits as u32; 4]),
+            Format::F64 => Lanes::F64([bits; 2]),
+        }
+    }
+
+    fn add(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        binary(a, b, f32_up::add, f64_up::add)
+    }
+    fn sub(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        binary(a, b, f32_up::sub, f64_up::sub)
+    }
+    fn mul(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        binary(a, b, f32_up::mul, f64_up::mul)
+    }
+    fn div(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        binary(a, b, f32_up::div, f64_up::div)
+    }
+    fn sqrt(&mut self, a: Lanes) -> Lanes {
+        unary(a, f32_up::sqrt, f64_up::sqrt)
+    }
+    fn neg(&mut self, a: Lanes) -> Lanes {
+        unary(a, |a| -a, |a| -a)
+    }
+    fn abs(&mut self, a: Lanes) -> Lanes {
+        unary(a, f32::abs, f64::abs)
+    }
+    fn min(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        binary(
+            a,
+            b,
+            |a, b| if a < b { a } else { b },
+            |a, b| if a < b { a } else { b },
+        )
+    }
+    fn max(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        binary(
+            a,
+            b,
+            |a, b| if a > b { a } else { b },
+            |a, b| if a > b { a } else { b },
+        )
+    }
+    fn floor(&mut self, a: Lanes) -> Lanes {
+        unary(a, f32::floor, f64::floor)
+    }
+    fn ceil(&mut self, a: Lanes) -> Lanes {
+        unary(a, f32::ceil, f64::ceil)
+    }
+    fn trunc(&mut self, a: Lanes) -> Lanes {
+        unary(a, f32::trunc, f64::trunc)
+    }
+    fn nearest(&mut self, a: Lanes) -> Lanes {
+        unary(a, f32::round_ties_even, f64::round_ties_even)
+    }
+
+    fn lt(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        compare(a, b, |a, b| a < b, |a, b| a < b)
+    }
+    fn le(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        compare(a, b, |a, b| a <= b, |a, b| a <= b)
+    }
+    fn eq(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        compare(a, b, |a, b| a == b, |a, b| a == b)
+    }
+    fn and(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        integer(a, b, |a, b| a & b, |a, b| a & b)
+    }
+    fn or(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        integer(a, b, |a, b| a | b, |a, b| a | b)
+    }
+    fn xor(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        integer(a, b, |a, b| a ^ b, |a, b| a ^ b)
+    }
+    fn select(&mut self, mask: Lanes, a: Lanes, b: Lanes) -> Lanes {
+        let chosen = self.and(mask, a);
+        let other = integer(mask, b, |m, b| !m & b, |m, b| !m & b);
+        self.or(chosen, other)
+    }
+
+    fn int_add(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        integer(a, b, u32::wrapping_add, u64::wrapping_add)
+    }
+    fn int_sub(&mut self, a: Lanes, b: Lanes) -> Lanes {
+        integer(a, b, u32::wrapping_sub, u64::wrapping_sub)
+    }
+    fn shift_left(&mut self, a: Lanes, by: u8) -> Lanes {
+        match a {
+            Lanes::F32(a) => Lanes::F32(a.map(|a| a << by)),
+            Lanes::F64(a) => Lanes::F64(a.map(|a| a << by)),
+        }
+    }
+    fn shift_right(&mut self, a: Lanes, by: u8) -> Lanes {
+        match a {
+            Lanes::F32(a) => Lanes::F32(a.map(|a| a >> by)),
+            Lanes::F64(a) => Lanes::F64(a.map(|a| a >> by)),
+        }
+    }
+
+    fn widen(&mut self, a: Lanes) -> [Lanes; 2] {
+        let a = a.f32().map(f64::from);
+        [Lanes::from_f64([a[0], a[1]]), Lanes::from_f64([a[2], a[3]])]
+    }
+    fn narrow(&mut self, halves: [Lanes; 2]) -> Lanes {
+        let ([a, b], [c, d]) = (halves[0].f64(), halves[1].f64());
+        Lanes::from_f32([a, b, c, d].map(f32_up::from_f64))
+    }
+}
