@@ -3,8 +3,18 @@
 //! - The independent [`Oracle`] says what is certain of a function at one exact point.
 //! - Seeded generators draw adversarial numbers, boxes, points, rays and graphs over every row of
 //!   the table of operations, internal ones included.
+//! - The [`suite`] holds any evaluator against the oracle over the whole table.
 //! - [`reproduce`] prints a failing case as a line that `zeroset eval` reads.
 
+pub mod npy;
 mod oracle;
+mod random;
+mod reproduce;
+pub mod suite;
 
 pub use oracle::{Claim, Defined, Oracle, enclose_at};
+pub use random::{
+    Ends, GraphOptions, Ray, Rng, adversarial_f32, point_in_box, random_box, random_constant,
+    random_graph, random_parameters, random_ray,
+};
+pub use reproduce::{Place, hexadecimal, reproduce};

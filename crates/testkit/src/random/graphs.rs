@@ -1,0 +1,230 @@
+//! Random expression graphs over every row of the table, and values for their parameters.
+
+use super::Rng;
+use super::values::{Ends, adversarial_f32, below, from_exponents};
+use zeroset_interval::Interval;
+use zeroset_ir::{Axis, Constant, Graph, NodeId};
+use zeroset_ops::{Op, TABLE};
+
+/// What [`random_graph`] draws from.
+#[derive(Clone, Debug)]
+pub struct GraphOptions {
+    /// How many operations are applied; equal ones are one node.
+    pub size: u32,
+    /// The operations to choose from: at least one.
+    pub ops: Vec<Op>,
+    /// Parameters are numbered below this.
+    pub parameters: u32,
+    /// Whether constants may be huge, tiny or known only by their bounds.
+    pub adversarial: bool,
+}
+
+impl Default for GraphOptions {
+    /// Eight operations out of the whole table, no parameters, all constants.
+    fn default() -> Self {
+        Self {
+            size: 8,
+            ops: TABLE.iter().map(|row| row.op).collect(),
+            parameters: 0,
+            adversarial: true,
+        }
+    }
+}
+
+/// An expression and its root, which is the operation applied last.
+///
+/// Operands are mostly recent nodes, so that formulas are deep and share sub-expressions; exponents
+/// and divisors are mostly constants, so that many formulas are defined somewhere.
+///
+/// # Panics
+/// If `options.ops` is empty.
+pub fn random_graph(rng: &mut Rng, options: &GraphOptions) -> (Graph, NodeId) {
+    let mut graph = Graph::new();
+    let mut made = vec![leaf(rng, options, &mut graph)];
+    for _ in 0..options.size {
+        let op = options.ops[below(rng, options.ops.len())];
+        let mut operands = Vec::with_capacity(3);
+        for place in 0..op.arity() {
+            operands.push(operand(rng, options, &mut graph, &made, (op, place)));
+        }
+        made.push(graph.apply(op, &operands));
+    }
+    let root = made[made.len() - 1];
+    (graph, root)
+}
+
+fn operand(
+    rng: &mut Rng,
+    options: &GraphOptions,
+    graph: &mut Graph,
+    made: &[NodeId],
+    (op, place): (Op, usize),
+) -> NodeId {
+    let by_constant = matches!(op, Op::Pow | Op::Mod | Op::Div) && place == 1;
+    match rng.u32(0..8) {
+        0..=3 if by_constant => {
+            let value = if op == Op::Pow {
+                exponent(rng, options.adversarial)
+            } else {
+                random_constant(rng, options.adversarial)
+            };
+            graph.constant(value)
+        }
+        0..=3 => made[made.len() - 1 - below(rng, made.len().min(3))],
+        4 => made[below(rng, made.len())],
+        _ => leaf(rng, options, graph),
+    }
+}
+
+fn leaf(rng: &mut Rng, options: &GraphOptions, graph: &mut Graph) -> NodeId {
+    match rng.u32(0..8) {
+        0 | 1 => {
+            let value = random_constant(rng, options.adversarial);
+            graph.constant(value)
+        }
+        2 | 3 if options.parameters > 0 => graph.parameter(rng.u32(0..options.parameters)),
+        _ => graph.variable(Axis::ALL[below(rng, 3)]),
+    }
+}
+
+fn exponent(rng: &mut Rng, adversarial: bool) -> Constant {
+    let ratio = |n, d| Constant::ratio(n, d).unwrap_or_else(|| Constant::integer(1));
+    match rng.u32(0..8) {
+        0 => ratio(i64::from(rng.i32(-7..=7)), i64::from(rng.i32(1..=4))),
+        1 => random_constant(rng, adversarial),
+        2 => Constant::integer(i64::from(rng.i32(-40..=40))),
+        _ => Constant::integer(i64::from(rng.i32(-3..=6))),
+    }
+}
+
+/// A constant as one might type it: a small integer, a short decimal, a ratio, π, τ, e or φ. If
+/// `adversarial`, also huge and tiny decimals, `f32` at which something goes wrong, integers that no
+/// float holds, and numbers known only by their bounds.
+pub fn random_constant(rng: &mut Rng, adversarial: bool) -> Constant {
+    let decimal = |text: String| Constant::decimal(&text).unwrap_or_else(|| Constant::integer(0));
+    let kinds = if adversarial { 12 } else { 6 };
+    match rng.u32(0..kinds) {
+        0 | 1 => Constant::integer(i64::from(rng.i32(-3..=5))),
+        2 => Constant::integer(i64::from(rng.i32(-1000..=1000))),
+        3 => decimal(format!("{}.{}", rng.u32(0..10), rng.u32(0..1000))),
+        4 => Constant::ratio(i64::from(rng.i32(-20..=20)), i64::from(rng.i32(1..=20)))
+            .unwrap_or_else(|| Constant::integer(1)),
+        5 => match rng.u32(0..4) {
+            0 => Constant::pi(),
+            1 => Constant::tau(),
+            2 => Constant::e(),
+            _ => Constant::phi(),
+        },
+        6 => decimal(format!("{}e{}", rng.u32(1..100), rng.i32(20..=340))),
+        7 => decimal(format!("{}e-{}", rng.u32(1..100), rng.i32(20..=340))),
+        8 => Constant::integer((1 << 53) + i64::from(rng.i32(-3..=3))),
+        9 => {
+            let value = f64::from(adversarial_f32(rng, Ends::Finite));
+            enclosed(value, value.next_up())
+        }
+        10 => {
+            let value = f64::from(adversarial_f32(rng, Ends::Finite));
+            enclosed(value, value + f64::from(from_exponents(rng, -40, 2)))
+        }
+        _ => {
+            let value = f64::from(adversarial_f32(rng, Ends::Finite));
+            enclosed(value, value)
+        }
+    }
+}
+
+/// Some number between two finite bounds in order.
+fn enclosed(lo: f64, hi: f64) -> Constant {
+    Constant::enclosed(Interval { lo, hi })
+}
+
+/// Bounds for each of `count` parameters: what was typed exactly, or as a decimal that no float
+/// holds, or a wider range.
+pub fn random_parameters(rng: &mut Rng, count: u32) -> Vec<(f64, f64)> {
+    (0..count)
+        .map(|_| {
+            let value = f64::from(adversarial_f32(rng, Ends::Finite));
+            match rng.u32(0..4) {
+                0 | 1 => (value, value),
+                2 => (value, value.next_up()),
+                _ => (value, value + f64::from(from_exponents(rng, -24, 1))),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Defined, enclose_at};
+    use zeroset_ir::Node;
+
+    const SEED: u64 = 0x5eed_0030;
+
+    #[test]
+    fn every_operation_and_kind_of_leaf_is_drawn() {
+        let mut rng = Rng::with_seed(SEED);
+        let mut seen = vec![0; TABLE.len()];
+        let (mut axes, mut parameters, mut exact, mut enclosed) = (0, 0, 0, 0);
+        let options = GraphOptions {
+            parameters: 2,
+            ..GraphOptions::default()
+        };
+        for _ in 0..2000 {
+            let (graph, root) = random_graph(&mut rng, &options);
+            let needed = graph.reachable(&[root]);
+            for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+                match node {
+                    Node::Variable(axis) => axes |= 1 << *axis as u32,
+                    Node::Parameter(number) => parameters |= 1 << number,
+                    Node::Constant(value) if value.exact().is_some() => exact += 1,
+                    Node::Constant(_) => enclosed += 1,
+                    Node::Apply(op, _) => seen[*op as usize] += 1,
+                }
+                assert!(id.index() < graph.len());
+            }
+        }
+        for row in TABLE {
+            assert!(seen[row.op as usize] > 50, "{}: {seen:?}", row.name);
+        }
+        assert_eq!((axes, parameters), (0b111, 0b11));
+        assert!(exact > 500 && enclosed > 200, "{exact} {enclosed}");
+    }
+
+    #[test]
+    fn only_the_operations_asked_for_are_drawn() {
+        let mut rng = Rng::with_seed(SEED);
+        let options = GraphOptions {
+            ops: vec![Op::Add, Op::Sin],
+            ..GraphOptions::default()
+        };
+        for _ in 0..100 {
+            let (graph, root) = random_graph(&mut rng, &options);
+            assert!(matches!(
+                graph.node(root),
+                Node::Apply(Op::Add | Op::Sin, _)
+            ));
+            let other = graph
+                .iter()
+                .any(|(_, node)| matches!(node, Node::Apply(op, _) if !options.ops.contains(op)));
+            assert!(!other);
+        }
+    }
+
+    /// A generator whose formulas are nowhere defined would make every property hold.
+    #[test]
+    fn a_fair_share_of_formulas_has_finite_values() {
+        let mut rng = Rng::with_seed(SEED);
+        let (mut defined, mut narrow) = (0, 0);
+        for _ in 0..2000 {
+            let (graph, root) = random_graph(&mut rng, &GraphOptions::default());
+            let region = crate::random_box(&mut rng, Ends::Finite);
+            let point = crate::point_in_box(&mut rng, &region);
+            let claim = enclose_at(&graph, &[root], point, &[])[0];
+            defined += u32::from(claim.defined == Defined::Yes);
+            let width = claim.hi - claim.lo;
+            narrow += u32::from(claim.defined == Defined::Yes && width <= claim.hi.abs() * 1e-9);
+        }
+        assert!(defined > 800 && narrow > 500, "{defined} {narrow}");
+    }
+}

@@ -1,0 +1,179 @@
+//! Boxes, points inside them, and rays.
+
+use super::values::{Ends, adversarial_f32, below, from_exponents, uniform, uniform_f64};
+use super::{Rng, values::nudge};
+
+/// A box: per axis, the lower and the upper end, in order and never NaN. An infinite end stands for
+/// an unbounded side (as allowed by `ends`), so a lower end is below +∞ and an upper one above −∞.
+///
+/// Points, thin boxes, boxes around zero and huge ones are all likely; one box in four is plain on
+/// every axis, so that larger formulas are defined and finite somewhere.
+pub fn random_box(rng: &mut Rng, ends: Ends) -> [[f32; 2]; 3] {
+    let plain = rng.u32(0..4) == 0;
+    [(); 3].map(|()| {
+        if plain {
+            plain_range(rng)
+        } else {
+            random_range(rng, ends)
+        }
+    })
+}
+
+fn plain_range(rng: &mut Rng) -> [f32; 2] {
+    let middle = uniform(rng) * 8.0 - 4.0;
+    let half = from_exponents(rng, -24, 1);
+    [middle - half, middle + half]
+}
+
+fn random_range(rng: &mut Rng, ends: Ends) -> [f32; 2] {
+    let a = adversarial_f32(rng, Ends::Finite);
+    match rng.u32(0..8) {
+        0 => [a, a],
+        1 => {
+            let b = nudge(rng, a);
+            [a.min(b), a.max(b)]
+        }
+        2 => [-a.abs(), adversarial_f32(rng, Ends::Finite).abs()],
+        3 => [-0.0, 0.0],
+        4 => plain_range(rng),
+        5 if ends == Ends::Infinite => match rng.u32(0..3) {
+            0 => [f32::NEG_INFINITY, a],
+            1 => [a, f32::INFINITY],
+            _ => [f32::NEG_INFINITY, f32::INFINITY],
+        },
+        _ => {
+            let b = adversarial_f32(rng, Ends::Finite);
+            [a.min(b), a.max(b)]
+        }
+    }
+}
+
+/// A real point of `region` (ends as in [`random_box`]): mostly at corners, on edges and at zeros,
+/// integers, half integers and multiples of π/2 inside, and else anywhere. Always finite; where the
+/// box is unbounded the point may be as far out as 1e300.
+pub fn point_in_box(rng: &mut Rng, region: &[[f32; 2]; 3]) -> [f64; 3] {
+    let corner = rng.u32(0..4) == 0;
+    region.map(|[lo, hi]| {
+        let (lo, hi) = (f64::from(lo), f64::from(hi));
+        let (lo, hi) = (bounded(rng, lo), bounded(rng, hi));
+        match rng.u32(0..8) {
+            _ if corner => [lo, hi][below(rng, 2)],
+            0 | 1 => [lo, hi][below(rng, 2)],
+            2 => [lo.next_up(), hi.next_down()][below(rng, 2)].clamp(lo, hi),
+            3 => special_between(rng, lo, hi).clamp(lo, hi),
+            4 => (lo / 2.0 + hi / 2.0).clamp(lo, hi),
+            5 => f64::from(adversarial_f32(rng, Ends::Finite)).clamp(lo, hi),
+            _ => {
+                let share = uniform_f64(rng);
+                (lo * (1.0 - share) + hi * share).clamp(lo, hi)
+            }
+        }
+    })
+}
+
+/// A finite stand-in for an infinite end.
+fn bounded(rng: &mut Rng, end: f64) -> f64 {
+    if end.is_finite() {
+        return end;
+    }
+    [1e300, f64::from(f32::MAX).next_up()][below(rng, 2)].copysign(end)
+}
+
+/// Zero, an integer, a half integer or about a multiple of π/2, near or inside [lo, hi].
+fn special_between(rng: &mut Rng, lo: f64, hi: f64) -> f64 {
+    use std::f64::consts::FRAC_PI_2;
+    let share = uniform_f64(rng);
+    let near = lo * (1.0 - share) + hi * share;
+    match rng.u32(0..4) {
+        0 => 0.0,
+        1 => near.round_ties_even(),
+        2 => near.floor() + 0.5,
+        _ => (near / FRAC_PI_2).round_ties_even() * FRAC_PI_2,
+    }
+}
+
+/// A piece of a line in space: the points `eye + t·direction` for t between two ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where t is 0.
+    pub eye: [f64; 3],
+    /// Of any length but 0; components may be ±0.
+    pub direction: [f64; 3],
+    /// The least and the largest t, in order.
+    pub span: [f32; 2],
+}
+
+/// A ray of about unit direction: along an axis, a diagonal, nearly along an axis, or anywhere.
+pub fn random_ray(rng: &mut Rng) -> Ray {
+    let signed = |rng: &mut Rng| uniform_f64(rng) * 2.0 - 1.0;
+    let direction = loop {
+        let kind = rng.u32(0..4);
+        let direction = [(); 3].map(|()| match (kind, rng.u32(0..3)) {
+            (0, 0 | 1) => [0.0, -0.0][below(rng, 2)],
+            (0 | 1, _) => [1.0, -1.0][below(rng, 2)],
+            (2, 0) => signed(rng) * 2f64.powi(-rng.i32(0..200)),
+            _ => signed(rng),
+        });
+        if direction.iter().any(|d| *d != 0.0) {
+            break direction;
+        }
+    };
+    let eye = [(); 3].map(|()| signed(rng) * 8.0);
+    let start = from_exponents(rng, -10, 3);
+    let length = from_exponents(rng, -24, 3);
+    Ray {
+        eye,
+        direction,
+        span: [start, start + length],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SEED: u64 = 0x5eed_0020;
+
+    #[test]
+    fn boxes_are_in_order_and_points_lie_inside() {
+        let mut rng = Rng::with_seed(SEED);
+        let (mut unbounded, mut corners, mut inside) = (0, 0, 0);
+        for round in 0..20_000 {
+            let region = random_box(&mut rng, Ends::Infinite);
+            let case = format!("{region:?}, seed {SEED:#x}, round {round}");
+            for [lo, hi] in region {
+                assert!(
+                    lo <= hi && lo < f32::INFINITY && hi > f32::NEG_INFINITY,
+                    "{case}"
+                );
+                unbounded += u32::from(lo.is_infinite() || hi.is_infinite());
+            }
+            let point = point_in_box(&mut rng, &region);
+            for (p, [lo, hi]) in point.into_iter().zip(region) {
+                let (lo, hi) = (f64::from(lo), f64::from(hi));
+                assert!(p.is_finite() && lo <= p && p <= hi, "{point:?} in {case}");
+                corners += u32::from(p == lo || p == hi);
+                inside += u32::from(lo < p && p < hi);
+            }
+        }
+        assert!(unbounded > 1000 && corners > 1000 && inside > 1000);
+        let mut rng = Rng::with_seed(SEED);
+        for _ in 0..20_000 {
+            let region = random_box(&mut rng, Ends::Finite);
+            assert!(region.as_flattened().iter().all(|end| end.is_finite()));
+        }
+    }
+
+    #[test]
+    fn rays_have_a_direction() {
+        let mut rng = Rng::with_seed(SEED);
+        let mut along_axes = 0;
+        for _ in 0..1000 {
+            let ray = random_ray(&mut rng);
+            let moving = ray.direction.iter().filter(|d| **d != 0.0).count();
+            assert!(moving > 0 && ray.span[0] <= ray.span[1], "{ray:?}");
+            along_axes += u32::from(moving == 1);
+        }
+        assert!(along_axes > 50);
+    }
+}

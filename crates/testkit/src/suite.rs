@@ -1,0 +1,55 @@
+//! One suite for every evaluator: each row of the table over adversarial inputs, and random graphs.
+//!
+//! An evaluator plugs in as a function that makes a kernel out of a graph. Nothing is assumed of how
+//! it works; what it says is held against the [`Oracle`].
+
+mod gradient;
+mod interval;
+mod point;
+mod subjects;
+
+use std::fmt;
+use zeroset_eval::{GradientKernel, IntervalKernel, PointKernel};
+use zeroset_ir::{Graph, NodeId};
+
+pub use gradient::check_gradients;
+pub use interval::{check_interval_graphs, check_interval_ops};
+pub use point::check_points;
+
+/// Makes an interval kernel for a graph without parameters.
+pub type MakeInterval<'a> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn IntervalKernel>;
+/// Makes a point kernel for a graph without parameters.
+pub type MakePoint<'a> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn PointKernel>;
+/// Makes a gradient kernel for a graph without parameters.
+pub type MakeGradient<'a> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn GradientKernel>;
+
+/// How much a passing check has looked at: a test should ask for a minimum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Pairs of a kernel's answer and an oracle's claim.
+    pub compared: u64,
+    /// Those where the function is certainly defined, so that values were compared.
+    pub defined: u64,
+}
+
+impl Tally {
+    fn add(&mut self, other: Self) {
+        self.compared += other.compared;
+        self.defined += other.defined;
+    }
+}
+
+/// The first contradiction found: what it was, and a line that reproduces it.
+#[derive(Clone, Debug)]
+pub struct Failure(String);
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,80 @@
+//! Gradient kernels: their derivatives agree with the slope between two values of the oracle.
+
+use super::subjects::subjects;
+use super::{Failure, MakeGradient, Tally};
+use crate::{Defined, Oracle, Place, Rng, reproduce};
+use zeroset_eval::{GradientPacket, LANES, PointPacket};
+
+/// Half the distance over which slopes are measured. Squared, times a third derivative, it is what
+/// a slope may be off by; the oracle's values are good to about 2⁻⁵², so rounding adds 2⁻³⁵.
+const STEP: f64 = 1.0 / (1 << 17) as f64;
+
+/// Checks every operation alone at `points` plain points (coordinates up to 4, away from jumps and
+/// kinks with probability nearly 1; where slopes on both sides differ, nothing is compared).
+///
+/// A derivative passes within `relative` of the slope, or of 1 if the slope is smaller.
+///
+/// # Errors
+/// The first contradiction, with a line that reproduces it.
+pub fn check_gradients(
+    make: MakeGradient,
+    seed: u64,
+    points: u32,
+    relative: f64,
+) -> Result<Tally, Failure> {
+    let mut rng = Rng::with_seed(seed);
+    let mut tally = Tally::default();
+    for subject in subjects() {
+        let places: Vec<[f32; 3]> = (0..points)
+            .map(|_| [(); 3].map(|()| rng.i32(-1 << 20..1 << 20) as f32 / (1 << 18) as f32))
+            .collect();
+        let mut packets = vec![PointPacket::default(); places.len().div_ceil(LANES)];
+        for (index, place) in places.iter().enumerate() {
+            for (axis, value) in place.iter().enumerate() {
+                packets[index / LANES].at[axis][index % LANES] = *value;
+            }
+        }
+        let mut out = vec![GradientPacket::default(); packets.len()];
+        make(&subject.graph, subject.root).gradient(&packets, &mut out);
+        let oracle = Oracle::new(&subject.graph, &[subject.root]);
+        for (index, place) in places.iter().enumerate() {
+            let point = place.map(f64::from);
+            for axis in 0..3 {
+                tally.compared += 1;
+                let Some(slope) = slope(&oracle, point, axis, relative) else {
+                    continue;
+                };
+                tally.defined += 1;
+                let got = f64::from(out[index / LANES].gradient[axis][index % LANES]);
+                let close = (got - slope).abs() <= relative * slope.abs().max(1.0);
+                if !close {
+                    let line = reproduce(&subject.graph, subject.root, &[], &Place::At(point));
+                    return Err(Failure(format!(
+                        "derivative {axis} is {got:e}, the slope {slope:e}\n{line}\nseed {seed:#x}"
+                    )));
+                }
+            }
+        }
+    }
+    Ok(tally)
+}
+
+/// The slope along `axis`, if the function is defined around `point`, known well, and straight
+/// enough that the slopes to either side agree.
+fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option<f64> {
+    let value = |offset: f64| {
+        let mut at = point;
+        at[axis] += offset;
+        let claim = oracle.at(at, &[])[0];
+        let known = claim.defined == Defined::Yes
+            && claim.hi - claim.lo <= STEP * relative * claim.hi.abs().max(1.0) / 64.0;
+        known.then_some(claim.lo / 2.0 + claim.hi / 2.0)
+    };
+    let (before, here, after) = (value(-STEP)?, value(0.0)?, value(STEP)?);
+    let (left, right) = ((here - before) / STEP, (after - here) / STEP);
+    let slope = left / 2.0 + right / 2.0;
+    let smooth = (left - right).abs() <= relative * slope.abs().max(1.0);
+    // Steep slopes overflow in f32, and values too large for their slope leave it too few digits.
+    let moderate = slope.abs() <= 1e30 && here.abs() <= slope.abs().max(1.0) * 1e6;
+    (smooth && moderate).then_some(slope)
+}

@@ -1,0 +1,157 @@
+//! Interval kernels: their bounds hold the oracle's values, and their facts are true.
+
+use super::subjects::subjects;
+use super::{Failure, MakeInterval, Tally};
+use crate::{
+    Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, point_in_box, random_box,
+    random_graph, reproduce,
+};
+use zeroset_eval::{BoxPacket, EnclosurePacket, LANES};
+use zeroset_interval::Facts;
+use zeroset_ir::{Graph, NodeId};
+
+/// Points tried in each box.
+const POINTS: u32 = 4;
+
+/// Checks every operation alone over `boxes` random boxes, unbounded ones included.
+///
+/// # Errors
+/// The first contradiction, with a line that reproduces it.
+pub fn check_interval_ops(make: MakeInterval, seed: u64, boxes: u32) -> Result<Tally, Failure> {
+    let mut rng = Rng::with_seed(seed);
+    let mut tally = Tally::default();
+    for subject in subjects() {
+        let drawn = check(make, &mut rng, &subject.graph, subject.root, boxes);
+        tally.add(drawn.map_err(|failure| seeded(&failure, seed))?);
+    }
+    Ok(tally)
+}
+
+/// Checks `graphs` random graphs drawn by `options` (without parameters) over `boxes` random boxes
+/// each.
+///
+/// # Errors
+/// The first contradiction, with a line that reproduces it.
+pub fn check_interval_graphs(
+    make: MakeInterval,
+    seed: u64,
+    options: &GraphOptions,
+    graphs: u32,
+    boxes: u32,
+) -> Result<Tally, Failure> {
+    let mut rng = Rng::with_seed(seed);
+    let mut tally = Tally::default();
+    let options = GraphOptions {
+        parameters: 0,
+        ..options.clone()
+    };
+    for _ in 0..graphs {
+        let (graph, root) = random_graph(&mut rng, &options);
+        let drawn = check(make, &mut rng, &graph, root, boxes);
+        tally.add(drawn.map_err(|failure| seeded(&failure, seed))?);
+    }
+    Ok(tally)
+}
+
+fn seeded(failure: &Failure, seed: u64) -> Failure {
+    Failure(format!("{failure}\nseed {seed:#x}"))
+}
+
+fn check(
+    make: MakeInterval,
+    rng: &mut Rng,
+    graph: &Graph,
+    root: NodeId,
+    boxes: u32,
+) -> Result<Tally, Failure> {
+    let regions: Vec<_> = (0..boxes)
+        .map(|_| random_box(rng, Ends::Infinite))
+        .collect();
+    let packets: Vec<BoxPacket> = regions.chunks(LANES).map(packed).collect();
+    let mut enclosures = vec![EnclosurePacket::default(); packets.len()];
+    make(graph, root).enclose(&packets, &mut enclosures);
+    let oracle = Oracle::new(graph, &[root]);
+    let mut tally = Tally::default();
+    for (index, region) in regions.iter().enumerate() {
+        let answer = Answer::of(&enclosures[index / LANES], index % LANES);
+        let fail = |what: &str| {
+            let line = reproduce(graph, root, &[], &Place::Box(*region));
+            Failure(format!("{what}: {answer:?}\n{line}"))
+        };
+        answer.well_formed().map_err(fail)?;
+        for _ in 0..POINTS {
+            let point = point_in_box(rng, region);
+            let claim = oracle.at(point, &[])[0];
+            tally.compared += 1;
+            tally.defined += u64::from(claim.defined == Defined::Yes);
+            answer.agrees(claim).map_err(|what| {
+                let at = point.map(hexadecimal);
+                fail(&format!("at {at:?}, {what} {claim:?}"))
+            })?;
+        }
+    }
+    Ok(tally)
+}
+
+/// Up to four boxes; lanes without one hold the box around 0.
+fn packed(regions: &[[[f32; 2]; 3]]) -> BoxPacket {
+    let mut packet = BoxPacket::default();
+    for (lane, region) in regions.iter().enumerate() {
+        for (axis, [lo, hi]) in region.iter().enumerate() {
+            packet.neg_lo[axis][lane] = -lo;
+            packet.hi[axis][lane] = *hi;
+        }
+    }
+    packet
+}
+
+/// One lane of a kernel's answer.
+#[derive(Debug)]
+struct Answer {
+    lo: f32,
+    hi: f32,
+    facts: Facts,
+    bits: u32,
+}
+
+impl Answer {
+    fn of(packet: &EnclosurePacket, lane: usize) -> Self {
+        Self {
+            lo: -packet.neg_lo[lane],
+            hi: packet.hi[lane],
+            facts: Facts::from_bits(packet.facts[lane]),
+            bits: packet.facts[lane],
+        }
+    }
+
+    fn claims_defined(&self) -> bool {
+        self.facts.has(Facts::DEFINED) || self.facts.has(Facts::CONTINUOUS)
+    }
+
+    fn well_formed(&self) -> Result<(), &'static str> {
+        let nowhere = self.facts.has(Facts::NOWHERE);
+        if self.lo.is_nan() || self.hi.is_nan() {
+            Err("a bound is NaN")
+        } else if self.lo == f32::INFINITY || self.hi == f32::NEG_INFINITY {
+            Err("a bound lies beyond all reals")
+        } else if self.bits != self.facts.bits() {
+            Err("unknown fact bits")
+        } else if nowhere && self.claims_defined() {
+            Err("defined and nowhere defined")
+        } else if !nowhere && self.lo > self.hi {
+            Err("the bounds are not in order")
+        } else {
+            Ok(())
+        }
+    }
+
+    fn agrees(&self, claim: Claim) -> Result<(), &'static str> {
+        let meets = f64::from(self.lo) <= claim.hi && claim.lo <= f64::from(self.hi);
+        match claim.defined {
+            Defined::Yes if self.facts.has(Facts::NOWHERE) => Err("called undefined, against"),
+            Defined::Yes if !meets => Err("the bounds miss"),
+            Defined::No if self.claims_defined() => Err("called defined, against"),
+            Defined::Yes | Defined::No | Defined::Unknown => Ok(()),
+        }
+    }
+}

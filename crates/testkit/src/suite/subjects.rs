@@ -1,0 +1,61 @@
+//! The small graphs that cover the table: each operation alone, with variables and with constants.
+
+use zeroset_ir::{Axis, Constant, Graph, NodeId};
+use zeroset_ops::{Op, TABLE};
+
+/// One operation as a graph.
+pub(super) struct Subject {
+    pub(super) op: Op,
+    pub(super) graph: Graph,
+    pub(super) root: NodeId,
+}
+
+/// Every operation over x, y, z; powers by constants; and binary operations with a constant or the
+/// same operand on either side.
+pub(super) fn subjects() -> Vec<Subject> {
+    let mut all = Vec::new();
+    for row in TABLE {
+        all.push(subject(row.op, |graph, place| {
+            graph.variable(Axis::ALL[place])
+        }));
+        if row.arity != 2 {
+            continue;
+        }
+        all.push(subject(row.op, |graph, _| graph.variable(Axis::X)));
+        for constant in constants(row.op) {
+            for side in 0..2 {
+                all.push(subject(row.op, |graph, place| {
+                    if place == side {
+                        graph.constant(constant.clone())
+                    } else {
+                        graph.variable(Axis::X)
+                    }
+                }));
+            }
+        }
+    }
+    all
+}
+
+fn subject(op: Op, mut operand: impl FnMut(&mut Graph, usize) -> NodeId) -> Subject {
+    let mut graph = Graph::new();
+    let operands: Vec<NodeId> = (0..op.arity())
+        .map(|place| operand(&mut graph, place))
+        .collect();
+    let root = graph.apply(op, &operands);
+    Subject { op, graph, root }
+}
+
+fn constants(op: Op) -> Vec<Constant> {
+    let mut all: Vec<Constant> = [-1, 0, 1, 2, 3].map(Constant::integer).into();
+    all.extend(Constant::decimal("0.1"));
+    all.push(Constant::pi());
+    all.extend(Constant::decimal("1e300"));
+    if op == Op::Pow {
+        all.extend([-7, -3, -2, 4, 5, 7, 8, 16, 31, 64, 1001].map(Constant::integer));
+        for (numerator, denominator) in [(1, 2), (-1, 2), (1, 3), (3, 2), (-7, 3)] {
+            all.extend(Constant::ratio(numerator, denominator));
+        }
+    }
+    all
+}

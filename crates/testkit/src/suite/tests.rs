@@ -1,0 +1,168 @@
+//! The suite must accept an honest kernel and catch each kind of lie.
+
+use super::*;
+use crate::{Claim, Defined, GraphOptions, Oracle};
+use zeroset_eval::{BoxPacket, EnclosurePacket, GradientPacket, LANES, PointPacket, ValuePacket};
+use zeroset_interval::Facts;
+
+const SEED: u64 = 0x5eed_0040;
+
+/// Answers every box alike.
+struct Same {
+    lo: f32,
+    hi: f32,
+    facts: Facts,
+}
+
+impl IntervalKernel for Same {
+    fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
+        for (_, packet) in boxes.iter().zip(out) {
+            packet.neg_lo = [-self.lo; LANES];
+            packet.hi = [self.hi; LANES];
+            packet.facts = [self.facts.bits(); LANES];
+        }
+    }
+}
+
+fn verdict(lo: f32, hi: f32, facts: Facts) -> Result<Tally, Failure> {
+    let make =
+        |_: &Graph, _: NodeId| -> Box<dyn IntervalKernel> { Box::new(Same { lo, hi, facts }) };
+    check_interval_ops(&make, SEED, 64)?;
+    check_interval_graphs(&make, SEED, &GraphOptions::default(), 100, 16)
+}
+
+#[track_caller]
+fn assert_fails(lo: f32, hi: f32, facts: Facts, reason: &str) {
+    let failure = verdict(lo, hi, facts).expect_err(reason).to_string();
+    assert!(failure.contains(reason), "{failure}");
+    assert!(failure.contains("{\"f\":"), "{failure}");
+}
+
+#[test]
+fn interval_lies_are_caught() {
+    let (least, most) = (f32::NEG_INFINITY, f32::INFINITY);
+    let tally = verdict(least, most, Facts::NONE).expect("claims nothing");
+    assert!(tally.compared == 6400 && tally.defined > 2000, "{tally:?}");
+    assert_fails(-1.0, 1.0, Facts::NONE, "the bounds miss");
+    assert_fails(least, most, Facts::NOWHERE, "called undefined");
+    assert_fails(least, most, Facts::DEFINED, "called defined");
+    assert_fails(least, most, Facts::CONTINUOUS, "called defined");
+    assert_fails(f32::NAN, most, Facts::NONE, "NaN");
+    assert_fails(most, most, Facts::NONE, "beyond all reals");
+    assert_fails(1.0, 0.0, Facts::NONE, "not in order");
+}
+
+/// Evaluates points by the oracle itself, and then spoils the values.
+struct Sampler {
+    graph: Graph,
+    root: NodeId,
+    spoil: fn(f64) -> f64,
+}
+
+impl Sampler {
+    fn at(&self, point: [f64; 3]) -> f64 {
+        let claim = Oracle::new(&self.graph, &[self.root]).at(point, &[])[0];
+        match claim.defined {
+            Defined::No => f64::NAN,
+            Defined::Yes | Defined::Unknown => {
+                (self.spoil)(claim.lo.max(f64::MIN) / 2.0 + claim.hi.min(f64::MAX) / 2.0)
+            }
+        }
+    }
+}
+
+fn point(packet: &PointPacket, lane: usize) -> [f64; 3] {
+    packet.at.map(|axis| f64::from(axis[lane]))
+}
+
+impl PointKernel for Sampler {
+    fn sample(&self, points: &[PointPacket], out: &mut [ValuePacket]) {
+        for (packet, out) in points.iter().zip(out) {
+            for lane in 0..LANES {
+                out.value[lane] = self.at(point(packet, lane)) as f32;
+            }
+        }
+    }
+}
+
+impl GradientKernel for Sampler {
+    fn gradient(&self, points: &[PointPacket], out: &mut [GradientPacket]) {
+        for (packet, out) in points.iter().zip(out) {
+            for lane in 0..LANES {
+                let here = point(packet, lane);
+                out.value[lane] = self.at(here) as f32;
+                for axis in 0..3 {
+                    let step = 1.0 / 65536.0;
+                    let (mut before, mut after) = (here, here);
+                    before[axis] -= step;
+                    after[axis] += step;
+                    let slope = (self.at(after) - self.at(before)) / (2.0 * step);
+                    out.gradient[axis][lane] = slope as f32;
+                }
+            }
+        }
+    }
+}
+
+fn points(spoil: fn(f64) -> f64) -> Result<Tally, Failure> {
+    let make = |graph: &Graph, root: NodeId| -> Box<dyn PointKernel> {
+        let graph = graph.clone();
+        Box::new(Sampler { graph, root, spoil })
+    };
+    let tolerance = |_, _, claim: Claim| {
+        let size = claim.hi.abs().max(claim.lo.abs());
+        Some((size * 1e-6).max(1e-38))
+    };
+    check_points(&make, SEED, 100, &tolerance)
+}
+
+#[test]
+fn wrong_values_are_caught() {
+    let tally = points(|value| value).unwrap_or_else(|failure| panic!("{failure}"));
+    assert!(tally.defined > 5000, "{tally:?}");
+    for (spoil, reason) in [
+        (
+            (|_| f64::NAN) as fn(f64) -> f64,
+            "no value where there is one",
+        ),
+        (|value| value * 1.001, "too far off"),
+        (
+            |value| value + value.signum() * f64::INFINITY,
+            "too far off",
+        ),
+    ] {
+        let failure = points(spoil).expect_err(reason).to_string();
+        assert!(failure.contains(reason), "{failure}");
+    }
+    let make = |_: &Graph, _: NodeId| -> Box<dyn PointKernel> { Box::new(Zero) };
+    let failure = check_points(&make, SEED, 100, &|_, _, _| None).expect_err("zero everywhere");
+    assert!(failure.to_string().contains("a value where there is none"));
+}
+
+/// Is 0 everywhere, with no slope.
+struct Zero;
+
+impl PointKernel for Zero {
+    fn sample(&self, _: &[PointPacket], _: &mut [ValuePacket]) {}
+}
+
+impl GradientKernel for Zero {
+    fn gradient(&self, _: &[PointPacket], _: &mut [GradientPacket]) {}
+}
+
+#[test]
+fn wrong_gradients_are_caught() {
+    let make = |graph: &Graph, root: NodeId| -> Box<dyn GradientKernel> {
+        let graph = graph.clone();
+        let spoil = |value| value;
+        Box::new(Sampler { graph, root, spoil })
+    };
+    let tally = check_gradients(&make, SEED, 50, 1e-3).unwrap_or_else(|fail| panic!("{fail}"));
+    assert!(tally.defined > 10_000, "{tally:?}");
+    let make = |_: &Graph, _: NodeId| -> Box<dyn GradientKernel> { Box::new(Zero) };
+    let failure = check_gradients(&make, SEED, 50, 1e-3).expect_err("no slope");
+    assert!(
+        failure.to_string().contains("derivative 0 is 0e0"),
+        "{failure}"
+    );
+}
