@@ -59,8 +59,28 @@ impl Constant {
         }
     }
 
+    /// Bounds of a number that has no name: never the bits of a named constant, so that equal bits of those mean
+    /// equal numbers.
     fn bits(bounds: Interval) -> Self {
+        let value = Self::bits_of(bounds);
+        if value.is_named() {
+            return Self::bits_of(Interval {
+                lo: bounds.lo,
+                hi: bounds.hi.next_up(),
+            });
+        }
+        value
+    }
+
+    fn bits_of(bounds: Interval) -> Self {
         Self::Enclosed([bounds.lo.to_bits(), bounds.hi.to_bits()])
+    }
+
+    /// Whether this is [`pi`](Self::pi), [`tau`](Self::tau), [`e`](Self::e) or [`phi`](Self::phi).
+    ///
+    /// Two equal exact or named constants are the same number; two other constants with equal bounds need not be.
+    pub fn is_named(&self) -> bool {
+        [Self::pi(), Self::tau(), Self::e(), Self::phi()].contains(self)
     }
 
     /// The number that a decimal like `12`, `.5`, `1.` or `2.5e-3` stands for, exactly. `None` if `text` is not one.
@@ -130,7 +150,7 @@ impl Constant {
     /// The circle constant π.
     pub fn pi() -> Self {
         // The nearest double is below π; source: OEIS A000796.
-        Self::bits(Interval {
+        Self::bits_of(Interval {
             lo: std::f64::consts::PI,
             hi: std::f64::consts::PI.next_up(),
         })
@@ -138,7 +158,7 @@ impl Constant {
 
     /// The circle constant τ = 2π.
     pub fn tau() -> Self {
-        Self::bits(Interval {
+        Self::bits_of(Interval {
             lo: std::f64::consts::TAU,
             hi: std::f64::consts::TAU.next_up(),
         })
@@ -147,7 +167,7 @@ impl Constant {
     /// Euler's number e.
     pub fn e() -> Self {
         // The nearest double is below e; source: OEIS A001113.
-        Self::bits(Interval {
+        Self::bits_of(Interval {
             lo: std::f64::consts::E,
             hi: std::f64::consts::E.next_up(),
         })
@@ -158,7 +178,7 @@ impl Constant {
         // 1.618033988749894848204586834365638117720309..., source: OEIS A001622; the nearest double is
         // 1.6180339887498949025..., above φ.
         let nearest = 1.618_033_988_749_895_f64;
-        Self::bits(Interval {
+        Self::bits_of(Interval {
             lo: nearest.next_down(),
             hi: nearest,
         })
@@ -254,6 +274,15 @@ mod tests {
         let long = format!("0.{}", "1".repeat(100_000));
         let (lo, hi) = bounds(&long);
         assert!(lo <= 1.0 / 9.0 && 1.0 / 9.0 <= hi && hi <= lo.next_up().next_up());
+    }
+
+    #[test]
+    fn a_number_without_a_name_never_passes_for_pi() {
+        let pi = Constant::pi();
+        assert!(pi.is_named());
+        let close = Constant::enclosed(pi.bounds());
+        assert!(!close.is_named() && close != pi);
+        assert!(close.bounds().encloses(pi.bounds()));
     }
 
     #[test]

@@ -139,6 +139,16 @@ impl Graph {
         ))
     }
 
+    /// Where `op` applied to `operands` stands already.
+    pub(crate) fn find(&self, op: Op, operands: &[NodeId]) -> Option<NodeId> {
+        let mut ids = [operands[0]; 3];
+        ids[..operands.len()].copy_from_slice(operands);
+        let len = operands.len() as u8;
+        self.index
+            .get(&Node::Apply(op, Operands { ids, len }))
+            .copied()
+    }
+
     fn intern(&mut self, node: Node) -> NodeId {
         if let Some(&id) = self.index.get(&node) {
             return id;

@@ -7,13 +7,18 @@ mod algebra;
 mod compact;
 mod constant;
 mod derivative;
+mod display;
 mod error;
 mod graph;
 mod simplify;
 
+#[cfg(test)]
+mod testing;
+
 pub use compact::compact;
 pub use constant::Constant;
 pub use derivative::gradient;
+pub use display::{TEXT_LIMIT, display};
 pub use error::{IrError, NODE_LIMIT};
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
-pub use simplify::simplify;
+pub use simplify::{rewrite, simplify};

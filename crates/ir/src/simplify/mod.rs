@@ -1,25 +1,416 @@
 //! Rewriting a graph into a shorter one whose enclosures are tighter.
+//!
+//! One loop over the old nodes. Each becomes a [`Value`](value::Value): a node of the new graph, or a sum or product
+//! still being collected. An operand that only one node uses is handed over as it stands and so merges with that
+//! node; one that several use becomes a node first and stays shared. Products are never expanded: a factored form
+//! encloses better. Numbers stay exact, and constants like √5 symbolic, until [`fold`] encloses them at the end;
+//! so what cancels, cancels exactly.
+
+mod fold;
+mod functions;
+mod numbers;
+mod powers;
+mod products;
+mod ranges;
+mod sums;
+mod value;
+
+#[cfg(test)]
+mod tests;
 
 use crate::compact::compact;
+use crate::constant::Constant;
 use crate::error::{IrError, NODE_LIMIT};
-use crate::graph::{Graph, NodeId};
-use zeroset_interval::Interval;
+use crate::graph::{Graph, Node, NodeId};
+use num_rational::BigRational;
+use num_traits::One;
+use ranges::{Known, Rank};
+use rustc_hash::FxHashMap;
+use value::{Condition, Product, Sum, Value};
+use zeroset_interval::{Facts, Interval};
+use zeroset_ops::Op;
 
 /// A graph that holds only what `roots` need, with the same values and the same domains of definition at every
-/// real point of `domain`, whatever values the parameters take within `parameters`.
+/// real point of `domain`, whatever values the parameters take within `parameters`. Constant expressions are
+/// enclosed; [`rewrite`] leaves them symbolic.
+///
+/// A parameter beyond the end of `parameters` may have any value.
+///
+/// ```
+/// use zeroset_interval::Interval;
+/// use zeroset_ir::{Axis, Graph, simplify};
+/// use zeroset_ops::Op;
+/// let mut graph = Graph::new();
+/// let x = graph.variable(Axis::X);
+/// let root = graph.apply(Op::Mul, &[x, x]);
+/// let (simple, roots) = simplify(&graph, &[root], &[Interval::ENTIRE; 3], &[])?;
+/// assert_eq!(zeroset_ir::display(&simple, roots[0], &[]), "sqr(x)");
+/// # Ok::<(), zeroset_ir::IrError>(())
+/// ```
 ///
 /// # Errors
-/// If the roots need more than [`NODE_LIMIT`] nodes.
+/// If the roots need more than [`NODE_LIMIT`] nodes, before or after.
 pub fn simplify(
     graph: &Graph,
     roots: &[NodeId],
     domain: &[Interval; 3],
     parameters: &[Interval],
 ) -> Result<(Graph, Vec<NodeId>), IrError> {
-    let _ = (domain, parameters);
-    let (graph, roots) = compact(graph, roots);
+    let (graph, roots) = rewrite(graph, roots, domain, parameters)?;
+    Ok(fold::fold(&graph, &roots))
+}
+
+/// [`simplify`] without its last step: expressions of constants remain, so that a later rewriting, of derivatives
+/// for one, still knows which of them are equal.
+///
+/// # Errors
+/// If the roots need more than [`NODE_LIMIT`] nodes, before or after.
+pub fn rewrite(
+    graph: &Graph,
+    roots: &[NodeId],
+    domain: &[Interval; 3],
+    parameters: &[Interval],
+) -> Result<(Graph, Vec<NodeId>), IrError> {
+    let too_large = IrError::TooLarge { limit: NODE_LIMIT };
+    let needed = graph.reachable(roots);
+    if needed.iter().filter(|needed| **needed).count() > NODE_LIMIT {
+        return Err(too_large);
+    }
+    let mut uses = vec![0_u32; graph.len()];
+    for root in roots {
+        uses[root.index()] += 1;
+    }
+    for (_, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+        if let Node::Apply(_, operands) = node {
+            operands.iter().for_each(|id| uses[id.index()] += 1);
+        }
+    }
+    let mut rewriter = Rewriter {
+        graph: Graph::new(),
+        known: Vec::new(),
+        sums: FxHashMap::default(),
+        products: FxHashMap::default(),
+        users: FxHashMap::default(),
+        domain,
+        parameters,
+    };
+    let mut values: Vec<Option<Value>> = vec![None; graph.len()];
+    // Whether an old node holds no coordinate and no parameter, however it simplifies: only then may an exponent
+    // count as a constant.
+    let mut fixed = vec![false; graph.len()];
+    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+        let value = match node {
+            Node::Variable(axis) => Value::Node(rewriter.leaf(&Node::Variable(*axis))),
+            Node::Parameter(number) => Value::Node(rewriter.leaf(&Node::Parameter(*number))),
+            Node::Constant(constant) => {
+                fixed[id.index()] = true;
+                match constant.exact() {
+                    Some(number) => Value::Product(Product::number(number.clone())),
+                    None => Value::Node(rewriter.leaf(node)),
+                }
+            }
+            Node::Apply(op, operands) => {
+                fixed[id.index()] = operands.iter().all(|operand| fixed[operand.index()]);
+                let fixed_exponent = operands.last().is_some_and(|b| fixed[b.index()]);
+                let operands = operands
+                    .iter()
+                    .map(|operand| match &values[operand.index()] {
+                        Some(Value::Node(node)) => Value::Node(*node),
+                        Some(Value::Product(product)) if product.factors.is_empty() => {
+                            Value::Product(product.clone())
+                        }
+                        Some(Value::Sum(_) | Value::Product(_)) | None => {
+                            values[operand.index()].take().expect("one user only")
+                        }
+                    })
+                    .collect();
+                rewriter.apply(*op, operands, fixed_exponent)
+            }
+        };
+        let is_number = matches!(&value, Value::Product(p) if p.as_number().is_some());
+        values[id.index()] = Some(if uses[id.index()] > 1 && !is_number {
+            Value::Node(rewriter.node_of(value))
+        } else {
+            value
+        });
+        if rewriter.graph.len() > 4 * NODE_LIMIT {
+            return Err(too_large);
+        }
+    }
+    let roots: Vec<NodeId> = roots
+        .iter()
+        .map(|root| {
+            let value = values[root.index()].clone().expect("reachable");
+            rewriter.node_of(value)
+        })
+        .collect();
+    let (graph, roots) = compact(&rewriter.graph, &roots);
     if graph.len() > NODE_LIMIT {
-        return Err(IrError::TooLarge { limit: NODE_LIMIT });
+        return Err(too_large);
     }
     Ok((graph, roots))
+}
+
+/// The new graph, and what is known of its nodes.
+struct Rewriter<'a> {
+    graph: Graph,
+    /// By node.
+    known: Vec<Known>,
+    /// The terms of nodes that are sums of several.
+    sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
+    /// The factors of nodes that are products or powers.
+    products: FxHashMap<NodeId, Product>,
+    /// Sums without a constant, by each of their terms.
+    users: FxHashMap<NodeId, Vec<NodeId>>,
+    domain: &'a [Interval; 3],
+    parameters: &'a [Interval],
+}
+
+impl Rewriter<'_> {
+    fn known(&self, id: NodeId) -> &Known {
+        &self.known[id.index()]
+    }
+
+    fn leaf(&mut self, node: &Node) -> NodeId {
+        let (id, range, rank, opaque) = match node {
+            Node::Variable(axis) => {
+                let range = self.domain[*axis as usize];
+                (self.graph.variable(*axis), range, Rank::Varying, false)
+            }
+            Node::Parameter(number) => {
+                let range = self.parameters.get(*number as usize);
+                let range = range.copied().unwrap_or(Interval::ENTIRE);
+                (self.graph.parameter(*number), range, Rank::Uniform, false)
+            }
+            Node::Constant(constant) => {
+                let opaque = constant.exact().is_none() && !constant.is_named();
+                let range = constant.bounds();
+                (
+                    self.graph.constant(constant.clone()),
+                    range,
+                    Rank::Constant,
+                    opaque,
+                )
+            }
+            Node::Apply(..) => unreachable!("not a leaf"),
+        };
+        self.note(
+            id,
+            Known {
+                range,
+                facts: Facts::TOTAL,
+                rank,
+                opaque,
+            },
+        );
+        id
+    }
+
+    fn number(&mut self, value: BigRational) -> NodeId {
+        self.leaf(&Node::Constant(Constant::rational(value)))
+    }
+
+    fn node(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
+        let id = self.graph.apply(op, operands);
+        if id.index() == self.known.len() {
+            let each = || operands.iter().map(|id| self.known(*id));
+            let enclosed: Vec<_> = each().map(|known| (known.range, known.facts)).collect();
+            let (range, mut facts) = zeroset_interval::fold(op, &enclosed);
+            if op == Op::Pow && self.exact(operands[1]).is_none() {
+                // Folding takes any exponent with a single possible value for a constant; the domain of a power
+                // does not. With a base above 0 there is no difference.
+                let base = self.known(operands[0]).range;
+                if base.lo <= 0.0 {
+                    facts = facts & Facts::NOWHERE;
+                }
+            }
+            let rank = each()
+                .map(|known| known.rank)
+                .max()
+                .unwrap_or(Rank::Constant);
+            let opaque = each().any(|known| known.opaque);
+            self.note(
+                id,
+                Known {
+                    range,
+                    facts,
+                    rank,
+                    opaque,
+                },
+            );
+        }
+        id
+    }
+
+    fn note(&mut self, id: NodeId, known: Known) {
+        if id.index() == self.known.len() {
+            self.known.push(known);
+        }
+    }
+
+    /// The exact number that a node is.
+    fn exact(&self, id: NodeId) -> Option<&BigRational> {
+        match self.graph.node(id) {
+            Node::Constant(constant) => constant.exact(),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
+        }
+    }
+
+    /// The operands of a node, if it applies `op`.
+    fn operands(&self, id: NodeId, op: Op) -> Option<&[NodeId]> {
+        match self.graph.node(id) {
+            Node::Apply(found, operands) if *found == op => Some(operands),
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
+        }
+    }
+
+    /// A value as a node, coefficient and conditions included.
+    fn node_of(&mut self, value: Value) -> NodeId {
+        match value {
+            Value::Node(id) => id,
+            Value::Sum(_) | Value::Product(_) => {
+                let mut product = self.product(value);
+                let conditions = std::mem::take(&mut product.conditions);
+                let node = self.emit_product(&product);
+                self.restrict(node, conditions)
+            }
+        }
+    }
+
+    /// `node`, restricted to where `conditions` hold.
+    fn restrict(&mut self, mut node: NodeId, mut conditions: Vec<Condition>) -> NodeId {
+        conditions.sort_unstable();
+        conditions.dedup();
+        for condition in conditions {
+            let (op, other) = match condition {
+                Condition::Defined(other) => (Op::WhereDefined, other),
+                Condition::Nonzero(other) => (Op::WhereNonzero, other),
+                Condition::Nonneg(other) => (Op::WhereNonneg, other),
+                Condition::Positive(other) => (Op::WherePositive, other),
+            };
+            if other == node && op == Op::WhereDefined {
+                continue;
+            }
+            node = self.node(op, &[node, other]);
+        }
+        node
+    }
+
+    /// Adds `condition` unless it holds on the whole domain.
+    fn require(&self, conditions: &mut Vec<Condition>, condition: Condition) {
+        let (other, holds) = match condition {
+            Condition::Defined(other) => (other, true),
+            Condition::Nonzero(other) => (other, self.known(other).excludes_zero()),
+            Condition::Nonneg(other) => (other, self.known(other).range.lo >= 0.0),
+            Condition::Positive(other) => (other, self.known(other).range.lo > 0.0),
+        };
+        if !holds {
+            conditions.push(condition);
+        } else if !self.known(other).defined() {
+            conditions.push(Condition::Defined(other));
+        }
+    }
+
+    fn apply(&mut self, op: Op, mut operands: Vec<Value>, fixed_exponent: bool) -> Value {
+        match op {
+            Op::Neg => match operands.remove(0) {
+                Value::Sum(mut sum) => {
+                    sum.negate();
+                    Value::Sum(sum)
+                }
+                value @ (Value::Node(_) | Value::Product(_)) => {
+                    let mut product = self.product(value);
+                    product.coefficient = -product.coefficient;
+                    Value::Product(product)
+                }
+            },
+            Op::Add | Op::Sub => {
+                let second = operands.remove(1);
+                let first = operands.remove(0);
+                let first = self.sum(first);
+                let mut second = self.sum(second);
+                if op == Op::Sub {
+                    second.negate();
+                }
+                Value::Sum(first.plus(second))
+            }
+            Op::Mul => {
+                let second = operands.remove(1);
+                let first = operands.remove(0);
+                let first = self.product(first);
+                let second = self.product(second);
+                Value::Product(self.times(first, second))
+            }
+            Op::Div => {
+                let second = operands.remove(1);
+                let first = operands.remove(0);
+                self.quotient(first, second)
+            }
+            Op::Sqr => {
+                let base = operands.remove(0);
+                self.integer_power(base, 2)
+            }
+            Op::Pow => {
+                let exponent = operands.remove(1);
+                let base = operands.remove(0);
+                self.power(base, exponent, fixed_exponent)
+            }
+            Op::Abs
+            | Op::Sign
+            | Op::Floor
+            | Op::Ceil
+            | Op::Round
+            | Op::Trunc
+            | Op::Fract
+            | Op::Sqrt
+            | Op::Cbrt
+            | Op::Exp
+            | Op::Ln
+            | Op::Log2
+            | Op::Log10
+            | Op::Sin
+            | Op::Cos
+            | Op::Tan
+            | Op::Atan => {
+                let operand = operands.remove(0);
+                self.function(op, operand)
+            }
+            Op::Mod => {
+                let second = operands.remove(1);
+                let first = operands.remove(0);
+                self.modulo(first, second)
+            }
+            Op::Min | Op::Max => {
+                let second = operands.remove(1);
+                let first = operands.remove(0);
+                self.extremum(op, first, second)
+            }
+            Op::SelectNegative => self.choice(operands),
+            Op::WhereNonneg => self.restriction(Condition::Nonneg, operands),
+            Op::WherePositive => self.restriction(Condition::Positive, operands),
+            Op::WhereNonzero => self.restriction(Condition::Nonzero, operands),
+            Op::WhereDefined => self.restriction(Condition::Defined, operands),
+        }
+    }
+
+    /// A value as a sum.
+    fn sum(&mut self, value: Value) -> Sum {
+        match value {
+            Value::Sum(sum) => sum,
+            Value::Node(_) | Value::Product(_) => {
+                let mut product = self.product(value);
+                let mut sum = Sum::default();
+                sum.conditions = std::mem::take(&mut product.conditions);
+                if product.factors.is_empty() {
+                    sum.add_constant(product.coefficient);
+                } else {
+                    let coefficient =
+                        std::mem::replace(&mut product.coefficient, BigRational::one());
+                    let term = self.emit_product(&product);
+                    sum.add_term(term, coefficient);
+                }
+                sum
+            }
+        }
+    }
 }

@@ -1,0 +1,263 @@
+//! Expressions as text in the project's language.
+//!
+//! The text reads back as the same graph, up to how constants known by bounds only are printed. No recursion: the
+//! depth of a graph is not limited by the stack, and its length by [`TEXT_LIMIT`].
+
+use crate::constant::Constant;
+use crate::graph::{Axis, Graph, Node, NodeId};
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+use zeroset_ops::{Notation, Op};
+
+/// Longer text is cut off with `…`: a shared expression is spelt out at each use, so text may be exponentially longer
+/// than its graph.
+pub const TEXT_LIMIT: usize = 1 << 16;
+
+/// How tightly a piece of text binds; brackets are needed where a looser piece stands in a tighter place.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    Sum,
+    Sign,
+    Product,
+    Power,
+    Atom,
+}
+
+enum Piece {
+    Text(String),
+    Node(NodeId, Binding),
+}
+
+/// `id` in the language, with as few brackets as it reads back with. Parameters are called by `names`; those beyond
+/// its end `p0`, `p1`, … by number.
+pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
+    let mut text = String::new();
+    let mut pending = vec![Piece::Node(id, Binding::Sum)];
+    while let Some(piece) = pending.pop() {
+        if text.len() > TEXT_LIMIT {
+            text.push('…');
+            break;
+        }
+        match piece {
+            Piece::Text(piece) => text.push_str(&piece),
+            Piece::Node(id, place) => {
+                let (binding, pieces) = spell(graph, id, names);
+                let bracketed = binding < place;
+                if bracketed {
+                    pending.push(Piece::Text(")".into()));
+                }
+                pending.extend(pieces.into_iter().rev());
+                if bracketed {
+                    pending.push(Piece::Text("(".into()));
+                }
+            }
+        }
+    }
+    text
+}
+
+/// One node: how tightly its text binds, and its pieces.
+fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
+    let text = |text: &str| Piece::Text(text.into());
+    match graph.node(id) {
+        Node::Variable(axis) => {
+            let name = match axis {
+                Axis::X => "x",
+                Axis::Y => "y",
+                Axis::Z => "z",
+            };
+            (Binding::Atom, vec![text(name)])
+        }
+        Node::Parameter(number) => {
+            let name = names
+                .get(*number as usize)
+                .map_or_else(|| format!("p{number}"), |name| (*name).to_owned());
+            (Binding::Atom, vec![Piece::Text(name)])
+        }
+        Node::Constant(constant) => {
+            let (binding, digits) = number(constant);
+            (binding, vec![Piece::Text(digits)])
+        }
+        Node::Apply(op, operands) => {
+            let infix = |left, symbol: &str, right, binding| {
+                let pieces = vec![
+                    Piece::Node(operands[0], left),
+                    Piece::Text(symbol.into()),
+                    Piece::Node(operands[1], right),
+                ];
+                (binding, pieces)
+            };
+            match op {
+                Op::Neg => (
+                    Binding::Sign,
+                    vec![text("-"), Piece::Node(operands[0], Binding::Product)],
+                ),
+                Op::Add => infix(Binding::Sum, " + ", Binding::Product, Binding::Sum),
+                Op::Sub => infix(Binding::Sum, " - ", Binding::Product, Binding::Sum),
+                Op::Mul => infix(Binding::Product, "*", Binding::Power, Binding::Product),
+                Op::Div => infix(Binding::Product, "/", Binding::Power, Binding::Product),
+                Op::Pow => infix(Binding::Atom, "^", Binding::Power, Binding::Power),
+                Op::Abs
+                | Op::Sign
+                | Op::Floor
+                | Op::Ceil
+                | Op::Round
+                | Op::Trunc
+                | Op::Fract
+                | Op::Sqr
+                | Op::Sqrt
+                | Op::Cbrt
+                | Op::Exp
+                | Op::Ln
+                | Op::Log2
+                | Op::Log10
+                | Op::Sin
+                | Op::Cos
+                | Op::Tan
+                | Op::Atan
+                | Op::Mod
+                | Op::Min
+                | Op::Max
+                | Op::SelectNegative
+                | Op::WhereNonneg
+                | Op::WherePositive
+                | Op::WhereNonzero
+                | Op::WhereDefined => {
+                    debug_assert!(!matches!(op.row().notation, Notation::Infix { .. }));
+                    let mut pieces = vec![text(op.row().name), text("(")];
+                    for (index, operand) in operands.iter().enumerate() {
+                        if index > 0 {
+                            pieces.push(text(", "));
+                        }
+                        pieces.push(Piece::Node(*operand, Binding::Sum));
+                    }
+                    pieces.push(text(")"));
+                    (Binding::Atom, pieces)
+                }
+            }
+        }
+    }
+}
+
+/// A number: as a decimal where it is one of few digits, else as a quotient; by its name; or as bounds `[lo, hi]`.
+fn number(constant: &Constant) -> (Binding, String) {
+    let named = [
+        (Constant::pi(), "pi"),
+        (Constant::tau(), "tau"),
+        (Constant::e(), "e"),
+        (Constant::phi(), "phi"),
+    ];
+    if let Some((_, name)) = named.iter().find(|(value, _)| value == constant) {
+        return (Binding::Atom, (*name).to_owned());
+    }
+    let Some(value) = constant.exact() else {
+        let bounds = constant.bounds();
+        return (Binding::Atom, format!("[{}, {}]", bounds.lo, bounds.hi));
+    };
+    let sign = if value.is_negative() {
+        Binding::Sign
+    } else {
+        Binding::Atom
+    };
+    match decimal(value) {
+        Some(text) => (sign, text),
+        None => (
+            Binding::Product,
+            format!("{}/{}", value.numer(), value.denom()),
+        ),
+    }
+}
+
+fn decimal(value: &BigRational) -> Option<String> {
+    /// Longer fractions read better as quotients.
+    const PLACES: usize = 6;
+    let mut denominator = value.denom().clone();
+    let mut places = 0;
+    let mut scaled = value.clone();
+    while !denominator.is_one() {
+        if places == PLACES {
+            return None;
+        }
+        places += 1;
+        scaled *= BigRational::from_integer(10.into());
+        denominator = scaled.denom().clone();
+    }
+    if places == 0 {
+        return Some(value.numer().to_string());
+    }
+    let digits = format!(
+        "{:0>width$}",
+        scaled.numer().abs().to_string(),
+        width = places + 1
+    );
+    let (whole, fraction) = digits.split_at(digits.len() - places);
+    let sign = if value.is_negative() && !value.is_zero() {
+        "-"
+    } else {
+        ""
+    };
+    Some(format!("{sign}{whole}.{fraction}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brackets_are_as_few_as_read_back() {
+        let mut g = Graph::new();
+        let x = g.variable(Axis::X);
+        let y = g.variable(Axis::Y);
+        let a = g.parameter(0);
+        let b = g.parameter(1);
+        let sum = g.apply(Op::Add, &[x, y]);
+        let less = g.apply(Op::Sub, &[a, sum]);
+        assert_eq!(display(&g, less, &["a"]), "a - (x + y)");
+        let product = g.apply(Op::Mul, &[sum, b]);
+        assert_eq!(display(&g, product, &["a"]), "(x + y)*p1");
+        let product = g.apply(Op::Mul, &[x, product]);
+        assert_eq!(display(&g, product, &["a", "b"]), "x*((x + y)*b)");
+        let neg = g.apply(Op::Neg, &[x]);
+        let two = g.integer(2);
+        let square = g.apply(Op::Pow, &[neg, two]);
+        assert_eq!(display(&g, square, &[]), "(-x)^2");
+        let neg = g.apply(Op::Neg, &[square]);
+        assert_eq!(display(&g, neg, &[]), "-(-x)^2");
+        let tower = g.apply(Op::Pow, &[x, square]);
+        assert_eq!(display(&g, tower, &[]), "x^(-x)^2");
+        let tower = g.apply(Op::Pow, &[square, x]);
+        assert_eq!(display(&g, tower, &[]), "((-x)^2)^x");
+        let min = g.apply(Op::Min, &[sum, x]);
+        assert_eq!(display(&g, min, &[]), "min(x + y, x)");
+    }
+
+    #[test]
+    fn numbers_read_back() {
+        let text = |c: Constant| number(&c).1;
+        assert_eq!(text(Constant::integer(-12)), "-12");
+        assert_eq!(text(Constant::ratio(-1, 20).unwrap()), "-0.05");
+        assert_eq!(text(Constant::ratio(5, 2).unwrap()), "2.5");
+        assert_eq!(text(Constant::ratio(1, 3).unwrap()), "1/3");
+        assert_eq!(text(Constant::pi()), "pi");
+        let mut g = Graph::new();
+        let third = g.constant(Constant::ratio(1, 3).unwrap());
+        let x = g.variable(Axis::X);
+        let product = g.apply(Op::Mul, &[x, third]);
+        assert_eq!(display(&g, product, &[]), "x*(1/3)");
+    }
+
+    #[test]
+    fn deep_and_exponential_expressions_end() {
+        let mut g = Graph::new();
+        let mut root = g.variable(Axis::X);
+        for _ in 0..100_000 {
+            root = g.apply(Op::Sin, &[root]);
+        }
+        assert!(display(&g, root, &[]).ends_with('…'));
+        let mut root = g.variable(Axis::X);
+        for _ in 0..200 {
+            root = g.apply(Op::Add, &[root, root]);
+        }
+        assert!(display(&g, root, &[]).len() < TEXT_LIMIT + 100);
+    }
+}

@@ -1,0 +1,284 @@
+//! Functions of one operand, choices and restrictions.
+
+use super::Rewriter;
+use super::numbers;
+use super::value::{Condition, Product, Value};
+use crate::graph::NodeId;
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+use zeroset_ops::Op;
+
+/// What a function does with a minus sign of its operand.
+enum Parity {
+    Even,
+    Odd,
+    Neither,
+}
+
+fn parity(op: Op) -> Parity {
+    match op {
+        Op::Neg
+        | Op::Sign
+        | Op::Round // halves go to even numbers, so rounding is odd
+        | Op::Trunc
+        | Op::Cbrt
+        | Op::Sin
+        | Op::Tan
+        | Op::Atan => Parity::Odd,
+        Op::Abs | Op::Sqr | Op::Cos => Parity::Even,
+        Op::Floor
+        | Op::Ceil
+        | Op::Fract
+        | Op::Sqrt
+        | Op::Exp
+        | Op::Ln
+        | Op::Log2
+        | Op::Log10
+        | Op::Add
+        | Op::Sub
+        | Op::Mul
+        | Op::Div
+        | Op::Pow
+        | Op::Mod
+        | Op::Min
+        | Op::Max
+        | Op::SelectNegative
+        | Op::WhereNonneg
+        | Op::WherePositive
+        | Op::WhereNonzero
+        | Op::WhereDefined => Parity::Neither,
+    }
+}
+
+impl Rewriter<'_> {
+    /// A function of one operand.
+    pub(super) fn function(&mut self, op: Op, operand: Value) -> Value {
+        let mut operand = self.product(operand);
+        let conditions = std::mem::take(&mut operand.conditions);
+        if let Some(value) = operand
+            .as_number()
+            .and_then(|number| numbers::function(op, number))
+        {
+            return Value::Product(Product {
+                conditions,
+                ..Product::number(value)
+            });
+        }
+        let mut outer = BigRational::one();
+        if operand.coefficient.is_negative() {
+            match parity(op) {
+                Parity::Even => operand.coefficient = -operand.coefficient,
+                Parity::Odd => {
+                    operand.coefficient = -operand.coefficient;
+                    outer = -outer;
+                }
+                Parity::Neither => {}
+            }
+        }
+        if op == Op::Abs || op == Op::Sign {
+            // The size of the coefficient moves out of abs and does not matter to sign.
+            let size = std::mem::replace(&mut operand.coefficient, BigRational::one());
+            if op == Op::Abs {
+                outer *= size;
+            }
+        }
+        let argument = self.emit_product(&operand);
+        let mut result = self.function_of(op, argument);
+        match numbers::moderate(&result.coefficient * &outer) {
+            Some(coefficient) => {
+                result.coefficient = coefficient;
+                result.conditions.extend(conditions);
+                Value::Product(result)
+            }
+            None => {
+                result.conditions.extend(conditions);
+                let scale = Product::number(outer);
+                Value::Product(self.times(result, scale))
+            }
+        }
+    }
+
+    fn function_of(&mut self, op: Op, a: NodeId) -> Product {
+        let known = *self.known(a);
+        let inverse = |rewriter: &Self, inner: NodeId, condition: Option<Condition>| {
+            let mut result = rewriter.product_of_node(inner);
+            if let Some(condition) = condition {
+                rewriter.require(&mut result.conditions, condition);
+            }
+            result
+        };
+        match op {
+            Op::Abs if known.range.lo >= 0.0 => return self.product_of_node(a),
+            Op::Abs if known.range.hi <= 0.0 => {
+                let product = self.product_of_node(a);
+                return Product {
+                    coefficient: -product.coefficient,
+                    ..product
+                };
+            }
+            Op::Abs if self.operands(a, Op::Abs).is_some() => return Product::power(a, 1),
+            Op::Sign if known.excludes_zero() => {
+                let one = BigRational::one();
+                let mut result = Product::number(if known.range.lo > 0.0 { one } else { -one });
+                self.require(&mut result.conditions, Condition::Defined(a));
+                return result;
+            }
+            Op::Sqrt => {
+                if let Some(&[u]) = self.operands(a, Op::Sqr) {
+                    let magnitude = self.function(Op::Abs, Value::Node(u));
+                    return self.product(magnitude);
+                }
+            }
+            Op::Cbrt => {
+                let cube = self
+                    .products
+                    .get(&a)
+                    .filter(|p| p.coefficient.is_one())
+                    .cloned();
+                if let Some(p) = cube
+                    && let [factor] = p.factors[..]
+                    && factor.exponent == 3
+                {
+                    return inverse(self, factor.base, None);
+                }
+            }
+            Op::Ln => {
+                if let Some(&[u]) = self.operands(a, Op::Exp) {
+                    return inverse(self, u, None);
+                }
+            }
+            Op::Exp => {
+                if let Some(&[u]) = self.operands(a, Op::Ln) {
+                    return inverse(self, u, Some(Condition::Positive(u)));
+                }
+            }
+            Op::Floor | Op::Ceil | Op::Round | Op::Trunc if self.is_whole(a) => {
+                return self.product_of_node(a);
+            }
+            Op::Abs
+            | Op::Sign
+            | Op::Floor
+            | Op::Ceil
+            | Op::Round
+            | Op::Trunc
+            | Op::Neg
+            | Op::Fract
+            | Op::Sqr
+            | Op::Log2
+            | Op::Log10
+            | Op::Sin
+            | Op::Cos
+            | Op::Tan
+            | Op::Atan
+            | Op::Add
+            | Op::Sub
+            | Op::Mul
+            | Op::Div
+            | Op::Pow
+            | Op::Mod
+            | Op::Min
+            | Op::Max
+            | Op::SelectNegative
+            | Op::WhereNonneg
+            | Op::WherePositive
+            | Op::WhereNonzero
+            | Op::WhereDefined => {}
+        }
+        Product::power(self.node(op, &[a]), 1)
+    }
+
+    /// Whether a node is the result of rounding to an integer.
+    fn is_whole(&self, a: NodeId) -> bool {
+        [Op::Floor, Op::Ceil, Op::Round, Op::Trunc, Op::Sign]
+            .into_iter()
+            .any(|op| self.operands(a, op).is_some())
+    }
+
+    /// `mod(a, b)`
+    pub(super) fn modulo(&mut self, first: Value, second: Value) -> Value {
+        let first = self.product(first);
+        let second = self.product(second);
+        if let (Some(a), Some(b)) = (first.as_number(), second.as_number())
+            && !b.is_zero()
+            && let Some(value) = numbers::moderate(a - b * (a / b).floor())
+        {
+            return Value::Product(Product::number(value));
+        }
+        let a = self.node_of(Value::Product(first));
+        let b = self.node_of(Value::Product(second));
+        Value::Node(self.node(Op::Mod, &[a, b]))
+    }
+
+    /// `op(a, b)` for min or max.
+    pub(super) fn extremum(&mut self, op: Op, first: Value, second: Value) -> Value {
+        let smallest = op == Op::Min;
+        let first = self.product(first);
+        let second = self.product(second);
+        if let (Some(a), Some(b)) = (first.as_number(), second.as_number()) {
+            let value = if smallest { a.min(b) } else { a.max(b) };
+            return Value::Product(Product::number(value.clone()));
+        }
+        let mut a = self.node_of(Value::Product(first));
+        let mut b = self.node_of(Value::Product(second));
+        if a > b {
+            std::mem::swap(&mut a, &mut b);
+        }
+        if a == b && !self.known(a).opaque {
+            return Value::Node(a);
+        }
+        let (low, high) = (self.known(a).range, self.known(b).range);
+        let below = low.hi <= high.lo;
+        if below || high.hi <= low.lo {
+            let (chosen, other) = if below == smallest { (a, b) } else { (b, a) };
+            let mut result = self.product_of_node(chosen);
+            self.require(&mut result.conditions, Condition::Defined(other));
+            return Value::Product(result);
+        }
+        Value::Node(self.node(op, &[a, b]))
+    }
+
+    /// `select_negative(a, b, c)`: branches stay apart, with their own conditions.
+    pub(super) fn choice(&mut self, mut operands: Vec<Value>) -> Value {
+        let third = operands.remove(2);
+        let second = operands.remove(1);
+        let mut condition = self.product(operands.remove(0));
+        let sign = condition.coefficient.signum();
+        let conditions = std::mem::take(&mut condition.conditions);
+        condition.coefficient = sign;
+        let a = self.emit_product(&condition);
+        let b = self.node_of(second);
+        let c = self.node_of(third);
+        let range = self.known(a).range;
+        let chosen = if range.hi < 0.0 || (b == c && !self.known(b).opaque) {
+            b
+        } else if range.lo >= 0.0 {
+            c
+        } else {
+            let node = self.node(Op::SelectNegative, &[a, b, c]);
+            return Value::Product(Product {
+                conditions,
+                ..Product::power(node, 1)
+            });
+        };
+        let mut result = self.product_of_node(chosen);
+        result.conditions.extend(conditions);
+        self.require(&mut result.conditions, Condition::Defined(a));
+        Value::Product(result)
+    }
+
+    /// The first operand, where the second meets a condition.
+    pub(super) fn restriction(
+        &mut self,
+        condition: fn(NodeId) -> Condition,
+        mut operands: Vec<Value>,
+    ) -> Value {
+        let mut other = self.product(operands.remove(1));
+        let mut result = self.product(operands.remove(0));
+        result.conditions.append(&mut other.conditions);
+        // Only the sign of a coefficient matters to any condition.
+        other.coefficient = other.coefficient.signum();
+        let node = self.emit_product(&other);
+        self.require(&mut result.conditions, condition(node));
+        Value::Product(result)
+    }
+}

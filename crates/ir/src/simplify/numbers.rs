@@ -1,0 +1,95 @@
+//! Exact arithmetic on rational numbers, as far as results stay of moderate size.
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+use zeroset_ops::Op;
+
+/// Exact results have at most this many bits above and below the line.
+const BITS: u64 = 512;
+
+/// `value`, unless it is too large to go on with.
+pub(super) fn moderate(value: BigRational) -> Option<BigRational> {
+    (value.numer().bits().max(value.denom().bits()) <= BITS).then_some(value)
+}
+
+/// `value^exponent`, where that exists and is of moderate size.
+pub(super) fn power(value: &BigRational, exponent: i64) -> Option<BigRational> {
+    if value.is_one() || exponent == 0 {
+        return Some(BigRational::one());
+    }
+    if value.is_zero() {
+        return (exponent > 0).then(BigRational::zero);
+    }
+    let size = value.numer().bits().max(value.denom().bits());
+    let magnitude = exponent.unsigned_abs();
+    // A power of ±1 has one bit; anything else grows with the exponent.
+    if magnitude.saturating_mul(size.max(2) - 1) > BITS && size > 1 {
+        return None;
+    }
+    let magnitude = if size > 1 { magnitude } else { magnitude % 2 };
+    let result = num_traits::pow(value.clone(), usize::try_from(magnitude).ok()?);
+    moderate(if exponent < 0 { result.recip() } else { result })
+}
+
+/// The rational `degree`-th root (2 or 3), where there is one.
+pub(super) fn root(value: &BigRational, degree: u32) -> Option<BigRational> {
+    if degree == 2 && value.is_negative() {
+        return None;
+    }
+    let exact = |whole: &BigInt| {
+        let root = whole.nth_root(degree);
+        (root.pow(degree) == *whole).then_some(root)
+    };
+    Some(BigRational::new(
+        exact(value.numer())?,
+        exact(value.denom())?,
+    ))
+}
+
+/// The value of a function of one exact number, where that is a rational number.
+pub(super) fn function(op: Op, a: &BigRational) -> Option<BigRational> {
+    let zero = BigRational::zero();
+    let one = BigRational::one();
+    match op {
+        Op::Neg => Some(-a),
+        Op::Abs => Some(a.abs()),
+        Op::Sign => Some(a.signum()),
+        Op::Floor => Some(a.floor()),
+        Op::Ceil => Some(a.ceil()),
+        Op::Round => Some(round_half_even(a)),
+        Op::Trunc => Some(a.trunc()),
+        Op::Fract => Some(a - a.floor()),
+        Op::Sqr => moderate(a * a),
+        Op::Sqrt => root(a, 2),
+        Op::Cbrt => root(a, 3),
+        Op::Exp | Op::Cos => a.is_zero().then_some(one),
+        Op::Ln | Op::Log2 | Op::Log10 => a.is_one().then_some(zero),
+        Op::Sin | Op::Tan | Op::Atan => a.is_zero().then_some(zero),
+        Op::Add
+        | Op::Sub
+        | Op::Mul
+        | Op::Div
+        | Op::Pow
+        | Op::Mod
+        | Op::Min
+        | Op::Max
+        | Op::SelectNegative
+        | Op::WhereNonneg
+        | Op::WherePositive
+        | Op::WhereNonzero
+        | Op::WhereDefined => None,
+    }
+}
+
+fn round_half_even(a: &BigRational) -> BigRational {
+    let half = BigRational::new(1.into(), 2.into());
+    let below = a.floor();
+    let rest = a - &below;
+    let even = (below.numer() % BigInt::from(2)).is_zero();
+    if rest < half || (rest == half && even) {
+        below
+    } else {
+        below + BigRational::one()
+    }
+}

@@ -1,0 +1,465 @@
+//! Collecting and emitting products: `c · Π baseᵢ^nᵢ`.
+
+use super::Rewriter;
+use super::numbers;
+use super::ranges::Rank;
+use super::value::{Condition, Factor, Product, Value};
+use crate::graph::{Node, NodeId};
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+use zeroset_ops::Op;
+
+/// Shared products of more factors than this are not looked into again.
+const REMEMBERED: usize = 8;
+/// Restrictions of an operand beyond this many stay below the operation.
+const LIFTED: usize = 16;
+
+impl Rewriter<'_> {
+    /// A value as a product with distinct bases.
+    pub(super) fn product(&mut self, value: Value) -> Product {
+        match value {
+            Value::Product(product) => product,
+            Value::Sum(sum) => self.settle_sum(sum),
+            Value::Node(id) => self.product_of_node(id),
+        }
+    }
+
+    pub(super) fn product_of_node(&self, mut id: NodeId) -> Product {
+        let mut conditions = Vec::new();
+        while conditions.len() < LIFTED
+            && let Node::Apply(op, operands) = self.graph.node(id)
+        {
+            let other = operands.get(1).copied().unwrap_or(id);
+            let condition = match op {
+                Op::WhereDefined => Condition::Defined(other),
+                Op::WhereNonzero => Condition::Nonzero(other),
+                Op::WhereNonneg => Condition::Nonneg(other),
+                Op::WherePositive => Condition::Positive(other),
+                Op::Neg
+                | Op::Abs
+                | Op::Sign
+                | Op::Floor
+                | Op::Ceil
+                | Op::Round
+                | Op::Trunc
+                | Op::Fract
+                | Op::Sqr
+                | Op::Sqrt
+                | Op::Cbrt
+                | Op::Exp
+                | Op::Ln
+                | Op::Log2
+                | Op::Log10
+                | Op::Sin
+                | Op::Cos
+                | Op::Tan
+                | Op::Atan
+                | Op::Add
+                | Op::Sub
+                | Op::Mul
+                | Op::Div
+                | Op::Pow
+                | Op::Mod
+                | Op::Min
+                | Op::Max
+                | Op::SelectNegative => break,
+            };
+            conditions.push(condition);
+            id = operands[0];
+        }
+        if let Some(number) = self.exact(id) {
+            return Product {
+                conditions,
+                ..Product::number(number.clone())
+            };
+        }
+        // A shared product stays one factor, so that it stays shared; a shared power shows its base.
+        match self.products.get(&id) {
+            Some(product) if product.factors.len() == 1 => Product {
+                conditions,
+                ..product.clone()
+            },
+            Some(_) | None => Product {
+                conditions,
+                ..Product::power(id, 1)
+            },
+        }
+    }
+
+    /// `a · b`
+    pub(super) fn times(&mut self, mut a: Product, mut b: Product) -> Product {
+        if a.factors.len() < b.factors.len() {
+            std::mem::swap(&mut a, &mut b);
+        }
+        match numbers::moderate(&a.coefficient * &b.coefficient) {
+            Some(coefficient) => a.coefficient = coefficient,
+            None => {
+                let factor = self.number(b.coefficient);
+                a.factors.push(Factor {
+                    base: factor,
+                    exponent: 1,
+                    nonzero: false,
+                });
+            }
+        }
+        a.factors.append(&mut b.factors);
+        a.conditions.append(&mut b.conditions);
+        self.settle(a)
+    }
+
+    /// `a / b`; left as written where `b` is the number 0.
+    pub(super) fn quotient(&mut self, a: Value, b: Value) -> Value {
+        let a = self.product(a);
+        let b = self.product(b);
+        match self.product_power(&b, -1) {
+            Some(inverse) => Value::Product(self.times(a, inverse)),
+            None => {
+                let a = self.node_of(Value::Product(a));
+                let b = self.node_of(Value::Product(b));
+                Value::Node(self.node(Op::Div, &[a, b]))
+            }
+        }
+    }
+
+    /// `p^n`, if every exponent stays small and the coefficient exact.
+    pub(super) fn product_power(&self, p: &Product, n: i64) -> Option<Product> {
+        /// Larger exponents are left to nested powers.
+        const EXPONENT_LIMIT: i64 = 1 << 16;
+        let mut result = p.clone();
+        result.coefficient = numbers::power(&p.coefficient, n)?;
+        for factor in &mut result.factors {
+            factor.nonzero |= factor.exponent < 0 || n < 0;
+            factor.exponent = factor.exponent.checked_mul(n)?;
+            if factor.exponent.abs() > EXPONENT_LIMIT {
+                return None;
+            }
+        }
+        Some(result)
+    }
+
+    /// Merges equal bases and drops what exponents make needless, keeping the domain in conditions.
+    pub(super) fn settle(&mut self, mut p: Product) -> Product {
+        self.open_overlapping(&mut p);
+        loop {
+            self.merge(&mut p);
+            if !self.simplify_powers(&mut p) {
+                break;
+            }
+        }
+        let vanished = p.coefficient.is_zero();
+        let Product {
+            factors,
+            conditions,
+            ..
+        } = &mut p;
+        factors.retain(|factor| {
+            if factor.exponent != 0 && !vanished {
+                return true;
+            }
+            self.require(
+                conditions,
+                if factor.nonzero || factor.exponent < 0 {
+                    Condition::Nonzero(factor.base)
+                } else {
+                    Condition::Defined(factor.base)
+                },
+            );
+            false
+        });
+        for factor in factors.iter_mut().filter(|f| f.nonzero && f.exponent > 0) {
+            if !self.known(factor.base).excludes_zero() {
+                conditions.push(Condition::Nonzero(factor.base));
+            }
+            factor.nonzero = false;
+        }
+        p
+    }
+
+    fn merge(&self, p: &mut Product) {
+        p.factors.sort_unstable();
+        let mut merged: Vec<Factor> = Vec::with_capacity(p.factors.len());
+        for factor in p.factors.drain(..) {
+            match merged.last_mut() {
+                Some(last) if last.base == factor.base && !self.known(factor.base).opaque => {
+                    last.nonzero |= factor.nonzero || last.exponent < 0 || factor.exponent < 0;
+                    last.exponent += factor.exponent; // both far below 2^62
+                }
+                Some(_) | None => merged.push(factor),
+            }
+        }
+        p.factors = merged;
+    }
+
+    /// `|u|^2k = u^2k`, `√u^2k = u^k` where u ≥ 0, `∛u^3k = u^k`. Whether anything changed.
+    fn simplify_powers(&self, p: &mut Product) -> bool {
+        let mut changed = false;
+        for factor in &mut p.factors {
+            if factor.exponent == 0 {
+                continue;
+            }
+            if factor.exponent % 2 == 0 {
+                if let Some(&[u]) = self.operands(factor.base, Op::Abs) {
+                    factor.base = u;
+                    changed = true;
+                } else if let Some(&[u]) = self.operands(factor.base, Op::Sqrt) {
+                    self.require(&mut p.conditions, Condition::Nonneg(u));
+                    factor.base = u;
+                    factor.nonzero |= factor.exponent < 0;
+                    factor.exponent /= 2;
+                    changed = true;
+                }
+            }
+            if factor.exponent % 3 == 0
+                && let Some(&[u]) = self.operands(factor.base, Op::Cbrt)
+            {
+                factor.base = u;
+                factor.exponent /= 3;
+                changed = true;
+            }
+        }
+        // What came to light may be a number or a product itself.
+        let mut opened = Vec::new();
+        for factor in std::mem::take(&mut p.factors) {
+            let number = self
+                .exact(factor.base)
+                .and_then(|n| numbers::power(n, factor.exponent));
+            match number.and_then(|n| numbers::moderate(n * &p.coefficient)) {
+                Some(number) if !factor.nonzero || !self.known(factor.base).range.contains(0.0) => {
+                    p.coefficient = number;
+                    changed = true;
+                }
+                Some(_) | None => opened.push(factor),
+            }
+        }
+        p.factors = opened;
+        changed
+    }
+
+    /// Replaces shared products by their factors where that lets bases merge.
+    fn open_overlapping(&self, p: &mut Product) {
+        let inner = |factor: &Factor| {
+            self.products.get(&factor.base).filter(|inner| {
+                inner
+                    .factors
+                    .first()
+                    .is_some_and(|first| first.base != factor.base)
+                    && inner.conditions.is_empty()
+            })
+        };
+        if p.factors.len() < 2 || !p.factors.iter().any(|factor| inner(factor).is_some()) {
+            return;
+        }
+        let mut bases: Vec<NodeId> = p
+            .factors
+            .iter()
+            .flat_map(|factor| {
+                inner(factor)
+                    .into_iter()
+                    .flat_map(|inner| inner.factors.iter().map(|f| f.base))
+                    .chain(std::iter::once(factor.base))
+            })
+            .collect();
+        bases.sort_unstable();
+        let repeated = |base: NodeId| {
+            let at = bases.partition_point(|b| *b < base);
+            bases.get(at + 1) == Some(&base)
+        };
+        let mut opened = Vec::with_capacity(p.factors.len());
+        for factor in std::mem::take(&mut p.factors) {
+            let found = inner(&factor)
+                .filter(|inner| inner.factors.iter().any(|f| repeated(f.base)))
+                .and_then(|inner| self.product_power(inner, factor.exponent))
+                .and_then(|inner| {
+                    Some((
+                        numbers::moderate(&inner.coefficient * &p.coefficient)?,
+                        inner,
+                    ))
+                });
+            match found {
+                Some((coefficient, inner)) => {
+                    p.coefficient = coefficient;
+                    opened.extend(inner.factors.into_iter().map(|f| Factor {
+                        nonzero: f.nonzero || factor.nonzero,
+                        ..f
+                    }));
+                }
+                None => opened.push(factor),
+            }
+        }
+        p.factors = opened;
+    }
+
+    /// The node of a settled product; its conditions are the caller's.
+    pub(super) fn emit_product(&mut self, p: &Product) -> NodeId {
+        if p.factors.is_empty() {
+            return self.number(p.coefficient.clone());
+        }
+        if let [
+            Factor {
+                base, exponent: 1, ..
+            },
+        ] = p.factors[..]
+        {
+            if p.coefficient.is_one() {
+                return base;
+            }
+            if p.coefficient.abs().is_one()
+                && let Some((constant, terms)) = self.sums.get(&base).cloned()
+            {
+                let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
+                return self.emit_sum(&-constant, &terms);
+            }
+        }
+        let node = self.emit_factors(p);
+        if p.factors.len() <= REMEMBERED {
+            let remembered = if p.coefficient.is_one() || p.factors.len() == 1 {
+                p.clone()
+            } else {
+                let monic = Product {
+                    coefficient: BigRational::one(),
+                    ..p.clone()
+                };
+                let base = self.emit_product(&monic);
+                Product {
+                    coefficient: p.coefficient.clone(),
+                    ..Product::power(base, 1)
+                }
+            };
+            let conditions = Vec::new();
+            self.products.entry(node).or_insert(Product {
+                conditions,
+                ..remembered
+            });
+        }
+        node
+    }
+
+    fn emit_factors(&mut self, p: &Product) -> NodeId {
+        let mut uniform = [None, None]; // above and below the line
+        let mut varying = [Vec::new(), Vec::new()];
+        for rank in [Rank::Constant, Rank::Uniform] {
+            for factor in &p.factors {
+                if self.known(factor.base).rank == rank {
+                    let side = usize::from(factor.exponent < 0);
+                    let power = self.emit_power(factor.base, factor.exponent.unsigned_abs());
+                    uniform[side] = Some(self.multiply(uniform[side], power));
+                }
+            }
+        }
+        for factor in &p.factors {
+            if self.known(factor.base).rank == Rank::Varying {
+                let side = usize::from(factor.exponent < 0);
+                varying[side].push((factor.base, factor.exponent.unsigned_abs()));
+            }
+        }
+        // The number joins what else does not vary, above the line.
+        let unit = p.coefficient.abs().is_one();
+        let mut fixed = if unit {
+            None
+        } else {
+            Some(self.number(p.coefficient.clone()))
+        };
+        if let Some(above) = uniform[0] {
+            fixed = Some(self.multiply(fixed, above));
+        }
+        if let Some(below) = uniform[1] {
+            fixed = Some(self.divide(fixed, below));
+        }
+        let above = self.emit_powers(&varying[0]);
+        let below = self.emit_powers(&varying[1]);
+        let mut node = match (fixed, above) {
+            (Some(fixed), Some(above)) => Some(self.node(Op::Mul, &[fixed, above])),
+            (one, other) => one.or(other),
+        };
+        if let Some(below) = below {
+            node = Some(self.divide(node, below));
+        }
+        let node = match node {
+            Some(node) => node,
+            None => self.number(BigRational::one()),
+        };
+        if unit && p.coefficient.is_negative() {
+            self.node(Op::Neg, &[node])
+        } else {
+            node
+        }
+    }
+
+    fn multiply(&mut self, a: Option<NodeId>, b: NodeId) -> NodeId {
+        match a {
+            Some(a) => self.node(Op::Mul, &[a, b]),
+            None => b,
+        }
+    }
+
+    fn divide(&mut self, a: Option<NodeId>, b: NodeId) -> NodeId {
+        let above = match a {
+            Some(a) => a,
+            None => self.number(BigRational::one()),
+        };
+        self.node(Op::Div, &[above, b])
+    }
+
+    /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight, and shorter.
+    fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
+        let common = powers
+            .iter()
+            .fold(0, |gcd, (_, n)| greatest_common_divisor(gcd, *n));
+        let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));
+        if powers.len() > 1 && common > 1 && !shared {
+            let reduced: Vec<_> = powers.iter().map(|(base, n)| (*base, n / common)).collect();
+            let base = self.emit_powers(&reduced)?;
+            return Some(self.emit_power(base, common));
+        }
+        let mut product = None;
+        for (base, exponent) in powers {
+            let power = self.emit_power(*base, *exponent);
+            product = Some(self.multiply(product, power));
+        }
+        product
+    }
+
+    /// `base^exponent`: even powers as squares, whose enclosure is exact, odd ones as powers.
+    fn emit_power(&mut self, base: NodeId, exponent: u64) -> NodeId {
+        let (squarings, odd) = split_exponent(exponent);
+        let mut node = base;
+        if odd != 1 {
+            let odd = self.number(BigRational::from_integer(odd.into()));
+            node = self.node(Op::Pow, &[base, odd]);
+        }
+        for _ in 0..squarings {
+            node = self.node(Op::Sqr, &[node]);
+        }
+        if node != base {
+            self.products
+                .entry(node)
+                .or_insert_with(|| Product::power(base, exponent as i64));
+        }
+        node
+    }
+
+    fn find_power(&self, base: NodeId, exponent: u64) -> bool {
+        let (squarings, odd) = split_exponent(exponent);
+        if odd != 1 {
+            return false;
+        }
+        let mut node = Some(base);
+        for _ in 0..squarings {
+            node = node.and_then(|node| self.graph.find(Op::Sqr, &[node]));
+        }
+        node.is_some()
+    }
+}
+
+/// `(s, m)` with `exponent = 2^s · m`, m odd.
+fn split_exponent(exponent: u64) -> (u32, u64) {
+    let squarings = exponent.trailing_zeros();
+    (squarings, exponent >> squarings)
+}
+
+fn greatest_common_divisor(mut a: u64, mut b: u64) -> u64 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}

@@ -1,0 +1,445 @@
+//! Collecting and emitting sums: `k + Σ cᵢ·tᵢ`.
+
+use super::Rewriter;
+use super::numbers;
+use super::ranges::Rank;
+use super::value::{Condition, Product, Sum};
+use crate::graph::NodeId;
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
+use zeroset_ops::Op;
+
+type Terms = Vec<(NodeId, BigRational)>;
+
+/// Shared sums of more terms than this are not looked into again.
+const REMEMBERED: usize = 64;
+/// Sums of more terms than this are not opened to complete squares: their common factor is worth more.
+const OPENED: usize = 4;
+/// At most this many known sums are tried as part of a longer one, per term.
+const CANDIDATES: usize = 8;
+/// A square is completed only if its centre is at most this many times farther from 0 than the range reaches:
+/// beyond that the rounding of the square outweighs what it gains.
+const CENTRE_LIMIT: f64 = 4.0;
+
+impl Rewriter<'_> {
+    /// Merges like terms and completes squares. The result is a number, a term with a coefficient, or `±c` times
+    /// a sum whose sign and common factor are normal.
+    pub(super) fn settle_sum(&mut self, sum: Sum) -> Product {
+        let (constants, terms, mut conditions) = sum.into_parts();
+        let mut constant = BigRational::zero();
+        let terms = self.open_opposite(terms, &mut constant);
+        let mut terms = self.open_squares(terms, &mut constant);
+        for number in constants {
+            match numbers::moderate(&constant + &number) {
+                Some(total) => constant = total,
+                None => terms.push((self.number(number), BigRational::one())),
+            }
+        }
+        self.merge_terms(&mut terms, &mut conditions);
+        while self.complete_squares(&mut terms, &mut constant) {
+            self.merge_terms(&mut terms, &mut conditions);
+        }
+        // What is left may contain a known sum whose square is here too.
+        self.reuse_partial_sums(&mut terms);
+        self.merge_terms(&mut terms, &mut conditions);
+        while self.complete_squares(&mut terms, &mut constant) {
+            self.merge_terms(&mut terms, &mut conditions);
+        }
+        if terms.is_empty() {
+            return Product {
+                conditions,
+                ..Product::number(constant)
+            };
+        }
+        if terms.len() == 1 && constant.is_zero() {
+            let (term, coefficient) = terms.swap_remove(0);
+            let known = self.products.get(&term).filter(|p| p.factors.len() == 1);
+            let power = match known {
+                Some(power) => power.clone(),
+                None => Product::power(term, 1),
+            };
+            if let Some(coefficient) = numbers::moderate(coefficient * &power.coefficient) {
+                return Product {
+                    coefficient,
+                    conditions,
+                    ..power
+                };
+            }
+        }
+        let content = content(&terms, &constant);
+        if !content.is_one() {
+            terms.iter_mut().for_each(|(_, c)| *c /= &content);
+            constant /= &content;
+        }
+        let node = self.emit_sum(&constant, &terms);
+        Product {
+            coefficient: content,
+            conditions,
+            ..Product::power(node, 1)
+        }
+    }
+
+    fn merge_terms(&self, terms: &mut Terms, conditions: &mut Vec<Condition>) {
+        terms.sort_by_key(|(term, _)| *term);
+        let mut merged: Terms = Vec::with_capacity(terms.len());
+        for (term, coefficient) in terms.drain(..) {
+            if let Some((last, total)) = merged.last_mut()
+                && *last == term
+                && !self.known(term).opaque
+                && let Some(sum) = numbers::moderate(&*total + &coefficient)
+            {
+                *total = sum;
+            } else {
+                merged.push((term, coefficient));
+            }
+        }
+        merged.retain(|(term, coefficient)| {
+            if coefficient.is_zero() {
+                self.require(conditions, Condition::Defined(*term));
+            }
+            !coefficient.is_zero()
+        });
+        *terms = merged;
+    }
+
+    /// Replaces shared sums by their terms where terms of opposite sign then meet.
+    fn open_opposite(&self, terms: Terms, constant: &mut BigRational) -> Terms {
+        if terms.len() < 2 || !terms.iter().any(|(term, _)| self.sums.contains_key(term)) {
+            return terms;
+        }
+        let mut signs: Vec<(NodeId, bool)> = Vec::new();
+        for (term, coefficient) in &terms {
+            signs.push((*term, coefficient.is_negative()));
+            if let Some((_, inner)) = self.sums.get(term) {
+                let flip = coefficient.is_negative();
+                signs.extend(inner.iter().map(|(t, c)| (*t, c.is_negative() != flip)));
+            }
+        }
+        signs.sort_unstable();
+        signs.dedup();
+        let both = |term: NodeId| {
+            let at = signs.partition_point(|s| *s < (term, false));
+            signs.get(at) == Some(&(term, false)) && signs.get(at + 1) == Some(&(term, true))
+        };
+        self.open(terms, constant, |_, inner| {
+            inner.iter().any(|(t, _)| both(*t))
+        })
+    }
+
+    /// Replaces sums by their terms where a square and its base then meet and a square can be completed.
+    fn open_squares(&self, terms: Terms, constant: &mut BigRational) -> Terms {
+        // Every term within reach, its coefficient, and the sum that it is in.
+        let mut reach: Vec<(NodeId, BigRational, Option<NodeId>)> = Vec::new();
+        for (term, c) in &terms {
+            reach.push((*term, c.clone(), None));
+            if let Some((_, inner)) = self.sums.get(term).filter(|(_, i)| i.len() <= OPENED) {
+                reach.extend(inner.iter().map(|(t, d)| (*t, c * d, Some(*term))));
+            }
+        }
+        if reach.len() == terms.len() {
+            return terms;
+        }
+        reach.sort_by_key(|(term, ..)| *term);
+        let mut sources = Vec::new();
+        for (square, a, source) in &reach {
+            let Some(&[t]) = self.operands(*square, Op::Sqr) else {
+                continue;
+            };
+            let from = reach.partition_point(|(term, ..)| *term < t);
+            for (_, b, other) in reach[from..].iter().take_while(|(term, ..)| *term == t) {
+                let half = b / (BigRational::from_integer(2.into()) * a);
+                if source != other && !self.known(t).opaque && self.square_pays(t, &half) {
+                    sources.extend([source, other].into_iter().flatten().copied());
+                }
+            }
+        }
+        self.open(terms, constant, |sum, _| sources.contains(&sum))
+    }
+
+    /// Replaces the sums that are `chosen`, by node and terms, by their terms.
+    fn open(
+        &self,
+        terms: Terms,
+        constant: &mut BigRational,
+        chosen: impl Fn(NodeId, &Terms) -> bool,
+    ) -> Terms {
+        let mut opened = Vec::with_capacity(terms.len());
+        for (term, coefficient) in terms {
+            let found = self
+                .sums
+                .get(&term)
+                .filter(|(_, inner)| !self.known(term).opaque && chosen(term, inner));
+            let scaled = found.and_then(|(k, inner)| {
+                let k = numbers::moderate(&*constant + k * &coefficient)?;
+                let inner: Option<Terms> = inner
+                    .iter()
+                    .map(|(t, c)| Some((*t, numbers::moderate(c * &coefficient)?)))
+                    .collect();
+                Some((k, inner?))
+            });
+            match scaled {
+                Some((k, inner)) => {
+                    *constant = k;
+                    opened.extend(inner);
+                }
+                None => opened.push((term, coefficient)),
+            }
+        }
+        opened
+    }
+
+    /// `a·t² + b·t = a·(t + b/2a)² − b²/4a`: the right side names t once, so its enclosure is exact.
+    fn complete_squares(&mut self, terms: &mut Terms, constant: &mut BigRational) -> bool {
+        let mut changed = false;
+        let mut index = 0;
+        while index < terms.len() {
+            let (square, a) = terms[index].clone();
+            index += 1;
+            let Some(&[t]) = self.operands(square, Op::Sqr) else {
+                continue;
+            };
+            let Ok(linear) = terms.binary_search_by_key(&t, |(term, _)| *term) else {
+                continue;
+            };
+            if self.known(t).opaque {
+                continue;
+            }
+            let half = &terms[linear].1 / (BigRational::from_integer(2.into()) * &a);
+            let rest = numbers::moderate(&*constant - &a * &half * &half);
+            let (Some(half), Some(rest)) = (numbers::moderate(half), rest) else {
+                continue;
+            };
+            if !self.square_pays(t, &half) {
+                continue;
+            }
+            let inner = self.emit_sum(&half, &[(t, BigRational::one())]);
+            let completed = self.node(Op::Sqr, &[inner]);
+            self.products
+                .entry(completed)
+                .or_insert_with(|| Product::power(inner, 2));
+            *constant = rest;
+            // New nodes have larger ids: the rest of the list stays sorted for the searches to come.
+            terms.remove(linear);
+            terms.retain(|(term, _)| *term != square);
+            terms.push((completed, a));
+            changed = true;
+            index = 0;
+        }
+        changed
+    }
+
+    /// Whether `(t + half)² − half²` encloses better than `t² + 2·half·t`.
+    fn square_pays(&self, t: NodeId, half: &BigRational) -> bool {
+        let range = self.known(t).range;
+        // Where both terms rise or fall together the natural enclosure is exact already.
+        let together =
+            (range.lo >= 0.0 && half.is_positive()) || (range.hi <= 0.0 && half.is_negative());
+        let centre = crate::Constant::rational(half.clone()).bounds().magnitude();
+        !together && centre <= CENTRE_LIMIT * range.magnitude()
+    }
+
+    /// The node of `constant + Σ terms`, with at least one term, all distinct and sorted.
+    pub(super) fn emit_sum(
+        &mut self,
+        constant: &BigRational,
+        terms: &[(NodeId, BigRational)],
+    ) -> NodeId {
+        let mut fixed = [Vec::new(), Vec::new()];
+        let mut varying = Vec::new();
+        for (term, c) in terms {
+            match self.known(*term).rank {
+                Rank::Constant => fixed[0].push((*term, c.clone())),
+                Rank::Uniform => fixed[1].push((*term, c.clone())),
+                Rank::Varying => varying.push((*term, c.clone())),
+            }
+        }
+        let plain = constant.is_zero() && fixed.iter().all(Vec::is_empty);
+        let partial = plain && varying.len() > 1;
+        self.reuse_partial_sums(&mut varying);
+        self.group_equal_coefficients(&mut varying);
+        // What does not vary becomes one operand, itself a signed sum.
+        let number = self.number(constant.abs());
+        let mut offset = (!constant.is_zero()).then_some((constant.is_negative(), number));
+        for group in fixed {
+            offset = self.emit_signed(offset, &group);
+        }
+        let all_negative = varying.iter().all(|(_, c)| c.is_negative());
+        let total = match offset {
+            // `k − x − y` rather than `−x − y + k`, which needs one more negation.
+            Some((false, _)) if all_negative => self.emit_signed(offset, &varying),
+            Some((negative, node)) if !varying.is_empty() => {
+                // Next to a shared sum, so that sums which differ in other terms share this one too.
+                let shared = varying
+                    .iter()
+                    .position(|(term, c)| self.sums.contains_key(term) && c.is_one());
+                if let Some(shared) = shared {
+                    let (first, _) = varying.remove(shared);
+                    let start = self.join(Some((false, first)), negative, node);
+                    self.emit_signed(Some(start), &varying)
+                } else {
+                    let sum = self.emit_leading(&varying);
+                    Some(self.join(sum, negative, node))
+                }
+            }
+            Some(_) => offset,
+            None => self.emit_leading(&varying),
+        };
+        let node = match total {
+            Some((false, node)) => node,
+            Some((true, node)) => self.node(Op::Neg, &[node]),
+            None => self.number(BigRational::zero()),
+        };
+        if terms.len() <= REMEMBERED && (terms.len() > 1 || !constant.is_zero()) {
+            self.sums
+                .entry(node)
+                .or_insert_with(|| (constant.clone(), terms.to_vec()));
+            if partial {
+                for (term, _) in terms {
+                    let users = self.users.entry(*term).or_default();
+                    if users.len() < CANDIDATES && !users.contains(&node) {
+                        users.push(node);
+                    }
+                }
+            }
+        }
+        node
+    }
+
+    /// [`emit_signed`](Self::emit_signed) from nothing; where all signs are minus, a coefficient takes the first.
+    fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
+        if terms.iter().all(|(_, c)| c.is_negative())
+            && let Some(first) = terms.iter().position(|(_, c)| !c.abs().is_one())
+        {
+            let (term, c) = &terms[first];
+            let start = self.scaled(*term, c);
+            let rest: Terms = terms
+                .iter()
+                .filter(|(other, _)| other != term)
+                .cloned()
+                .collect();
+            return self.emit_signed(Some((false, start)), &rest);
+        }
+        self.emit_signed(None, terms)
+    }
+
+    /// `c·s ± c·t` becomes `c·(s ± t)`: the same enclosure with fewer multiplications.
+    fn group_equal_coefficients(&mut self, terms: &mut Terms) {
+        let mut index = 0;
+        while index < terms.len() {
+            let size = terms[index].1.abs();
+            let alike: Vec<usize> = (index..terms.len())
+                .filter(|i| terms[*i].1.abs() == size)
+                .collect();
+            if size.is_one() || alike.len() < 2 || terms.len() > REMEMBERED {
+                index += 1;
+                continue;
+            }
+            let scale = terms[index].1.clone();
+            let inner: Terms = alike
+                .iter()
+                .map(|i| (terms[*i].0, &terms[*i].1 / &scale))
+                .collect();
+            let sum = self.emit_sum(&BigRational::zero(), &inner);
+            for i in alike.iter().rev() {
+                terms.remove(*i);
+            }
+            terms.push((sum, scale));
+        }
+    }
+
+    /// Adds terms to a signed node: those with a plus first, so that no negation is needed where one exists.
+    fn emit_signed(
+        &mut self,
+        start: Option<(bool, NodeId)>,
+        terms: &[(NodeId, BigRational)],
+    ) -> Option<(bool, NodeId)> {
+        let mut total = start;
+        for negative in [false, true] {
+            for (term, c) in terms.iter().filter(|(_, c)| c.is_negative() == negative) {
+                let scaled = self.scaled(*term, &c.abs());
+                total = Some(self.join(total, negative, scaled));
+            }
+        }
+        total
+    }
+
+    /// `total ± node`, the sign kept apart.
+    fn join(
+        &mut self,
+        total: Option<(bool, NodeId)>,
+        negative: bool,
+        node: NodeId,
+    ) -> (bool, NodeId) {
+        match total {
+            None => (negative, node),
+            Some((false, sum)) if negative => (false, self.node(Op::Sub, &[sum, node])),
+            Some((true, sum)) if !negative => (false, self.node(Op::Sub, &[node, sum])),
+            Some((sign, sum)) => (sign, self.node(Op::Add, &[sum, node])),
+        }
+    }
+
+    /// `c·term`, for c ≠ −1, with c next to what else does not vary.
+    fn scaled(&mut self, term: NodeId, c: &BigRational) -> NodeId {
+        if c.is_one() {
+            return term;
+        }
+        let known = self.products.get(&term).filter(|p| p.coefficient.is_one());
+        let product = match known {
+            Some(product) => Product {
+                coefficient: c.clone(),
+                ..product.clone()
+            },
+            None => Product {
+                coefficient: c.clone(),
+                ..Product::power(term, 1)
+            },
+        };
+        self.emit_product(&product)
+    }
+
+    /// Replaces terms that together are a known sum, or a multiple of one, by that sum.
+    fn reuse_partial_sums(&self, terms: &mut Terms) {
+        if terms.len() < 3 {
+            return;
+        }
+        let mut index = 0;
+        while index < terms.len() {
+            let (first, scale) = &terms[index];
+            let found = self
+                .users
+                .get(first)
+                .into_iter()
+                .flatten()
+                .find_map(|&known| {
+                    let (_, parts) = self.sums.get(&known)?;
+                    let unit = &parts.iter().find(|(term, _)| term == first)?.1;
+                    let factor = scale / unit;
+                    let inside = parts.len() < terms.len()
+                        && !self.known(known).opaque
+                        && parts.iter().all(|(part, c)| {
+                            terms
+                                .iter()
+                                .any(|(term, d)| part == term && *d == c * &factor)
+                        });
+                    (inside && known != *first).then_some((known, factor))
+                });
+            if let Some((known, factor)) = found {
+                let parts = &self.sums[&known].1;
+                terms.retain(|(term, _)| !parts.iter().any(|(part, _)| part == term));
+                terms.push((known, factor));
+                index = 0;
+            } else {
+                index += 1;
+            }
+        }
+    }
+}
+
+/// The sign of the first term, times the size of all coefficients if it is the same.
+fn content(terms: &[(NodeId, BigRational)], constant: &BigRational) -> BigRational {
+    let first = &terms[0].1;
+    let size = first.abs();
+    let same = (constant.is_zero() || constant.abs() == size)
+        && terms.iter().all(|(_, c)| c.abs() == size);
+    if same { first.clone() } else { first.signum() }
+}

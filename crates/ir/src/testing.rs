@@ -1,0 +1,381 @@
+//! For tests: formulas by operators, a point evaluator in `f64`, and random graphs.
+
+use crate::{Axis, Constant, Graph, Node, NodeId};
+use std::cell::RefCell;
+use zeroset_ops::{Op, TABLE};
+
+/// A graph under construction.
+#[derive(Default)]
+pub(crate) struct Sheet(pub(crate) RefCell<Graph>);
+
+/// A node of a [`Sheet`], with operators.
+#[derive(Clone, Copy)]
+pub(crate) struct Term<'a> {
+    sheet: &'a Sheet,
+    pub(crate) id: NodeId,
+}
+
+impl Sheet {
+    pub(crate) fn xyz(&self) -> [Term<'_>; 3] {
+        Axis::ALL.map(|axis| self.term(self.0.borrow_mut().variable(axis)))
+    }
+
+    pub(crate) fn parameter(&self, number: u32) -> Term<'_> {
+        self.term(self.0.borrow_mut().parameter(number))
+    }
+
+    pub(crate) fn number(&self, text: &str) -> Term<'_> {
+        let constant = Constant::decimal(text).expect("a decimal");
+        self.term(self.0.borrow_mut().constant(constant))
+    }
+
+    pub(crate) fn constant(&self, value: Constant) -> Term<'_> {
+        self.term(self.0.borrow_mut().constant(value))
+    }
+
+    pub(crate) fn graph(&self) -> Graph {
+        self.0.borrow().clone()
+    }
+
+    fn term(&self, id: NodeId) -> Term<'_> {
+        Term { sheet: self, id }
+    }
+}
+
+impl<'a> Term<'a> {
+    pub(crate) fn apply(self, op: Op, others: &[Term<'a>]) -> Term<'a> {
+        let operands: Vec<NodeId> = std::iter::once(&self).chain(others).map(|t| t.id).collect();
+        self.sheet
+            .term(self.sheet.0.borrow_mut().apply(op, &operands))
+    }
+
+    pub(crate) fn pow(self, exponent: i64) -> Term<'a> {
+        let exponent = self.sheet.term(self.sheet.0.borrow_mut().integer(exponent));
+        self.apply(Op::Pow, &[exponent])
+    }
+
+    pub(crate) fn f(self, op: Op) -> Term<'a> {
+        self.apply(op, &[])
+    }
+}
+
+impl std::ops::Neg for Term<'_> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.f(Op::Neg)
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $op:expr) => {
+        impl std::ops::$trait for Term<'_> {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                self.apply($op, &[other])
+            }
+        }
+        impl<'a> std::ops::$trait<f64> for Term<'a> {
+            type Output = Term<'a>;
+            fn $method(self, other: f64) -> Term<'a> {
+                self.apply($op, &[self.sheet.number(&other.to_string())])
+            }
+        }
+        impl<'a> std::ops::$trait<Term<'a>> for f64 {
+            type Output = Term<'a>;
+            fn $method(self, other: Term<'a>) -> Term<'a> {
+                other.sheet.number(&self.to_string()).apply($op, &[other])
+            }
+        }
+    };
+}
+operator!(Add, add, Op::Add);
+operator!(Sub, sub, Op::Sub);
+operator!(Mul, mul, Op::Mul);
+operator!(Div, div, Op::Div);
+
+/// Operations that `root` needs: nodes but leaves.
+pub(crate) fn operations(graph: &Graph, root: NodeId) -> usize {
+    let needed = graph.reachable(&[root]);
+    graph
+        .iter()
+        .filter(|(id, node)| needed[id.index()] && matches!(node, Node::Apply(..)))
+        .count()
+}
+
+/// The value of every node at a point, in `f64`; `None` where it is undefined.
+///
+/// With it goes a bound on how far rounding may have moved it, grown generously: tests skip what is unstable.
+pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<Option<(f64, f64)>> {
+    let mut values: Vec<Option<(f64, f64)>> = Vec::with_capacity(graph.len());
+    let mut fixed: Vec<bool> = Vec::with_capacity(graph.len());
+    for (_, node) in graph.iter() {
+        fixed.push(match node {
+            Node::Variable(_) | Node::Parameter(_) => false,
+            Node::Constant(_) => true,
+            Node::Apply(_, operands) => operands.iter().all(|id| fixed[id.index()]),
+        });
+        let value = match node {
+            Node::Variable(axis) => Some((at[*axis as usize], 0.0)),
+            Node::Parameter(number) => Some((parameters[*number as usize], 0.0)),
+            Node::Constant(constant) => {
+                let bounds = constant.bounds();
+                Some((bounds.lo, bounds.hi - bounds.lo))
+            }
+            Node::Apply(Op::SelectNegative, operands) => {
+                values[operands[0].index()].and_then(|(a, e)| {
+                    let chosen = values[operands[if a < 0.0 { 1 } else { 2 }].index()];
+                    // An undecided condition makes the choice unstable, not wrong.
+                    chosen.map(|(v, w)| (v, if a.abs() <= e { f64::INFINITY } else { w }))
+                })
+            }
+            Node::Apply(op, operands) => operands
+                .iter()
+                .map(|id| values[id.index()])
+                .collect::<Option<Vec<_>>>()
+                .and_then(|v| {
+                    let integer = operands.get(1).is_some_and(|id| {
+                        matches!(graph.node(*id), Node::Constant(c) if c.as_integer().is_some())
+                    });
+                    let computed = *op == Op::Pow
+                        && fixed[operands[1].index()]
+                        && matches!(graph.node(operands[1]), Node::Apply(..));
+                    if computed && v[0].0 - v[0].1 <= 0.0 {
+                        // Whether an exponent like 4/2 is an integer is not seen in floats.
+                        return Some((0.0, f64::INFINITY));
+                    }
+                    point(*op, &v, integer)
+                }),
+        };
+        values.push(value);
+    }
+    values
+}
+
+fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
+    let (a, ea) = v[0];
+    let (b, eb) = v.get(1).copied().unwrap_or((0.0, 0.0));
+    // Whether an operand could as well lie on the other side of an end of the domain.
+    let unsure = |x: f64, e: f64| if x.abs() <= e { f64::INFINITY } else { 0.0 };
+    let jump = |x: f64, e: f64| {
+        if (x - x.round()).abs() <= e || (x + 0.5 - (x + 0.5).round()).abs() <= e {
+            f64::INFINITY
+        } else {
+            0.0
+        }
+    };
+    let (value, slope_error) = match op {
+        Op::Neg => (-a, ea),
+        Op::Abs => (a.abs(), ea),
+        Op::Sign => (if a == 0.0 { 0.0 } else { a.signum() }, unsure(a, ea)),
+        Op::Floor => (a.floor(), jump(a, ea)),
+        Op::Ceil => (a.ceil(), jump(a, ea)),
+        Op::Round => (a.round_ties_even(), jump(a, ea)),
+        Op::Trunc => (a.trunc(), jump(a, ea)),
+        Op::Fract => (a - a.floor(), jump(a, ea) + ea),
+        Op::Sqr => (a * a, 2.0 * a.abs() * ea + ea * ea),
+        Op::Sqrt if a < 0.0 => {
+            return if -a <= ea {
+                Some((0.0, f64::INFINITY))
+            } else {
+                None
+            };
+        }
+        Op::Sqrt => (
+            a.sqrt(),
+            unsure(a, ea) + ea / a.sqrt().max(f64::MIN_POSITIVE),
+        ),
+        Op::Cbrt => (
+            a.cbrt(),
+            unsure(a, ea) + ea / a.cbrt().powi(2).max(f64::MIN_POSITIVE),
+        ),
+        Op::Exp => (a.exp(), a.exp() * ea),
+        Op::Ln | Op::Log2 | Op::Log10 => {
+            if a <= 0.0 {
+                return if -a <= ea && ea > 0.0 {
+                    Some((0.0, f64::INFINITY))
+                } else {
+                    None
+                };
+            }
+            let scale = match op {
+                Op::Log2 => std::f64::consts::LN_2,
+                Op::Log10 => std::f64::consts::LN_10,
+                _ => 1.0,
+            };
+            (a.ln() / scale, unsure(a, ea) + 4.0 * ea / a)
+        }
+        Op::Sin => (a.sin(), ea),
+        Op::Cos => (a.cos(), ea),
+        Op::Tan => (a.tan(), unsure(a.cos(), ea) + ea / a.cos().powi(2)),
+        Op::Atan => (a.atan(), ea),
+        Op::Add => (a + b, ea + eb),
+        Op::Sub => (a - b, ea + eb),
+        Op::Mul => (a * b, a.abs() * eb + b.abs() * ea + ea * eb),
+        Op::Div => {
+            if b.abs() <= eb {
+                return if eb == 0.0 {
+                    None
+                } else {
+                    Some((0.0, f64::INFINITY))
+                };
+            }
+            (a / b, 2.0 * (ea + (a / b).abs() * eb) / b.abs())
+        }
+        Op::Pow => {
+            let n = b;
+            if integer && n >= 0.0 {
+                let slope = if n == 0.0 {
+                    0.0
+                } else {
+                    n * (a.abs() + ea).powf(n - 1.0)
+                };
+                (a.powf(n), slope * ea)
+            } else if integer {
+                if a.abs() <= ea {
+                    return if ea == 0.0 {
+                        None
+                    } else {
+                        Some((0.0, f64::INFINITY))
+                    };
+                }
+                (a.powf(n), 4.0 * (n * a.powf(n - 1.0)).abs() * ea)
+            } else {
+                if a < 0.0 || (a == 0.0 && n <= 0.0) {
+                    return if a.abs() <= ea && ea > 0.0 {
+                        Some((0.0, f64::INFINITY))
+                    } else {
+                        None
+                    };
+                }
+                let value = a.powf(n);
+                let relative = if a > 0.0 {
+                    4.0 * (n.abs() * ea / a + a.ln().abs() * eb)
+                } else {
+                    0.0
+                };
+                (value, unsure(a, ea) + unsure(n, eb) + value * relative)
+            }
+        }
+        Op::Mod => {
+            if b.abs() <= eb {
+                return if eb == 0.0 {
+                    None
+                } else {
+                    Some((0.0, f64::INFINITY))
+                };
+            }
+            let quotient = a / b;
+            let spread = (ea + quotient.abs() * eb) / b.abs() + quotient.abs() * 1e-12;
+            (
+                a - b * quotient.floor(),
+                jump(quotient, spread) + ea + quotient.abs() * eb,
+            )
+        }
+        Op::Min => (a.min(b), ea.max(eb)),
+        Op::Max => (a.max(b), ea.max(eb)),
+        Op::SelectNegative => unreachable!("evaluated by the caller"),
+        Op::WhereNonneg => {
+            if b < 0.0 && b.abs() > eb {
+                return None;
+            }
+            (a, ea + unsure(b, eb))
+        }
+        Op::WherePositive => {
+            if b <= 0.0 && (b.abs() > eb || eb == 0.0) {
+                return None;
+            }
+            (a, ea + unsure(b, eb))
+        }
+        Op::WhereNonzero => {
+            if b == 0.0 && eb == 0.0 {
+                return None;
+            }
+            (a, ea + unsure(b, eb))
+        }
+        Op::WhereDefined => (a, if eb.is_finite() { ea } else { eb }),
+    };
+    // NaN and ∞ come of overflow only.
+    if !value.is_finite() {
+        return Some((0.0, f64::INFINITY));
+    }
+    let error = slope_error + value.abs() * 1e-14 + f64::MIN_POSITIVE;
+    Some((value, if error.is_nan() { f64::INFINITY } else { error }))
+}
+
+/// A sequence of random numbers (splitmix64; Steele, Lea, Flood 2014).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub(crate) fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+
+    /// A coordinate in [-2, 2], often a small integer or half: where domains end and powers are exact.
+    pub(crate) fn coordinate(&mut self) -> f64 {
+        match self.below(4) {
+            0 => self.below(5) as f64 - 2.0,
+            1 => self.below(9) as f64 / 2.0 - 2.0,
+            _ => (self.next() >> 11) as f64 / (1_u64 << 51) as f64 - 2.0,
+        }
+    }
+
+    /// A graph of up to `size` operations over coordinates, two parameters and small constants.
+    pub(crate) fn graph(&mut self, size: usize) -> (Graph, NodeId) {
+        let mut graph = Graph::new();
+        let mut nodes: Vec<NodeId> = Axis::ALL.iter().map(|axis| graph.variable(*axis)).collect();
+        nodes.push(graph.parameter(0));
+        nodes.push(graph.parameter(1));
+        for value in [-2, -1, 0, 1, 2, 3] {
+            nodes.push(graph.integer(value));
+        }
+        nodes.push(graph.constant(Constant::ratio(1, 2).expect("not zero")));
+        nodes.push(graph.constant(Constant::ratio(-3, 2).expect("not zero")));
+        nodes.push(graph.constant(Constant::pi()));
+        let leaves = nodes.len();
+        for _ in 0..size {
+            // Sums, products and powers are drawn more often: most rules are about them.
+            let op = match self.below(3) {
+                0 => [
+                    Op::Add,
+                    Op::Sub,
+                    Op::Mul,
+                    Op::Mul,
+                    Op::Div,
+                    Op::Neg,
+                    Op::Sqr,
+                    Op::Pow,
+                ][self.below(8)],
+                1 => [Op::Add, Op::Sub, Op::Mul][self.below(3)],
+                _ => TABLE[self.below(TABLE.len())].op,
+            };
+            let operands: Vec<NodeId> = (0..op.arity())
+                .map(|place| {
+                    if op == Op::Pow && place == 1 && self.below(4) > 0 {
+                        return nodes[5 + self.below(8)];
+                    }
+                    // Recent nodes more often, so that graphs grow deep.
+                    let from = if self.below(2) == 0 {
+                        nodes
+                            .len()
+                            .saturating_sub(4)
+                            .max(leaves.min(nodes.len() - 1))
+                    } else {
+                        0
+                    };
+                    nodes[from + self.below(nodes.len() - from)]
+                })
+                .collect();
+            nodes.push(graph.apply(op, &operands));
+        }
+        let root = nodes[nodes.len() - 1];
+        (graph, root)
+    }
+}
