@@ -1,9 +1,19 @@
 //! What a traverser may ask of a function, the layouts of its data, and the reference evaluator.
+//!
+//! A [`Tape`] is a graph laid out for evaluation; it writes itself on any
+//! [`Machine`](zeroset_interval::Machine). [`Reference`] runs it in software; native code comes from elsewhere and
+//! implements the same traits. This crate knows neither code generation nor rays.
 
+mod binding;
 mod kernel;
 mod packet;
+mod reference;
+mod tape;
 
+pub use binding::Binding;
 pub use kernel::{GradientKernel, IntervalKernel, PointKernel};
 pub use packet::{
     BoxPacket, EnclosurePacket, GradientPacket, LANES, Lanes, PointPacket, ValuePacket,
 };
+pub use reference::Reference;
+pub use tape::{Assumptions, Step, Tape};

@@ -1,1 +1,15 @@
-//! Placeholder.
+//! Native kernels: a tape becomes Cranelift code, runs with the rounding mode set to +∞, and is freed when dropped.
+//!
+//! The only crate with unsafe code, in three files: `rounding` (the call), `code` (the memory), `kernel` (the safe
+//! handles). It knows nothing of rays or text.
+
+mod code;
+mod compiler;
+mod error;
+mod kernel;
+mod lanes;
+mod rounding;
+
+pub use compiler::{Kind, intermediate_code};
+pub use error::Error;
+pub use kernel::{NativeGradient, NativeInterval, NativePoint};

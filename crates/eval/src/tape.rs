@@ -1,0 +1,276 @@
+//! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
+
+use zeroset_interval::{
+    Enclosure, Facts, Format, Interval, Lanes, Machine, Operand, Software, enclose, evaluate,
+    round::f32_up,
+};
+use zeroset_ir::{Axis, Graph, Node, NodeId};
+use zeroset_ops::Op;
+
+/// What code may take for granted: it is only ever asked about boxes and parameters within these bounds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assumptions {
+    /// Bounds of x, y and z.
+    pub domain: [Interval; 3],
+    /// Bounds of each parameter, by number.
+    pub parameters: Vec<Interval>,
+}
+
+impl Assumptions {
+    /// Nothing is known of the coordinates or of `parameters` parameters.
+    pub fn none(parameters: usize) -> Self {
+        Self {
+            domain: [Interval::ENTIRE; 3],
+            parameters: vec![Interval::ENTIRE; parameters],
+        }
+    }
+}
+
+/// One step of a [`Tape`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// Reads a coordinate.
+    Coordinate(Axis),
+    /// Reads a parameter, by its number.
+    Parameter(u32),
+    /// A constant, by its bounds.
+    Constant(Interval),
+    /// An operation on earlier steps.
+    Apply(Op, Vec<usize>),
+}
+
+/// Steps that compute one or more expressions over packets of `f32`.
+#[derive(Clone, Debug)]
+pub struct Tape {
+    steps: Vec<Step>,
+    ranges: Vec<Interval>,
+    outputs: Vec<usize>,
+    parameters: usize,
+}
+
+impl Tape {
+    /// The steps that `roots` need, with the range of each under `assumptions`.
+    ///
+    /// # Panics
+    /// If a parameter's number has no bounds in `assumptions`.
+    pub fn new(graph: &Graph, roots: &[NodeId], assumptions: &Assumptions) -> Self {
+        let needed = graph.reachable(roots);
+        let mut place = vec![usize::MAX; graph.len()];
+        let mut tape = Self {
+            steps: Vec::new(),
+            ranges: Vec::new(),
+            outputs: Vec::new(),
+            parameters: assumptions.parameters.len(),
+        };
+        let mut values: Vec<Operand<Lanes>> = Vec::new();
+        for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+            let step = match node {
+                Node::Variable(axis) => Step::Coordinate(*axis),
+                Node::Parameter(number) => Step::Parameter(*number),
+                Node::Constant(value) => Step::Constant(outward(value.bounds())),
+                Node::Apply(op, operands) => {
+                    Step::Apply(*op, operands.iter().map(|id| place[id.index()]).collect())
+                }
+            };
+            let operand = range_of(&step, &values, assumptions);
+            place[id.index()] = tape.steps.len();
+            tape.steps.push(step);
+            tape.ranges.push(operand.range);
+            values.push(operand);
+        }
+        tape.outputs = roots.iter().map(|root| place[root.index()]).collect();
+        tape
+    }
+
+    /// The steps, operands before users.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// The number of expressions computed.
+    pub fn outputs(&self) -> usize {
+        self.outputs.len()
+    }
+
+    /// The number of parameters that the caller passes, used or not.
+    pub fn parameters(&self) -> usize {
+        self.parameters
+    }
+
+    /// Whether any step reads a parameter.
+    pub fn reads_parameters(&self) -> bool {
+        self.steps
+            .iter()
+            .any(|step| matches!(step, Step::Parameter(_)))
+    }
+
+    /// The number of operations: steps that are neither coordinates, parameters nor constants.
+    pub fn operations(&self) -> usize {
+        self.steps
+            .iter()
+            .filter(|step| matches!(step, Step::Apply(..)))
+            .count()
+    }
+
+    /// Writes the enclosures of all outputs on `m`. `coordinate` and `parameter` give inputs as (−lo, hi).
+    pub fn enclose<M: Machine>(
+        &self,
+        m: &mut M,
+        mut coordinate: impl FnMut(&mut M, Axis) -> (M::V, M::V),
+        mut parameter: impl FnMut(&mut M, u32) -> (M::V, M::V),
+    ) -> Vec<Enclosure<M::V>> {
+        let mut values: Vec<Operand<M::V>> = Vec::with_capacity(self.steps.len());
+        for (step, &range) in self.steps.iter().zip(&self.ranges) {
+            let value = match step {
+                Step::Coordinate(axis) => pair(coordinate(m, *axis)),
+                Step::Parameter(number) => pair(parameter(m, *number)),
+                Step::Constant(bounds) => pair((
+                    m.number(Format::F32, -bounds.lo),
+                    m.number(Format::F32, bounds.hi),
+                )),
+                Step::Apply(op, operands) => {
+                    let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
+                    enclose(m, Format::F32, *op, &operands)
+                }
+            };
+            values.push(Operand { value, range });
+        }
+        self.outputs
+            .iter()
+            .map(|&output| values[output].value)
+            .collect()
+    }
+
+    /// Writes the values of all outputs at points on `m`.
+    pub fn evaluate<M: Machine>(
+        &self,
+        m: &mut M,
+        mut coordinate: impl FnMut(&mut M, Axis) -> M::V,
+        mut parameter: impl FnMut(&mut M, u32) -> M::V,
+    ) -> Vec<M::V> {
+        let mut values: Vec<M::V> = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            values.push(match step {
+                Step::Coordinate(axis) => coordinate(m, *axis),
+                Step::Parameter(number) => parameter(m, *number),
+                Step::Constant(bounds) => m.number(Format::F32, middle(*bounds)),
+                Step::Apply(op, operands) => {
+                    let ranges: Vec<_> = operands.iter().map(|&i| self.ranges[i]).collect();
+                    let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
+                    evaluate(m, Format::F32, *op, &operands, &ranges)
+                }
+            });
+        }
+        self.outputs.iter().map(|&output| values[output]).collect()
+    }
+}
+
+fn pair<V: Copy>((neg_lo, hi): (V, V)) -> Enclosure<V> {
+    Enclosure::total(neg_lo, hi)
+}
+
+/// The bounds with ends in `f32`, rounded outward.
+pub(crate) fn outward(bounds: Interval) -> Interval {
+    Interval {
+        lo: -f64::from(f32_up::from_f64(-bounds.lo)),
+        hi: f64::from(f32_up::from_f64(bounds.hi)),
+    }
+}
+
+/// An `f32` within the bounds, near their middle.
+pub(crate) fn middle(bounds: Interval) -> f64 {
+    let middle = 0.5 * bounds.lo + 0.5 * bounds.hi;
+    let nearest = f64::from(middle.clamp(-f64::from(f32::MAX), f64::from(f32::MAX)) as f32);
+    nearest.clamp(bounds.lo, bounds.hi)
+}
+
+/// How far, relatively, bounds of an elementary function over a part may stick out of those over the whole: its
+/// approximation is not exactly monotone. Far above twice the error of any text in `f32`.
+const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
+
+/// A step's value over everything that `assumptions` allow: since rules are isotone, it bounds every later value.
+fn range_of(step: &Step, values: &[Operand<Lanes>], assumptions: &Assumptions) -> Operand<Lanes> {
+    let given = |bounds: Interval| {
+        let bounds = outward(bounds);
+        let lanes = |end: f64| Lanes::from_f32([end as f32; 4]);
+        Operand {
+            value: Enclosure::total(lanes(-bounds.lo), lanes(bounds.hi)),
+            range: bounds,
+        }
+    };
+    match step {
+        Step::Coordinate(axis) => given(assumptions.domain[*axis as usize]),
+        Step::Parameter(number) => given(assumptions.parameters[*number as usize]),
+        Step::Constant(bounds) => given(*bounds),
+        Step::Apply(op, operands) => {
+            let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
+            let value = enclose(&mut Software, Format::F32, *op, &operands);
+            // 0 − x gives 0 for a zero of either sign.
+            let (lo, hi) = (
+                0.0 - f64::from(value.neg_lo.f32()[0]),
+                0.0 + f64::from(value.hi.f32()[0]),
+            );
+            let nowhere = facts_of(&value)[0].has(Facts::NOWHERE);
+            let range = match Interval::new(lo, hi) {
+                Some(range) if !nowhere => range,
+                _ => return given(Interval::ENTIRE).with_facts(&value),
+            };
+            given(if elementary(*op) {
+                inflate(range)
+            } else {
+                range
+            })
+            .with_facts(&value)
+        }
+    }
+}
+
+trait WithFacts {
+    fn with_facts(self, facts: &Enclosure<Lanes>) -> Self;
+}
+
+impl WithFacts for Operand<Lanes> {
+    fn with_facts(self, facts: &Enclosure<Lanes>) -> Self {
+        let value = Enclosure {
+            neg_lo: self.value.neg_lo,
+            hi: self.value.hi,
+            ..*facts
+        };
+        Self { value, ..self }
+    }
+}
+
+/// The facts of each `f32` lane.
+pub(crate) fn facts_of(value: &Enclosure<Lanes>) -> [Facts; 4] {
+    let mut facts = [Facts::NONE; 4];
+    for (fact, bit) in [
+        (value.nowhere, Facts::NOWHERE),
+        (value.defined, Facts::DEFINED),
+        (value.continuous, Facts::CONTINUOUS),
+    ] {
+        let mask = fact.mask(&mut Software, Format::F32).bits_32();
+        for (facts, mask) in facts.iter_mut().zip(mask) {
+            *facts = if mask == 0 { *facts } else { *facts | bit };
+        }
+    }
+    facts
+}
+
+fn inflate(range: Interval) -> Interval {
+    let out = |end: f64, sign: f64| end + sign * end.abs() * NOT_MONOTONE;
+    Interval {
+        lo: out(range.lo, -1.0),
+        hi: out(range.hi, 1.0),
+    }
+}
+
+/// Whether bounds of `op` come from an approximation.
+fn elementary(op: Op) -> bool {
+    use Op::*;
+    match op {
+        Cbrt | Exp | Ln | Log2 | Log10 | Sin | Cos | Tan | Atan | Pow => true,
+        Neg | Abs | Sign | Floor | Ceil | Round | Trunc | Fract | Sqr | Sqrt | Add | Sub | Mul
+        | Div | Mod | Min | Max | SelectNegative | WhereNonneg | WherePositive | WhereNonzero
+        | WhereDefined => false,
+    }
+}

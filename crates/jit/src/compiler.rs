@@ -1,0 +1,343 @@
+//! From a tape to native code.
+
+use crate::code::Code;
+use crate::error::Error;
+use crate::lanes::Emitter;
+use crate::rounding::Entry;
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::{F32X4, I64};
+use cranelift_codegen::ir::{
+    AbiParam, Function, InstBuilder, MemFlagsData, Signature, Type, Value,
+};
+use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
+use cranelift_codegen::settings::{self, Configurable};
+use cranelift_codegen::{Context, ir::Block};
+use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
+use cranelift_jit::{JITBuilder, JITModule};
+use cranelift_module::{Module, default_libcall_names};
+use std::mem::size_of;
+use std::sync::OnceLock;
+use zeroset_eval::{BoxPacket, EnclosurePacket, GradientPacket, PointPacket, Tape, ValuePacket};
+use zeroset_interval::{Enclosure, Facts, Format, Machine};
+
+/// What a kernel computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Enclosures of one output over boxes.
+    Interval,
+    /// Values of one output at points.
+    Point,
+    /// Values of four outputs at points: a function and its derivatives.
+    Gradient,
+}
+
+impl Kind {
+    fn outputs(self) -> usize {
+        match self {
+            Self::Interval | Self::Point => 1,
+            Self::Gradient => 4,
+        }
+    }
+
+    fn strides(self) -> (usize, usize) {
+        match self {
+            Self::Interval => (size_of::<BoxPacket>(), size_of::<EnclosurePacket>()),
+            Self::Point => (size_of::<PointPacket>(), size_of::<ValuePacket>()),
+            Self::Gradient => (size_of::<PointPacket>(), size_of::<GradientPacket>()),
+        }
+    }
+}
+
+/// Operations in one kernel, at most: beyond this even the fast tier takes too long.
+const LIMIT: usize = 20_000;
+/// Instructions above which the slow tier's register allocation grows faster than the code it saves.
+const FAST_TIER_FROM: usize = 12_000;
+
+/// How much work code generation spends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tier {
+    Optimised,
+    Fast,
+}
+
+/// The processor this runs on, as a code generation target: built once.
+fn target(tier: Tier) -> Result<OwnedTargetIsa, Error> {
+    static TARGETS: [OnceLock<Option<OwnedTargetIsa>>; 2] = [const { OnceLock::new() }; 2];
+    TARGETS[tier as usize]
+        .get_or_init(|| {
+            let mut flags = settings::builder();
+            let level = match tier {
+                Tier::Optimised => [("opt_level", "speed")].as_slice(),
+                Tier::Fast => {
+                    [("opt_level", "none"), ("regalloc_algorithm", "single_pass")].as_slice()
+                }
+            };
+            let verifier = if cfg!(debug_assertions) {
+                "true"
+            } else {
+                "false"
+            };
+            let common = [
+                ("enable_verifier", verifier),
+                ("unwind_info", "false"),
+                ("is_pic", "false"),
+            ];
+            for (name, value) in level.iter().chain(&common) {
+                flags.set(name, value).ok()?;
+            }
+            let isa = cranelift_native::builder().ok()?;
+            isa.finish(settings::Flags::new(flags)).ok()
+        })
+        .clone()
+        .ok_or(Error::Unsupported(
+            "a processor that the code generator knows",
+        ))
+}
+
+fn check_processor() -> Result<(), Error> {
+    #[cfg(target_arch = "x86_64")]
+    if !std::arch::is_x86_feature_detected!("sse4.1") {
+        // Without it, rounding to integers would be a library call in the wrong rounding mode.
+        return Err(Error::Unsupported("SSE4.1"));
+    }
+    if cfg!(any(target_arch = "x86_64", target_arch = "aarch64")) {
+        Ok(())
+    } else {
+        Err(Error::Unsupported("x86-64 or AArch64"))
+    }
+}
+
+/// Compiles `tape`.
+///
+/// # Panics
+/// If the tape has another number of outputs than `kind` needs.
+pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
+    check_processor()?;
+    let function = build(tape, kind)?;
+    let tier = if function.dfg.num_insts() > FAST_TIER_FROM {
+        Tier::Fast
+    } else {
+        Tier::Optimised
+    };
+    let isa = target(tier)?;
+    let mut module = JITModule::new(JITBuilder::with_isa(isa, default_libcall_names()));
+    let report = |error: cranelift_module::ModuleError| Error::Codegen(format!("{error:?}"));
+    let id = module
+        .declare_anonymous_function(&function.signature)
+        .map_err(report)?;
+    let mut context = Context::for_function(function);
+    debug_assert!(
+        module.target_config().pointer_bits() == 64,
+        "kernels use 64-bit pointers"
+    );
+    // From here on an early return must free the module's memory.
+    let finished = module
+        .define_function(id, &mut context)
+        .and_then(|()| module.finalize_definitions())
+        .map_err(report);
+    match finished {
+        Ok(()) => {
+            let bytes = context
+                .compiled_code()
+                .map_or(0, |code| code.code_info().total_size);
+            let address = module.get_finalized_function(id);
+            // SAFETY: the function was declared with the signature that `Entry` describes.
+            let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
+            // SAFETY: `entry` is the function just finished in this module.
+            Ok(unsafe { Code::new(module, entry, bytes as usize) })
+        }
+        Err(error) => {
+            // SAFETY: no pointer into the module's memory was taken.
+            unsafe { module.free_memory() };
+            Err(error)
+        }
+    }
+}
+
+/// The intermediate code of a kernel, as text.
+///
+/// # Errors
+/// If the formula is too large.
+///
+/// # Panics
+/// If the tape has another number of outputs than `kind` needs.
+pub fn intermediate_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
+    Ok(build(tape, kind)?.display().to_string())
+}
+
+fn signature() -> Signature {
+    let convention = if cfg!(target_vendor = "apple") {
+        CallConv::AppleAarch64
+    } else {
+        // The asm trampoline passes arguments by this convention on every system.
+        CallConv::SystemV
+    };
+    let mut signature = Signature::new(convention);
+    signature.params.extend([AbiParam::new(I64); 5]);
+    signature
+}
+
+/// Where a kernel finds its data in the current round of its loop.
+struct Cursor {
+    input: Value,
+    output: Value,
+    parameters: Value,
+}
+
+/// All pointers passed to a kernel are valid and aligned to a packet.
+fn trusted() -> MemFlagsData {
+    MemFlagsData::trusted()
+}
+
+fn build(tape: &Tape, kind: Kind) -> Result<Function, Error> {
+    assert_eq!(
+        tape.outputs(),
+        kind.outputs(),
+        "outputs of a {kind:?} kernel"
+    );
+    if tape.operations() > LIMIT {
+        return Err(Error::TooLarge {
+            operations: tape.operations(),
+            limit: LIMIT,
+        });
+    }
+    let mut function = Function::new();
+    function.signature = signature();
+    let mut context = FunctionBuilderContext::new();
+    let mut builder = FunctionBuilder::new(&mut function, &mut context);
+    let entry = builder.create_block();
+    builder.append_block_params_for_function_params(entry);
+    builder.switch_to_block(entry);
+    let arguments: Vec<Value> = builder.block_params(entry).to_vec();
+    let [inputs, outputs, count, parameters, _guards] = arguments[..] else {
+        unreachable!("the signature has five parameters");
+    };
+    let (body, end) = (builder.create_block(), builder.create_block());
+    let carried: Vec<Value> = (0..3)
+        .map(|_| builder.append_block_param(body, I64))
+        .collect();
+    builder
+        .ins()
+        .brif(count, body, &args(&[inputs, outputs, count]), end, &[]);
+    builder.switch_to_block(body);
+    let cursor = Cursor {
+        input: carried[0],
+        output: carried[1],
+        parameters,
+    };
+    match kind {
+        Kind::Interval => emit_enclosure(&mut builder, tape, &cursor),
+        Kind::Point | Kind::Gradient => emit_values(&mut builder, tape, &cursor),
+    }
+    close_loop(&mut builder, kind, &carried, body, end);
+    builder.switch_to_block(end);
+    builder.ins().return_(&[]);
+    builder.seal_all_blocks();
+    builder.finalize(target(Tier::Optimised)?.frontend_config());
+    Ok(function)
+}
+
+fn args(values: &[Value]) -> Vec<cranelift_codegen::ir::BlockArg> {
+    values.iter().map(|&value| value.into()).collect()
+}
+
+/// Steps to the next packet, or ends.
+fn close_loop(
+    builder: &mut FunctionBuilder<'_>,
+    kind: Kind,
+    carried: &[Value],
+    body: Block,
+    end: Block,
+) {
+    let (input_stride, output_stride) = kind.strides();
+    let input = builder.ins().iadd_imm_s(carried[0], input_stride as i64);
+    let output = builder.ins().iadd_imm_s(carried[1], output_stride as i64);
+    let left = builder.ins().iadd_imm_s(carried[2], -1);
+    let more = builder.ins().icmp_imm_s(IntCC::NotEqual, left, 0);
+    builder
+        .ins()
+        .brif(more, body, &args(&[input, output, left]), end, &[]);
+}
+
+/// Loads the vector with this index from an array of vectors.
+fn load(m: &mut Emitter<'_, '_>, ty: Type, base: Value, index: usize) -> Value {
+    m.builder()
+        .ins()
+        .load(ty, trusted(), base, (16 * index) as i32)
+}
+
+fn store(m: &mut Emitter<'_, '_>, value: Value, base: Value, index: usize) {
+    m.builder()
+        .ins()
+        .store(trusted(), value, base, (16 * index) as i32);
+}
+
+/// Index of the first parameter's vectors after the two fact words.
+const FIRST_PARAMETER: usize = 2;
+
+fn emit_enclosure(builder: &mut FunctionBuilder<'_>, tape: &Tape, cursor: &Cursor) {
+    let mut m = Emitter::new(builder);
+    let values = tape.enclose(
+        &mut m,
+        |m, axis| {
+            let axis = axis as usize;
+            (
+                load(m, F32X4, cursor.input, axis),
+                load(m, F32X4, cursor.input, 3 + axis),
+            )
+        },
+        |m, number| {
+            let at = FIRST_PARAMETER + 2 * number as usize;
+            (
+                load(m, F32X4, cursor.parameters, at),
+                load(m, F32X4, cursor.parameters, at + 1),
+            )
+        },
+    );
+    let value = &values[0];
+    let mut facts = fact_bits(&mut m, value);
+    if tape.reads_parameters() {
+        let kept = load(&mut m, F32X4, cursor.parameters, 0);
+        let added = load(&mut m, F32X4, cursor.parameters, 1);
+        facts = m.and(facts, kept);
+        facts = m.or(facts, added);
+    }
+    store(&mut m, value.neg_lo, cursor.output, 0);
+    store(&mut m, value.hi, cursor.output, 1);
+    store(&mut m, facts, cursor.output, 2);
+}
+
+/// The three facts as bits of each lane.
+fn fact_bits(m: &mut Emitter<'_, '_>, value: &Enclosure<Value>) -> Value {
+    use zeroset_interval::Fact;
+    let facts = [
+        (value.nowhere, Facts::NOWHERE),
+        (value.defined, Facts::DEFINED),
+        (value.continuous, Facts::CONTINUOUS),
+    ];
+    let known = facts
+        .iter()
+        .filter(|(fact, _)| matches!(fact, Fact::True))
+        .fold(Facts::NONE, |known, (_, bit)| known | *bit);
+    let mut bits = m.bits(Format::F32, u64::from(known.bits()));
+    for (fact, bit) in facts {
+        if let Fact::Lanes(mask) = fact {
+            let bit = m.bits(Format::F32, u64::from(bit.bits()));
+            let set = m.and(mask, bit);
+            bits = m.or(bits, set);
+        }
+    }
+    bits
+}
+
+fn emit_values(builder: &mut FunctionBuilder<'_>, tape: &Tape, cursor: &Cursor) {
+    let mut m = Emitter::new(builder);
+    let values = tape.evaluate(
+        &mut m,
+        |m, axis| load(m, F32X4, cursor.input, axis as usize),
+        |m, number| load(m, F32X4, cursor.parameters, number as usize),
+    );
+    for (index, value) in values.into_iter().enumerate() {
+        store(&mut m, value, cursor.output, index);
+    }
+}

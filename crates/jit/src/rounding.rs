@@ -1,0 +1,71 @@
+//! The one place where the rounding mode changes: a call into native code and back.
+
+/// A kernel's entry point, by the ABI that [`call_rounding_up`] uses.
+///
+/// Inputs, outputs, number of packets, parameters, guard words (reserved: pass null).
+pub type Entry = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, *const u64);
+
+/// MXCSR: all exceptions masked, subnormals kept, rounding to +∞ or (the default everywhere else) to nearest.
+#[cfg(target_arch = "x86_64")]
+static ROUND_UP: u32 = 0x5f80;
+#[cfg(target_arch = "x86_64")]
+static ROUND_NEAREST: u32 = 0x1f80;
+
+/// Calls `entry` with the rounding mode set to +∞, and restores the default mode.
+///
+/// # Safety
+/// `entry` must be a kernel whose inputs, outputs and parameters these pointers satisfy. It must not unwind.
+#[inline]
+pub unsafe fn call_rounding_up(
+    entry: Entry,
+    inputs: *const u8,
+    outputs: *mut u8,
+    count: usize,
+    parameters: *const u8,
+) {
+    // SAFETY: the block declares every register that a C function may change, keeps `entry` in a register that the
+    // callee preserves, and leaves MXCSR at the default that Rust code assumes. The stack is aligned because
+    // `nostack` is not given. The two statics are plain memory that `ldmxcsr` reads. What the callee reads and
+    // writes is the caller's promise.
+    #[cfg(target_arch = "x86_64")]
+    unsafe {
+        std::arch::asm!(
+            "ldmxcsr [rip + {up}]",
+            "call r12",
+            "ldmxcsr [rip + {nearest}]",
+            up = sym ROUND_UP,
+            nearest = sym ROUND_NEAREST,
+            in("r12") entry,
+            in("rdi") inputs,
+            in("rsi") outputs,
+            in("rdx") count,
+            in("rcx") parameters,
+            in("r8") 0usize,
+            clobber_abi("C"),
+        );
+    }
+    // SAFETY: as above; FPCR bits 23:22 = 01 round to +∞, and 0 is the default. x20 to x22 are preserved by the
+    // callee.
+    #[cfg(target_arch = "aarch64")]
+    unsafe {
+        std::arch::asm!(
+            "msr fpcr, x21",
+            "blr x20",
+            "msr fpcr, x22",
+            in("x20") entry,
+            in("x21") 1u64 << 22,
+            in("x22") 0u64,
+            in("x0") inputs,
+            in("x1") outputs,
+            in("x2") count,
+            in("x3") parameters,
+            in("x4") 0u64,
+            clobber_abi("C"),
+        );
+    }
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    {
+        let _ = (entry, inputs, outputs, count, parameters);
+        unreachable!("no kernel is ever compiled for this processor");
+    }
+}
