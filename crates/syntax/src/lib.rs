@@ -1,1 +1,45 @@
-//! Placeholder.
+//! The language of zeroset: from text to an expression graph, with diagnostics that point at the place.
+//!
+//! A text passes through these stages, each a module: `scan` bounds its size and splits it into statements;
+//! `grammar` recognises each; `build` and `run` make trees in which every name is resolved; `lower` puts
+//! definitions in and writes the graph. [`read`] runs them all. Nothing here simplifies, evaluates a picture,
+//! prints or reads files.
+//!
+//! ```
+//! use zeroset_syntax::{Options, read};
+//! let document = read("2x sin y = z^2", &Options::default())?;
+//! assert_eq!(document.surfaces[0].echo, "2*x*sin(y) = z^2");
+//! # Ok::<(), zeroset_syntax::Errors>(())
+//! ```
+
+pub mod ast;
+mod build;
+mod constant;
+mod diagnose;
+mod document;
+mod error;
+mod explain;
+mod grammar;
+mod limits;
+mod lower;
+mod note;
+mod prelude;
+mod print;
+mod render;
+mod run;
+mod scan;
+mod scene;
+mod scope;
+mod span;
+mod statement;
+mod unknown;
+
+pub use constant::constant;
+pub use document::{
+    Document, Kind, Options, Parameter, ParameterKind, Surface, parse, read, read_bytes,
+};
+pub use error::{Error, ErrorKind, Errors, Origin, Suggestion};
+pub use limits::Limits;
+pub use note::{Note, NoteKind};
+pub use scene::{Color, Domain, Preset, View};
+pub use span::Span;

@@ -1,0 +1,256 @@
+//! The syntax tree: what was typed, with every name resolved and every implicit product made explicit.
+//!
+//! Sums, products and chains hold any number of operands, so that only brackets, powers, signs and function
+//! arguments nest, and a limit on those bounds every recursion over a tree. Trees compare equal whatever their
+//! spans are.
+
+use crate::span::Span;
+use zeroset_ir::Axis;
+use zeroset_ops::Op;
+
+/// An expression and where it stands.
+#[derive(Clone, Debug)]
+pub struct Expr {
+    /// What it is.
+    pub kind: ExprKind,
+    /// Where it was typed.
+    pub span: Span,
+}
+
+impl PartialEq for Expr {
+    fn eq(&self, other: &Self) -> bool {
+        self.kind == other.kind
+    }
+}
+
+impl Expr {
+    /// An expression at a place.
+    pub fn new(kind: ExprKind, span: Span) -> Self {
+        Self { kind, span }
+    }
+
+    /// Whether this is a condition (true or false) rather than a number.
+    pub fn is_condition(&self) -> bool {
+        match self.kind {
+            ExprKind::Compare(..) | ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => true,
+            ExprKind::Number(_)
+            | ExprKind::Name(_)
+            | ExprKind::Negate(_)
+            | ExprKind::Sum(..)
+            | ExprKind::Product(..)
+            | ExprKind::Power(..)
+            | ExprKind::Call(..) => false,
+        }
+    }
+
+    /// The number's text, if this is a number without a sign.
+    pub fn number(&self) -> Option<&str> {
+        match &self.kind {
+            ExprKind::Number(text) => Some(text),
+            _ => None,
+        }
+    }
+}
+
+/// What an expression is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExprKind {
+    /// A decimal number without a sign, as text that `Constant::decimal` reads.
+    Number(String),
+    /// A named value.
+    Name(Value),
+    /// `-a`.
+    Negate(Box<Expr>),
+    /// `a + b - c`: a first term, and one or more further ones.
+    Sum(Box<Expr>, Vec<(SumSign, Expr)>),
+    /// `a*b/c`: a first factor, and one or more further ones.
+    Product(Box<Expr>, Vec<(ProductSign, Expr)>),
+    /// `a^b`.
+    Power(Box<Expr>, Box<Expr>),
+    /// A function of its arguments.
+    Call(Function, Vec<Expr>),
+    /// `a <= b < c`: a chain of one or more comparisons.
+    Compare(Box<Expr>, Vec<(Relation, Expr)>),
+    /// Two or more conditions that must all hold.
+    And(Vec<Expr>),
+    /// Two or more conditions of which one must hold.
+    Or(Vec<Expr>),
+    /// A condition that must not hold.
+    Not(Box<Expr>),
+}
+
+/// How a further term joins a sum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SumSign {
+    /// `+`
+    Plus,
+    /// `-`
+    Minus,
+}
+
+/// How a further factor joins a product.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProductSign {
+    /// `*`, or nothing.
+    Times,
+    /// `/`
+    Over,
+}
+
+/// How two numbers are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// `=`
+    Equal,
+    /// `!=`
+    Unequal,
+    /// `<`
+    Less,
+    /// `<=`
+    LessEqual,
+    /// `>`
+    Greater,
+    /// `>=`
+    GreaterEqual,
+}
+
+impl Relation {
+    /// How it is printed.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Equal => "=",
+            Self::Unequal => "!=",
+            Self::Less => "<",
+            Self::LessEqual => "<=",
+            Self::Greater => ">",
+            Self::GreaterEqual => ">=",
+        }
+    }
+}
+
+/// What a name stands for, where a number is wanted.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Value {
+    /// A coordinate of space.
+    Coordinate(Axis),
+    /// Time, `t`.
+    Time,
+    /// A constant of the language.
+    Constant(NamedConstant),
+    /// A parameter of the function being defined.
+    Local(String),
+    /// A name that the document or an override defines.
+    Defined(String),
+}
+
+impl Value {
+    /// The name as printed.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Coordinate(Axis::X) => "x",
+            Self::Coordinate(Axis::Y) => "y",
+            Self::Coordinate(Axis::Z) => "z",
+            Self::Time => "t",
+            Self::Constant(constant) => constant.name(),
+            Self::Local(name) | Self::Defined(name) => name,
+        }
+    }
+}
+
+/// A constant of the language; a document may give its name another meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NamedConstant {
+    /// The circle constant.
+    Pi,
+    /// Twice pi.
+    Tau,
+    /// Euler's number.
+    E,
+    /// The golden ratio.
+    Phi,
+}
+
+impl NamedConstant {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Pi, Self::Tau, Self::E, Self::Phi];
+
+    /// The name as printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pi => "pi",
+            Self::Tau => "tau",
+            Self::E => "e",
+            Self::Phi => "phi",
+        }
+    }
+}
+
+/// What is called.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Function {
+    /// An operation of the table; `min` and `max` take two or more arguments.
+    Native(Op),
+    /// A composed function, by its index in [`zeroset_ops::COMPOSED`].
+    Composed(usize),
+    /// The distance from the origin in four or more dimensions.
+    Length,
+    /// `root(a, n)`: the n-th root.
+    Root,
+    /// A function that the document defines.
+    Defined(String),
+}
+
+impl Function {
+    /// The name as printed.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Native(op) => op.row().name,
+            Self::Composed(index) => zeroset_ops::COMPOSED[*index].name,
+            Self::Length => "hypot",
+            Self::Root => "root",
+            Self::Defined(name) => name,
+        }
+    }
+}
+
+/// One statement of a document.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Statement {
+    /// Something to draw.
+    Draw {
+        /// A number (`= 0` implied), an equation or a condition.
+        expr: Expr,
+        /// Conditions in braces, each restricting where `expr` is defined.
+        restrictions: Vec<Expr>,
+    },
+    /// `name = body`, or `name(parameters) = body`.
+    Define(Definition),
+}
+
+/// A definition of a value or a function.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Definition {
+    /// What is defined; `t` where time is set.
+    pub name: Name,
+    /// The parameters of a function; `None` for a value.
+    pub parameters: Option<Vec<Name>>,
+    /// What it stands for.
+    pub body: Expr,
+    /// The ends of a slider, `in [low, high]`.
+    pub range: Option<(Expr, Expr)>,
+}
+
+/// A name where it is introduced. Names compare equal whatever their spans are.
+#[derive(Clone, Debug)]
+pub struct Name {
+    /// The name.
+    pub text: String,
+    /// Where it was typed.
+    pub span: Span,
+}
+
+impl PartialEq for Name {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}

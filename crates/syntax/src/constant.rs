@@ -1,0 +1,163 @@
+//! Constant expressions: slider values, ranges, overrides.
+//!
+//! Sums, products, quotients and whole powers of decimals stay exact; everything else is enclosed.
+
+use crate::ast::Expr;
+use crate::build::Builder;
+use crate::diagnose::diagnose;
+use crate::error::{Error, ErrorKind, Errors, Fallible};
+use crate::grammar::{Rule, Zeroset};
+use crate::limits::Limits;
+use crate::lower::Lowering;
+use crate::scan::scan;
+use crate::scope::Scope;
+use crate::span::Span;
+use crate::statement::LineKind;
+use num_rational::BigRational;
+use num_traits::{One, Zero};
+use pest::Parser as _;
+use rustc_hash::FxHashMap;
+use zeroset_interval::{Facts, Interval, fold};
+use zeroset_ir::{Constant, Graph, Node, NodeId, Operands};
+use zeroset_ops::Op;
+
+/// Exponents up to this size are raised exactly; a power of a two-digit number then has a few hundred bits.
+const EXACT_EXPONENT: i64 = 128;
+
+/// The value of a constant expression such as `1/3` or `2*pi`.
+///
+/// # Errors
+/// What is wrong with the text, or that it varies, or has no value.
+///
+/// ```
+/// use zeroset_syntax::constant;
+/// assert_eq!(constant("0.5^2")?, zeroset_ir::Constant::ratio(1, 4).unwrap());
+/// # Ok::<(), zeroset_syntax::Errors>(())
+/// ```
+pub fn constant(text: &str) -> Result<Constant, Errors> {
+    evaluate_text(text, &Limits::default()).map_err(Errors::from)
+}
+
+/// The value of a constant expression given as text.
+pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
+    let pieces = scan(text, limits)?;
+    let [piece] = pieces.as_slice() else {
+        return Err(match pieces.get(1) {
+            None => Error::new(Span::at(text.len()), ErrorKind::Empty),
+            Some(second) => {
+                let found = text[second.span.range()].chars().take(20).collect();
+                Error::new(second.span, ErrorKind::Unexpected { found })
+            }
+        });
+    };
+    let source = &text[piece.span.range()];
+    let pairs = Zeroset::parse(Rule::constant, source)
+        .map_err(|error| diagnose(text, piece, LineKind::Formula, &error))?;
+    let scope = Scope::default();
+    let mut builder = Builder::new(text, piece.span.start, &scope, &[], limits);
+    let expression = pairs
+        .flatten()
+        .find(|pair| pair.as_rule() == Rule::expression);
+    let expr = builder.value(expression.expect("a constant has an expression"))?;
+    evaluate(&expr, limits)
+}
+
+/// The value of a constant expression.
+pub(crate) fn evaluate(expr: &Expr, limits: &Limits) -> Fallible<Constant> {
+    if let Some((name, span)) = varying(expr) {
+        return Err(Error::new(span, ErrorKind::NotConstant { name }));
+    }
+    let mut lowering = Lowering::new(FxHashMap::default(), None, limits);
+    let root = lowering.value(expr)?;
+    let value = value(&lowering.graph, root).filter(|value| value.bounds().is_bounded());
+    value.ok_or_else(|| Error::new(expr.span, ErrorKind::UndefinedConstant))
+}
+
+/// The first name in `expr` that is not a constant of the language.
+fn varying(expr: &Expr) -> Option<(String, Span)> {
+    use crate::ast::{ExprKind, Function, Value};
+    match &expr.kind {
+        ExprKind::Number(_) | ExprKind::Name(Value::Constant(_)) => None,
+        ExprKind::Name(value) => Some((value.name().to_owned(), expr.span)),
+        ExprKind::Negate(inner) | ExprKind::Not(inner) => varying(inner),
+        ExprKind::Sum(first, rest) => {
+            varying(first).or_else(|| rest.iter().find_map(|(_, e)| varying(e)))
+        }
+        ExprKind::Product(first, rest) => {
+            varying(first).or_else(|| rest.iter().find_map(|(_, e)| varying(e)))
+        }
+        ExprKind::Compare(first, rest) => {
+            varying(first).or_else(|| rest.iter().find_map(|(_, e)| varying(e)))
+        }
+        ExprKind::Power(base, exponent) => varying(base).or_else(|| varying(exponent)),
+        ExprKind::Call(Function::Defined(name), _) => Some((name.clone(), expr.span)),
+        ExprKind::Call(_, items) | ExprKind::And(items) | ExprKind::Or(items) => {
+            items.iter().find_map(varying)
+        }
+    }
+}
+
+/// The value of a node that depends on no coordinate and no parameter; `None` where it has none.
+fn value(graph: &Graph, root: NodeId) -> Option<Constant> {
+    let needed = graph.reachable(&[root]);
+    let mut values: Vec<Option<(Constant, Facts)>> = Vec::with_capacity(graph.len());
+    for (id, node) in graph.iter() {
+        let computed = match node {
+            _ if !needed[id.index()] => None,
+            Node::Constant(constant) => Some((constant.clone(), Facts::TOTAL)),
+            Node::Variable(_) | Node::Parameter(_) => None,
+            Node::Apply(op, operands) => apply(*op, operands, &values),
+        };
+        values.push(computed);
+    }
+    let (value, facts) = values.into_iter().nth(root.index())??;
+    facts.has(Facts::DEFINED).then_some(value)
+}
+
+fn apply(
+    op: Op,
+    operands: &Operands,
+    values: &[Option<(Constant, Facts)>],
+) -> Option<(Constant, Facts)> {
+    let known: Option<Vec<&(Constant, Facts)>> = operands
+        .iter()
+        .map(|id| values[id.index()].as_ref())
+        .collect();
+    let known = known?;
+    let all_total = known.iter().all(|(_, facts)| facts.has(Facts::TOTAL));
+    let exact: Option<Vec<&BigRational>> =
+        known.iter().map(|(constant, _)| constant.exact()).collect();
+    if let (true, Some(value)) = (all_total, exact.and_then(|exact| exactly(op, &exact))) {
+        return Some((Constant::rational(value), Facts::TOTAL));
+    }
+    let boxes: Vec<(Interval, Facts)> = known
+        .iter()
+        .map(|(constant, facts)| (constant.bounds(), *facts))
+        .collect();
+    let (bounds, facts) = fold(op, &boxes);
+    Some((Constant::enclosed(bounds), facts))
+}
+
+/// The exact result of arithmetic on rational numbers, where it is rational and of moderate size.
+fn exactly(op: Op, operands: &[&BigRational]) -> Option<BigRational> {
+    match (op, operands) {
+        (Op::Neg, [a]) => Some(-*a),
+        (Op::Add, [a, b]) => Some(*a + *b),
+        (Op::Sub, [a, b]) => Some(*a - *b),
+        (Op::Mul, [a, b]) => Some(*a * *b),
+        (Op::Div, [a, b]) if !b.is_zero() => Some(*a / *b),
+        (Op::Pow, [a, b]) if b.is_integer() => {
+            let exponent: i64 = b.numer().try_into().ok()?;
+            if exponent.abs() > EXACT_EXPONENT || (a.is_zero() && exponent < 0) {
+                return None;
+            }
+            let power = num_traits::pow((*a).clone(), exponent.unsigned_abs() as usize);
+            Some(if exponent < 0 {
+                BigRational::one() / power
+            } else {
+                power
+            })
+        }
+        _ => None,
+    }
+}

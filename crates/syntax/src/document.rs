@@ -1,0 +1,639 @@
+//! A whole text read: surfaces in one graph, parameters, domain, view and remarks.
+
+use crate::ast::{Definition, Expr, ExprKind, Function, Relation, Statement};
+use crate::constant;
+use crate::error::{Error, ErrorKind, Errors, Fallible, Origin};
+use crate::limits::Limits;
+use crate::lower::{Lowering, Meaning};
+use crate::note::{Note, NoteKind};
+use crate::scene::{Color, Domain, Scene, View, scene_line};
+use crate::scope::Scope;
+use crate::span::Span;
+use crate::statement::{Built, LineKind, build, is_plain_number, lines, settle_heads};
+use rustc_hash::{FxHashMap, FxHashSet};
+use zeroset_interval::Interval;
+use zeroset_ir::{Constant, Graph, NodeId};
+
+/// What reading depends on beside the text.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options<'a> {
+    /// Names with constant expressions that replace or supply their values, in order.
+    pub overrides: &'a [(String, String)],
+    /// The time `t`, whatever the document says.
+    pub time: Option<f64>,
+    /// How much is read.
+    pub limits: Limits,
+}
+
+/// A text as it was read.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// All surfaces in one graph, exactly as typed: nothing is simplified.
+    pub graph: Graph,
+    /// What is drawn, in the order of the text; at least one.
+    pub surfaces: Vec<Surface>,
+    /// Sliders and time, by ascending number.
+    pub parameters: Vec<Parameter>,
+    /// The `domain` line, if there is one.
+    pub domain: Option<Domain>,
+    /// The `view` line, if there is one.
+    pub view: Option<View>,
+    /// The first comment's first line, if the text starts with a comment.
+    pub title: Option<String>,
+    /// The rest of that comment, line breaks kept; empty if there is none.
+    pub doc: String,
+    /// Remarks, in the order of their places.
+    pub notes: Vec<Note>,
+}
+
+/// One thing to draw.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// The function whose zeros are drawn.
+    pub root: NodeId,
+    /// Whether it bounds a solid.
+    pub kind: Kind,
+    /// Where it was typed.
+    pub span: Span,
+    /// How it was read.
+    pub echo: String,
+    /// The color of the last `color` line above it, if there is one.
+    pub color: Option<Color>,
+}
+
+/// What a surface is the surface of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// An equation: only its zeros.
+    Equation,
+    /// An inequality: the solid where the function is ≤ 0.
+    Solid,
+}
+
+/// A value that may change without recompiling.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// Its number in the graph.
+    pub number: u32,
+    /// Its value.
+    pub value: Constant,
+    /// The ends of its slider, or of the loop of time.
+    pub range: Option<(Constant, Constant)>,
+    /// Whether it is time.
+    pub kind: ParameterKind,
+    /// Where it was defined, if the text does so.
+    pub span: Option<Span>,
+}
+
+/// What moves a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterKind {
+    /// A reader's hand.
+    Slider,
+    /// The clock.
+    Time,
+}
+
+/// Reads a document: one line or a whole file.
+///
+/// # Errors
+/// What is wrong with the text or with an override: at least one error, at most one for each statement.
+pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
+    Reader::new(text, options).read().map_err(Errors::new)
+}
+
+/// Reads a document from bytes that should be UTF-8.
+///
+/// # Errors
+/// As [`read`], and where the bytes are not UTF-8.
+pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Errors> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => read(text, options),
+        Err(error) => {
+            let offset = error.valid_up_to();
+            Err(Error::new(Span::at(offset), ErrorKind::NotUtf8 { offset }).into())
+        }
+    }
+}
+
+/// The statements of a text, with every name resolved.
+///
+/// # Errors
+/// What is wrong with the text: at least one error, at most one for each statement. `domain`, `view` and `color`
+/// lines are checked by the grammar only.
+pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
+    let options = Options {
+        limits: *limits,
+        ..Options::default()
+    };
+    let mut reader = Reader::new(text, &options);
+    let built = reader.statements().map_err(Errors::new)?;
+    Ok(built.into_iter().map(|built| built.statement).collect())
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    options: &'a Options<'a>,
+    notes: Vec<Note>,
+    errors: Vec<Error>,
+    domain: Option<Domain>,
+    view: Option<View>,
+    colors: Vec<(usize, Color)>,
+}
+
+/// A parameter before it has a number.
+struct Slider {
+    value: Constant,
+    range: Option<(Constant, Constant)>,
+    span: Option<Span>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(text: &'a str, options: &'a Options<'a>) -> Self {
+        Self {
+            text,
+            options,
+            notes: Vec::new(),
+            errors: Vec::new(),
+            domain: None,
+            view: None,
+            colors: Vec::new(),
+        }
+    }
+
+    /// The trees of all statements; `domain`, `view` and `color` lines go to their fields.
+    fn statements(&mut self) -> Result<Vec<Built>, Vec<Error>> {
+        let mut lines = lines(self.text, &self.options.limits)?;
+        let mut scope = Scope::default();
+        for (name, _) in self.options.overrides {
+            scope.define(name, None);
+        }
+        settle_heads(&mut lines, &mut scope, &mut self.notes);
+        let mut built = Vec::new();
+        for line in lines {
+            let result = if line.kind == LineKind::Formula {
+                build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
+            } else {
+                scene_line(self.text, line, &scope, &self.options.limits).map(|scene| match scene {
+                    Scene::Domain(domain) => self.domain = Some(domain),
+                    Scene::View(view) => self.view = Some(view),
+                    Scene::Color(at, color) => self.colors.push((at, color)),
+                })
+            };
+            if let Err(error) = result {
+                self.errors.push(*error);
+            }
+        }
+        if self.errors.is_empty() {
+            Ok(built)
+        } else {
+            Err(std::mem::take(&mut self.errors))
+        }
+    }
+
+    fn read(mut self) -> Result<Document, Vec<Error>> {
+        let built = self.statements()?;
+        let mut definitions: Vec<(&Definition, &Built)> = Vec::new();
+        let mut drawings: Vec<&Built> = Vec::new();
+        for one in &built {
+            self.notes.extend(one.notes.iter().cloned());
+            match &one.statement {
+                Statement::Define(definition) => definitions.push((definition, one)),
+                Statement::Draw { .. } => drawings.push(one),
+            }
+        }
+        // The last definition of a name counts, everywhere.
+        let mut last: FxHashMap<&str, usize> = FxHashMap::default();
+        for (index, (definition, _)) in definitions.iter().enumerate() {
+            if let Some(before) = last.insert(&definition.name.text, index) {
+                let earlier = &definitions[before].0.name;
+                let name = earlier.text.clone();
+                self.notes.push(Note {
+                    span: earlier.span,
+                    kind: NoteKind::Redefined { name },
+                });
+            }
+        }
+        definitions = definitions
+            .iter()
+            .enumerate()
+            .filter(|(index, (definition, _))| last[definition.name.text.as_str()] == *index)
+            .map(|(_, both)| *both)
+            .collect();
+        if let Some(error) = recursion(&definitions) {
+            return Err(vec![*error]);
+        }
+        let used: FxHashSet<&str> = built
+            .iter()
+            .flat_map(|b| b.used.iter().map(String::as_str))
+            .collect();
+        let overrides = self.overrides(&definitions, &used);
+        let (names, parameters) = self.parameters(&definitions, &overrides, &drawings);
+        if !self.errors.is_empty() {
+            return Err(self.errors);
+        }
+        let time = parameters
+            .iter()
+            .find(|p| p.kind == ParameterKind::Time)
+            .map(|p| p.number);
+        let mut lowering = Lowering::new(names, time, &self.options.limits);
+        let mut surfaces = Vec::new();
+        for drawing in &drawings {
+            match surface(&mut lowering, drawing) {
+                Ok(surface) => surfaces.push(surface),
+                Err(error) => self.errors.push(*error),
+            }
+        }
+        if !self.errors.is_empty() {
+            return Err(self.errors);
+        }
+        let implied;
+        if surfaces.is_empty() {
+            match implied_drawing(&definitions) {
+                Ok((statement, note)) => {
+                    self.notes.push(note);
+                    implied = statement;
+                    surfaces.push(surface(&mut lowering, &implied).map_err(|error| vec![*error])?);
+                }
+                Err(error) => return Err(vec![*error]),
+            }
+        }
+        for surface in &mut surfaces {
+            let above = self.colors.iter().rfind(|(at, _)| *at < surface.span.start);
+            surface.color = above.map(|(_, color)| *color);
+        }
+        self.notes.sort_by_key(|note| note.span);
+        let (title, doc) = heading(self.text);
+        Ok(Document {
+            graph: lowering.graph,
+            surfaces,
+            parameters,
+            domain: self.domain,
+            view: self.view,
+            title,
+            doc,
+            notes: self.notes,
+        })
+    }
+
+    /// The values of the overrides, by name; errors are kept.
+    fn overrides(
+        &mut self,
+        definitions: &[(&Definition, &Built)],
+        used: &FxHashSet<&str>,
+    ) -> FxHashMap<&'a str, Constant> {
+        let mut values = FxHashMap::default();
+        for (name, value) in self.options.overrides {
+            let given = format!("{name}={value}");
+            let span = Span::new(0, name.len());
+            let defined = definitions.iter().find(|(d, _)| d.name.text == *name);
+            let is_name =
+                name.starts_with(char::is_alphabetic) && name.chars().all(crate::scan::in_name);
+            let error = if !is_name || matches!(name.as_str(), "and" | "or" | "not" | "in") {
+                Some(ErrorKind::OverrideNotAName { name: name.clone() })
+            } else if matches!(name.as_str(), "x" | "y" | "z") {
+                Some(ErrorKind::OverrideCoordinate { name: name.clone() })
+            } else if defined.is_some_and(|(d, _)| d.parameters.is_some()) {
+                Some(ErrorKind::OverrideFunction { name: name.clone() })
+            } else if defined.is_none() && !used.contains(name.as_str()) && name != "t" {
+                Some(ErrorKind::UnknownOverride { name: name.clone() })
+            } else {
+                None
+            };
+            let result = match error {
+                Some(kind) => {
+                    let mut error = Error::new(span, kind);
+                    if matches!(error.kind, ErrorKind::UnknownOverride { .. }) {
+                        let known = definitions.iter().map(|(d, _)| d.name.text.as_str());
+                        let known = known.chain(used.iter().copied()).filter(|n| n != name);
+                        if let Some(meant) = crate::scope::nearest(name, known) {
+                            error = error.suggest(span, meant);
+                        }
+                    }
+                    Err(error)
+                }
+                None => {
+                    constant::evaluate_text(value, &self.options.limits).map_err(|mut error| {
+                        let shift = name.len() + 1;
+                        let moved = |span: Span| Span::new(span.start + shift, span.end + shift);
+                        error.span = moved(error.span);
+                        if let Some(suggestion) = &mut error.suggestion {
+                            suggestion.span = moved(suggestion.span);
+                        }
+                        error
+                    })
+                }
+            };
+            match result {
+                Ok(value) => {
+                    values.insert(name.as_str(), value);
+                }
+                Err(mut error) => {
+                    error.origin = Origin::Override(given);
+                    self.errors.push(*error);
+                }
+            }
+        }
+        values
+    }
+
+    /// What every defined name means, and the parameters among them; errors are kept.
+    fn parameters<'d>(
+        &mut self,
+        definitions: &[(&'d Definition, &Built)],
+        overrides: &FxHashMap<&'d str, Constant>,
+        drawings: &[&Built],
+    ) -> (FxHashMap<&'d str, Meaning<'d>>, Vec<Parameter>)
+    where
+        'a: 'd,
+    {
+        let mut names = FxHashMap::default();
+        let mut parameters: Vec<Parameter> = Vec::new();
+        let mut add = |name: &str, kind, slider: Slider| {
+            let number = parameters.len() as u32;
+            parameters.push(Parameter {
+                name: name.to_owned(),
+                number,
+                value: slider.value,
+                range: slider.range,
+                kind,
+                span: slider.span,
+            });
+            number
+        };
+        let mut time_set = false;
+        for (definition, _) in definitions {
+            let name = definition.name.text.as_str();
+            let is_time = name == "t";
+            let given = overrides.get(name).cloned();
+            let is_slider = definition.parameters.is_none()
+                && (is_time
+                    || definition.range.is_some()
+                    || given.is_some()
+                    || is_plain_number(&definition.body));
+            if !is_slider {
+                if let (Some(_), Some((low, high))) = (&definition.parameters, &definition.range) {
+                    let span = low.span.to(high.span);
+                    self.errors
+                        .push(*Error::new(span, ErrorKind::RangeOutsideDefinition));
+                }
+                names.insert(name, Meaning::Definition(definition));
+                continue;
+            }
+            match slider(definition, given, &self.options.limits) {
+                Ok(mut slider) => {
+                    let kind = if is_time {
+                        ParameterKind::Time
+                    } else {
+                        ParameterKind::Slider
+                    };
+                    if let (true, Some(time)) =
+                        (is_time, self.options.time.and_then(Interval::point))
+                    {
+                        slider.value = Constant::enclosed(time);
+                    }
+                    time_set |= is_time;
+                    let number = add(name, kind, slider);
+                    if !is_time {
+                        names.insert(name, Meaning::Parameter(number));
+                    }
+                }
+                Err(error) => self.errors.push(*error),
+            }
+        }
+        for (name, _) in self.options.overrides {
+            let name = name.as_str();
+            let Some(value) = overrides.get(name) else {
+                continue;
+            };
+            if name != "t" && !names.contains_key(name) {
+                let slider = Slider {
+                    value: value.clone(),
+                    range: None,
+                    span: None,
+                };
+                let number = add(name, ParameterKind::Slider, slider);
+                names.insert(name, Meaning::Parameter(number));
+            }
+        }
+        let uses_time = drawings.iter().any(|b| b.used.contains("t"))
+            || definitions.iter().any(|(_, b)| b.used.contains("t"));
+        if !time_set && (uses_time || overrides.contains_key("t")) {
+            let value = self
+                .options
+                .time
+                .and_then(Interval::point)
+                .map(Constant::enclosed)
+                .or_else(|| overrides.get("t").cloned())
+                .unwrap_or_else(|| Constant::integer(0));
+            let slider = Slider {
+                value,
+                range: None,
+                span: None,
+            };
+            add("t", ParameterKind::Time, slider);
+        }
+        (names, parameters)
+    }
+}
+
+/// The value and range of a slider's definition.
+fn slider(definition: &Definition, given: Option<Constant>, limits: &Limits) -> Fallible<Slider> {
+    let is_given = given.is_some();
+    let value = match given {
+        Some(value) => value,
+        None => constant::evaluate(&definition.body, limits)?,
+    };
+    let range = match &definition.range {
+        None => None,
+        Some((low, high)) => {
+            let span = low.span.to(high.span);
+            let (low, high) = (
+                constant::evaluate(low, limits)?,
+                constant::evaluate(high, limits)?,
+            );
+            if low.bounds().lo >= high.bounds().hi {
+                return Err(Error::new(span, ErrorKind::EmptyRange));
+            }
+            let outside =
+                value.bounds().hi < low.bounds().lo || high.bounds().hi < value.bounds().lo;
+            if outside && !is_given {
+                return Err(Error::new(definition.body.span, ErrorKind::OutsideRange));
+            }
+            Some((low, high))
+        }
+    };
+    Ok(Slider {
+        value,
+        range,
+        span: Some(definition.name.span),
+    })
+}
+
+/// The surface that a statement draws.
+fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surface> {
+    let Statement::Draw { expr, restrictions } = &built.statement else {
+        return Err(Error::new(built.span, ErrorKind::Empty));
+    };
+    let (root, kind) = match lowering.equation(expr)? {
+        Some(root) => (root, Kind::Equation),
+        None => (lowering.solid(expr)?, Kind::Solid),
+    };
+    let root = restrictions
+        .iter()
+        .try_fold(root, |root, condition| lowering.restrict(root, condition))?;
+    Ok(Surface {
+        root,
+        kind,
+        span: built.span,
+        echo: echo(expr, &built.statement),
+        color: None,
+    })
+}
+
+/// How a drawing was read; a plain formula shows the `= 0` it implies.
+fn echo(expr: &Expr, statement: &Statement) -> String {
+    match statement {
+        Statement::Draw { restrictions, .. } if !expr.is_condition() => {
+            let zero = Expr::new(ExprKind::Number("0".to_owned()), expr.span);
+            let equation = ExprKind::Compare(Box::new(expr.clone()), vec![(Relation::Equal, zero)]);
+            let statement = Statement::Draw {
+                expr: Expr::new(equation, expr.span),
+                restrictions: restrictions.clone(),
+            };
+            statement.to_string()
+        }
+        _ => statement.to_string(),
+    }
+}
+
+/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a height.
+fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, Note)> {
+    use crate::ast::Value;
+    use zeroset_ir::Axis;
+    for (definition, built) in definitions.iter().rev() {
+        let parameters: Vec<&str> = definition
+            .parameters
+            .iter()
+            .flatten()
+            .map(|name| name.text.as_str())
+            .collect();
+        let span = definition.name.span;
+        let coordinate = |axis| Expr::new(ExprKind::Name(Value::Coordinate(axis)), span);
+        let function = Function::Defined(definition.name.text.clone());
+        let arguments: Vec<Expr> = Axis::ALL
+            .iter()
+            .take(parameters.len())
+            .map(|axis| coordinate(*axis))
+            .collect();
+        let call = Expr::new(ExprKind::Call(function, arguments), span);
+        let expr = match parameters.as_slice() {
+            ["x", "y", "z"] => {
+                let zero = Expr::new(ExprKind::Number("0".to_owned()), span);
+                ExprKind::Compare(Box::new(call), vec![(Relation::Equal, zero)])
+            }
+            ["x", "y"] => {
+                ExprKind::Compare(Box::new(coordinate(Axis::Z)), vec![(Relation::Equal, call)])
+            }
+            _ => continue,
+        };
+        let statement = Statement::Draw {
+            expr: Expr::new(expr, span),
+            restrictions: Vec::new(),
+        };
+        let drawn = statement.to_string();
+        let note = Note {
+            span,
+            kind: NoteKind::DrawsFunction { drawn },
+        };
+        let built = Built {
+            statement,
+            span: built.span,
+            notes: Vec::new(),
+            used: FxHashSet::default(),
+        };
+        return Ok((built, note));
+    }
+    let (span, last) = definitions
+        .last()
+        .map_or((Span::at(0), String::new()), |(d, _)| {
+            (d.name.span, d.name.text.clone())
+        });
+    Err(Error::new(span, ErrorKind::NothingToDraw { last }))
+}
+
+/// The error for definitions that use one another in a circle, if any do.
+fn recursion(definitions: &[(&Definition, &Built)]) -> Option<Box<Error>> {
+    const NEW: u8 = 0;
+    const OPEN: u8 = 1;
+    const DONE: u8 = 2;
+    let index: FxHashMap<&str, usize> = definitions
+        .iter()
+        .enumerate()
+        .map(|(index, (definition, _))| (definition.name.text.as_str(), index))
+        .collect();
+    let uses: Vec<Vec<usize>> = definitions
+        .iter()
+        .map(|(_, built)| {
+            let mut uses: Vec<usize> = built
+                .used
+                .iter()
+                .filter_map(|name| index.get(name.as_str()).copied())
+                .collect();
+            uses.sort_unstable();
+            uses
+        })
+        .collect();
+    let mut state = vec![NEW; definitions.len()];
+    for start in 0..definitions.len() {
+        if state[start] != NEW {
+            continue;
+        }
+        // A depth-first walk with its own stack: (definition, how many of its uses were followed).
+        let mut path: Vec<(usize, usize)> = vec![(start, 0)];
+        state[start] = OPEN;
+        while let Some((at, followed)) = path.last_mut() {
+            let Some(&next) = uses[*at].get(*followed) else {
+                state[*at] = DONE;
+                path.pop();
+                continue;
+            };
+            *followed += 1;
+            match state[next] {
+                NEW => {
+                    state[next] = OPEN;
+                    path.push((next, 0));
+                }
+                OPEN => {
+                    let from = path.iter().position(|(at, _)| *at == next).unwrap_or(0);
+                    let mut cycle: Vec<usize> = path[from..].iter().map(|(at, _)| *at).collect();
+                    // Starts with the definition that stands first in the text.
+                    let first = (0..cycle.len()).min_by_key(|i| cycle[*i]).unwrap_or(0);
+                    cycle.rotate_left(first);
+                    let name = |index: &usize| definitions[*index].0.name.text.clone();
+                    let kind = ErrorKind::Recursion {
+                        cycle: cycle.iter().map(name).collect(),
+                    };
+                    return Some(Error::new(definitions[cycle[0]].0.name.span, kind));
+                }
+                _ => {}
+            }
+        }
+    }
+    None
+}
+
+/// The title and text of the comment that a document starts with.
+fn heading(text: &str) -> (Option<String>, String) {
+    let mut lines = text
+        .trim_start_matches('\u{FEFF}')
+        .lines()
+        .skip_while(|line| line.trim().is_empty())
+        .map_while(|line| line.trim().strip_prefix('#'))
+        .map(|line| line.trim_start_matches('#').trim().to_owned());
+    let title = lines.next().filter(|title| !title.is_empty());
+    let doc: Vec<String> = lines.collect();
+    (title, doc.join("\n").trim().to_owned())
+}

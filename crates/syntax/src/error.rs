@@ -1,0 +1,289 @@
+//! What can be wrong with a text, as data: what, where, why, and what to write instead.
+//!
+//! Nothing here draws carets or knows lines; `render` does.
+
+use crate::span::Span;
+use std::fmt;
+
+/// The errors of a text: at least one, in the order of their places.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Errors(Vec<Error>);
+
+impl Errors {
+    pub(crate) fn new(mut errors: Vec<Error>) -> Self {
+        debug_assert!(!errors.is_empty());
+        errors.sort_by_key(|error| (error.origin.clone(), error.span));
+        Self(errors)
+    }
+
+    /// The errors, in the order of their places.
+    pub fn iter(&self) -> std::slice::Iter<'_, Error> {
+        self.0.iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a Errors {
+    type Item = &'a Error;
+    type IntoIter = std::slice::Iter<'a, Error>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl From<Box<Error>> for Errors {
+    fn from(error: Box<Error>) -> Self {
+        Self(vec![*error])
+    }
+}
+
+impl fmt::Display for Errors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, error) in self.0.iter().enumerate() {
+            if index > 0 {
+                f.write_str("\n")?;
+            }
+            write!(f, "{}", error.kind)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Errors {}
+
+/// One error.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Error {
+    /// The place to point at.
+    pub span: Span,
+    /// What is wrong.
+    pub kind: ErrorKind,
+    /// What to write instead, if that is known.
+    pub suggestion: Option<Suggestion>,
+    /// Which text `span` is a place of.
+    pub origin: Origin,
+}
+
+/// A text that an error can point into.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Origin {
+    /// The document itself.
+    #[default]
+    Document,
+    /// An override `name=value`, as one text.
+    Override(String),
+}
+
+/// A change to the text that may be what was meant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Suggestion {
+    /// What to replace.
+    pub span: Span,
+    /// What to put there.
+    pub replacement: String,
+}
+
+/// What is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)] // each message says what its variant means; fields are what the message names
+pub enum ErrorKind {
+    // ---- limits
+    #[error("the text is {bytes} bytes long; at most {limit} are read")]
+    TooLong { bytes: usize, limit: usize },
+    #[error("the text has more than {limit} numbers, names and signs")]
+    TooManySymbols { limit: usize },
+    #[error("this is nested more than {limit} levels deep")]
+    TooDeep { limit: usize },
+    #[error("with its definitions put in, the formula has more than {limit} operations")]
+    TooLarge { limit: usize },
+    #[error("the text is not valid UTF-8: byte {offset} cannot be read")]
+    NotUtf8 { offset: usize },
+
+    // ---- nothing there
+    #[error("there is no formula here")]
+    Empty,
+    #[error("nothing is drawn: there are only definitions")]
+    NothingToDraw { last: String },
+
+    // ---- characters and brackets
+    #[error("`{character}` has no meaning in a formula")]
+    UnexpectedCharacter { character: char },
+    #[error("`{open}` is never closed")]
+    Unclosed { open: char },
+    #[error("`{close}` closes nothing")]
+    Unopened { close: char },
+    #[error("`{open}` is closed by `{close}`")]
+    Mismatched { open: char, close: char },
+    #[error("`|` is never closed")]
+    UnclosedBar,
+    #[error("there is nothing between these bars")]
+    EmptyBars,
+    #[error("bars inside bars cannot be told apart")]
+    NestedBars,
+    #[error("these bars can be paired in two ways")]
+    AmbiguousBars,
+    #[error("there is nothing in these brackets")]
+    EmptyBrackets,
+
+    // ---- arrangement
+    #[error("a value is missing after `{sign}`")]
+    MissingAfter { sign: String },
+    #[error("a value is missing before `{sign}`")]
+    MissingBefore { sign: String },
+    #[error("`{found}` is not expected here")]
+    Unexpected { found: String },
+    #[error("a number cannot follow a name or a bracket")]
+    NumberAfterFactor,
+    #[error("two numbers stand side by side")]
+    NumberAfterNumber,
+    #[error("`{sign}` is not an operator of this language")]
+    ForeignOperator { sign: String },
+    #[error("a point of several values is not a formula")]
+    Tuple,
+    #[error("a comma does not belong here")]
+    Comma,
+
+    // ---- names
+    #[error("`{name}` is not defined")]
+    UnknownName { name: String },
+    #[error("there is no function `{name}`")]
+    UnknownFunction { name: String },
+    #[error("`{name}` runs a name and a number together")]
+    LostSuperscript { name: String },
+    #[error("complex numbers are not part of this language")]
+    Complex,
+    #[error("`{name}` is a value, not a function")]
+    NotAFunction { name: String },
+    #[error("`{name}` is a function and needs its {}", plural(*.count, "argument"))]
+    NeedsArgument { name: String, count: usize },
+    #[error("`{name}` takes {expected}, not {given}")]
+    WrongCount {
+        name: String,
+        expected: String,
+        given: usize,
+    },
+    #[error("`{name}^-1` could mean the inverse or the reciprocal")]
+    InversePower { name: String },
+    #[error("`{name}` cannot be given another meaning")]
+    Reserved { name: String },
+    #[error("`{name}` is the name of two parameters")]
+    DuplicateParameter { name: String },
+    #[error("{}", recursion(.cycle))]
+    Recursion { cycle: Vec<String> },
+    #[error("the zeroth root does not exist")]
+    ZerothRoot,
+
+    // ---- conditions
+    #[error("a comparison cannot be used as a number")]
+    ConditionAsValue,
+    #[error("`{word}` joins comparisons, and this is not one")]
+    ValueAsCondition { word: String },
+    #[error("an equation cannot be part of `and`, `or` or `not`")]
+    EquationInCondition,
+    #[error("an equation has one `=`")]
+    SeveralEquals,
+    #[error("`=` cannot be mixed with `<` or `>`")]
+    MixedChain,
+    #[error("`!=` only has a meaning in braces")]
+    UnequalOutsideBraces,
+    #[error("a restriction needs a comparison such as `z > 0`")]
+    RestrictionNotCondition,
+    #[error("an equation cannot restrict another one")]
+    RestrictionIsEquation,
+    #[error("`or` in braces cannot join strict and non-strict comparisons")]
+    MixedRestriction,
+    #[error("a definition names a value, not a comparison")]
+    DefinitionIsCondition,
+    #[error("`in [low, high]` belongs to a definition such as `r = 2 in [0, 5]`")]
+    RangeOutsideDefinition,
+    #[error("braces restrict what is drawn, not a definition")]
+    RestrictedDefinition,
+
+    // ---- constants
+    #[error("this must be a fixed number, and `{name}` varies")]
+    NotConstant { name: String },
+    #[error("this has no value")]
+    UndefinedConstant,
+    #[error("the lower end must be below the upper end")]
+    EmptyRange,
+    #[error("the value lies outside its range")]
+    OutsideRange,
+
+    // ---- overrides
+    #[error("`{name}` occurs nowhere in the formula")]
+    UnknownOverride { name: String },
+    #[error("`{name}` is not a name that can be set")]
+    OverrideNotAName { name: String },
+    #[error("`{name}` is a coordinate and cannot be set")]
+    OverrideCoordinate { name: String },
+    #[error("`{name}` is a function and cannot be set to a number")]
+    OverrideFunction { name: String },
+
+    // ---- domain, view and color lines
+    #[error("this is not a domain")]
+    BadDomain,
+    #[error("the range of `{axis}` is given twice")]
+    RepeatedAxis { axis: char },
+    #[error("this is not a view")]
+    BadView,
+    #[error("`{key}` takes three numbers")]
+    BadVector { key: String },
+    #[error("this is not a color")]
+    BadColor,
+}
+
+fn plural(count: usize, word: &str) -> String {
+    if count == 1 {
+        word.to_owned()
+    } else {
+        format!("{count} {word}s")
+    }
+}
+
+fn recursion(cycle: &[String]) -> String {
+    match cycle {
+        [only] => format!("`{only}` is defined by itself"),
+        [first, rest @ ..] => {
+            let mut path = format!("`{first}`");
+            for name in rest.iter().chain([first]) {
+                path += &format!(" uses `{name}`,");
+            }
+            format!(
+                "these definitions go round in a circle: {}",
+                path.trim_end_matches(',')
+            )
+        }
+        [] => "a definition is defined by itself".to_owned(),
+    }
+}
+
+/// What most functions of this crate return; boxed because errors are rare and large.
+pub(crate) type Fallible<T> = Result<T, Box<Error>>;
+
+impl Error {
+    pub(crate) fn new(span: Span, kind: ErrorKind) -> Box<Self> {
+        Box::new(Self {
+            span,
+            kind,
+            suggestion: None,
+            origin: Origin::Document,
+        })
+    }
+
+    /// The same error with a replacement for `span`.
+    pub(crate) fn suggest(
+        mut self: Box<Self>,
+        span: Span,
+        replacement: impl Into<String>,
+    ) -> Box<Self> {
+        self.suggestion = Some(Suggestion {
+            span,
+            replacement: replacement.into(),
+        });
+        self
+    }
+
+    /// One line that says what is wrong.
+    pub fn message(&self) -> String {
+        self.kind.to_string()
+    }
+}

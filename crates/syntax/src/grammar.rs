@@ -1,0 +1,15 @@
+//! The grammar, compiled in.
+
+pub(crate) use rules::{Rule, Zeroset};
+
+/// A recognised part of a statement.
+pub(crate) type Pair<'i> = pest::iterators::Pair<'i, Rule>;
+
+/// A module of its own, because the generated items carry no documentation.
+#[allow(missing_docs, clippy::pedantic)]
+mod rules {
+    /// The parser generated from the grammar file.
+    #[derive(pest_derive::Parser)]
+    #[grammar = "../../grammar/zeroset.pest"]
+    pub(crate) struct Zeroset;
+}

@@ -1,0 +1,492 @@
+//! From trees to the expression graph: definitions put in, nothing simplified.
+//!
+//! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose sum is bounded
+//! here. Every expansion is remembered by its arguments, so repeated use costs nothing.
+
+use crate::ast::{
+    Definition, Expr, ExprKind, Function, NamedConstant, ProductSign, Relation, SumSign, Value,
+};
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::limits::Limits;
+use crate::prelude;
+use crate::span::Span;
+use rustc_hash::FxHashMap;
+use zeroset_ir::{Constant, Graph, Node, NodeId};
+use zeroset_ops::Op;
+
+/// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers of calls.
+const LEVELS: usize = 5;
+/// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
+const VISITS: usize = 16;
+
+/// What a defined name lowers to.
+#[derive(Clone, Debug)]
+pub(crate) enum Meaning<'a> {
+    /// The parameter with this number.
+    Parameter(u32),
+    /// A definition, put in where it is used.
+    Definition(&'a Definition),
+}
+
+/// Values by the names of a function's parameters.
+type Locals<'a> = [(&'a str, NodeId)];
+
+/// Lowers the trees of one document into one graph.
+pub(crate) struct Lowering<'a> {
+    pub graph: Graph,
+    names: FxHashMap<&'a str, Meaning<'a>>,
+    time: Option<u32>,
+    limits: &'a Limits,
+    expanded: FxHashMap<(Function, Vec<NodeId>), NodeId>,
+    values: FxHashMap<&'a str, NodeId>,
+    levels: usize,
+    visits: usize,
+}
+
+impl<'a> Lowering<'a> {
+    pub(crate) fn new(
+        names: FxHashMap<&'a str, Meaning<'a>>,
+        time: Option<u32>,
+        limits: &'a Limits,
+    ) -> Self {
+        Self {
+            graph: Graph::new(),
+            names,
+            time,
+            limits,
+            expanded: FxHashMap::default(),
+            values: FxHashMap::default(),
+            levels: 0,
+            visits: 0,
+        }
+    }
+
+    /// The node of a number.
+    pub(crate) fn value(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
+        self.number(expr, &[])
+    }
+
+    /// The function whose zeros are drawn for a plain formula or an equation; `None` for a condition.
+    pub(crate) fn equation(&mut self, expr: &'a Expr) -> Fallible<Option<NodeId>> {
+        match &expr.kind {
+            ExprKind::Compare(left, rest) => match rest.as_slice() {
+                [(Relation::Equal, right)] => self.difference(left, right).map(Some),
+                _ => Ok(None),
+            },
+            ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => Ok(None),
+            _ => self.value(expr).map(Some),
+        }
+    }
+
+    /// `left − right`, without the subtraction where one side is the number 0.
+    fn difference(&mut self, left: &'a Expr, right: &'a Expr) -> Fallible<NodeId> {
+        let zero = |expr: &Expr| {
+            expr.number()
+                .and_then(Constant::decimal)
+                .is_some_and(|c| c.is_zero())
+        };
+        if zero(right) {
+            return self.value(left);
+        }
+        let right_node = self.value(right)?;
+        if zero(left) {
+            return Ok(self.graph.apply(Op::Neg, &[right_node]));
+        }
+        let left_node = self.value(left)?;
+        Ok(self.graph.apply(Op::Sub, &[left_node, right_node]))
+    }
+
+    /// The function that is ≤ 0 inside the solid that a condition describes.
+    pub(crate) fn solid(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
+        match &expr.kind {
+            ExprKind::And(items) => self.fold_solids(Op::Max, items),
+            ExprKind::Or(items) => self.fold_solids(Op::Min, items),
+            ExprKind::Not(inner) => {
+                let inner = self.solid(inner)?;
+                Ok(self.graph.apply(Op::Neg, &[inner]))
+            }
+            ExprKind::Compare(first, rest) => {
+                let mut left: &Expr = first;
+                let mut all: Option<NodeId> = None;
+                for (relation, right) in rest {
+                    let one = match relation {
+                        Relation::Less | Relation::LessEqual => self.difference(left, right)?,
+                        Relation::Greater | Relation::GreaterEqual => {
+                            self.difference(right, left)?
+                        }
+                        Relation::Equal => {
+                            let span = left.span.to(right.span);
+                            return Err(Error::new(span, ErrorKind::EquationInCondition));
+                        }
+                        Relation::Unequal => {
+                            let span = left.span.to(right.span);
+                            return Err(Error::new(span, ErrorKind::UnequalOutsideBraces));
+                        }
+                    };
+                    all = Some(match all {
+                        Some(before) => self.graph.apply(Op::Max, &[before, one]),
+                        None => one,
+                    });
+                    left = right;
+                }
+                Ok(all.expect("a comparison has two sides"))
+            }
+            _ => Err(Error::new(
+                expr.span,
+                ErrorKind::ValueAsCondition {
+                    word: "and".to_owned(),
+                },
+            )),
+        }
+    }
+
+    fn fold_solids(&mut self, op: Op, items: &'a [Expr]) -> Fallible<NodeId> {
+        let mut nodes = Vec::new();
+        for item in items {
+            nodes.push(self.solid(item)?);
+        }
+        Ok(self.fold(op, &nodes))
+    }
+
+    /// `op` over all `nodes`, from the left.
+    fn fold(&mut self, op: Op, nodes: &[NodeId]) -> NodeId {
+        nodes[1..]
+            .iter()
+            .fold(nodes[0], |all, node| self.graph.apply(op, &[all, *node]))
+    }
+
+    /// `root`, defined only where `condition` holds.
+    pub(crate) fn restrict(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
+        match &condition.kind {
+            ExprKind::And(items) => items
+                .iter()
+                .try_fold(root, |root, item| self.restrict(root, item)),
+            ExprKind::Compare(first, rest) => {
+                let mut left: &Expr = first;
+                let mut root = root;
+                for (relation, right) in rest {
+                    let span = left.span.to(right.span);
+                    let (op, bound) = match relation {
+                        Relation::Less => (Op::WherePositive, self.difference(right, left)?),
+                        Relation::LessEqual => (Op::WhereNonneg, self.difference(right, left)?),
+                        Relation::Greater => (Op::WherePositive, self.difference(left, right)?),
+                        Relation::GreaterEqual => (Op::WhereNonneg, self.difference(left, right)?),
+                        Relation::Unequal => (Op::WhereNonzero, self.difference(left, right)?),
+                        Relation::Equal => {
+                            return Err(Error::new(span, ErrorKind::RestrictionIsEquation));
+                        }
+                    };
+                    root = self.graph.apply(op, &[root, bound]);
+                    left = right;
+                }
+                Ok(root)
+            }
+            ExprKind::Or(_) | ExprKind::Not(_) => {
+                let (bound, strict) = self.margin(condition, false)?;
+                let op = if strict == Some(true) {
+                    Op::WherePositive
+                } else {
+                    Op::WhereNonneg
+                };
+                Ok(self.graph.apply(op, &[root, bound]))
+            }
+            _ => Err(Error::new(
+                condition.span,
+                ErrorKind::RestrictionNotCondition,
+            )),
+        }
+    }
+
+    /// A function that is positive (strict) or nonnegative (not strict) just where `condition`, or with `negated`
+    /// its opposite, holds.
+    fn margin(&mut self, condition: &'a Expr, negated: bool) -> Fallible<(NodeId, Option<bool>)> {
+        let (items, op): (Vec<(NodeId, Option<bool>)>, Op) = match &condition.kind {
+            ExprKind::Not(inner) => return self.margin(inner, !negated),
+            ExprKind::And(items) | ExprKind::Or(items) => {
+                let is_and = matches!(condition.kind, ExprKind::And(_));
+                let op = if is_and == negated { Op::Max } else { Op::Min };
+                let parts: Fallible<Vec<_>> = items
+                    .iter()
+                    .map(|item| self.margin(item, negated))
+                    .collect();
+                (parts?, op)
+            }
+            ExprKind::Compare(first, rest) => {
+                let mut left: &Expr = first;
+                let mut parts = Vec::new();
+                for (relation, right) in rest {
+                    let span = left.span.to(right.span);
+                    let (less, strict) = match relation {
+                        Relation::Less => (true, true),
+                        Relation::LessEqual => (true, false),
+                        Relation::Greater => (false, true),
+                        Relation::GreaterEqual => (false, false),
+                        Relation::Equal => {
+                            return Err(Error::new(span, ErrorKind::RestrictionIsEquation));
+                        }
+                        Relation::Unequal => {
+                            return Err(Error::new(span, ErrorKind::MixedRestriction));
+                        }
+                    };
+                    let node = if less == negated {
+                        self.difference(left, right)?
+                    } else {
+                        self.difference(right, left)?
+                    };
+                    parts.push((node, Some(strict != negated)));
+                    left = right;
+                }
+                (parts, if negated { Op::Max } else { Op::Min })
+            }
+            _ => {
+                return Err(Error::new(
+                    condition.span,
+                    ErrorKind::RestrictionNotCondition,
+                ));
+            }
+        };
+        let strict = items[0].1;
+        if items.iter().any(|(_, other)| *other != strict) {
+            return Err(Error::new(condition.span, ErrorKind::MixedRestriction));
+        }
+        let nodes: Vec<NodeId> = items.into_iter().map(|(node, _)| node).collect();
+        Ok((self.fold(op, &nodes), strict))
+    }
+
+    /// Counts a visit, and fails where the formula has grown too large.
+    fn enter(&mut self, span: Span) -> Fallible<()> {
+        let limit = self.limits.nodes;
+        self.visits += 1;
+        if self.graph.len() > limit || self.visits > limit.saturating_mul(VISITS) {
+            return Err(Error::new(span, ErrorKind::TooLarge { limit }));
+        }
+        if self.levels > self.limits.depth * LEVELS {
+            let limit = self.limits.depth;
+            return Err(Error::new(span, ErrorKind::TooDeep { limit }));
+        }
+        Ok(())
+    }
+
+    fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
+        self.enter(expr.span)?;
+        self.levels += 1;
+        let node = self.node(expr, locals);
+        self.levels -= 1;
+        node
+    }
+
+    fn node(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
+        match &expr.kind {
+            ExprKind::Number(text) => {
+                let constant =
+                    Constant::decimal(text).expect("the grammar lets only decimals through");
+                Ok(self.graph.constant(constant))
+            }
+            ExprKind::Name(value) => self.named(value, expr.span, locals),
+            ExprKind::Negate(inner) => {
+                let inner = self.number(inner, locals)?;
+                // A negative number is a number, so that `x^-2` has one for its exponent.
+                let opposite = match self.graph.node(inner) {
+                    Node::Constant(constant) => {
+                        constant.exact().map(|value| Constant::rational(-value))
+                    }
+                    Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
+                };
+                Ok(match opposite {
+                    Some(constant) => self.graph.constant(constant),
+                    None => self.graph.apply(Op::Neg, &[inner]),
+                })
+            }
+            ExprKind::Sum(first, rest) => {
+                let mut sum = self.number(first, locals)?;
+                for (sign, term) in rest {
+                    let term = self.number(term, locals)?;
+                    let op = match sign {
+                        SumSign::Plus => Op::Add,
+                        SumSign::Minus => Op::Sub,
+                    };
+                    sum = self.graph.apply(op, &[sum, term]);
+                }
+                Ok(sum)
+            }
+            ExprKind::Product(first, rest) => {
+                let mut product = self.number(first, locals)?;
+                for (sign, factor) in rest {
+                    let factor = self.number(factor, locals)?;
+                    let op = match sign {
+                        ProductSign::Times => Op::Mul,
+                        ProductSign::Over => Op::Div,
+                    };
+                    product = self.graph.apply(op, &[product, factor]);
+                }
+                Ok(product)
+            }
+            ExprKind::Power(base, exponent) => {
+                let base = self.number(base, locals)?;
+                let exponent = self.number(exponent, locals)?;
+                Ok(self.graph.apply(Op::Pow, &[base, exponent]))
+            }
+            ExprKind::Call(function, arguments) => {
+                let nodes: Fallible<Vec<NodeId>> =
+                    arguments.iter().map(|a| self.number(a, locals)).collect();
+                self.call(function, nodes?, expr.span)
+            }
+            ExprKind::Compare(..) | ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => {
+                Err(Error::new(expr.span, ErrorKind::ConditionAsValue))
+            }
+        }
+    }
+
+    fn named(&mut self, value: &Value, span: Span, locals: &Locals<'a>) -> Fallible<NodeId> {
+        match value {
+            Value::Coordinate(axis) => Ok(self.graph.variable(*axis)),
+            Value::Time => Ok(match self.time {
+                Some(number) => self.graph.parameter(number),
+                None => self.graph.integer(0),
+            }),
+            Value::Constant(constant) => Ok(self.graph.constant(match constant {
+                NamedConstant::Pi => Constant::pi(),
+                NamedConstant::Tau => Constant::tau(),
+                NamedConstant::E => Constant::e(),
+                NamedConstant::Phi => Constant::phi(),
+            })),
+            Value::Local(name) => {
+                let found = locals.iter().rfind(|(local, _)| local == name);
+                let name = name.clone();
+                found
+                    .map(|(_, node)| *node)
+                    .ok_or_else(|| Error::new(span, ErrorKind::UnknownName { name }))
+            }
+            Value::Defined(name) => {
+                if let Some(node) = self.values.get(name.as_str()) {
+                    return Ok(*node);
+                }
+                match self.names.get_key_value(name.as_str()) {
+                    Some((_, Meaning::Parameter(number))) => {
+                        let number = *number;
+                        Ok(self.graph.parameter(number))
+                    }
+                    Some((key, Meaning::Definition(definition))) => {
+                        let (key, definition) = (*key, *definition);
+                        let node = self
+                            .number(&definition.body, &[])
+                            .map_err(|e| at_use(e, span))?;
+                        self.values.insert(key, node);
+                        Ok(node)
+                    }
+                    None => {
+                        let name = name.clone();
+                        Err(Error::new(span, ErrorKind::UnknownName { name }))
+                    }
+                }
+            }
+        }
+    }
+
+    fn call(
+        &mut self,
+        function: &Function,
+        arguments: Vec<NodeId>,
+        span: Span,
+    ) -> Fallible<NodeId> {
+        match function {
+            Function::Native(op) if op.arity() < arguments.len() => Ok(self.fold(*op, &arguments)),
+            Function::Native(op) => Ok(self.graph.apply(*op, &arguments)),
+            Function::Length => {
+                let two = self.graph.integer(2);
+                let squares: Vec<NodeId> = arguments
+                    .iter()
+                    .map(|node| self.graph.apply(Op::Pow, &[*node, two]))
+                    .collect();
+                let sum = self.fold(Op::Add, &squares);
+                Ok(self.graph.apply(Op::Sqrt, &[sum]))
+            }
+            Function::Root => self.root(arguments[0], arguments[1], span),
+            Function::Composed(index) => {
+                let key = (function.clone(), arguments);
+                if let Some(node) = self.expanded.get(&key) {
+                    return Ok(*node);
+                }
+                let composed = &zeroset_ops::COMPOSED[*index];
+                let names = composed.parameters.iter().copied();
+                let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
+                let node = self
+                    .number(prelude::body(*index), &locals)
+                    .map_err(|e| at_use(e, span))?;
+                self.expanded.insert(key, node);
+                Ok(node)
+            }
+            Function::Defined(name) => {
+                let key = (function.clone(), arguments);
+                if let Some(node) = self.expanded.get(&key) {
+                    return Ok(*node);
+                }
+                let Some(Meaning::Definition(definition)) = self.names.get(name.as_str()) else {
+                    let name = name.clone();
+                    return Err(Error::new(span, ErrorKind::UnknownFunction { name }));
+                };
+                let definition: &'a Definition = definition;
+                let names = definition
+                    .parameters
+                    .iter()
+                    .flatten()
+                    .map(|name| name.text.as_str());
+                let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
+                let node = self
+                    .number(&definition.body, &locals)
+                    .map_err(|e| at_use(e, span))?;
+                self.expanded.insert(key, node);
+                Ok(node)
+            }
+        }
+    }
+
+    /// The n-th root of `radicand`: of negative numbers too where n is odd.
+    fn root(&mut self, radicand: NodeId, index: NodeId, span: Span) -> Fallible<NodeId> {
+        let whole = match self.graph.node(index) {
+            Node::Constant(constant) => constant.as_integer(),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
+        };
+        let one = self.graph.integer(1);
+        let Some(n) = whole else {
+            let exponent = self.graph.apply(Op::Div, &[one, index]);
+            return Ok(self.graph.apply(Op::Pow, &[radicand, exponent]));
+        };
+        let positive = match n.unsigned_abs() {
+            0 => return Err(Error::new(span, ErrorKind::ZerothRoot)),
+            1 => radicand,
+            2 => self.graph.apply(Op::Sqrt, &[radicand]),
+            3 => self.graph.apply(Op::Cbrt, &[radicand]),
+            n => {
+                let exponent = i64::try_from(n).ok().and_then(|n| Constant::ratio(1, n));
+                let exponent = self
+                    .graph
+                    .constant(exponent.unwrap_or_else(|| Constant::integer(0)));
+                if n % 2 == 0 {
+                    self.graph.apply(Op::Pow, &[radicand, exponent])
+                } else {
+                    let sign = self.graph.apply(Op::Sign, &[radicand]);
+                    let size = self.graph.apply(Op::Abs, &[radicand]);
+                    let power = self.graph.apply(Op::Pow, &[size, exponent]);
+                    self.graph.apply(Op::Mul, &[sign, power])
+                }
+            }
+        };
+        Ok(if n < 0 {
+            self.graph.apply(Op::Div, &[one, positive])
+        } else {
+            positive
+        })
+    }
+}
+
+/// Errors of size inside a definition are shown where it is used: that is what can be changed.
+fn at_use(mut error: Box<Error>, span: Span) -> Box<Error> {
+    if matches!(
+        error.kind,
+        ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }
+    ) {
+        error.span = span;
+    }
+    error
+}

@@ -1,0 +1,54 @@
+//! Remarks on how a text was read, where a reader might have meant something else.
+
+use crate::span::Span;
+
+/// A remark, and the place it is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// The place to point at.
+    pub span: Span,
+    /// What is remarked.
+    pub kind: NoteKind,
+}
+
+/// What is remarked.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)] // each message says what its variant means
+pub enum NoteKind {
+    #[error("read as `{read}`; the other reading is written `{other}`")]
+    ImplicitDivision { read: String, other: String },
+    #[error(
+        "`{name}^-1` is read as the inverse function `{inverse}`; the reciprocal is written `1/{name}(…)`"
+    )]
+    InverseFunction { name: String, inverse: String },
+    #[error("`{name}` is read as the product `{product}`")]
+    ProductOfNames { name: String, product: String },
+    #[error("`{name}` is the constant {meaning}")]
+    ConstantUsed {
+        name: &'static str,
+        meaning: &'static str,
+    },
+    #[error(
+        "a power with the exponent {exponent} is for values >= 0; `{other}` takes negative ones as well"
+    )]
+    OddRoot { exponent: String, other: String },
+    #[error("`{radical}` covers only the factor after it; brackets make it cover more")]
+    RadicalScope { radical: char },
+    #[error("`{name}` is defined again further down; that definition counts everywhere")]
+    Redefined { name: String },
+    #[error("only definitions here: drawing `{drawn}`")]
+    DrawsFunction { drawn: String },
+    #[error("`{name}` is built in, so this is drawn as an equation and defines nothing")]
+    BuiltInOnTheLeft { name: String },
+    #[error(
+        "`root(a, n)` is the n-th root of a; here n is `{index}`, which is not a fixed whole number"
+    )]
+    RootIndex { index: String },
+}
+
+impl Note {
+    /// One line that says what is remarked.
+    pub fn message(&self) -> String {
+        self.kind.to_string()
+    }
+}

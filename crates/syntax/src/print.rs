@@ -1,0 +1,146 @@
+//! Trees as canonical text: explicit `*`, no bracket that does not change the reading.
+//!
+//! Parsing what is printed gives an equal tree; a property test holds this module to it.
+
+use crate::ast::{Definition, Expr, ExprKind, ProductSign, Statement, SumSign};
+use std::fmt;
+
+/// How tightly a printed expression holds together; a looser one inside a tighter place needs brackets.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Tightness {
+    Or,
+    And,
+    Not,
+    Compare,
+    Sum,
+    Product,
+    Power,
+    Atom,
+}
+
+fn tightness(expr: &Expr) -> Tightness {
+    match &expr.kind {
+        ExprKind::Or(_) => Tightness::Or,
+        ExprKind::And(_) => Tightness::And,
+        ExprKind::Not(_) => Tightness::Not,
+        ExprKind::Compare(..) => Tightness::Compare,
+        ExprKind::Negate(_) | ExprKind::Sum(..) => Tightness::Sum,
+        ExprKind::Product(..) => Tightness::Product,
+        ExprKind::Power(..) => Tightness::Power,
+        ExprKind::Number(_) | ExprKind::Name(_) | ExprKind::Call(..) => Tightness::Atom,
+    }
+}
+
+/// Writes `expr`, in brackets unless it is at least as tight as `needed`.
+fn write(f: &mut fmt::Formatter<'_>, expr: &Expr, needed: Tightness) -> fmt::Result {
+    if tightness(expr) >= needed {
+        write!(f, "{expr}")
+    } else {
+        write!(f, "({expr})")
+    }
+}
+
+fn list(f: &mut fmt::Formatter<'_>, items: &[Expr], joint: &str, needed: Tightness) -> fmt::Result {
+    for (index, item) in items.iter().enumerate() {
+        if index > 0 {
+            f.write_str(joint)?;
+        }
+        write(f, item, needed)?;
+    }
+    Ok(())
+}
+
+impl fmt::Display for Expr {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.kind {
+            ExprKind::Number(text) => f.write_str(text),
+            ExprKind::Name(value) => f.write_str(value.name()),
+            ExprKind::Negate(inner) => {
+                f.write_str("-")?;
+                write(f, inner, Tightness::Product)
+            }
+            ExprKind::Sum(first, rest) => {
+                // A sign in front of the first term needs no brackets: -a + b is (-a) + b.
+                match first.kind {
+                    ExprKind::Negate(_) => write(f, first, Tightness::Sum)?,
+                    _ => write(f, first, Tightness::Product)?,
+                }
+                for (sign, term) in rest {
+                    f.write_str(match sign {
+                        SumSign::Plus => " + ",
+                        SumSign::Minus => " - ",
+                    })?;
+                    write(f, term, Tightness::Product)?;
+                }
+                Ok(())
+            }
+            ExprKind::Product(first, rest) => {
+                write(f, first, Tightness::Power)?;
+                for (sign, factor) in rest {
+                    f.write_str(match sign {
+                        ProductSign::Times => "*",
+                        ProductSign::Over => "/",
+                    })?;
+                    write(f, factor, Tightness::Power)?;
+                }
+                Ok(())
+            }
+            ExprKind::Power(base, exponent) => {
+                write(f, base, Tightness::Atom)?;
+                f.write_str("^")?;
+                write(f, exponent, Tightness::Power)
+            }
+            ExprKind::Call(function, arguments) => {
+                write!(f, "{}(", function.name())?;
+                list(f, arguments, ", ", Tightness::Or)?;
+                f.write_str(")")
+            }
+            ExprKind::Compare(first, rest) => {
+                write(f, first, Tightness::Sum)?;
+                for (relation, other) in rest {
+                    write!(f, " {} ", relation.symbol())?;
+                    write(f, other, Tightness::Sum)?;
+                }
+                Ok(())
+            }
+            ExprKind::And(items) => list(f, items, " and ", Tightness::Not),
+            ExprKind::Or(items) => list(f, items, " or ", Tightness::And),
+            ExprKind::Not(inner) => {
+                f.write_str("not ")?;
+                write(f, inner, Tightness::Atom)
+            }
+        }
+    }
+}
+
+impl fmt::Display for Definition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name.text)?;
+        if let Some(parameters) = &self.parameters {
+            let names: Vec<&str> = parameters.iter().map(|name| name.text.as_str()).collect();
+            write!(f, "({})", names.join(", "))?;
+        }
+        write!(f, " = {}", self.body)?;
+        match &self.range {
+            Some((low, high)) => write!(f, " in [{low}, {high}]"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for Statement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Define(definition) => definition.fmt(f),
+            Self::Draw { expr, restrictions } => {
+                expr.fmt(f)?;
+                if !restrictions.is_empty() {
+                    f.write_str(" {")?;
+                    list(f, restrictions, ", ", Tightness::Or)?;
+                    f.write_str("}")?;
+                }
+                Ok(())
+            }
+        }
+    }
+}

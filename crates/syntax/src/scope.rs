@@ -1,0 +1,266 @@
+//! What a name means: parameters of the function at hand, then the document's names, then the language's own.
+
+use crate::ast::{Function, Name, NamedConstant, Value};
+use rustc_hash::FxHashMap;
+use zeroset_ir::Axis;
+use zeroset_ops::{COMPOSED, Notation, Op, TABLE, composed, names, native};
+
+/// The names that statements can see.
+#[derive(Debug, Default)]
+pub(crate) struct Scope {
+    /// Names that the document or an override defines: the number of parameters, or `None` for a value.
+    defined: FxHashMap<String, Option<usize>>,
+    /// Whether internal operations may be called; only the language's own prelude may.
+    internal: bool,
+}
+
+/// What a name stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Meaning {
+    /// A number.
+    Value(Value),
+    /// Something that takes arguments.
+    Function(Callee),
+    /// A row of one-letter values, multiplied.
+    Product,
+    /// Nothing.
+    Unknown,
+}
+
+/// A function before its arguments are counted.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Callee {
+    /// One that the document defines, with this number of parameters.
+    Defined(String, usize),
+    /// One of the language, by the name it was looked up with.
+    BuiltIn(String),
+}
+
+impl Scope {
+    /// The scope of the language's own prelude.
+    pub(crate) fn prelude() -> Self {
+        Self {
+            internal: true,
+            ..Self::default()
+        }
+    }
+
+    /// Defines a value (`None`) or a function of so many parameters; a later definition replaces an earlier one.
+    pub(crate) fn define(&mut self, name: &str, parameters: Option<usize>) {
+        self.defined.insert(name.to_owned(), parameters);
+    }
+
+    /// What `name` stands for where `locals` are the parameters of the function being defined.
+    pub(crate) fn meaning(&self, name: &str, locals: &[Name]) -> Meaning {
+        if let Some(value) = self.value(name, locals) {
+            return Meaning::Value(value);
+        }
+        if let Some(Some(count)) = self.defined.get(name) {
+            return Meaning::Function(Callee::Defined(name.to_owned(), *count));
+        }
+        if !arities(name, self.internal).is_empty() {
+            return Meaning::Function(Callee::BuiltIn(name.to_owned()));
+        }
+        let mut buffer = [0; 4];
+        if name
+            .chars()
+            .all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
+        {
+            return Meaning::Product;
+        }
+        let lower = name.to_lowercase();
+        if lower != name && lower.len() > 1 {
+            if let Some(constant) = named_constant(&lower) {
+                return Meaning::Value(Value::Constant(constant));
+            }
+            if !arities(&lower, false).is_empty() {
+                return Meaning::Function(Callee::BuiltIn(lower));
+            }
+        }
+        Meaning::Unknown
+    }
+
+    fn value(&self, name: &str, locals: &[Name]) -> Option<Value> {
+        if locals.iter().any(|local| local.text == name) {
+            return Some(Value::Local(name.to_owned()));
+        }
+        match (name, self.defined.get(name)) {
+            ("x", _) => Some(Value::Coordinate(Axis::X)),
+            ("y", _) => Some(Value::Coordinate(Axis::Y)),
+            ("z", _) => Some(Value::Coordinate(Axis::Z)),
+            ("t", _) => Some(Value::Time),
+            (_, Some(None)) => Some(Value::Defined(name.to_owned())),
+            (_, Some(Some(_))) => None,
+            (_, None) => named_constant(name).map(Value::Constant),
+        }
+    }
+
+    /// The numbers of arguments that a function takes.
+    pub(crate) fn counts(&self, callee: &Callee) -> Arities {
+        match callee {
+            Callee::Defined(_, count) => Arities {
+                counts: vec![*count],
+                or_more: false,
+            },
+            Callee::BuiltIn(name) => arities(name, self.internal),
+        }
+    }
+
+    /// The function that `callee` is for `count` arguments.
+    pub(crate) fn function(&self, callee: &Callee, count: usize) -> Option<Function> {
+        let name = match callee {
+            Callee::Defined(name, expected) => {
+                return (*expected == count).then(|| Function::Defined(name.clone()));
+            }
+            Callee::BuiltIn(name) => name,
+        };
+        if !self.counts(callee).accept(count) {
+            return None;
+        }
+        if is_root(name) {
+            return Some(Function::Root);
+        }
+        if let Some(op) = operation(name, self.internal) {
+            if op.arity() == count || is_variadic(op) {
+                return Some(Function::Native(op));
+            }
+        }
+        let index = COMPOSED
+            .iter()
+            .position(|f| is_called(f.name, f.aliases, name) && f.parameters.len() == count);
+        Some(index.map_or(Function::Length, Function::Composed))
+    }
+
+    /// The known name most like `name`, if any is near.
+    pub(crate) fn nearest(&self, name: &str, locals: &[Name], functions: bool) -> Option<String> {
+        let own = self.defined.iter();
+        let mut candidates: Vec<&str> = own
+            .filter(|(_, parameters)| !functions || parameters.is_some())
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let shorter = |name: &'static str| -> &str { name };
+        candidates.extend(names().map(shorter));
+        candidates.extend(ROOT_NAMES.iter().copied().map(shorter));
+        if !functions {
+            candidates.extend(locals.iter().map(|local| local.text.as_str()));
+            candidates.extend(
+                NamedConstant::ALL
+                    .iter()
+                    .map(|constant| shorter(constant.name())),
+            );
+        }
+        nearest(name, candidates.into_iter())
+    }
+}
+
+/// The candidate most like `name`: few edits for its length, the first in the alphabet where several tie.
+pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
+    // Comparing costs the product of the lengths, so names that no candidate can be near are not compared.
+    const LONGEST: usize = 24;
+    if name.len() > LONGEST {
+        return None;
+    }
+    let lower = name.to_lowercase();
+    let allowed = match lower.chars().count() {
+        0 => return None,
+        1 => 0,
+        2..=3 => 1,
+        4..=7 => 2,
+        _ => 3,
+    };
+    candidates
+        .filter(|candidate| *candidate != name)
+        .map(|candidate| {
+            let edits = strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
+            (edits, candidate)
+        })
+        .filter(|(edits, candidate)| *edits <= allowed && *edits < candidate.chars().count().max(1))
+        .min()
+        .map(|(_, candidate)| candidate.to_owned())
+}
+
+/// The numbers of arguments that a function takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Arities {
+    counts: Vec<usize>,
+    or_more: bool,
+}
+
+impl Arities {
+    fn is_empty(&self) -> bool {
+        self.counts.is_empty()
+    }
+
+    /// Whether `count` arguments are accepted.
+    pub(crate) fn accept(&self, count: usize) -> bool {
+        self.counts.contains(&count) || (self.or_more && self.counts.iter().all(|c| *c < count))
+    }
+
+    /// The smallest number of arguments.
+    pub(crate) fn least(&self) -> usize {
+        self.counts.iter().copied().min().unwrap_or(0)
+    }
+}
+
+impl std::fmt::Display for Arities {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.or_more {
+            return write!(f, "{} or more arguments", self.least());
+        }
+        let counts: Vec<String> = self.counts.iter().map(ToString::to_string).collect();
+        let plural = if self.counts == [1] { "" } else { "s" };
+        write!(f, "{} argument{plural}", counts.join(" or "))
+    }
+}
+
+/// Names of the n-th root; `root` needs a whole number and so is neither native nor composed.
+pub(crate) const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
+
+fn is_root(name: &str) -> bool {
+    ROOT_NAMES.contains(&name)
+}
+
+fn is_called(own: &str, aliases: &[&str], name: &str) -> bool {
+    own == name || aliases.contains(&name)
+}
+
+/// The native operation called `name`.
+fn operation(name: &str, internal: bool) -> Option<Op> {
+    let row = native(name).or_else(|| {
+        TABLE
+            .iter()
+            .find(|row| internal && row.notation == Notation::Internal && row.name == name)
+    });
+    row.map(|row| row.op)
+}
+
+/// Whether an operation of two operands may be called with more, folding from the left.
+pub(crate) fn is_variadic(op: Op) -> bool {
+    matches!(op, Op::Min | Op::Max)
+}
+
+fn arities(name: &str, internal: bool) -> Arities {
+    if is_root(name) {
+        return Arities {
+            counts: vec![2],
+            or_more: false,
+        };
+    }
+    let op = operation(name, internal);
+    let mut counts: Vec<usize> = op.iter().map(|op| op.arity()).collect();
+    counts.extend(composed(name).map(|f| f.parameters.len()));
+    counts.sort_unstable();
+    let or_more = op.is_some_and(is_variadic) || composed(name).any(|f| f.name == "hypot");
+    Arities { counts, or_more }
+}
+
+/// The constant of the language called `name`.
+fn named_constant(name: &str) -> Option<NamedConstant> {
+    match name {
+        "pi" | "π" => Some(NamedConstant::Pi),
+        "tau" | "τ" => Some(NamedConstant::Tau),
+        "e" => Some(NamedConstant::E),
+        "phi" | "φ" | "ϕ" | "varphi" => Some(NamedConstant::Phi),
+        _ => None,
+    }
+}

@@ -1,0 +1,92 @@
+//! Errors about names that stand for nothing, and what their writer may have meant.
+
+use crate::build::Builder;
+use crate::error::{Error, ErrorKind};
+use crate::scope::Meaning;
+use crate::span::Span;
+
+impl Builder<'_> {
+    /// The error for a name without a meaning.
+    pub(crate) fn unknown(&self, name: &str, typed: &str, span: Span) -> Box<Error> {
+        if name == "i" {
+            return Error::new(span, ErrorKind::Complex);
+        }
+        if let Some(powers) = self.lost_superscripts(name) {
+            let name = name.to_owned();
+            return Error::new(span, ErrorKind::LostSuperscript { name }).suggest(span, powers);
+        }
+        let followed_by_brackets = self.text[span.end..].trim_start().starts_with(['(', '[']);
+        let kind = if followed_by_brackets || typed.starts_with('\\') {
+            ErrorKind::UnknownFunction {
+                name: name.to_owned(),
+            }
+        } else {
+            ErrorKind::UnknownName {
+                name: name.to_owned(),
+            }
+        };
+        let error = Error::new(span, kind);
+        let nearest = || self.scope.nearest(name, self.locals, followed_by_brackets);
+        match self.run_together(name).or_else(nearest) {
+            Some(meant) => error.suggest(span, meant),
+            None => error,
+        }
+    }
+
+    /// `x2y` as `x^2*y`, if its letters are values: a superscript that was lost in copying.
+    fn lost_superscripts(&self, name: &str) -> Option<String> {
+        // Each letter is looked up, so a bound keeps hostile names cheap.
+        if name.len() > 64 || !name.contains(|c: char| c.is_ascii_digit()) {
+            return None;
+        }
+        let mut powers = String::new();
+        let mut previous = ' ';
+        let mut buffer = [0; 4];
+        for character in name.chars() {
+            if character.is_ascii_digit() {
+                if !previous.is_ascii_digit() {
+                    powers.push('^');
+                }
+            } else {
+                let letter = character.encode_utf8(&mut buffer);
+                if !self.is_value(letter) {
+                    return None;
+                }
+                if !powers.is_empty() {
+                    powers.push('*');
+                }
+            }
+            powers.push(character);
+            previous = character;
+        }
+        Some(powers)
+    }
+
+    /// `xsin` as `x sin` and `sinxy` as `sin xy`, if the parts have meanings.
+    fn run_together(&self, name: &str) -> Option<String> {
+        if name.len() > 64 {
+            return None;
+        }
+        name.char_indices().skip(1).find_map(|(at, _)| {
+            let (left, right) = name.split_at(at);
+            let pair = (self.meaning(left), self.meaning(right));
+            match pair {
+                (Meaning::Value(_) | Meaning::Product, Meaning::Function(_)) if right.len() > 1 => {
+                    Some(format!("{left}*{right}"))
+                }
+                (Meaning::Function(_), Meaning::Value(_) | Meaning::Product) if left.len() > 1 => {
+                    Some(format!("{left} {right}"))
+                }
+                _ => None,
+            }
+        })
+    }
+
+    fn meaning(&self, name: &str) -> Meaning {
+        self.scope.meaning(name, self.locals)
+    }
+
+    fn is_value(&self, name: &str) -> bool {
+        matches!(self.meaning(name), Meaning::Value(_))
+    }
+}
