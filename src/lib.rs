@@ -1,1 +1,7 @@
-//! Placeholder.
+//! From a typed equation to a picture of its zero set, with a proof for every pixel.
+
+pub mod domain;
+pub mod enclosure;
+pub mod gallery;
+pub mod program;
+pub mod scene;

@@ -1,0 +1,85 @@
+//! What a formula can be, over a whole domain: bounds and facts from one pass over its graph.
+
+use zeroset_eval::Assumptions;
+use zeroset_interval::{Facts, Interval, fold};
+use zeroset_ir::{Axis, Graph, Node, NodeId};
+use zeroset_ops::Op;
+
+/// Bounds of `root` and what is proven of it, for all points and parameters within `assumptions`.
+///
+/// # Panics
+/// If a parameter's number has no bounds in `assumptions`.
+pub fn enclose(graph: &Graph, root: NodeId, assumptions: &Assumptions) -> (Interval, Facts) {
+    let needed = graph.reachable(&[root]);
+    let mut known = vec![(Interval::ENTIRE, Facts::NONE); graph.len()];
+    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+        known[id.index()] = match node {
+            Node::Variable(axis) => (assumptions.domain[*axis as usize], Facts::TOTAL),
+            Node::Parameter(number) => (assumptions.parameters[*number as usize], Facts::TOTAL),
+            Node::Constant(value) => (value.bounds(), Facts::TOTAL),
+            Node::Apply(op, operands) => {
+                let operands: Vec<_> = operands.iter().map(|id| known[id.index()]).collect();
+                fold(*op, &operands)
+            }
+        };
+    }
+    known[root.index()]
+}
+
+/// Which coordinates `root` depends on.
+pub fn coordinates(graph: &Graph, root: NodeId) -> [bool; 3] {
+    let needed = graph.reachable(&[root]);
+    Axis::ALL.map(|axis| {
+        graph
+            .iter()
+            .any(|(id, node)| needed[id.index()] && *node == Node::Variable(axis))
+    })
+}
+
+/// Whether `root` contains a sine, cosine or tangent of something that depends on a coordinate.
+pub fn is_periodic(graph: &Graph, root: NodeId) -> bool {
+    let needed = graph.reachable(&[root]);
+    let mut varies = vec![false; graph.len()];
+    let mut periodic = false;
+    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+        varies[id.index()] = match node {
+            Node::Variable(_) => true,
+            Node::Parameter(_) | Node::Constant(_) => false,
+            Node::Apply(op, operands) => {
+                let varying = operands.iter().any(|operand| varies[operand.index()]);
+                periodic |= varying && matches!(op, Op::Sin | Op::Cos | Op::Tan);
+                varying
+            }
+        };
+    }
+    periodic
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_syntax::{Options, read};
+
+    fn of(formula: &str) -> (Interval, Facts) {
+        let document = read(formula, &Options::default()).expect("reads");
+        let assumptions = Assumptions::none(document.parameters.len());
+        enclose(&document.graph, document.surfaces[0].root, &assumptions)
+    }
+
+    #[test]
+    fn bounds_and_facts_follow_the_graph() {
+        assert_eq!(of("x^2+1").0.lo, 1.0);
+        assert!(of("sqrt(-1-x^2)").1.has(Facts::NOWHERE));
+        assert!(!of("sqrt(1-x^2)").1.has(Facts::NOWHERE));
+    }
+
+    #[test]
+    fn only_functions_of_coordinates_count_as_periodic() {
+        let periodic = |formula: &str| {
+            let document = read(formula, &Options::default()).expect("reads");
+            is_periodic(&document.graph, document.surfaces[0].root)
+        };
+        assert!(periodic("sin(2*x)+y"));
+        assert!(!periodic("sin(2)*x+y"));
+    }
+}

@@ -1,0 +1,257 @@
+//! Where a document is looked at: the domain and the camera, from what the caller says, else from the document, else by
+//! default.
+
+use crate::domain::{self, AutoDomain, REACH};
+use crate::enclosure::is_periodic;
+use crate::program::{Program, ProgramError};
+use glam::DVec3;
+use zeroset_eval::IntervalKernel;
+use zeroset_interval::Interval;
+use zeroset_ir::Constant;
+use zeroset_syntax::{Document, Domain, Preset};
+use zeroset_trace::{Camera, CameraError, HalfSpace, Projection, Region, RegionError, View};
+
+/// Where to look.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum DomainChoice {
+    /// Where the document says; if it does not, as [`DomainChoice::Auto`].
+    #[default]
+    Document,
+    /// Where intervals find the surface.
+    Auto,
+    /// In this box: lower and upper bound of x, y and z.
+    Bounds([f64; 6]),
+}
+
+/// From where to look. What is `None` is taken from the document, and what that leaves open is chosen to show the whole
+/// domain from [`View::Iso`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CameraChoice {
+    /// A named side; the document's eye and upward direction then do not count.
+    pub view: Option<View>,
+    /// The eye.
+    pub eye: Option<DVec3>,
+    /// The point looked at.
+    pub target: Option<DVec3>,
+    /// The direction shown upright.
+    pub up: Option<DVec3>,
+    /// Perspective or parallel, and how much is seen.
+    pub projection: Option<Projection>,
+}
+
+/// Why a document cannot be looked at in this way.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The camera is impossible.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The domain or the clipping plane is impossible.
+    #[error(transparent)]
+    Region(#[from] RegionError),
+    /// There is nothing to draw.
+    #[error(transparent)]
+    Program(#[from] ProgramError),
+}
+
+/// The domain of `document`, cut by `clip`, and what was found if it was searched for.
+///
+/// # Errors
+/// If a range is empty or not finite, the plane has no normal, or a search is impossible because there is no surface.
+pub fn region(
+    document: &Document,
+    choice: DomainChoice,
+    clip: Option<HalfSpace>,
+) -> Result<(Region, Option<AutoDomain>), SceneError> {
+    let mut searched = None;
+    let [x0, x1, y0, y1, z0, z1] = match (choice, &document.domain) {
+        (DomainChoice::Bounds(bounds), _) => bounds,
+        (DomainChoice::Document, Some(Domain::Box(ranges))) => {
+            let given = |axis: usize| {
+                let (low, high) = ranges[axis].as_ref()?;
+                Some([low.bounds().lo, high.bounds().hi])
+            };
+            match (given(0), given(1), given(2)) {
+                (Some(x), Some(y), Some(z)) => [x[0], x[1], y[0], y[1], z[0], z[1]],
+                ranges => {
+                    let found = search(document)?;
+                    searched = Some(found);
+                    let or_found = |axis: usize, range: Option<[f64; 2]>| {
+                        range.unwrap_or([found.low[axis], found.high[axis]])
+                    };
+                    let (x, y, z) = (
+                        or_found(0, ranges.0),
+                        or_found(1, ranges.1),
+                        or_found(2, ranges.2),
+                    );
+                    [x[0], x[1], y[0], y[1], z[0], z[1]]
+                }
+            }
+        }
+        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(Domain::Auto)) => {
+            let found = search(document)?;
+            searched = Some(found);
+            let ([x0, y0, z0], [x1, y1, z1]) = (found.low, found.high);
+            [x0, x1, y0, y1, z0, z1]
+        }
+    };
+    let mut region = Region::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1))?;
+    if let Some(clip) = clip {
+        region = region.with_clip(clip)?;
+    }
+    Ok((region, searched))
+}
+
+/// The surface found by intervals, whatever domain the document gives.
+///
+/// # Errors
+/// If there is no surface, or no code can be made.
+pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
+    let program = Program::new(
+        document,
+        [Interval {
+            lo: -REACH,
+            hi: REACH,
+        }; 3],
+    )?;
+    let kernels = (0..program.roots().len())
+        .map(|surface| program.interval_kernel(surface))
+        .collect::<Result<Vec<_>, _>>()?;
+    let kernels: Vec<&dyn IntervalKernel> = kernels
+        .iter()
+        .map(|kernel| kernel as &dyn IntervalKernel)
+        .collect();
+    let periodic = program
+        .roots()
+        .iter()
+        .any(|&root| is_periodic(program.graph(), root));
+    Ok(domain::find(&kernels, periodic))
+}
+
+/// The box of a region as bounds of x, y and z.
+pub fn bounds(region: &Region) -> [Interval; 3] {
+    [0, 1, 2].map(|axis| Interval {
+        lo: region.low()[axis],
+        hi: region.high()[axis],
+    })
+}
+
+/// The camera for `document` in `region`.
+///
+/// # Errors
+/// If eye and target coincide, the upward direction is useless, or a number is out of range.
+pub fn camera(
+    document: &Document,
+    region: &Region,
+    choice: &CameraChoice,
+) -> Result<Camera, CameraError> {
+    let typed = document.view.clone().unwrap_or_default();
+    let point = |numbers: &Option<[Constant; 3]>| {
+        numbers
+            .as_ref()
+            .map(|n| DVec3::from_array([0, 1, 2].map(|k| middle(&n[k]))))
+    };
+    // A side asked for replaces the document's own eye.
+    let (typed_eye, typed_up) = match choice.view {
+        Some(_) => (None, None),
+        None => (point(&typed.eye), point(&typed.up)),
+    };
+    let view = choice
+        .view
+        .or(typed.preset.map(view_of))
+        .unwrap_or_default();
+    let (offset, view_up) = view.offset_and_up();
+    let target = choice
+        .target
+        .or(point(&typed.target))
+        .unwrap_or(region.centre());
+    let given_eye = choice.eye.or(typed_eye);
+    let eye = given_eye.unwrap_or(target + offset * region.half_extent());
+    let up = choice.up.or(typed_up).unwrap_or_else(|| {
+        // An eye of the user's own may look straight down; then y points upward, as in the view from the top.
+        let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
+        if vertical { DVec3::Y } else { view_up }
+    });
+    let projection = choice
+        .projection
+        .unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
+            (Some(height), _) => Projection::Orthographic {
+                height: middle(height),
+            },
+            (None, Some(fov)) => Projection::Perspective { fov: middle(fov) },
+            (None, None) => Projection::Perspective { fov: View::FOV },
+        });
+    Camera::new(eye, target, up, projection)
+}
+
+fn view_of(preset: Preset) -> View {
+    match preset {
+        Preset::Iso => View::Iso,
+        Preset::Front => View::Front,
+        Preset::Back => View::Back,
+        Preset::Left => View::Left,
+        Preset::Right => View::Right,
+        Preset::Top => View::Top,
+        Preset::Bottom => View::Bottom,
+    }
+}
+
+/// The `f64` nearest to the middle of a constant's bounds.
+fn middle(constant: &Constant) -> f64 {
+    let bounds = constant.bounds();
+    bounds.lo.midpoint(bounds.hi)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_syntax::{Options, read};
+
+    fn document(text: &str) -> Document {
+        read(text, &Options::default()).expect("reads")
+    }
+
+    fn found(text: &str) -> ([f64; 3], [f64; 3]) {
+        let (region, _) = region(&document(text), DomainChoice::Document, None).expect("valid");
+        (region.low().to_array(), region.high().to_array())
+    }
+
+    #[test]
+    fn the_document_s_domain_counts_unless_another_is_given() {
+        assert_eq!(found("domain 2\nx+y+z"), ([-2.0; 3], [2.0; 3]));
+        let given = DomainChoice::Bounds([0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
+        let (region, _) = region(&document("domain 2\nx+y+z"), given, None).expect("valid");
+        assert_eq!(region.high(), DVec3::ONE);
+    }
+
+    #[test]
+    fn a_domain_left_open_is_searched_for() {
+        let (low, high) = found("x^2+y^2+z^2=1");
+        assert!(low.iter().all(|low| (-1.3..-1.0).contains(low)), "{low:?}");
+        assert!(
+            high.iter().all(|high| (1.0..1.3).contains(high)),
+            "{high:?}"
+        );
+        let (low, high) = found("domain z in [0, 5]\nx^2+y^2+z^2=1");
+        assert!((low[2], high[2]) == (0.0, 5.0) && low[0] > -1.3);
+        assert_eq!(found("sin(x)+sin(y)+sin(z)").1, [std::f64::consts::TAU; 3]);
+    }
+
+    #[test]
+    fn the_camera_comes_from_the_caller_then_the_document_then_the_default() {
+        let text = "domain 2\nview eye (4, 0, 0)\nx+y+z";
+        let document = document(text);
+        let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
+        let eye = |choice: CameraChoice| camera(&document, &region, &choice).expect("valid").eye();
+        assert_eq!(eye(CameraChoice::default()), DVec3::X * 4.0);
+        let own = CameraChoice {
+            eye: Some(DVec3::Z * 9.0),
+            ..CameraChoice::default()
+        };
+        assert_eq!(eye(own), DVec3::Z * 9.0);
+        let side = CameraChoice {
+            view: Some(View::Iso),
+            ..CameraChoice::default()
+        };
+        assert_eq!(eye(side), DVec3::new(4.0, -6.0, 3.0));
+    }
+}
