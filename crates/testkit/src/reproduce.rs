@@ -8,6 +8,10 @@ use std::fmt::Write;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_ops::Notation;
 
+/// Expressions of more nodes are split into definitions: far below what `zeroset_ir::display` cuts
+/// off, and what a parser takes for nesting without end.
+const LONGEST_PIECE: usize = 100;
+
 /// Where a function was evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
@@ -83,6 +87,62 @@ pub fn hexadecimal(value: f64) -> String {
     format!("{sign}0x{whole}{point}{digits}p{exponent}")
 }
 
+/// Text under construction.
+///
+/// What is used several times, and pieces too long for one line, are cut out: in the graph `pieces`
+/// they are parameters, called by the name of their definition.
+#[derive(Default)]
+struct Document {
+    pieces: Graph,
+    names: Vec<String>,
+    definitions: String,
+    notes: BTreeSet<String>,
+}
+
+impl Document {
+    /// A new parameter of `pieces`, and its name.
+    fn name(&mut self, prefix: &str, number: usize) -> (NodeId, String) {
+        let name = letters(prefix, number);
+        self.names.push(name.clone());
+        (self.pieces.parameter(self.names.len() as u32 - 1), name)
+    }
+
+    fn text(&self, id: NodeId) -> String {
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        zeroset_ir::display(&self.pieces, id, &names)
+    }
+
+    fn define(&mut self, prefix: &str, number: usize, text: &str) -> NodeId {
+        let (id, name) = self.name(prefix, number);
+        let _ = writeln!(self.definitions, "{name} = {text}"); // strings take all that is written
+        id
+    }
+
+    fn parameter(&mut self, number: usize, bounds: Option<&(f64, f64)>) -> NodeId {
+        match bounds {
+            Some((lo, hi)) if lo == hi => self.define("p", number, &decimal(*lo)),
+            bounds => {
+                let (lo, hi) = bounds
+                    .copied()
+                    .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+                let (id, name) = self.name("p", number);
+                let range = format!("[{}, {}]", hexadecimal(lo), hexadecimal(hi));
+                self.notes.insert(format!("{name} lies in {range}"));
+                id
+            }
+        }
+    }
+
+    fn constant(&mut self, value: &Constant) -> NodeId {
+        if value.exact().is_none() && !value.is_named() {
+            let bounds = value.bounds();
+            let range = format!("[{}, {}]", hexadecimal(bounds.lo), hexadecimal(bounds.hi));
+            self.notes.insert(format!("a constant lies in {range}"));
+        }
+        self.pieces.constant(value.clone())
+    }
+}
+
 /// The formula with its definitions, and what in it cannot be typed.
 fn document(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> (String, BTreeSet<String>) {
     let needed = graph.reachable(&[root]);
@@ -92,90 +152,52 @@ fn document(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> (String, 
             operands.iter().for_each(|id| uses[id.index()] += 1);
         }
     }
-    let mut lines = String::new();
-    let mut notes = BTreeSet::new();
-    let mut texts = vec![String::new(); graph.len()];
-    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
-        texts[id.index()] = match node {
-            Node::Variable(axis) => match axis {
-                Axis::X => "x".to_owned(),
-                Axis::Y => "y".to_owned(),
-                Axis::Z => "z".to_owned(),
-            },
+    let mut document = Document::default();
+    // Per node, its copy among the pieces and how many nodes its text spells out.
+    let mut copies: Vec<(NodeId, usize)> = Vec::with_capacity(graph.len());
+    let origin = document.pieces.variable(Axis::X);
+    for (id, node) in graph.iter() {
+        let copy = match node {
+            _ if !needed[id.index()] => (origin, 1),
+            Node::Variable(axis) => (document.pieces.variable(*axis), 1),
             Node::Parameter(number) => {
-                let name = letters("p", *number as usize);
-                let bounds = parameters.get(*number as usize);
-                let (lo, hi) = bounds
-                    .copied()
-                    .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-                if lo == hi {
-                    let _ = writeln!(lines, "{name} = {}", decimal(lo));
-                } else {
-                    let range = format!("[{}, {}]", hexadecimal(lo), hexadecimal(hi));
-                    notes.insert(format!("{name} lies in {range}"));
-                }
-                name
+                let number = *number as usize;
+                (document.parameter(number, parameters.get(number)), 1)
             }
-            Node::Constant(value) => constant(value, &mut notes),
+            Node::Constant(value) => (document.constant(value), 1),
             Node::Apply(op, operands) => {
-                let row = op.row();
-                let texts: Vec<&str> = operands.iter().map(|id| &*texts[id.index()]).collect();
-                let text = match (row.notation, &*texts) {
-                    (Notation::Infix { symbol, .. }, [a]) => format!("({symbol}{a})"),
-                    (Notation::Infix { symbol, .. }, [a, b]) => format!("({a}{symbol}{b})"),
-                    (Notation::Internal, _) => {
-                        notes.insert(format!("{} is internal", row.name));
-                        format!("{}({})", row.name, texts.join(", "))
-                    }
-                    (Notation::Function | Notation::Infix { .. }, _) => {
-                        format!("{}({})", row.name, texts.join(", "))
-                    }
-                };
-                if uses[id.index()] > 1 {
-                    let name = letters("v", id.index());
-                    let _ = writeln!(lines, "{name} = {text}");
-                    name
+                if op.row().notation == Notation::Internal {
+                    document
+                        .notes
+                        .insert(format!("{} is internal", op.row().name));
+                }
+                let ids: Vec<NodeId> = operands.iter().map(|id| copies[id.index()].0).collect();
+                let lengths = operands.iter().map(|id| copies[id.index()].1);
+                let length = 1 + lengths.sum::<usize>();
+                let copy = document.pieces.apply(*op, &ids);
+                if uses[id.index()] > 1 || length > LONGEST_PIECE {
+                    let text = document.text(copy);
+                    (document.define("v", id.index(), &text), 1)
                 } else {
-                    text
+                    (copy, length)
                 }
             }
         };
+        copies.push(copy);
     }
-    lines.push_str(&texts[root.index()]);
-    (lines, notes)
+    let formula = document.text(copies[root.index()].0);
+    (document.definitions + &formula, document.notes)
 }
 
 /// A name of letters only, since digits after a letter would read as a lost exponent.
 fn letters(prefix: &str, mut number: usize) -> String {
     let mut name = prefix.to_owned();
     loop {
-        // From `a` on, but without what might complete a known name.
         name.push(char::from(b'a' + (number % 16) as u8));
         number /= 16;
         if number == 0 {
+            // No name of the language ends like that.
             return name + "q";
-        }
-    }
-}
-
-fn constant(value: &Constant, notes: &mut BTreeSet<String>) -> String {
-    let named = [
-        (Constant::pi(), "pi"),
-        (Constant::tau(), "tau"),
-        (Constant::e(), "e"),
-        (Constant::phi(), "phi"),
-    ];
-    if let Some((_, name)) = named.iter().find(|(constant, _)| constant == value) {
-        return (*name).to_owned();
-    }
-    match value {
-        Constant::Exact(value) if value.is_integer() => format!("({value})"),
-        Constant::Exact(value) => format!("({}/{})", value.numer(), value.denom()),
-        Constant::Enclosed([lo, hi]) => {
-            let (lo, hi) = (f64::from_bits(*lo), f64::from_bits(*hi));
-            let text = format!("enclosed({}, {})", hexadecimal(lo), hexadecimal(hi));
-            notes.insert(format!("{text} is some number between these bounds"));
-            text
         }
     }
 }
@@ -221,7 +243,7 @@ mod tests {
         let line = reproduce(&graph, root, &[], &Place::At([1.0; 3]));
         assert!(line.len() < 40_000, "{}", line.len());
         assert!(
-            line.starts_with(r#"{"f":"vbq = (x*x)\nvcq = (vbq*vbq)\n"#),
+            line.starts_with(r#"{"f":"vbq = x*x\nvcq = vbq*vbq\n"#),
             "{line}"
         );
     }
@@ -240,7 +262,7 @@ mod tests {
         assert_eq!(
             reproduce(&graph, root, &[(0.25, 0.25), (0.0, 1.0)], &region),
             concat!(
-                r#"{"f":"paq = 0.25\nmin(where_nonneg(paq, (pi^(-1/2))), pbq)","#,
+                r#"{"f":"paq = 0.25\nmin(where_nonneg(paq, pi^(-0.5)), pbq)","#,
                 r#""box":[["-inf","0x0p0"],["0x1p0","0x1.8p0"],["0x0p0","0x0p0"]],"#,
                 r#""note":"not typable as it stands: pbq lies in [0x0p0, 0x1p0]; "#,
                 r#"where_nonneg is internal"}"#,

@@ -1,11 +1,12 @@
 //! One suite for every evaluator: each row of the table over adversarial inputs, and random graphs.
 //!
 //! An evaluator plugs in as a function that makes a kernel out of a graph. Nothing is assumed of how
-//! it works; what it says is held against the [`Oracle`].
+//! it works; what it says is held against the [oracle](crate::Oracle).
 
 mod gradient;
 mod interval;
 mod point;
+mod rewrite;
 mod subjects;
 
 use std::fmt;
@@ -15,6 +16,7 @@ use zeroset_ir::{Graph, NodeId};
 pub use gradient::check_gradients;
 pub use interval::{check_interval_graphs, check_interval_ops};
 pub use point::check_points;
+pub use rewrite::{Rewrite, check_rewrite};
 
 /// Makes an interval kernel for a graph without parameters.
 pub type MakeInterval<'a> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn IntervalKernel>;

@@ -58,7 +58,8 @@ pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defin
         Exponent::PerhapsInteger => {
             let (value, defined) = real_power(a, b);
             let holds_integer = b.lo.ceil() <= b.hi;
-            if defined == Defined::Yes || !holds_integer {
+            let pole = a.is_zero() && b.hi < 0.0;
+            if defined == Defined::Yes || !holds_integer || pole {
                 return (value, defined);
             }
             let magnitude = magnitudes(a.abs(), b);
@@ -69,9 +70,6 @@ pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defin
 
 /// Integer powers of the members of `a`, without 0 if `n` is negative.
 fn integer_power(a: Span, n: Span, odd: bool) -> Span {
-    if n.is_zero() {
-        return Span::point(1.0);
-    }
     if !odd || a.lo >= 0.0 {
         return magnitudes(a.abs(), n);
     }

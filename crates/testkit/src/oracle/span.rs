@@ -55,8 +55,7 @@ impl Span {
             .iter()
             .map(|r| r.up())
             .fold(f64::NEG_INFINITY, f64::max);
-        // An end that overflowed is beyond the largest float, which bounds it from within.
-        Self::new(lo.min(f64::MAX), hi.max(f64::MIN))
+        Self::new(lo, hi)
     }
 
     /// Around a constant of a graph.

@@ -99,6 +99,29 @@ fn rational_operations_agree_with_exact_arithmetic() {
         assert_tight(claim(Op::Ceil, &[a]), &p.ceil(), 0, &case("ceil"));
         assert_tight(claim(Op::Trunc, &[a]), &p.trunc(), 0, &case("trunc"));
         assert_tight(claim(Op::Fract, &[a]), &(&p - p.floor()), 2, &case("fract"));
+        let root = claim(Op::Sqrt, &[a.abs()]);
+        let (below, above) = (exact(root.lo), exact(root.hi));
+        let holds = &below * &below <= p.abs() && p.abs() <= &above * &above;
+        assert!(
+            holds && root.hi <= root.lo.next_up().next_up(),
+            "{}",
+            case("sqrt")
+        );
+        assert!(
+            is_exactly(claim(Op::Min, &[a, b]), a.min(b)),
+            "{}",
+            case("min")
+        );
+        assert!(
+            is_exactly(claim(Op::Max, &[a, b]), a.max(b)),
+            "{}",
+            case("max")
+        );
+        assert!(
+            is_exactly(claim(Op::WhereDefined, &[a, b]), a),
+            "{}",
+            case("where")
+        );
         if !q.is_zero() {
             assert_tight(claim(Op::Div, &[a, b]), &(&p / &q), 2, &case("div"));
         }
@@ -125,6 +148,8 @@ fn exact_results_are_recognised() {
     ] {
         assert!(is_exactly(claim(op, &[at]), value), "{op:?}");
     }
+    let three = f64::from_bits(3);
+    assert!(claim(Op::Log2, &[three]).lo < claim(Op::Log2, &[three]).hi);
     // Neighbours are not exact, though they round to the same.
     let claim = claim(Op::Log10, &[1e22_f64.next_up()]);
     assert!(claim.lo < 22.0 && claim.hi > 22.0);
@@ -396,12 +421,21 @@ fn ranges_hold_what_lies_between_their_ends() {
     assert_eq!(range(Op::Sqr, -1.0, 2.0), (0.0, 4.0, Defined::Yes));
     let unbounded = (f64::NEG_INFINITY, f64::INFINITY, Defined::Unknown);
     assert_eq!(range(Op::Tan, 1.5, 1.6), unbounded);
+    assert_eq!(range(Op::Tan, 1.0, 1.0 + std::f64::consts::TAU), unbounded);
     let got = claim_over(Op::Div, &[(1.0, 1.0), (0.0, 0.5)]);
     assert_eq!((got.lo, got.hi), (2.0, f64::INFINITY));
+    let got = claim_over(Op::Div, &[(1.0, 1.0), (-0.0, 0.5)]);
+    assert_eq!((got.lo, got.hi), (2.0, f64::INFINITY));
+    let got = claim_over(Op::Div, &[(1.0, 1.0), (-0.5, 0.5)]);
+    assert_eq!((got.lo, got.hi), (f64::NEG_INFINITY, f64::INFINITY));
     let got = claim_over(Op::Div, &[(1.0, 1.0), (-0.5, 0.0)]);
     assert_eq!((got.lo, got.hi), (f64::NEG_INFINITY, -2.0));
     let got = claim_over(Op::Mul, &[(0.0, 0.0), (f64::NEG_INFINITY, f64::INFINITY)]);
     assert_eq!((got.lo, got.hi), (0.0, 0.0));
+    let got = claim_over(Op::Min, &[(1.0, 4.0), (2.0, 3.0)]);
+    assert_eq!((got.lo, got.hi), (1.0, 3.0));
+    let got = claim_over(Op::Max, &[(1.0, 4.0), (2.0, 3.0)]);
+    assert_eq!((got.lo, got.hi), (2.0, 4.0));
     let got = claim_over(Op::Mod, &[(1.5, 2.5), (2.0, 2.0)]);
     assert_eq!((got.lo, got.hi), (0.0, 2.0));
 }
@@ -469,16 +503,22 @@ fn powers_are_defined_as_the_table_says() {
     assert_eq!(over((-1.0, 1.0), (2.0, 2.0)), Unknown);
     assert_eq!(over((0.0, 1.0), (-1.0, 1.0)), Unknown);
 
-    // −(−2) may be read as the constant 2 or as an expression.
+    // −(−2) and 4·(1/2) may be read as the constant 2 or as expressions.
     let mut graph = Graph::new();
     let x = graph.variable(Axis::X);
-    let n = graph.integer(-2);
-    let n = graph.apply(Op::Neg, &[n]);
-    let root = graph.apply(Op::Pow, &[x, n]);
-    let at = |x| enclose_at(&graph, &[root], [x, 0.0, 0.0], &[])[0];
-    assert!(is_exactly(at(3.0), 9.0));
-    let got = at(-3.0);
-    assert_eq!((got.lo, got.hi, got.defined), (-9.0, 9.0, Unknown));
+    let minus_two = graph.integer(-2);
+    let two = graph.apply(Op::Neg, &[minus_two]);
+    let four = graph.integer(4);
+    let half = graph.constant(Constant::ratio(1, 2).expect("a ratio"));
+    let also_two = graph.apply(Op::Mul, &[four, half]);
+    let also_minus_two = graph.apply(Op::Neg, &[also_two]);
+    let roots = [two, also_two, also_minus_two].map(|n| graph.apply(Op::Pow, &[x, n]));
+    let at = |x| enclose_at(&graph, &roots, [x, 0.0, 0.0], &[]);
+    assert!(is_exactly(at(3.0)[0], 9.0) && is_exactly(at(3.0)[1], 9.0));
+    for got in &at(-3.0)[..2] {
+        assert_eq!((got.lo, got.hi, got.defined), (-9.0, 9.0, Unknown));
+    }
+    assert_eq!(at(0.0)[2].defined, No);
 }
 
 /// Every operation is undefined where an operand is, except the branch that is not chosen.

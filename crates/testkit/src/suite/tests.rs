@@ -4,6 +4,7 @@ use super::*;
 use crate::{Claim, Defined, GraphOptions, Oracle};
 use zeroset_eval::{BoxPacket, EnclosurePacket, GradientPacket, LANES, PointPacket, ValuePacket};
 use zeroset_interval::Facts;
+use zeroset_ops::Op;
 
 const SEED: u64 = 0x5eed_0040;
 
@@ -44,6 +45,8 @@ fn interval_lies_are_caught() {
     let tally = verdict(least, most, Facts::NONE).expect("claims nothing");
     assert!(tally.compared == 6400 && tally.defined > 2000, "{tally:?}");
     assert_fails(-1.0, 1.0, Facts::NONE, "the bounds miss");
+    assert_fails(least, -1e30, Facts::NONE, "the bounds miss");
+    assert_fails(1e30, most, Facts::NONE, "the bounds miss");
     assert_fails(least, most, Facts::NOWHERE, "called undefined");
     assert_fails(least, most, Facts::DEFINED, "called defined");
     assert_fails(least, most, Facts::CONTINUOUS, "called defined");
@@ -165,4 +168,35 @@ fn wrong_gradients_are_caught() {
         failure.to_string().contains("derivative 0 is 0e0"),
         "{failure}"
     );
+}
+
+#[test]
+fn wrong_rewrites_are_caught() {
+    let run = |rewrite: Rewrite| check_rewrite(rewrite, SEED, &GraphOptions::default(), 500);
+    let same = run(&|graph, root, _| Some((graph.clone(), root)));
+    assert!(same.is_ok_and(|tally| tally.defined > 1000));
+    let negated = run(&|graph, root, _| {
+        let mut graph = graph.clone();
+        let root = graph.apply(Op::Neg, &[root]);
+        Some((graph, root))
+    });
+    let restricted = run(&|graph, root, _| {
+        let mut graph = graph.clone();
+        let root = graph.apply(Op::WherePositive, &[root, root]);
+        Some((graph, root))
+    });
+    // A value that no formula can contradict, but that is there everywhere.
+    let total = run(&|_, _, _| {
+        let mut graph = Graph::new();
+        let root = graph.parameter(0);
+        Some((graph, root))
+    });
+    for (verdict, reason) in [
+        (negated, "another value"),
+        (restricted, "no longer defined"),
+        (total, "defined where it was not"),
+    ] {
+        let failure = verdict.expect_err(reason).to_string();
+        assert!(failure.contains(reason), "{failure}");
+    }
 }

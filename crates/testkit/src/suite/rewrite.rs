@@ -1,0 +1,71 @@
+//! Rewriting: values and domains of definition stay what they were.
+
+use super::{Failure, Tally};
+use crate::{
+    Defined, Ends, GraphOptions, Oracle, Place, Rng, point_in_box, random_box, random_graph,
+    reproduce,
+};
+use zeroset_ir::{Graph, NodeId};
+
+/// Rewrites the function `root` over a box: per axis, its lower and upper end. `None` leaves it out.
+pub type Rewrite<'a> = &'a dyn Fn(&Graph, NodeId, &[[f32; 2]; 3]) -> Option<(Graph, NodeId)>;
+
+/// Points tried on each graph.
+const POINTS: u32 = 8;
+
+/// Checks `graphs` random graphs drawn by `options` (without parameters), each rewritten for one
+/// random box and compared at points of it: before and after it is defined at the same points, with
+/// values that may be equal.
+///
+/// # Errors
+/// The first contradiction, with a line that reproduces it.
+pub fn check_rewrite(
+    rewrite: Rewrite,
+    seed: u64,
+    options: &GraphOptions,
+    graphs: u32,
+) -> Result<Tally, Failure> {
+    let mut rng = Rng::with_seed(seed);
+    let mut tally = Tally::default();
+    let options = GraphOptions {
+        parameters: 0,
+        ..options.clone()
+    };
+    for _ in 0..graphs {
+        let (graph, root) = random_graph(&mut rng, &options);
+        let region = random_box(&mut rng, Ends::Infinite);
+        let Some((after, new_root)) = rewrite(&graph, root, &region) else {
+            continue;
+        };
+        let (old, new) = (
+            Oracle::new(&graph, &[root]),
+            Oracle::new(&after, &[new_root]),
+        );
+        for _ in 0..POINTS {
+            let point = point_in_box(&mut rng, &region);
+            let (was, is) = (old.at(point, &[])[0], new.at(point, &[])[0]);
+            tally.compared += 1;
+            let what = match (was.defined, is.defined) {
+                (Defined::Yes, Defined::No) => "no longer defined",
+                (Defined::No, Defined::Yes) => "defined where it was not",
+                (Defined::Yes, Defined::Yes) => {
+                    tally.defined += 1;
+                    if was.lo <= is.hi && is.lo <= was.hi {
+                        continue;
+                    }
+                    "another value"
+                }
+                (Defined::No, Defined::No) | (Defined::Unknown, _) | (_, Defined::Unknown) => {
+                    continue;
+                }
+            };
+            let line = reproduce(&graph, root, &[], &Place::At(point));
+            let rewritten = zeroset_ir::display(&after, new_root, &[]);
+            return Err(Failure(format!(
+                "{what}: {was:?} became {is:?}\n{line}\nover {region:?} rewritten to {rewritten}\n\
+                 seed {seed:#x}"
+            )));
+        }
+    }
+    Ok(tally)
+}
