@@ -217,6 +217,8 @@ fn quotient(graph: &mut Graph, power: NodeId, a: NodeId) -> NodeId {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::display;
+    use crate::testing::{Random, evaluate};
 
     fn apply(graph: &mut Graph, op: Op, operands: &[NodeId]) -> NodeId {
         graph.apply(op, operands)
@@ -274,5 +276,61 @@ mod tests {
         let order = graph.apply(Op::Sub, &[y, x]);
         let (zero, one) = (graph.integer(0), graph.integer(1));
         assert_eq!(by_x, graph.apply(Op::SelectNegative, &[order, zero, one]));
+    }
+
+    #[test]
+    fn derivatives_agree_with_central_differences() {
+        const STEP: f64 = 1e-5;
+        let seed = 0xd1ff_0000;
+        let mut compared = 0;
+        for case in 0..40_000_u64 {
+            let mut random = Random(seed + case);
+            let size = 1 + random.below(8);
+            let (mut graph, root) = random.graph(size);
+            let partials = gradient(&mut graph, root);
+            let at = [0; 3].map(|_| random.coordinate() + 1e-3);
+            let parameters = [random.coordinate(), random.coordinate()];
+            let value = |at: [f64; 3], id: NodeId| {
+                evaluate(&graph, at, &parameters)[id.index()]
+                    .filter(|(v, e)| *e < 1e-10 && v.abs() < 1e3)
+            };
+            for axis in 0..3 {
+                let moved = |steps: f64| {
+                    let mut at = at;
+                    at[axis] += steps * STEP;
+                    value(at, root).map(|v| v.0)
+                };
+                let (Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)) = (
+                    moved(-2.0),
+                    moved(-1.0),
+                    moved(1.0),
+                    moved(2.0),
+                    moved(-0.7),
+                    moved(0.7),
+                ) else {
+                    continue;
+                };
+                let central = (c - b) / (2.0 * STEP);
+                let wide = (d - a) / (4.0 * STEP);
+                let narrow = (f - e) / (1.4 * STEP);
+                // Where the steps disagree there is a kink, a jump or a steep bend nearby.
+                let close = |other: f64| (central - other).abs() <= 1e-6 * (1.0 + central.abs());
+                if !close(wide) || !close(narrow) {
+                    continue;
+                }
+                let Some((partial, _)) = value(at, partials[axis]) else {
+                    continue;
+                };
+                compared += 1;
+                assert!(
+                    (partial - central).abs() <= 1e-4 * (1.0 + central.abs()),
+                    "seed {:#x}: d/d{axis} {} = {} is {partial}, not {central}, at {at:?} {parameters:?}",
+                    seed + case,
+                    display(&graph, root, &[]),
+                    display(&graph, partials[axis], &[]),
+                );
+            }
+        }
+        assert!(compared > 40_000, "{compared}");
     }
 }

@@ -4,21 +4,25 @@
 //! so the order of ids is a topological order and every pass is one loop.
 
 mod algebra;
+mod clear;
 mod compact;
 mod constant;
 mod derivative;
 mod display;
 mod error;
 mod graph;
+mod hoist;
 mod simplify;
 
 #[cfg(test)]
 mod testing;
 
+pub use clear::{Cleared, clear};
 pub use compact::compact;
 pub use constant::Constant;
 pub use derivative::gradient;
 pub use display::{TEXT_LIMIT, display};
 pub use error::{IrError, NODE_LIMIT};
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
+pub use hoist::{Hoisted, hoist, uniform};
 pub use simplify::{rewrite, simplify};

@@ -25,8 +25,11 @@ impl Sheet {
     }
 
     pub(crate) fn number(&self, text: &str) -> Term<'_> {
-        let constant = Constant::decimal(text).expect("a decimal");
-        self.term(self.0.borrow_mut().constant(constant))
+        let decimal = Constant::decimal(text.trim_start_matches('-')).expect("a decimal");
+        match decimal.exact() {
+            Some(value) if text.starts_with('-') => self.constant(Constant::rational(-value)),
+            Some(_) | None => self.constant(decimal),
+        }
     }
 
     pub(crate) fn constant(&self, value: Constant) -> Term<'_> {
@@ -92,15 +95,6 @@ operator!(Add, add, Op::Add);
 operator!(Sub, sub, Op::Sub);
 operator!(Mul, mul, Op::Mul);
 operator!(Div, div, Op::Div);
-
-/// Operations that `root` needs: nodes but leaves.
-pub(crate) fn operations(graph: &Graph, root: NodeId) -> usize {
-    let needed = graph.reachable(&[root]);
-    graph
-        .iter()
-        .filter(|(id, node)| needed[id.index()] && matches!(node, Node::Apply(..)))
-        .count()
-}
 
 /// The value of every node at a point, in `f64`; `None` where it is undefined.
 ///

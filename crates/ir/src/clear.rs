@@ -1,0 +1,493 @@
+//! Cleared forms: a function with poles as a quotient of two functions without.
+//!
+//! Near a pole every enclosure of `1/x − y` is unbounded and so proves nothing. Its numerator `1 − x·y` is tame: where
+//! that has no zero the function has none, pole or not.
+
+use crate::algebra::{add, div, is_one, is_zero, mul, neg, powi, sub};
+use crate::graph::{Graph, Node, NodeId};
+use crate::hoist::uniform;
+use std::collections::BTreeMap;
+use zeroset_ops::Op;
+
+/// Quotients with more distinct factors below the line stay as they are: each new one costs a product of all others.
+const FACTOR_LIMIT: usize = 16;
+/// Powers beyond this stay as they are.
+const EXPONENT_LIMIT: u32 = 64;
+
+/// A function f in cleared form.
+///
+/// Within the domain of f, its zeros are the points where the numerator is 0. Where the denominator is 0, f is
+/// undefined. The quotient of the two is f, or, if a division by a function with poles of its own was cleared, f
+/// but for a factor that has no zero in the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cleared {
+    /// The node that is 0 where f is.
+    pub numerator: NodeId,
+    /// The node that is 0 at the poles.
+    pub denominator: NodeId,
+}
+
+/// Bases and their exponents.
+type Factors = BTreeMap<NodeId, u32>;
+
+/// `numerator · Π above / Π below`, where none of `above`, `below` and `excluded` is 0.
+#[derive(Clone)]
+struct Fraction {
+    numerator: NodeId,
+    /// What was below the line of a divisor.
+    above: Factors,
+    below: Factors,
+    /// What has cancelled.
+    excluded: Factors,
+}
+
+impl Fraction {
+    fn whole(numerator: NodeId) -> Self {
+        Self {
+            numerator,
+            above: Factors::new(),
+            below: Factors::new(),
+            excluded: Factors::new(),
+        }
+    }
+
+    fn is_whole(&self) -> bool {
+        self.above.is_empty() && self.below.is_empty() && self.excluded.is_empty()
+    }
+
+    /// Cancels what stands both above and below; refuses what has grown too large.
+    fn reduced(mut self) -> Option<Self> {
+        let common: Vec<(NodeId, u32)> = self
+            .above
+            .iter()
+            .filter_map(|(base, n)| Some((*base, (*n).min(*self.below.get(base)?))))
+            .collect();
+        for (base, n) in common {
+            self.excluded.insert(base, 1);
+            for side in [&mut self.above, &mut self.below] {
+                let exponent = side.remove(&base).unwrap_or(0);
+                if exponent > n {
+                    side.insert(base, exponent - n);
+                }
+            }
+        }
+        let sides = [&self.above, &self.below, &self.excluded];
+        let small = sides
+            .iter()
+            .all(|side| side.len() <= FACTOR_LIMIT && side.values().all(|n| *n <= EXPONENT_LIMIT));
+        small.then_some(self)
+    }
+}
+
+fn times(mut a: Factors, b: &Factors) -> Factors {
+    for (base, n) in b {
+        let exponent = a.entry(*base).or_insert(0);
+        *exponent = exponent.saturating_add(*n);
+    }
+    a
+}
+
+fn raised(factors: &Factors, exponent: u32) -> Factors {
+    factors
+        .iter()
+        .map(|(base, n)| (*base, n.saturating_mul(exponent)))
+        .collect()
+}
+
+/// `numerator · Π factors`
+fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
+    for (base, n) in factors {
+        let power = powi(graph, *base, i64::from(*n));
+        node = if is_one(graph, node) {
+            power
+        } else {
+            mul(graph, node, power)
+        };
+    }
+    node
+}
+
+/// The cleared form of `root`, added to `graph`, or `None` if `root` has no pole that can be cleared.
+///
+/// Divisions, negative powers and tangents are cleared through sums, products, quotients and integer powers. Poles
+/// inside other functions stay where they are, and so do divisions by what depends on no coordinate: those are not
+/// poles in space.
+pub fn clear(graph: &mut Graph, root: NodeId) -> Option<Cleared> {
+    let needed = graph.reachable(&[root]);
+    let mut uniform = uniform(graph);
+    uniform.truncate(root.index() + 1);
+    let ids: Vec<NodeId> = graph
+        .iter()
+        .map(|(id, _)| id)
+        .take(root.index() + 1)
+        .collect();
+    let mut fractions: Vec<Option<Fraction>> = vec![None; root.index() + 1];
+    for id in ids.into_iter().filter(|id| needed[id.index()]) {
+        let Node::Apply(op, operands) = graph.node(id).clone() else {
+            continue;
+        };
+        if uniform[id.index()] {
+            continue;
+        }
+        let parts: Vec<Fraction> = operands
+            .iter()
+            .map(|o| {
+                fractions[o.index()]
+                    .clone()
+                    .unwrap_or_else(|| Fraction::whole(*o))
+            })
+            .collect();
+        let fraction = combine(graph, op, &operands, &parts, &uniform);
+        fractions[id.index()] = fraction
+            .and_then(Fraction::reduced)
+            .filter(|f| !f.is_whole());
+    }
+    let fraction = fractions[root.index()].take()?;
+    // What stands above has no zero in the domain; dropped there, it must still count as a pole.
+    let mut below = fraction.below;
+    for base in fraction
+        .above
+        .into_keys()
+        .chain(fraction.excluded.into_keys())
+    {
+        below.entry(base).or_insert(1);
+    }
+    let one = graph.integer(1);
+    let denominator = product(graph, one, &below);
+    Some(Cleared {
+        numerator: fraction.numerator,
+        denominator,
+    })
+}
+
+fn combine(
+    graph: &mut Graph,
+    op: Op,
+    operands: &[NodeId],
+    parts: &[Fraction],
+    uniform: &[bool],
+) -> Option<Fraction> {
+    let whole = parts.iter().all(Fraction::is_whole);
+    match op {
+        Op::Neg if !whole => {
+            let numerator = neg(graph, parts[0].numerator);
+            Some(Fraction {
+                numerator,
+                ..parts[0].clone()
+            })
+        }
+        Op::Add | Op::Sub if !whole => Some(sum(graph, op, &parts[0], &parts[1])),
+        Op::Mul if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
+        Op::Div if !whole || !uniform[operands[1].index()] => {
+            let inverse = inverted(graph, &parts[1], uniform)?;
+            Some(multiplied(graph, &parts[0], &inverse))
+        }
+        Op::Sqr if !whole => Some(power(graph, &parts[0], 2)),
+        Op::Pow => {
+            let exponent = match graph.node(operands[1]) {
+                Node::Constant(constant) => constant.as_integer()?,
+                Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return None,
+            };
+            let magnitude = u32::try_from(exponent.unsigned_abs()).ok()?;
+            if magnitude > EXPONENT_LIMIT || (whole && exponent >= 0) {
+                return None;
+            }
+            if exponent >= 0 {
+                return Some(power(graph, &parts[0], magnitude));
+            }
+            let inverse = inverted(graph, &parts[0], uniform)?;
+            Some(power(graph, &inverse, magnitude))
+        }
+        Op::Tan => {
+            let numerator = graph.apply(Op::Sin, operands);
+            let cos = graph.apply(Op::Cos, operands);
+            let below = Factors::from([(cos, 1)]);
+            Some(Fraction {
+                below,
+                ..Fraction::whole(numerator)
+            })
+        }
+        Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero | Op::WhereDefined
+            if !parts[0].is_whole() =>
+        {
+            let numerator = graph.apply(op, &[parts[0].numerator, operands[1]]);
+            Some(Fraction {
+                numerator,
+                ..parts[0].clone()
+            })
+        }
+        Op::Neg
+        | Op::Add
+        | Op::Sub
+        | Op::Mul
+        | Op::Div
+        | Op::Sqr
+        | Op::Abs
+        | Op::Sign
+        | Op::Floor
+        | Op::Ceil
+        | Op::Round
+        | Op::Trunc
+        | Op::Fract
+        | Op::Sqrt
+        | Op::Cbrt
+        | Op::Exp
+        | Op::Ln
+        | Op::Log2
+        | Op::Log10
+        | Op::Sin
+        | Op::Cos
+        | Op::Atan
+        | Op::Mod
+        | Op::Min
+        | Op::Max
+        | Op::SelectNegative
+        | Op::WhereNonneg
+        | Op::WherePositive
+        | Op::WhereNonzero
+        | Op::WhereDefined => None,
+    }
+}
+
+/// Over the least common denominator, so that shared denominators are not multiplied.
+fn sum(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
+    let mut below = a.below.clone();
+    for (base, n) in &b.below {
+        let exponent = below.entry(*base).or_insert(0);
+        *exponent = (*exponent).max(*n);
+    }
+    let mut over = |part: &Fraction| {
+        let missing: Factors = below
+            .iter()
+            .map(|(base, n)| (*base, n - part.below.get(base).copied().unwrap_or(0)))
+            .filter(|(_, n)| *n > 0)
+            .collect();
+        let numerator = product(graph, part.numerator, &part.above);
+        product(graph, numerator, &missing)
+    };
+    let (left, right) = (over(a), over(b));
+    let numerator = if op == Op::Add {
+        add(graph, left, right)
+    } else {
+        sub(graph, left, right)
+    };
+    let mut excluded = a.excluded.clone();
+    let lost = [&a.above, &b.above, &b.excluded];
+    excluded.extend(
+        lost.into_iter()
+            .flat_map(|factors| factors.keys().map(|base| (*base, 1))),
+    );
+    Fraction {
+        numerator,
+        above: Factors::new(),
+        below,
+        excluded,
+    }
+}
+
+fn multiplied(graph: &mut Graph, a: &Fraction, b: &Fraction) -> Fraction {
+    let mut excluded = a.excluded.clone();
+    excluded.extend(b.excluded.keys().map(|base| (*base, 1)));
+    Fraction {
+        numerator: mul(graph, a.numerator, b.numerator),
+        above: times(a.above.clone(), &b.above),
+        below: times(a.below.clone(), &b.below),
+        excluded,
+    }
+}
+
+fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
+    Fraction {
+        numerator: if is_one(graph, a.numerator) {
+            a.numerator
+        } else {
+            powi(graph, a.numerator, i64::from(exponent))
+        },
+        above: raised(&a.above, exponent),
+        below: raised(&a.below, exponent),
+        excluded: a.excluded.clone(),
+    }
+}
+
+/// `1/a`; `None` if a is the number 0.
+fn inverted(graph: &mut Graph, a: &Fraction, uniform: &[bool]) -> Option<Fraction> {
+    // The numerator's own factors go below one by one, so that other denominators can share them.
+    let mut below = a.above.clone();
+    let mut numerator = graph.integer(1);
+    let mut pending = vec![(a.numerator, 1_u32)];
+    while let Some((id, exponent)) = pending.pop() {
+        if is_zero(graph, id) || exponent > EXPONENT_LIMIT || below.len() > FACTOR_LIMIT {
+            return None;
+        }
+        let node = graph.node(id).clone();
+        // Nodes beyond the table are new: made of at least one that varies, or exact.
+        let fixed =
+            uniform.get(id.index()).copied().unwrap_or(false) || matches!(node, Node::Constant(_));
+        match node {
+            Node::Constant(_) | Node::Parameter(_) | Node::Apply(..) if fixed => {
+                let power = powi(graph, id, i64::from(exponent));
+                numerator = div(graph, numerator, power);
+            }
+            Node::Apply(Op::Mul, operands) => {
+                pending.extend(operands.iter().map(|o| (*o, exponent)));
+            }
+            Node::Apply(Op::Sqr, operands) => pending.push((operands[0], exponent * 2)),
+            Node::Apply(Op::Neg, operands) => {
+                pending.push((operands[0], exponent));
+                if exponent % 2 == 1 {
+                    numerator = neg(graph, numerator);
+                }
+            }
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => {
+                *below.entry(id).or_insert(0) += exponent;
+            }
+        }
+    }
+    Some(Fraction {
+        numerator,
+        above: a.below.clone(),
+        below,
+        excluded: a.excluded.clone(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::display;
+    use crate::testing::{Random, Sheet, Term, evaluate};
+
+    fn cleared(
+        formula: impl for<'a> Fn([Term<'a>; 3], Term<'a>) -> Term<'a>,
+    ) -> Option<[String; 2]> {
+        let sheet = Sheet::default();
+        let root = formula(sheet.xyz(), sheet.parameter(0)).id;
+        let mut graph = sheet.graph();
+        let cleared = clear(&mut graph, root)?;
+        Some([cleared.numerator, cleared.denominator].map(|id| display(&graph, id, &["w"])))
+    }
+
+    fn pair(numerator: &str, denominator: &str) -> Option<[String; 2]> {
+        Some([numerator.into(), denominator.into()])
+    }
+
+    #[test]
+    fn poles_are_cleared_through_arithmetic() {
+        assert_eq!(
+            cleared(|[x, y, z], _| 1.0 / (x - y.pow(2)) - z),
+            pair("1 - z*(x - y^2)", "x - y^2")
+        );
+        let tan = cleared(|[x, y, z], _| x.f(Op::Tan) + y.f(Op::Tan) - z);
+        assert_eq!(
+            tan,
+            pair(
+                "sin(x)*cos(y) + sin(y)*cos(x) - z*cos(x)*cos(y)",
+                "cos(x)*cos(y)"
+            )
+        );
+        assert_eq!(
+            cleared(|[x, y, _], _| y * x.pow(-2) + 1.0),
+            pair("y + sqr(x)", "sqr(x)")
+        );
+        assert_eq!(
+            cleared(|[x, y, _], _| (y / x).pow(3) - 1.0),
+            pair("y^3 - x^3", "x^3")
+        );
+        assert_eq!(
+            cleared(|[x, y, _], _| -(y / (2.0 * x)).f(Op::Sqr)),
+            pair("-sqr(y*0.5)", "sqr(x)")
+        );
+    }
+
+    #[test]
+    fn a_shared_denominator_is_not_multiplied() {
+        assert_eq!(cleared(|[x, y, z], _| x / z + y / z), pair("x + y", "z"));
+        assert_eq!(
+            cleared(|[x, y, z], _| 1.0 / (x * z) + y / z),
+            pair("1 + y*x", "x*z")
+        );
+        assert_eq!(
+            cleared(|[x, y, _], _| 1.0 / x.f(Op::Sqr) - y / x),
+            pair("1 - y*x", "sqr(x)")
+        );
+    }
+
+    #[test]
+    fn poles_of_a_divisor_stay_undefined() {
+        assert_eq!(cleared(|[x, y, _], _| y / (1.0 / x)), pair("y", "x"));
+        assert_eq!(
+            cleared(|[x, y, _], _| y / (1.0 / x) - 1.0),
+            pair("y*x - 1", "x")
+        );
+    }
+
+    #[test]
+    fn what_has_no_pole_in_space_is_left() {
+        assert_eq!(cleared(|[x, _, _], w| x / w + x / 3.0), None);
+        assert_eq!(cleared(|[x, _, _], _| (1.0 / x).f(Op::Sin)), None);
+        assert_eq!(cleared(|[x, _, _], w| w.f(Op::Tan) * x), None);
+        assert_eq!(cleared(|[x, _, _], w| 1.0 / (x * w)), pair("1/w", "x"));
+    }
+
+    #[test]
+    fn many_poles_do_not_multiply_for_ever() {
+        let sheet = Sheet::default();
+        let [x, y, _] = sheet.xyz();
+        let mut sum = y;
+        for n in 0..500 {
+            sum = sum + 1.0 / (x - f64::from(n));
+        }
+        let mut graph = sheet.graph();
+        let before = graph.len();
+        clear(&mut graph, sum.id);
+        assert!(graph.len() < 20 * before, "{} from {before}", graph.len());
+    }
+
+    #[test]
+    fn zeros_and_values_agree_at_random_points() {
+        let seed = 0xc1ea_0000;
+        let mut compared = 0;
+        for case in 0..80_000_u64 {
+            let mut random = Random(seed + case);
+            let size = 1 + random.below(10);
+            let (mut graph, root) = random.graph(size);
+            let Some(cleared) = clear(&mut graph, root) else {
+                continue;
+            };
+            for _ in 0..8 {
+                let at = [
+                    random.coordinate(),
+                    random.coordinate(),
+                    random.coordinate(),
+                ];
+                let parameters = [random.coordinate(), random.coordinate()];
+                let values = evaluate(&graph, at, &parameters);
+                let [f, n, d] =
+                    [root, cleared.numerator, cleared.denominator].map(|id| values[id.index()]);
+                let context = || {
+                    format!(
+                        "seed {:#x}: f = {}, N = {}, D = {} at {at:?} {parameters:?}",
+                        seed + case,
+                        display(&graph, root, &[]),
+                        display(&graph, cleared.numerator, &[]),
+                        display(&graph, cleared.denominator, &[]),
+                    )
+                };
+                let Some((f, ef)) = f.filter(|f| f.1.is_finite()) else {
+                    continue;
+                };
+                let (n, en) = n.unwrap_or_else(|| panic!("no numerator: {}", context()));
+                let (d, ed) = d.unwrap_or_else(|| panic!("no denominator: {}", context()));
+                if !(en.is_finite() && ed.is_finite()) {
+                    continue;
+                }
+                compared += 1;
+                assert!(d != 0.0 || ed > 0.0, "{}", context());
+                // A value that is clearly not 0 has a numerator that may not be 0, and the other way round.
+                assert!(f.abs() <= ef || n.abs() + en > 0.0, "{}", context());
+                assert!(n.abs() <= en || f.abs() + ef > 0.0, "{}", context());
+            }
+        }
+        assert!(compared > 10_000, "{compared}");
+    }
+}

@@ -1,0 +1,129 @@
+//! What is the same at every point of a picture: expressions of parameters alone.
+//!
+//! This pass only finds and replaces them; who evaluates them, and how exactly, is not known here.
+
+use crate::compact::{compact, copy_node, place};
+use crate::graph::{Graph, Node, NodeId};
+
+/// A graph in which expressions of parameters alone have become parameters.
+#[derive(Clone, Debug)]
+pub struct Hoisted {
+    /// The graph that is left, and nothing that it does not need.
+    pub graph: Graph,
+    /// The roots in it.
+    pub roots: Vec<NodeId>,
+    /// Each fresh parameter's number, counting up, and the node of the original graph whose value it takes. That
+    /// value may be undefined; then everything that uses it is.
+    pub uniforms: Vec<(u32, NodeId)>,
+}
+
+/// Whether each node, by index, depends on no coordinate.
+pub fn uniform(graph: &Graph) -> Vec<bool> {
+    let mut uniform: Vec<bool> = Vec::with_capacity(graph.len());
+    for (_, node) in graph.iter() {
+        uniform.push(match node {
+            Node::Variable(_) => false,
+            Node::Parameter(_) | Node::Constant(_) => true,
+            Node::Apply(_, operands) => operands.iter().all(|id| uniform[id.index()]),
+        });
+    }
+    uniform
+}
+
+/// Replaces each maximal expression that depends on parameters but on no coordinate by a fresh parameter, so that it
+/// is evaluated once per picture and not once per sample. Bare parameters and constants stay.
+///
+/// Fresh parameters are numbered from `first`, or from past the largest number in use, whichever is larger.
+///
+/// ```
+/// use zeroset_ir::{Axis, Graph, hoist};
+/// use zeroset_ops::Op;
+/// let mut graph = Graph::new();
+/// let (x, w) = (graph.variable(Axis::X), graph.parameter(0));
+/// let sin = graph.apply(Op::Sin, &[w]);
+/// let root = graph.apply(Op::Mul, &[sin, x]);
+/// let hoisted = hoist(&graph, &[root], 1);
+/// assert_eq!(hoisted.uniforms, [(1, sin)]);
+/// assert_eq!(hoisted.graph.len(), 3);
+/// ```
+pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
+    let needed = graph.reachable(roots);
+    let uniform = uniform(graph);
+    let mut fresh = first;
+    let mut parametric: Vec<bool> = Vec::with_capacity(graph.len());
+    let mut wanted = vec![false; graph.len()];
+    for root in roots {
+        wanted[root.index()] = true;
+    }
+    for (id, node) in graph.iter() {
+        parametric.push(match node {
+            Node::Variable(_) | Node::Constant(_) => false,
+            Node::Parameter(number) => {
+                fresh = fresh.max(number.saturating_add(1));
+                true
+            }
+            Node::Apply(_, operands) => operands.iter().any(|id| parametric[id.index()]),
+        });
+        // A maximal expression is one that a node with coordinates uses.
+        if let (true, false, Node::Apply(_, operands)) =
+            (needed[id.index()], uniform[id.index()], node)
+        {
+            operands.iter().for_each(|id| wanted[id.index()] = true);
+        }
+    }
+    let mut copy = Graph::new();
+    let mut places = vec![None; graph.len()];
+    let mut uniforms = Vec::new();
+    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+        let index = id.index();
+        let is_hoisted =
+            matches!(node, Node::Apply(..)) && uniform[index] && parametric[index] && wanted[index];
+        places[index] = Some(if is_hoisted {
+            let number = fresh + uniforms.len() as u32;
+            uniforms.push((number, id));
+            copy.parameter(number)
+        } else {
+            copy_node(&mut copy, node, |operand| place(&places, operand))
+        });
+    }
+    let roots: Vec<NodeId> = roots.iter().map(|root| place(&places, *root)).collect();
+    let (graph, roots) = compact(&copy, &roots);
+    Hoisted {
+        graph,
+        roots,
+        uniforms,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::display;
+    use crate::testing::Sheet;
+    use zeroset_ops::Op;
+
+    #[test]
+    fn only_maximal_expressions_of_parameters_are_hoisted() {
+        let sheet = Sheet::default();
+        let [x, y, _] = sheet.xyz();
+        let (a, b) = (sheet.parameter(0), sheet.parameter(3));
+        let shared = a.f(Op::Sin);
+        let constant = sheet.number("2").f(Op::Sqrt);
+        let root = x * shared + y * (shared + b.pow(2)) + constant * a - b * x + x.pow(2);
+        let graph = sheet.graph();
+        let hoisted = hoist(&graph, &[root.id, shared.id, a.id], 2);
+        let texts: Vec<(u32, String)> = hoisted
+            .uniforms
+            .iter()
+            .map(|(number, id)| (*number, display(&graph, *id, &["a", "", "", "b"])))
+            .collect();
+        let expected = [(4, "sin(a)"), (5, "sin(a) + b^2"), (6, "sqrt(2)*a")];
+        assert_eq!(
+            texts,
+            expected.map(|(number, text)| (number, text.to_owned()))
+        );
+        let text = |root: usize| display(&hoisted.graph, hoisted.roots[root], &["a", "", "", "b"]);
+        assert_eq!(text(0), "x*p4 + y*p5 + p6 - b*x + x^2");
+        assert_eq!((text(1), text(2)), ("p4".into(), "a".into()));
+    }
+}
