@@ -2,7 +2,7 @@
 
 use crate::error::{Error, ErrorKind};
 use crate::grammar::Rule;
-use crate::scan::{Piece, TokenKind};
+use crate::scan::{Piece, Token, TokenKind, is_operator_word};
 use crate::span::Span;
 use crate::statement::LineKind;
 use pest::error::InputLocation;
@@ -14,48 +14,145 @@ pub(crate) fn diagnose(
     line: LineKind,
     refusal: &pest::error::Error<Rule>,
 ) -> Box<Error> {
-    match line {
-        LineKind::Domain => return Error::new(piece.span, ErrorKind::BadDomain),
-        LineKind::View => return Error::new(piece.span, ErrorKind::BadView),
-        LineKind::Color => return Error::new(piece.span, ErrorKind::BadColor),
-        LineKind::Formula => {}
-    }
+    let typed = |token: &Token| &text[token.span.range()];
     let at = piece.span.start
         + match refusal.location {
             InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
         };
-    let next = piece.tokens.iter().position(|token| token.span.end > at);
-    let next = next.unwrap_or(piece.tokens.len());
+    let next = piece.tokens.partition_point(|token| token.span.end <= at);
     let found = piece.tokens.get(next);
+    let here = found.map_or(piece.span, |token| token.span);
+    match line {
+        LineKind::Domain => return Error::new(here, ErrorKind::BadDomain),
+        LineKind::View => return Error::new(here, ErrorKind::BadView),
+        LineKind::Color => return Error::new(here, ErrorKind::BadColor),
+        LineKind::Formula => {}
+    }
+    if let Some(error) = unknown_character(piece) {
+        return error;
+    }
     let before = next.checked_sub(1).map(|index| &piece.tokens[index]);
-    let typed = |span: Span| text[span.range()].to_owned();
-    if let Some(token) = piece
-        .tokens
-        .iter()
-        .find(|token| matches!(token.kind, TokenKind::Unknown(_)))
-    {
-        let TokenKind::Unknown(character) = token.kind else {
-            return Error::new(token.span, ErrorKind::Empty);
-        };
-        return Error::new(token.span, ErrorKind::UnexpectedCharacter { character });
-    }
+    let is_sign = |token: &Token| token.kind == TokenKind::Sign || is_operator_word(typed(token));
     let Some(found) = found else {
-        let last = before.map_or(piece.span, |token| token.span);
-        let sign = typed(last);
-        return Error::new(last, ErrorKind::MissingAfter { sign });
+        let Some(last) = before else {
+            return Error::new(piece.span, ErrorKind::Empty);
+        };
+        if is_range_word(typed(last)) {
+            return Error::new(last.span, ErrorKind::BadRange);
+        }
+        let sign = typed(last).to_owned();
+        return Error::new(last.span, ErrorKind::MissingAfter { sign });
     };
-    let sign = typed(found.span);
-    if sign == "," {
-        return Error::new(found.span, ErrorKind::Comma);
-    }
-    match before {
-        Some(before) if before.kind == TokenKind::Sign => {
-            let sign = typed(before.span);
-            Error::new(before.span, ErrorKind::MissingAfter { sign })
+    let sign = typed(found).to_owned();
+    if let Some(after) = piece.tokens.get(next + 1) {
+        if let ("=", "<" | ">") = (sign.as_str(), typed(after)) {
+            let meant = format!("{}=", typed(after));
+            return foreign(text, found.span.to(after.span), &meant);
         }
-        None if found.kind == TokenKind::Sign => {
-            Error::new(found.span, ErrorKind::MissingBefore { sign })
-        }
-        _ => Error::new(found.span, ErrorKind::Unexpected { found: sign }),
     }
+    let Some(before) = before else {
+        let kind = if is_sign(found) {
+            ErrorKind::MissingBefore { sign }
+        } else {
+            ErrorKind::Unexpected { found: sign }
+        };
+        return Error::new(found.span, kind);
+    };
+    let both = before.span.to(found.span);
+    match (typed(before), sign.as_str()) {
+        ("<", "=") => return foreign(text, both, "<="),
+        (">", "=") => return foreign(text, both, ">="),
+        ("==", "=") => return foreign(text, both, "="),
+        ("-", ">") | ("<", "-" | ">") => return foreign(text, both, "="),
+        ("/", "/") => return foreign(text, both, "/"),
+        (_, ",") if before.kind == TokenKind::Number => return comma(piece, next),
+        (_, ",") if !is_sign(before) => return Error::new(found.span, ErrorKind::Comma),
+        _ => {}
+    }
+    if is_range_word(typed(before)) {
+        return Error::new(both, ErrorKind::BadRange);
+    }
+    if is_range_word(&sign) {
+        let range = found.span.to(piece.span);
+        return Error::new(Span::new(found.span.start, range.end), ErrorKind::BadRange);
+    }
+    if is_sign(before) {
+        let sign = typed(before).to_owned();
+        return Error::new(before.span, ErrorKind::MissingAfter { sign });
+    }
+    if is_sign(found) && matches!(before.kind, TokenKind::Open(_) | TokenKind::Bar) {
+        return Error::new(found.span, ErrorKind::MissingBefore { sign });
+    }
+    if matches!(
+        (before.kind, found.kind),
+        (TokenKind::Open(_), TokenKind::Close(_))
+    ) {
+        return Error::new(both, ErrorKind::EmptyBrackets);
+    }
+    Error::new(
+        found.span,
+        ErrorKind::Unexpected {
+            found: short(&sign),
+        },
+    )
+}
+
+/// A sign of other languages, and what is written here.
+fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
+    let sign = text[span.range()].to_owned();
+    Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
+}
+
+/// A comma outside brackets; between two numbers it is a decimal comma.
+fn comma(piece: &Piece, index: usize) -> Box<Error> {
+    let token = &piece.tokens[index];
+    let (before, after) = (piece.tokens.get(index - 1), piece.tokens.get(index + 1));
+    let touches = |number: &Token| {
+        number.kind == TokenKind::Number
+            && (number.span.end == token.span.start || token.span.end == number.span.start)
+    };
+    match (before.filter(|t| touches(t)), after.filter(|t| touches(t))) {
+        (Some(before), Some(after)) => {
+            Error::new(before.span.to(after.span), ErrorKind::Comma).suggest(token.span, ".")
+        }
+        _ => Error::new(token.span, ErrorKind::Comma),
+    }
+}
+
+fn is_range_word(word: &str) -> bool {
+    matches!(word, "in" | "∈" | "\\in")
+}
+
+/// The first character that has no meaning, which is reported before anything else.
+fn unknown_character(piece: &Piece) -> Option<Box<Error>> {
+    piece.tokens.iter().find_map(|token| {
+        let TokenKind::Unknown(character) = token.kind else {
+            return None;
+        };
+        let error = Error::new(token.span, ErrorKind::UnexpectedCharacter { character });
+        let meant = match character {
+            '–' | '—' | '‐' | '‑' | '‒' | '－' => "-",
+            '（' => "(",
+            '）' => ")",
+            '＝' => "=",
+            '＋' => "+",
+            '＊' | '∗' | '•' | '⋆' => "*",
+            '∕' | '⁄' => "/",
+            '，' => ",",
+            '：' | ':' => "=",
+            '≡' | '≈' => "=",
+            '&' => "and",
+            _ => return Some(error),
+        };
+        Some(error.suggest(token.span, meant))
+    })
+}
+
+/// A word that is not too long for a message.
+pub(crate) fn short(word: &str) -> String {
+    const LONGEST: usize = 40;
+    if word.chars().count() <= LONGEST {
+        return word.to_owned();
+    }
+    word.chars().take(LONGEST).chain(['…']).collect()
 }

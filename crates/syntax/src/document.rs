@@ -2,7 +2,7 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Relation, Statement};
 use crate::constant;
-use crate::error::{Error, ErrorKind, Errors, Fallible, Origin};
+use crate::error::{Error, ErrorKind, Errors, Fallible, MOST, Origin};
 use crate::limits::Limits;
 use crate::lower::{Lowering, Meaning};
 use crate::note::{Note, NoteKind};
@@ -185,6 +185,9 @@ impl<'a> Reader<'a> {
             if let Err(error) = result {
                 self.errors.push(*error);
             }
+            if self.errors.len() >= MOST {
+                break;
+            }
         }
         if self.errors.is_empty() {
             Ok(built)
@@ -265,6 +268,12 @@ impl<'a> Reader<'a> {
             surface.color = above.map(|(_, color)| *color);
         }
         self.notes.sort_by_key(|note| note.span);
+        // One remark on a constant is enough.
+        let mut seen = FxHashSet::default();
+        let notes = &mut self.notes;
+        notes.retain(|note| {
+            !matches!(note.kind, NoteKind::ConstantUsed { .. }) || seen.insert(note.kind.clone())
+        });
         let (title, doc) = heading(self.text);
         Ok(Document {
             graph: lowering.graph,
@@ -556,12 +565,14 @@ fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, No
         };
         return Ok((built, note));
     }
-    let (span, last) = definitions
-        .last()
-        .map_or((Span::at(0), String::new()), |(d, _)| {
-            (d.name.span, d.name.text.clone())
-        });
-    Err(Error::new(span, ErrorKind::NothingToDraw { last }))
+    let Some((definition, _)) = definitions.last() else {
+        return Err(Error::new(Span::at(0), ErrorKind::Empty));
+    };
+    let kind = ErrorKind::NothingToDraw {
+        last: definition.name.text.clone(),
+        is_number: is_plain_number(&definition.body),
+    };
+    Err(Error::new(definition.name.span, kind))
 }
 
 /// The error for definitions that use one another in a circle, if any do.

@@ -9,9 +9,13 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Errors(Vec<Error>);
 
+/// More errors than anyone would read at once; what lies beyond is not looked for.
+pub(crate) const MOST: usize = 20;
+
 impl Errors {
     pub(crate) fn new(mut errors: Vec<Error>) -> Self {
         debug_assert!(!errors.is_empty());
+        errors.truncate(MOST);
         errors.sort_by_key(|error| (error.origin.clone(), error.span));
         Self(errors)
     }
@@ -102,7 +106,7 @@ pub enum ErrorKind {
     #[error("there is no formula here")]
     Empty,
     #[error("nothing is drawn: there are only definitions")]
-    NothingToDraw { last: String },
+    NothingToDraw { last: String, is_number: bool },
 
     // ---- characters and brackets
     #[error("`{character}` has no meaning in a formula")]
@@ -137,8 +141,10 @@ pub enum ErrorKind {
     NumberAfterNumber,
     #[error("`{sign}` is not an operator of this language")]
     ForeignOperator { sign: String },
-    #[error("a point of several values is not a formula")]
+    #[error("several values in brackets are not a number")]
     Tuple,
+    #[error("a vector is not a number")]
+    Vector,
     #[error("a comma does not belong here")]
     Comma,
 
@@ -153,18 +159,21 @@ pub enum ErrorKind {
     Complex,
     #[error("`{name}` is a value, not a function")]
     NotAFunction { name: String },
-    #[error("`{name}` is a function and needs its {}", plural(*.count, "argument"))]
+    #[error("`{name}` is a function and needs {}", plural(*.count))]
     NeedsArgument { name: String, count: usize },
     #[error("`{name}` takes {expected}, not {given}")]
     WrongCount {
         name: String,
         expected: String,
         given: usize,
+        usage: Option<String>,
     },
     #[error("`{name}^-1` could mean the inverse or the reciprocal")]
     InversePower { name: String },
     #[error("`{name}` cannot be given another meaning")]
     Reserved { name: String },
+    #[error("a function has at most {limit} parameters")]
+    TooManyParameters { limit: usize },
     #[error("`{name}` is the name of two parameters")]
     DuplicateParameter { name: String },
     #[error("{}", recursion(.cycle))]
@@ -203,6 +212,8 @@ pub enum ErrorKind {
     NotConstant { name: String },
     #[error("this has no value")]
     UndefinedConstant,
+    #[error("`in` needs a range in square brackets")]
+    BadRange,
     #[error("the lower end must be below the upper end")]
     EmptyRange,
     #[error("the value lies outside its range")]
@@ -231,11 +242,10 @@ pub enum ErrorKind {
     BadColor,
 }
 
-fn plural(count: usize, word: &str) -> String {
-    if count == 1 {
-        word.to_owned()
-    } else {
-        format!("{count} {word}s")
+fn plural(count: usize) -> String {
+    match count {
+        1 => "an argument".to_owned(),
+        _ => format!("{count} arguments"),
     }
 }
 
@@ -243,13 +253,14 @@ fn recursion(cycle: &[String]) -> String {
     match cycle {
         [only] => format!("`{only}` is defined by itself"),
         [first, rest @ ..] => {
-            let mut path = format!("`{first}`");
-            for name in rest.iter().chain([first]) {
-                path += &format!(" uses `{name}`,");
-            }
+            let others: Vec<String> = rest
+                .iter()
+                .chain([first])
+                .map(|name| format!("`{name}`"))
+                .collect();
             format!(
-                "these definitions go round in a circle: {}",
-                path.trim_end_matches(',')
+                "these definitions go round in a circle: `{first}` uses {}",
+                others.join(", which uses ")
             )
         }
         [] => "a definition is defined by itself".to_owned(),

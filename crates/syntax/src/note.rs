@@ -12,7 +12,7 @@ pub struct Note {
 }
 
 /// What is remarked.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[allow(missing_docs)] // each message says what its variant means
 pub enum NoteKind {
     #[error("read as `{read}`; the other reading is written `{other}`")]

@@ -8,7 +8,8 @@ use crate::build::{Builder, number_only, product_of, sign};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
-use crate::scope::{Callee, Meaning};
+use crate::scan::in_name;
+use crate::scope::{Callee, Meaning, is_variadic};
 use crate::span::Span;
 use std::collections::VecDeque;
 use zeroset_ops::Op;
@@ -160,6 +161,13 @@ impl Builder<'_> {
             };
             return Err(Error::new(place, kind).suggest(between, fix));
         }
+        if let (Some(Item::Closed(pair)), false) = (items.front(), factors.is_empty()) {
+            if pair.as_rule() == Rule::braces {
+                // Braces after a factor look like a restriction; read as a product they would hide a mistake.
+                let span = self.span(pair);
+                return Err(Error::new(span, ErrorKind::RestrictionNotCondition));
+            }
+        }
         let factor = self.power(items)?;
         factors.push(factor);
         Ok(())
@@ -303,6 +311,7 @@ impl Builder<'_> {
     /// Round or square brackets around one expression.
     fn group(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
+        let is_square = pair.as_str().starts_with('[');
         let mut inner = pair.into_inner().flat_map(Pair::into_inner);
         match (inner.next(), inner.next()) {
             (Some(only), None) => {
@@ -311,6 +320,7 @@ impl Builder<'_> {
                 Ok(expr)
             }
             (None, _) => Err(Error::new(span, ErrorKind::EmptyBrackets)),
+            (Some(_), Some(_)) if is_square => Err(Error::new(span, ErrorKind::Vector)),
             (Some(_), Some(_)) => Err(Error::new(span, ErrorKind::Tuple)),
         }
     }
@@ -463,7 +473,7 @@ impl Builder<'_> {
                 name: name.clone(),
                 count: counts.least(),
             };
-            return Err(Error::new(span, kind));
+            return Err(self.suggest_brackets(Error::new(span, kind), span));
         }
         let mut factors = Vec::new();
         while !items.is_empty() {
@@ -489,6 +499,23 @@ impl Builder<'_> {
         Ok(product)
     }
 
+    /// `sin -x` is a difference; if that fails, brackets are what was meant.
+    fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
+        let rest = &self.text[span.end..];
+        let after = rest.trim_start();
+        let operand = after.strip_prefix(['-', '−']);
+        let Some(operand) = operand.filter(|o| o.starts_with(|c: char| c.is_alphanumeric())) else {
+            return error;
+        };
+        let length = operand.find(|c: char| !in_name(c)).unwrap_or(operand.len());
+        let argument = &after[..after.len() - operand.len() + length];
+        let end = span.end + (rest.len() - after.len()) + argument.len();
+        if argument.len() > 40 {
+            return error;
+        }
+        error.suggest(Span::new(span.end, end), format!("({argument})"))
+    }
+
     /// A call with its arguments counted.
     fn call(
         &mut self,
@@ -503,6 +530,7 @@ impl Builder<'_> {
                 name: name.clone(),
                 expected: self.scope.counts(callee).to_string(),
                 given: arguments.len(),
+                usage: usage(callee),
             };
             return Err(Error::new(span.to(place), kind));
         };
@@ -511,6 +539,30 @@ impl Builder<'_> {
             span.to(place),
         ))
     }
+}
+
+/// How a function of the language is called, with its line of help.
+fn usage(callee: &Callee) -> Option<String> {
+    let Callee::BuiltIn(name) = callee else {
+        return None;
+    };
+    if let "log" | "ln" = name.as_str() {
+        return Some(
+            "logarithms are natural; write `ln(a)/ln(b)` for the logarithm of a to base b"
+                .to_owned(),
+        );
+    }
+    if let Some(composed) = zeroset_ops::composed(name).next() {
+        return Some(format!(
+            "`{name}({})`: {}",
+            composed.parameters.join(", "),
+            composed.doc
+        ));
+    }
+    let row = zeroset_ops::native(name)?;
+    let operands = ["a", "b", "c"][..row.op.arity()].join(", ");
+    let more = if is_variadic(row.op) { ", …" } else { "" };
+    Some(format!("`{name}({operands}{more})`: {}", row.doc))
 }
 
 fn is_minus_one(expr: &Expr) -> bool {

@@ -62,7 +62,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
         };
         let tokens: Vec<Token> = tokens
             .iter()
-            .filter(|token| token.kind != TokenKind::Break)
+            .filter(|token| token.kind != TokenKind::Break || &text[token.span.range()] == ";")
             .copied()
             .collect();
         bars(text, &tokens)?;
@@ -270,8 +270,7 @@ fn closer(open: char) -> char {
 fn ends_operand(text: &str, token: &Token) -> bool {
     match token.kind {
         TokenKind::Number | TokenKind::Close(_) => true,
-        TokenKind::Word => !matches!(&text[token.span.range()], "and" | "or" | "not" | "in"),
-        TokenKind::Command => !is_operator(&text[token.span.range()]),
+        TokenKind::Word | TokenKind::Command => !is_operator_word(&text[token.span.range()]),
         TokenKind::Sign => text[token.span.range()].starts_with(|c| "⁰¹²³⁴⁵⁶⁷⁸⁹".contains(c)),
         TokenKind::Open(_) | TokenKind::Bar | TokenKind::Break | TokenKind::Unknown(_) => false,
     }
@@ -281,35 +280,44 @@ fn ends_operand(text: &str, token: &Token) -> bool {
 fn begins_operand(text: &str, token: &Token) -> bool {
     match token.kind {
         TokenKind::Number | TokenKind::Open(_) => true,
-        TokenKind::Word => !matches!(&text[token.span.range()], "and" | "or" | "in"),
-        TokenKind::Command => !is_operator(&text[token.span.range()]),
+        TokenKind::Word | TokenKind::Command => {
+            let word = &text[token.span.range()];
+            word == "not" || !is_operator_word(word)
+        }
         TokenKind::Sign => text[token.span.range()].starts_with(['√', '∛']),
         TokenKind::Close(_) | TokenKind::Bar | TokenKind::Break | TokenKind::Unknown(_) => false,
     }
 }
 
-fn is_operator(command: &str) -> bool {
-    matches!(
-        command,
-        "\\cdot"
-            | "\\times"
-            | "\\div"
-            | "\\le"
-            | "\\leq"
-            | "\\leqslant"
-            | "\\ge"
-            | "\\geq"
-            | "\\geqslant"
-            | "\\lt"
-            | "\\gt"
-            | "\\ne"
-            | "\\neq"
-            | "\\land"
-            | "\\lor"
-            | "\\wedge"
-            | "\\vee"
-            | "\\in"
-    )
+/// Whether a word or a command is an operator rather than a name.
+pub(crate) fn is_operator_word(word: &str) -> bool {
+    const WORDS: &[&str] = &[
+        "and",
+        "or",
+        "not",
+        "in",
+        "\\cdot",
+        "\\times",
+        "\\div",
+        "\\le",
+        "\\leq",
+        "\\leqslant",
+        "\\ge",
+        "\\geq",
+        "\\geqslant",
+        "\\lt",
+        "\\gt",
+        "\\ne",
+        "\\neq",
+        "\\land",
+        "\\lor",
+        "\\lnot",
+        "\\neg",
+        "\\wedge",
+        "\\vee",
+        "\\in",
+    ];
+    WORDS.contains(&word)
 }
 
 /// Bars open and close in turn within each pair of brackets; whatever else they could mean is an error.

@@ -14,6 +14,9 @@ pub(crate) struct Scope {
     internal: bool,
 }
 
+/// Longest name, in bytes, that is looked at letter by letter.
+const LONGEST_PRODUCT: usize = 64;
+
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Meaning {
@@ -62,9 +65,10 @@ impl Scope {
             return Meaning::Function(Callee::BuiltIn(name.to_owned()));
         }
         let mut buffer = [0; 4];
-        if name
-            .chars()
-            .all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
+        if name.len() <= LONGEST_PRODUCT
+            && name
+                .chars()
+                .all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
         {
             return Meaning::Product;
         }
@@ -142,6 +146,7 @@ impl Scope {
         candidates.extend(names().map(shorter));
         candidates.extend(ROOT_NAMES.iter().copied().map(shorter));
         if !functions {
+            candidates.extend(["x", "y", "z", "t"]);
             candidates.extend(locals.iter().map(|local| local.text.as_str()));
             candidates.extend(
                 NamedConstant::ALL

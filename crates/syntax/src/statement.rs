@@ -3,7 +3,7 @@
 use crate::ast::{Definition, Expr, ExprKind, Name, Relation, Statement};
 use crate::build::{Builder, relation};
 use crate::diagnose::diagnose;
-use crate::error::{Error, ErrorKind, Fallible};
+use crate::error::{Error, ErrorKind, Fallible, MOST};
 use crate::grammar::{Pair, Rule, Zeroset};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
@@ -13,6 +13,9 @@ use crate::scope::{Meaning, Scope};
 use crate::span::Span;
 use pest::Parser as _;
 use rustc_hash::FxHashSet;
+
+/// Each use of a name looks through the parameters, so their number is bounded.
+const MOST_PARAMETERS: usize = 64;
 
 /// What the first words of a statement make of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +61,9 @@ pub(crate) fn lines<'i>(text: &'i str, limits: &Limits) -> Result<Vec<Line<'i>>,
         match line(text, piece) {
             Ok(line) => lines.push(line),
             Err(error) => errors.push(*error),
+        }
+        if errors.len() >= MOST {
+            break;
         }
     }
     if errors.is_empty() {
@@ -301,6 +307,13 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
 fn define(builder: &mut Builder<'_>, head: &Head, expression: Pair<'_>) -> Fallible<Definition> {
     let name = &head.name;
     let parameters = head.parameters.as_deref().unwrap_or_default();
+    if parameters.len() > MOST_PARAMETERS {
+        let limit = MOST_PARAMETERS;
+        return Err(Error::new(
+            name.span,
+            ErrorKind::TooManyParameters { limit },
+        ));
+    }
     for (index, parameter) in parameters.iter().enumerate() {
         if parameters[..index].contains(parameter) {
             let name = parameter.text.clone();
@@ -328,12 +341,12 @@ fn define(builder: &mut Builder<'_>, head: &Head, expression: Pair<'_>) -> Falli
     };
     if let Some(second) = more.first() {
         let place = builder.span(second);
-        let kind = if relation(second) == Relation::Equal {
-            ErrorKind::SeveralEquals
+        return Err(if relation(second) == Relation::Equal {
+            Error::new(place, ErrorKind::SeveralEquals)
         } else {
-            ErrorKind::MixedChain
-        };
-        return Err(Error::new(place, kind));
+            let end = more.last().map_or(place, |last| builder.span(last));
+            Error::new(builder.span(body).to(end), ErrorKind::DefinitionIsCondition)
+        });
     }
     let body = builder.nested(span, |b| b.sum(body.clone()))?;
     if body.is_condition() {

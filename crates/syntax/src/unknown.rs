@@ -1,6 +1,7 @@
 //! Errors about names that stand for nothing, and what their writer may have meant.
 
 use crate::build::Builder;
+use crate::diagnose::short;
 use crate::error::{Error, ErrorKind};
 use crate::scope::Meaning;
 use crate::span::Span;
@@ -17,13 +18,9 @@ impl Builder<'_> {
         }
         let followed_by_brackets = self.text[span.end..].trim_start().starts_with(['(', '[']);
         let kind = if followed_by_brackets || typed.starts_with('\\') {
-            ErrorKind::UnknownFunction {
-                name: name.to_owned(),
-            }
+            ErrorKind::UnknownFunction { name: short(name) }
         } else {
-            ErrorKind::UnknownName {
-                name: name.to_owned(),
-            }
+            ErrorKind::UnknownName { name: short(name) }
         };
         let error = Error::new(span, kind);
         let nearest = || self.scope.nearest(name, self.locals, followed_by_brackets);
