@@ -1,0 +1,397 @@
+//! The traverser of Knoll, Hijazi, Hansen, Wald and Hagen (UUSCI-2007-002): packets march through slabs of their
+//! dominant axis, halving those in which the function may vanish, down to a fixed depth.
+//!
+//! It proves misses only. Where a slab of the last depth may hold a root it is drawn as one; nothing says that it does,
+//! so such pixels are undecided.
+
+use crate::frame::Frame;
+use crate::gbuffer::{GBuffer, Status};
+use crate::packet::{Packet, Segment};
+use crate::region::Region;
+use crate::work::Work;
+use rayon::prelude::*;
+use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel};
+use zeroset_interval::Facts;
+
+/// Largest depth: slabs of 2⁻²⁰ of the region are near the resolution of `f32`.
+pub const MAX_DEPTH: u32 = 20;
+
+/// How the traverser works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Knoll {
+    /// Slabs are halved this many times, within [1, [`MAX_DEPTH`]]: the last are 2^−depth of the region's extent.
+    pub depth: u32,
+    /// Rays in a packet.
+    pub width: PacketWidth,
+    /// Whether a slab of the last depth in which the function is unbounded is passed over: an asymptote rather than a
+    /// root. Its pixel then is undecided, but not drawn there.
+    pub suppress_asymptotes: bool,
+}
+
+impl Default for Knoll {
+    fn default() -> Self {
+        Self {
+            depth: 10,
+            width: PacketWidth::Four,
+            suppress_asymptotes: true,
+        }
+    }
+}
+
+/// The number of rays that advance together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PacketWidth {
+    /// 2×2 pixels, as in the paper.
+    Four,
+    /// 4×2 pixels.
+    Eight,
+    /// 4×4 pixels.
+    Sixteen,
+}
+
+/// Pixels on the side of a tile: the unit of work that threads share and that may be cancelled.
+const TILE: usize = 32;
+
+/// What became of one ray, as distances from its origin.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    drawn: Option<f32>,
+    suppressed: Option<f32>,
+}
+
+/// What became of one ray, as shares of its packet's extent.
+#[derive(Clone, Copy, Debug, Default)]
+struct Outcome {
+    /// τ at the start of the slab that is drawn.
+    drawn: Option<f32>,
+    /// τ at the start of the first slab that was passed over.
+    suppressed: Option<f32>,
+}
+
+impl Knoll {
+    /// Traces a picture. `advance` is told how many pixels were finished since it was last called, and ends the work
+    /// early by returning `false`; pixels not reached are then left as misses.
+    pub fn trace<K: IntervalKernel + ?Sized>(
+        self,
+        frame: &Frame,
+        region: &Region,
+        kernel: &K,
+        advance: &(dyn Fn(usize) -> bool + Sync),
+    ) -> (GBuffer, Work) {
+        match self.width {
+            PacketWidth::Four => self.picture::<K, 1>(frame, region, kernel, advance),
+            PacketWidth::Eight => self.picture::<K, 2>(frame, region, kernel, advance),
+            PacketWidth::Sixteen => self.picture::<K, 4>(frame, region, kernel, advance),
+        }
+    }
+
+    fn picture<K: IntervalKernel + ?Sized, const GROUPS: usize>(
+        self,
+        frame: &Frame,
+        region: &Region,
+        kernel: &K,
+        advance: &(dyn Fn(usize) -> bool + Sync),
+    ) -> (GBuffer, Work) {
+        let (width, height) = (frame.width(), frame.height());
+        let mut buffer = GBuffer::new(width, height, 0);
+        let mut work = Work::default();
+        let across = width.div_ceil(TILE);
+        let tiles: Vec<(Vec<Pixel>, Work)> = (0..across * height.div_ceil(TILE))
+            .into_par_iter()
+            .map(|tile| {
+                if !advance(0) {
+                    return Default::default();
+                }
+                let (left, top) = (TILE * (tile % across), TILE * (tile / across));
+                let done = self.tile::<K, GROUPS>(frame, region, kernel, left, top);
+                advance((width - left).min(TILE) * (height - top).min(TILE));
+                done
+            })
+            .collect();
+        for (pixels, done) in tiles {
+            work += done;
+            for Pixel {
+                index,
+                status,
+                distance,
+                drawn,
+            } in pixels
+            {
+                buffer.status[index] = status;
+                buffer.distance[index] = distance;
+                buffer.drawn[index] = drawn;
+            }
+        }
+        (buffer, work)
+    }
+
+    fn tile<K: IntervalKernel + ?Sized, const GROUPS: usize>(
+        self,
+        frame: &Frame,
+        region: &Region,
+        kernel: &K,
+        left: usize,
+        top: usize,
+    ) -> (Vec<Pixel>, Work) {
+        let (width, height) = (frame.width(), frame.height());
+        // A packet's extent in pixels: 2×2, 4×2 or 4×4.
+        let (columns, rows) = (
+            if GROUPS == 1 { 2 } else { 4 },
+            if GROUPS == 4 { 4 } else { 2 },
+        );
+        let mut pixels = Vec::new();
+        let mut work = Work::default();
+        for y in (top..(top + TILE).min(height)).step_by(rows) {
+            for x in (left..(left + TILE).min(width)).step_by(columns) {
+                // Rays beyond the picture's edge repeat its last ones.
+                let place = |group: usize, lane: usize| {
+                    let i = x + 2 * (group % 2) + lane % 2;
+                    let j = y + 2 * (group / 2) + lane / 2;
+                    (i.min(width - 1), j.min(height - 1))
+                };
+                let segments: [[Segment; 4]; GROUPS] = std::array::from_fn(|group| {
+                    std::array::from_fn(|lane| {
+                        let (i, j) = place(group, lane);
+                        let ray = frame.ray(i, j);
+                        let (origin, direction) = (ray.origin, ray.direction);
+                        Segment {
+                            origin,
+                            direction,
+                            to: f64::INFINITY,
+                        }
+                    })
+                });
+                let outcomes = self.rays(&segments, region, kernel, &mut work);
+                for (group, outcomes) in outcomes.iter().enumerate() {
+                    for (lane, outcome) in outcomes.iter().enumerate() {
+                        let (i, j) = place(group, lane);
+                        pixels.extend(outcome.pixel(j * width + i));
+                    }
+                }
+            }
+        }
+        (pixels, work)
+    }
+
+    /// Follows rays, together if they advance together and otherwise one by one.
+    fn rays<K: IntervalKernel + ?Sized, const GROUPS: usize>(
+        self,
+        segments: &[[Segment; 4]; GROUPS],
+        region: &Region,
+        kernel: &K,
+        work: &mut Work,
+    ) -> [[Found; 4]; GROUPS] {
+        if let Some(packet) = Packet::new(segments, region) {
+            let outcomes = self.packet(&packet, kernel, work);
+            return std::array::from_fn(|group| {
+                std::array::from_fn(|lane| {
+                    let at = |share| packet.distance(share, &segments[group][lane], region);
+                    let Outcome { drawn, suppressed } = outcomes[group][lane];
+                    Found {
+                        drawn: drawn.map(at),
+                        suppressed: suppressed.map(at),
+                    }
+                })
+            });
+        }
+        // One by one: a packet of one ray, four times, always advances together. Were it not so (a direction that is
+        // not a number), nothing would be known of the ray.
+        let unknown = Found {
+            drawn: None,
+            suppressed: Some(0.0),
+        };
+        segments.map(|group| {
+            group.map(|one| match Packet::<1>::new(&[[one; 4]], region) {
+                Some(_) => self.rays(&[[one; 4]], region, kernel, work)[0][0],
+                None => unknown,
+            })
+        })
+    }
+
+    fn packet<K: IntervalKernel + ?Sized, const GROUPS: usize>(
+        self,
+        packet: &Packet<GROUPS>,
+        kernel: &K,
+        work: &mut Work,
+    ) -> [[Outcome; 4]; GROUPS] {
+        let mut outcomes = [[Outcome::default(); 4]; GROUPS];
+        let mut alive: [u32; GROUPS] =
+            std::array::from_fn(|group| !packet.groups[group].outside().bitmask() & 0b1111);
+        let mut boxes = [BoxPacket::default(); GROUPS];
+        let mut values = [EnclosurePacket::default(); GROUPS];
+        let last = self.depth - 1;
+        // Slab `index` of 2^(level + 1) spans τ from index · 2^−(level + 1) to the next: exact in f32.
+        let (mut level, mut index) = (0_u32, 0_u32);
+        loop {
+            let size = f32::from_bits((127 - (level + 1)) << 23); // 2^−(level + 1)
+            let (from, to) = (index as f32 * size, (index + 1) as f32 * size);
+            let mut active = [0_u32; GROUPS];
+            for group in 0..GROUPS {
+                active[group] = alive[group] & packet.groups[group].meets(from, to).bitmask();
+            }
+            if active.iter().any(|&lanes| lanes != 0) {
+                packet.boxes(from, to, &mut boxes);
+                kernel.enclose(&boxes, &mut values);
+                work.interval_calls += 1;
+                work.interval_lanes +=
+                    u64::from(active.iter().map(|a| a.count_ones()).sum::<u32>());
+                let mut vanishing = 0;
+                for group in 0..GROUPS {
+                    active[group] &= may_vanish(&values[group]);
+                    vanishing |= active[group];
+                }
+                if vanishing != 0 {
+                    if level < last {
+                        level += 1;
+                        index *= 2;
+                        continue;
+                    }
+                    for group in 0..GROUPS {
+                        let found = active[group];
+                        alive[group] &=
+                            !self.record(found, &values[group], from, &mut outcomes[group]);
+                    }
+                    if alive.iter().all(|&lanes| lanes == 0) {
+                        return outcomes;
+                    }
+                }
+            } else if Self::all_left(packet, &alive, from) {
+                return outcomes;
+            }
+            // On to the next slab, and up where it is the first half of a larger one.
+            index += 1;
+            while index % 2 == 0 {
+                if level == 0 {
+                    return outcomes;
+                }
+                index /= 2;
+                level -= 1;
+            }
+        }
+    }
+
+    /// Whether no ray that still looks for a root has a part of the region from τ = `from` on.
+    fn all_left<const GROUPS: usize>(
+        packet: &Packet<GROUPS>,
+        alive: &[u32; GROUPS],
+        from: f32,
+    ) -> bool {
+        let inside = |group: usize| packet.groups[group].meets(from, 2.0).bitmask();
+        (0..GROUPS).all(|group| alive[group] & inside(group) == 0)
+    }
+
+    /// Notes the slabs of the last depth in which `found` lanes may vanish; returns the lanes that are drawn there.
+    fn record(
+        self,
+        found: u32,
+        value: &EnclosurePacket,
+        from: f32,
+        outcomes: &mut [Outcome; 4],
+    ) -> u32 {
+        let mut drawn = 0;
+        for (lane, outcome) in outcomes.iter_mut().enumerate() {
+            if found >> lane & 1 == 0 {
+                continue;
+            }
+            let bounded = value.neg_lo[lane].is_finite() && value.hi[lane].is_finite();
+            if bounded || !self.suppress_asymptotes {
+                outcome.drawn = Some(from);
+                drawn |= 1 << lane;
+            } else {
+                outcome.suppressed.get_or_insert(from);
+            }
+        }
+        drawn
+    }
+
+    /// Finds which painted points of `buffer` do not see the light, at this traverser's depth. A ray starts
+    /// `offset` away from its point (in world units), so that the surface does not shade itself.
+    pub fn shadows<K: IntervalKernel + ?Sized>(
+        self,
+        buffer: &mut GBuffer,
+        frame: &Frame,
+        region: &Region,
+        kernel: &K,
+        light: &crate::light::Light,
+        offset: f64,
+    ) -> Work {
+        let painted: Vec<usize> = (0..buffer.drawn.len())
+            .filter(|&pixel| buffer.is_drawn(pixel))
+            .collect();
+        let parts: Vec<(Vec<(usize, bool)>, Work)> = painted
+            .par_chunks(TILE * TILE)
+            .map(|pixels| {
+                let mut work = Work::default();
+                let mut found = Vec::with_capacity(pixels.len());
+                for four in pixels.chunks(4) {
+                    let segment = |lane: usize| {
+                        let pixel = four[lane.min(four.len() - 1)];
+                        let ray = frame.ray_of(pixel);
+                        let point = ray.at(f64::from(buffer.drawn[pixel]));
+                        let (way, distance) = light.towards(point);
+                        // Off the surface on the side of the eye, then along the light.
+                        let origin = point - ray.direction * offset + way * offset;
+                        Segment {
+                            origin,
+                            direction: way,
+                            to: distance,
+                        }
+                    };
+                    let segments = [std::array::from_fn(segment)];
+                    let [outcomes] = self.rays(&segments, region, kernel, &mut work);
+                    let hidden = outcomes.map(|outcome| outcome.drawn.is_some());
+                    found.extend(four.iter().copied().zip(hidden));
+                }
+                (found, work)
+            })
+            .collect();
+        let mut work = Work::default();
+        for (found, done) in parts {
+            work += done;
+            for (pixel, hidden) in found {
+                buffer.shadow[pixel] = hidden;
+            }
+        }
+        work
+    }
+}
+
+/// The lanes whose enclosure contains 0 and that are not proven undefined.
+#[inline]
+fn may_vanish(value: &EnclosurePacket) -> u32 {
+    let neg_lo = glam::Vec4::from_array(value.neg_lo);
+    let hi = glam::Vec4::from_array(value.hi);
+    let zero = glam::Vec4::ZERO;
+    let mut lanes = (neg_lo.cmpge(zero) & hi.cmpge(zero)).bitmask();
+    if lanes != 0 {
+        for (lane, facts) in value.facts.iter().enumerate() {
+            if Facts::from_bits(*facts).has(Facts::NOWHERE) {
+                lanes &= !(1 << lane);
+            }
+        }
+    }
+    lanes
+}
+
+/// A pixel that is not a miss.
+struct Pixel {
+    index: usize,
+    status: Status,
+    distance: f32,
+    drawn: f32,
+}
+
+impl Found {
+    /// The pixel that this makes, or `None` for a miss.
+    fn pixel(&self, index: usize) -> Option<Pixel> {
+        let drawn = self.drawn.unwrap_or(f32::INFINITY);
+        let distance = self.suppressed.unwrap_or(f32::INFINITY).min(drawn);
+        let status = Status::Undecided;
+        distance.is_finite().then_some(Pixel {
+            index,
+            status,
+            distance,
+            drawn,
+        })
+    }
+}
