@@ -1,9 +1,10 @@
 //! Gradient kernels: their derivatives agree with the slope between two values of the oracle.
 
-use super::subjects::subjects;
+use super::subjects::{Subject, subjects};
 use super::{Failure, MakeGradient, Tally};
 use crate::{Defined, Oracle, Place, Rng, reproduce};
 use zeroset_eval::{GradientPacket, LANES, PointPacket};
+use zeroset_ops::Op;
 
 /// Half the distance over which slopes are measured. Squared, times a third derivative, it is what
 /// a slope may be off by; the oracle's values are good to about 2⁻⁵², so rounding adds 2⁻³⁵.
@@ -24,7 +25,7 @@ pub fn check_gradients(
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    for subject in subjects() {
+    for subject in subjects().into_iter().filter(Subject::fits_f32) {
         let places: Vec<[f32; 3]> = (0..points)
             .map(|_| [(); 3].map(|()| rng.i32(-1 << 20..1 << 20) as f32 / (1 << 18) as f32))
             .collect();
@@ -41,9 +42,13 @@ pub fn check_gradients(
             let point = place.map(f64::from);
             for axis in 0..3 {
                 tally.compared += 1;
-                let Some(slope) = slope(&oracle, point, axis, relative) else {
+                let Some((value, slope)) = slope(&oracle, point, axis, relative) else {
                     continue;
                 };
+                if subject.op == Op::Pow && value == 0.0 {
+                    // Of 0^x the table's derivative, a^b·ln a, has no value.
+                    continue;
+                }
                 tally.defined += 1;
                 let got = f64::from(out[index / LANES].gradient[axis][index % LANES]);
                 let close = (got - slope).abs() <= relative * slope.abs().max(1.0);
@@ -59,9 +64,9 @@ pub fn check_gradients(
     Ok(tally)
 }
 
-/// The slope along `axis`, if the function is defined around `point`, known well, and straight
+/// The value and the slope along `axis`, if the function is defined around `point`, known well, and straight
 /// enough that the slopes to either side agree.
-fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option<f64> {
+fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option<(f64, f64)> {
     let value = |offset: f64| {
         let mut at = point;
         at[axis] += offset;
@@ -76,5 +81,5 @@ fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option
     let smooth = (left - right).abs() <= relative * slope.abs().max(1.0);
     // Steep slopes overflow in f32, and values too large for their slope leave it too few digits.
     let moderate = slope.abs() <= 1e30 && here.abs() <= slope.abs().max(1.0) * 1e6;
-    (smooth && moderate).then_some(slope)
+    (smooth && moderate).then_some((here, slope))
 }

@@ -1,6 +1,6 @@
 //! The small graphs that cover the table: each operation alone, with variables and with constants.
 
-use zeroset_ir::{Axis, Constant, Graph, NodeId};
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_ops::{Op, TABLE};
 
 /// One operation as a graph.
@@ -8,6 +8,16 @@ pub(super) struct Subject {
     pub(super) op: Op,
     pub(super) graph: Graph,
     pub(super) root: NodeId,
+}
+
+impl Subject {
+    /// Whether all its constants are within the range of `f32`: a sample of others means nothing.
+    pub(super) fn fits_f32(&self) -> bool {
+        self.graph.iter().all(|(_, node)| match node {
+            Node::Constant(value) => value.bounds().magnitude() <= f64::from(f32::MAX),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => true,
+        })
+    }
 }
 
 /// Every operation over x, y, z; powers by constants; and binary operations with a constant or the
