@@ -367,6 +367,7 @@ mod tests {
         Some([cleared.numerator, cleared.denominator].map(|id| display(&graph, id, &["w"])))
     }
 
+    #[allow(clippy::unnecessary_wraps)] // compared with what may be None
     fn pair(numerator: &str, denominator: &str) -> Option<[String; 2]> {
         Some([numerator.into(), denominator.into()])
     }

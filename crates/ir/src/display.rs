@@ -180,7 +180,7 @@ fn decimal(value: &BigRational) -> Option<String> {
         }
         places += 1;
         scaled *= BigRational::from_integer(10.into());
-        denominator = scaled.denom().clone();
+        denominator.clone_from(scaled.denom());
     }
     if places == 0 {
         return Some(value.numer().to_string());

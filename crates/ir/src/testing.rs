@@ -145,6 +145,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
     values
 }
 
+#[allow(clippy::too_many_lines)] // one arm per operation
 fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
     let (a, ea) = v[0];
     let (b, eb) = v.get(1).copied().unwrap_or((0.0, 0.0));

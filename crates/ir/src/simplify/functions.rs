@@ -84,17 +84,12 @@ impl Rewriter<'_> {
         }
         let argument = self.emit_product(&operand);
         let mut result = self.function_of(op, argument);
-        match numbers::moderate(&result.coefficient * &outer) {
-            Some(coefficient) => {
-                result.coefficient = coefficient;
-                result.conditions.extend(conditions);
-                Value::Product(result)
-            }
-            None => {
-                result.conditions.extend(conditions);
-                let scale = Product::number(outer);
-                Value::Product(self.times(result, scale))
-            }
+        result.conditions.extend(conditions);
+        if let Some(coefficient) = numbers::moderate(&result.coefficient * &outer) {
+            result.coefficient = coefficient;
+            Value::Product(result)
+        } else {
+            Value::Product(self.times(result, Product::number(outer)))
         }
     }
 

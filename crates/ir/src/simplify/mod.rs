@@ -119,9 +119,9 @@ pub fn rewrite(
                         Some(Value::Product(product)) if product.factors.is_empty() => {
                             Value::Product(product.clone())
                         }
-                        Some(Value::Sum(_) | Value::Product(_)) | None => {
-                            values[operand.index()].take().expect("one user only")
-                        }
+                        Some(Value::Sum(_) | Value::Product(_)) | None => values[operand.index()]
+                            .take()
+                            .unwrap_or_else(|| unreachable!("one user")),
                     })
                     .collect();
                 rewriter.apply(*op, operands, fixed_exponent)
@@ -140,8 +140,8 @@ pub fn rewrite(
     let roots: Vec<NodeId> = roots
         .iter()
         .map(|root| {
-            let value = values[root.index()].clone().expect("reachable");
-            rewriter.node_of(value)
+            let value = values[root.index()].clone();
+            rewriter.node_of(value.unwrap_or_else(|| unreachable!("reachable")))
         })
         .collect();
     let (graph, roots) = compact(&rewriter.graph, &roots);

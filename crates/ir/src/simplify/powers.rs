@@ -22,16 +22,14 @@ impl Rewriter<'_> {
                 ..Product::number(BigRational::one())
             });
         }
-        match self.product_power(&base, n) {
-            Some(power) => Value::Product(self.settle(power)),
-            None => {
-                let base = self.node_of(Value::Product(base));
-                let exponent = self.number(BigRational::from_integer(n.into()));
-                let op = if n == 2 { Op::Sqr } else { Op::Pow };
-                let operands = [base, exponent];
-                Value::Node(self.node(op, &operands[..op.arity()]))
-            }
+        if let Some(power) = base.raised(n) {
+            return Value::Product(self.settle(power));
         }
+        let base = self.node_of(Value::Product(base));
+        let exponent = self.number(BigRational::from_integer(n.into()));
+        let op = if n == 2 { Op::Sqr } else { Op::Pow };
+        let operands = [base, exponent];
+        Value::Node(self.node(op, &operands[..op.arity()]))
     }
 
     /// `base^exponent`; `fixed` tells whether the exponent was written without coordinates and parameters.

@@ -91,16 +91,15 @@ impl Rewriter<'_> {
         if a.factors.len() < b.factors.len() {
             std::mem::swap(&mut a, &mut b);
         }
-        match numbers::moderate(&a.coefficient * &b.coefficient) {
-            Some(coefficient) => a.coefficient = coefficient,
-            None => {
-                let factor = self.number(b.coefficient);
-                a.factors.push(Factor {
-                    base: factor,
-                    exponent: 1,
-                    nonzero: false,
-                });
-            }
+        if let Some(coefficient) = numbers::moderate(&a.coefficient * &b.coefficient) {
+            a.coefficient = coefficient;
+        } else {
+            let base = self.number(b.coefficient);
+            a.factors.push(Factor {
+                base,
+                exponent: 1,
+                nonzero: false,
+            });
         }
         a.factors.append(&mut b.factors);
         a.conditions.append(&mut b.conditions);
@@ -111,30 +110,12 @@ impl Rewriter<'_> {
     pub(super) fn quotient(&mut self, a: Value, b: Value) -> Value {
         let a = self.product(a);
         let b = self.product(b);
-        match self.product_power(&b, -1) {
-            Some(inverse) => Value::Product(self.times(a, inverse)),
-            None => {
-                let a = self.node_of(Value::Product(a));
-                let b = self.node_of(Value::Product(b));
-                Value::Node(self.node(Op::Div, &[a, b]))
-            }
+        if let Some(inverse) = b.raised(-1) {
+            return Value::Product(self.times(a, inverse));
         }
-    }
-
-    /// `p^n`, if every exponent stays small and the coefficient exact.
-    pub(super) fn product_power(&self, p: &Product, n: i64) -> Option<Product> {
-        /// Larger exponents are left to nested powers.
-        const EXPONENT_LIMIT: i64 = 1 << 16;
-        let mut result = p.clone();
-        result.coefficient = numbers::power(&p.coefficient, n)?;
-        for factor in &mut result.factors {
-            factor.nonzero |= factor.exponent < 0 || n < 0;
-            factor.exponent = factor.exponent.checked_mul(n)?;
-            if factor.exponent.abs() > EXPONENT_LIMIT {
-                return None;
-            }
-        }
-        Some(result)
+        let a = self.node_of(Value::Product(a));
+        let b = self.node_of(Value::Product(b));
+        Value::Node(self.node(Op::Div, &[a, b]))
     }
 
     /// Merges equal bases and drops what exponents make needless, keeping the domain in conditions.
@@ -268,7 +249,7 @@ impl Rewriter<'_> {
         for factor in std::mem::take(&mut p.factors) {
             let found = inner(&factor)
                 .filter(|inner| inner.factors.iter().any(|f| repeated(f.base)))
-                .and_then(|inner| self.product_power(inner, factor.exponent))
+                .and_then(|inner| inner.raised(factor.exponent))
                 .and_then(|inner| {
                     Some((
                         numbers::moderate(&inner.coefficient * &p.coefficient)?,
@@ -335,6 +316,18 @@ impl Rewriter<'_> {
     }
 
     fn emit_factors(&mut self, p: &Product) -> NodeId {
+        if p.coefficient.is_negative()
+            && p.coefficient.abs().is_one()
+            && let Some(index) = self.difference_in(p)
+        {
+            // `−(a − b)·c = (b − a)·c`, without a negation.
+            let mut flipped = p.clone();
+            flipped.coefficient = BigRational::one();
+            let (constant, terms) = self.sums[&p.factors[index].base].clone();
+            let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
+            flipped.factors[index].base = self.emit_sum(&-constant, &terms);
+            return self.emit_factors(&flipped);
+        }
         let mut uniform = [None, None]; // above and below the line
         let mut varying = [Vec::new(), Vec::new()];
         for rank in [Rank::Constant, Rank::Uniform] {

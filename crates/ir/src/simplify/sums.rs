@@ -68,7 +68,9 @@ impl Rewriter<'_> {
         }
         let content = content(&terms, &constant);
         if !content.is_one() {
-            terms.iter_mut().for_each(|(_, c)| *c /= &content);
+            for (_, c) in &mut terms {
+                *c /= &content;
+            }
             constant /= &content;
         }
         let node = self.emit_sum(&constant, &terms);
@@ -308,7 +310,9 @@ impl Rewriter<'_> {
     /// [`emit_signed`](Self::emit_signed) from nothing; where all signs are minus, a coefficient takes the first.
     fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
         if terms.iter().all(|(_, c)| c.is_negative())
-            && let Some(first) = terms.iter().position(|(_, c)| !c.abs().is_one())
+            && let Some(first) = terms
+                .iter()
+                .position(|(term, c)| !c.abs().is_one() || self.takes_sign(*term))
         {
             let (term, c) = &terms[first];
             let start = self.scaled(*term, c);
@@ -322,6 +326,32 @@ impl Rewriter<'_> {
         self.emit_signed(None, terms)
     }
 
+    /// Whether the opposite of a node costs no negation: one of its factors is a difference.
+    fn takes_sign(&self, term: NodeId) -> bool {
+        let product = self.products.get(&term);
+        product.is_some_and(|p| p.coefficient.is_one() && self.difference_in(p).is_some())
+    }
+
+    /// The first factor of a product that is a difference of two operands.
+    pub(super) fn difference_in(&self, p: &Product) -> Option<usize> {
+        p.factors.iter().position(|factor| {
+            factor.exponent == 1
+                && self
+                    .sums
+                    .get(&factor.base)
+                    .is_some_and(|(constant, terms)| {
+                        let negative = |c: &BigRational| c.is_negative() && c.abs().is_one();
+                        match &terms[..] {
+                            [(_, a)] => negative(a) || (a.is_positive() && constant.is_negative()),
+                            [(_, a), (_, b)] => {
+                                constant.is_zero() && (a.is_negative() != b.is_negative())
+                            }
+                            _ => false,
+                        }
+                    })
+        })
+    }
+
     /// `c·s ± c·t` becomes `c·(s ± t)`: the same enclosure with fewer multiplications.
     fn group_equal_coefficients(&mut self, terms: &mut Terms) {
         let mut index = 0;
@@ -330,7 +360,9 @@ impl Rewriter<'_> {
             let alike: Vec<usize> = (index..terms.len())
                 .filter(|i| terms[*i].1.abs() == size)
                 .collect();
-            if size.is_one() || alike.len() < 2 || terms.len() > REMEMBERED {
+            // A reciprocal takes its coefficient above the line, at no cost.
+            let free = self.operands(terms[index].0, Op::Div).is_some();
+            if size.is_one() || free || alike.len() < 2 || terms.len() > REMEMBERED {
                 index += 1;
                 continue;
             }

@@ -1,5 +1,6 @@
 //! Sums and products while they are collected, before any node is made for them.
 
+use super::numbers;
 use crate::graph::NodeId;
 use num_rational::BigRational;
 use num_traits::{One, Zero};
@@ -132,5 +133,21 @@ impl Product {
     /// The number that this is, if it has no factors and no conditions.
     pub(super) fn as_number(&self) -> Option<&BigRational> {
         (self.factors.is_empty() && self.conditions.is_empty()).then_some(&self.coefficient)
+    }
+
+    /// The `n`-th power, if every exponent stays small and the coefficient exact.
+    pub(super) fn raised(&self, n: i64) -> Option<Self> {
+        /// Larger exponents are left to nested powers.
+        const EXPONENT_LIMIT: i64 = 1 << 16;
+        let mut result = self.clone();
+        result.coefficient = numbers::power(&self.coefficient, n)?;
+        for factor in &mut result.factors {
+            factor.nonzero |= factor.exponent < 0 || n < 0;
+            factor.exponent = factor.exponent.checked_mul(n)?;
+            if factor.exponent.abs() > EXPONENT_LIMIT {
+                return None;
+            }
+        }
+        Some(result)
     }
 }
