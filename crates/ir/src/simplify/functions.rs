@@ -95,13 +95,6 @@ impl Rewriter<'_> {
 
     fn function_of(&mut self, op: Op, a: NodeId) -> Product {
         let known = *self.known(a);
-        let inverse = |rewriter: &Self, inner: NodeId, condition: Option<Condition>| {
-            let mut result = rewriter.product_of_node(inner);
-            if let Some(condition) = condition {
-                rewriter.require(&mut result.conditions, condition);
-            }
-            result
-        };
         match op {
             Op::Abs if known.range.lo >= 0.0 => return self.product_of_node(a),
             Op::Abs if known.range.hi <= 0.0 => {
@@ -134,17 +127,20 @@ impl Rewriter<'_> {
                     && let [factor] = p.factors[..]
                     && factor.exponent == 3
                 {
-                    return inverse(self, factor.base, None);
+                    return self.product_of_node(factor.base);
                 }
             }
             Op::Ln => {
                 if let Some(&[u]) = self.operands(a, Op::Exp) {
-                    return inverse(self, u, None);
+                    return self.product_of_node(u);
                 }
             }
             Op::Exp => {
                 if let Some(&[u]) = self.operands(a, Op::Ln) {
-                    return inverse(self, u, Some(Condition::Positive(u)));
+                    let part = self.nonneg_part(u);
+                    let mut result = self.product_of_node(part);
+                    self.require(&mut result.conditions, Condition::Positive(u));
+                    return result;
                 }
             }
             Op::Floor | Op::Ceil | Op::Round | Op::Trunc if self.is_whole(a) => {

@@ -172,20 +172,16 @@ impl Rewriter<'_> {
     }
 
     /// `|u|^2k = u^2k`, `√u^2k = u^k` where u ≥ 0, `∛u^3k = u^k`. Whether anything changed.
-    fn simplify_powers(&self, p: &mut Product) -> bool {
+    fn simplify_powers(&mut self, p: &mut Product) -> bool {
         let mut changed = false;
-        for factor in &mut p.factors {
-            if factor.exponent == 0 {
-                continue;
-            }
+        for factor in p.factors.iter_mut().filter(|factor| factor.exponent != 0) {
             if factor.exponent % 2 == 0 {
                 if let Some(&[u]) = self.operands(factor.base, Op::Abs) {
                     factor.base = u;
                     changed = true;
                 } else if let Some(&[u]) = self.operands(factor.base, Op::Sqrt) {
                     self.require(&mut p.conditions, Condition::Nonneg(u));
-                    factor.base = u;
-                    factor.nonzero |= factor.exponent < 0;
+                    factor.base = self.nonneg_part(u);
                     factor.exponent /= 2;
                     changed = true;
                 }
@@ -214,6 +210,15 @@ impl Rewriter<'_> {
         }
         p.factors = opened;
         changed
+    }
+
+    /// `u` where it is known to be ≥ 0: the restriction that says so does not narrow an enclosure, the maximum does.
+    pub(super) fn nonneg_part(&mut self, u: NodeId) -> NodeId {
+        if self.known(u).range.lo >= 0.0 {
+            return u;
+        }
+        let zero = self.number(BigRational::zero());
+        self.node(Op::Max, &[u.min(zero), u.max(zero)])
     }
 
     /// Replaces shared products by their factors where that lets bases merge.
