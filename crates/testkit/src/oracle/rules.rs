@@ -98,7 +98,7 @@ fn modulo(a: Span, b: Span) -> Span {
     let (least, most) = (b.lo.min(0.0), b.hi.max(0.0));
     let quotient = a.div(b);
     let whole = quotient.lo.floor();
-    if b.has_zero() || whole != quotient.hi.floor() || !whole.is_finite() {
+    if whole != quotient.hi.floor() || !whole.is_finite() {
         return Span::new(least, most);
     }
     // Linear in a and b, with one rounding at each corner.
