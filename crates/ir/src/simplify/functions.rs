@@ -89,7 +89,8 @@ impl Rewriter<'_> {
             result.coefficient = coefficient;
             Value::Product(result)
         } else {
-            Value::Product(self.times(result, Product::number(outer)))
+            let product = self.times(result, Product::number(outer));
+            Value::Product(product)
         }
     }
 

@@ -337,8 +337,8 @@ impl Rewriter<'_> {
             Op::Mul => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);
-                let first = self.product(first);
-                let second = self.product(second);
+                let first = self.loose_product(first);
+                let second = self.loose_product(second);
                 Value::Product(self.times(first, second))
             }
             Op::Div => {

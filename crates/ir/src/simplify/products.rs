@@ -18,6 +18,7 @@ impl Rewriter<'_> {
     /// A value as a product with distinct bases.
     pub(super) fn product(&mut self, value: Value) -> Product {
         match value {
+            Value::Product(product) if product.loose => self.settle(product),
             Value::Product(product) => product,
             Value::Sum(sum) => self.settle_sum(sum),
             Value::Node(id) => self.product_of_node(id),
@@ -103,12 +104,24 @@ impl Rewriter<'_> {
         }
         a.factors.append(&mut b.factors);
         a.conditions.append(&mut b.conditions);
+        if a.factors.len() > REMEMBERED {
+            a.loose = true;
+            return a;
+        }
         self.settle(a)
+    }
+
+    /// A value as a product whose bases may still be merged.
+    pub(super) fn loose_product(&mut self, value: Value) -> Product {
+        match value {
+            Value::Product(product) => product,
+            Value::Sum(_) | Value::Node(_) => self.product(value),
+        }
     }
 
     /// `a / b`; left as written where `b` is the number 0.
     pub(super) fn quotient(&mut self, a: Value, b: Value) -> Value {
-        let a = self.product(a);
+        let a = self.loose_product(a);
         let b = self.product(b);
         if let Some(inverse) = b.raised(-1) {
             return Value::Product(self.times(a, inverse));
@@ -120,6 +133,7 @@ impl Rewriter<'_> {
 
     /// Merges equal bases and drops what exponents make needless, keeping the domain in conditions.
     pub(super) fn settle(&mut self, mut p: Product) -> Product {
+        p.loose = false;
         self.open_overlapping(&mut p);
         loop {
             self.merge(&mut p);

@@ -220,12 +220,13 @@ impl Rewriter<'_> {
                 .entry(completed)
                 .or_insert_with(|| Product::power(inner, 2));
             *constant = rest;
-            // New nodes have larger ids: the rest of the list stays sorted for the searches to come.
+            // The new term may break the order and so hide a pair from the search: the caller sorts and tries again.
             terms.remove(linear);
-            terms.retain(|(term, _)| *term != square);
+            index -= usize::from(linear < index);
+            index -= 1;
+            terms.remove(index);
             terms.push((completed, a));
             changed = true;
-            index = 0;
         }
         changed
     }
@@ -354,19 +355,22 @@ impl Rewriter<'_> {
 
     /// `c·s ± c·t` becomes `c·(s ± t)`: the same enclosure with fewer multiplications.
     fn group_equal_coefficients(&mut self, terms: &mut Terms) {
+        if terms.len() > REMEMBERED {
+            return;
+        }
         let mut index = 0;
         while index < terms.len() {
             let size = terms[index].1.abs();
+            // A reciprocal takes its coefficient above the line, at no cost.
             let alike: Vec<usize> = (index..terms.len())
                 .filter(|i| terms[*i].1.abs() == size)
+                .filter(|i| self.operands(terms[*i].0, Op::Div).is_none())
                 .collect();
-            // A reciprocal takes its coefficient above the line, at no cost.
-            let free = self.operands(terms[index].0, Op::Div).is_some();
-            if size.is_one() || free || alike.len() < 2 || terms.len() > REMEMBERED {
+            if size.is_one() || alike.len() < 2 {
                 index += 1;
                 continue;
             }
-            let scale = terms[index].1.clone();
+            let scale = terms[alike[0]].1.clone();
             let inner: Terms = alike
                 .iter()
                 .map(|i| (terms[*i].0, &terms[*i].1 / &scale))

@@ -106,6 +106,8 @@ pub(super) struct Product {
     pub(super) coefficient: BigRational,
     pub(super) factors: Vec<Factor>,
     pub(super) conditions: Vec<Condition>,
+    /// Whether bases are still to be merged; put off while a long product grows, which would else take quadratic time.
+    pub(super) loose: bool,
 }
 
 impl Product {
@@ -114,6 +116,7 @@ impl Product {
             coefficient,
             factors: Vec::new(),
             conditions: Vec::new(),
+            loose: false,
         }
     }
 
@@ -127,6 +130,7 @@ impl Product {
             coefficient: BigRational::one(),
             factors: vec![factor],
             conditions: Vec::new(),
+            loose: false,
         }
     }
 
