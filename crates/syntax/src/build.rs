@@ -5,6 +5,7 @@ use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
+use crate::print::factor_text;
 use crate::scope::Scope;
 use crate::span::Span;
 use rustc_hash::FxHashSet;
@@ -185,10 +186,8 @@ impl<'a> Builder<'a> {
                 signs.push((sign(&child), self.span(&child)));
                 continue;
             }
-            let joint = match first {
-                Some(_) => Some(signs.remove(0).0),
-                None => None,
-            };
+            // Behind a term, the first sign joins the next one and any others belong to it.
+            let joint = first.as_ref().map(|_| signs.remove(0).0);
             let term = self.signed(&signs, |b| b.product(child))?;
             signs.clear();
             match joint {
@@ -290,19 +289,18 @@ impl<'a> Builder<'a> {
                 text
             }
         };
-        let factors = |factors: Vec<(ProductSign, Expr)>| {
-            let span = factors[0].1.span;
-            short(product_of(factors, span).to_string())
+        let product = |factors: &mut dyn Iterator<Item = &Expr>| {
+            let factors: Vec<String> = factors.map(factor_text).collect();
+            short(factors.join("*"))
         };
         let Some((_, numerator)) = before.last() else {
             return;
         };
         let span = numerator.span.to(others.last().unwrap_or(divisor).span);
-        let top = factors(vec![(ProductSign::Times, numerator.clone())]);
-        let bottom = factors(vec![(ProductSign::Times, divisor.clone())]);
-        let times = |f: &Expr| (ProductSign::Times, f.clone());
-        let tail = factors(others.iter().map(times).collect());
-        let whole = factors(std::iter::once(divisor).chain(others).map(times).collect());
+        let top = short(factor_text(numerator));
+        let bottom = short(factor_text(divisor));
+        let tail = product(&mut others.iter());
+        let whole = product(&mut std::iter::once(divisor).chain(others));
         let kind = NoteKind::ImplicitDivision {
             read: format!("({top}/{bottom})*{tail}"),
             other: format!("{top}/({whole})"),

@@ -40,15 +40,20 @@ pub(crate) fn diagnose(
         if is_range_word(typed(last)) {
             return Error::new(last.span, ErrorKind::BadRange);
         }
+        if let Some(error) = half_fraction(text, piece, next) {
+            return error;
+        }
+        if !is_sign(last) {
+            return Error::new(Span::at(last.span.end), ErrorKind::Unfinished);
+        }
         let sign = typed(last).to_owned();
         return Error::new(last.span, ErrorKind::MissingAfter { sign });
     };
     let sign = typed(found).to_owned();
-    if let Some(after) = piece.tokens.get(next + 1) {
-        if let ("=", "<" | ">") = (sign.as_str(), typed(after)) {
-            let meant = format!("{}=", typed(after));
-            return foreign(text, found.span.to(after.span), &meant);
-        }
+    let after = piece.tokens.get(next + 1);
+    if let Some(after) = after.filter(|after| sign == "=" && matches!(typed(after), "<" | ">")) {
+        let meant = format!("{}=", typed(after));
+        return foreign(text, found.span.to(after.span), &meant);
     }
     let Some(before) = before else {
         let kind = if is_sign(found) {
@@ -62,8 +67,7 @@ pub(crate) fn diagnose(
     match (typed(before), sign.as_str()) {
         ("<", "=") => return foreign(text, both, "<="),
         (">", "=") => return foreign(text, both, ">="),
-        ("==", "=") => return foreign(text, both, "="),
-        ("-", ">") | ("<", "-" | ">") => return foreign(text, both, "="),
+        ("==", "=") | ("-", ">") | ("<", "-" | ">") => return foreign(text, both, "="),
         ("/", "/") => return foreign(text, both, "/"),
         (_, ",") if before.kind == TokenKind::Number => return comma(piece, next),
         (_, ",") if !is_sign(before) => return Error::new(found.span, ErrorKind::Comma),
@@ -75,6 +79,14 @@ pub(crate) fn diagnose(
     if is_range_word(&sign) {
         let range = found.span.to(piece.span);
         return Error::new(Span::new(found.span.start, range.end), ErrorKind::BadRange);
+    }
+    if let Some(error) = half_fraction(text, piece, next) {
+        return error;
+    }
+    if found.kind == TokenKind::Break {
+        // Outside brackets it would have ended the statement, so arguments are being separated.
+        return Error::new(found.span, ErrorKind::Unexpected { found: sign })
+            .suggest(found.span, ",");
     }
     if is_sign(before) {
         let sign = typed(before).to_owned();
@@ -119,6 +131,26 @@ fn comma(piece: &Piece, index: usize) -> Box<Error> {
     }
 }
 
+/// The error for `\frac{a}` without its second braces, if the grammar stopped right behind it.
+fn half_fraction(text: &str, piece: &Piece, next: usize) -> Option<Box<Error>> {
+    let before = piece.tokens[..next].iter().rev();
+    let mut depth = 0_usize;
+    for token in before {
+        match token.kind {
+            TokenKind::Close('}') => depth += 1,
+            TokenKind::Open('{') => depth = depth.checked_sub(1)?,
+            TokenKind::Command if depth == 0 => {
+                let typed = &text[token.span.range()];
+                let is_fraction = matches!(typed, "\\frac" | "\\dfrac" | "\\tfrac");
+                return is_fraction.then(|| Error::new(token.span, ErrorKind::HalfFraction));
+            }
+            _ if depth == 0 => return None,
+            _ => {}
+        }
+    }
+    None
+}
+
 fn is_range_word(word: &str) -> bool {
     matches!(word, "in" | "∈" | "\\in")
 }
@@ -134,13 +166,11 @@ fn unknown_character(piece: &Piece) -> Option<Box<Error>> {
             '–' | '—' | '‐' | '‑' | '‒' | '－' => "-",
             '（' => "(",
             '）' => ")",
-            '＝' => "=",
             '＋' => "+",
             '＊' | '∗' | '•' | '⋆' => "*",
             '∕' | '⁄' => "/",
             '，' => ",",
-            '：' | ':' => "=",
-            '≡' | '≈' => "=",
+            '＝' | '：' | ':' | '≡' | '≈' => "=",
             '&' => "and",
             _ => return Some(error),
         };

@@ -1,17 +1,16 @@
 //! A whole text read: surfaces in one graph, parameters, domain, view and remarks.
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Relation, Statement};
-use crate::constant;
-use crate::error::{Error, ErrorKind, Errors, Fallible, MOST, Origin};
+use crate::cycle::recursion;
+use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::limits::Limits;
-use crate::lower::{Lowering, Meaning};
+use crate::lower::Lowering;
 use crate::note::{Note, NoteKind};
 use crate::scene::{Color, Domain, Scene, View, scene_line};
 use crate::scope::Scope;
 use crate::span::Span;
 use crate::statement::{Built, LineKind, build, is_plain_number, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
-use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Graph, NodeId};
 
 /// What reading depends on beside the text.
@@ -133,21 +132,15 @@ pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
-struct Reader<'a> {
+/// What is known of a text while it is read.
+pub(crate) struct Reader<'a> {
     text: &'a str,
-    options: &'a Options<'a>,
+    pub options: &'a Options<'a>,
     notes: Vec<Note>,
-    errors: Vec<Error>,
+    pub errors: Vec<Error>,
     domain: Option<Domain>,
     view: Option<View>,
     colors: Vec<(usize, Color)>,
-}
-
-/// A parameter before it has a number.
-struct Slider {
-    value: Constant,
-    range: Option<(Constant, Constant)>,
-    span: Option<Span>,
 }
 
 impl<'a> Reader<'a> {
@@ -286,199 +279,6 @@ impl<'a> Reader<'a> {
             notes: self.notes,
         })
     }
-
-    /// The values of the overrides, by name; errors are kept.
-    fn overrides(
-        &mut self,
-        definitions: &[(&Definition, &Built)],
-        used: &FxHashSet<&str>,
-    ) -> FxHashMap<&'a str, Constant> {
-        let mut values = FxHashMap::default();
-        for (name, value) in self.options.overrides {
-            let given = format!("{name}={value}");
-            let span = Span::new(0, name.len());
-            let defined = definitions.iter().find(|(d, _)| d.name.text == *name);
-            let is_name =
-                name.starts_with(char::is_alphabetic) && name.chars().all(crate::scan::in_name);
-            let error = if !is_name || matches!(name.as_str(), "and" | "or" | "not" | "in") {
-                Some(ErrorKind::OverrideNotAName { name: name.clone() })
-            } else if matches!(name.as_str(), "x" | "y" | "z") {
-                Some(ErrorKind::OverrideCoordinate { name: name.clone() })
-            } else if defined.is_some_and(|(d, _)| d.parameters.is_some()) {
-                Some(ErrorKind::OverrideFunction { name: name.clone() })
-            } else if defined.is_none() && !used.contains(name.as_str()) && name != "t" {
-                Some(ErrorKind::UnknownOverride { name: name.clone() })
-            } else {
-                None
-            };
-            let result = match error {
-                Some(kind) => {
-                    let mut error = Error::new(span, kind);
-                    if matches!(error.kind, ErrorKind::UnknownOverride { .. }) {
-                        let known = definitions.iter().map(|(d, _)| d.name.text.as_str());
-                        let known = known.chain(used.iter().copied()).filter(|n| n != name);
-                        if let Some(meant) = crate::scope::nearest(name, known) {
-                            error = error.suggest(span, meant);
-                        }
-                    }
-                    Err(error)
-                }
-                None => {
-                    constant::evaluate_text(value, &self.options.limits).map_err(|mut error| {
-                        let shift = name.len() + 1;
-                        let moved = |span: Span| Span::new(span.start + shift, span.end + shift);
-                        error.span = moved(error.span);
-                        if let Some(suggestion) = &mut error.suggestion {
-                            suggestion.span = moved(suggestion.span);
-                        }
-                        error
-                    })
-                }
-            };
-            match result {
-                Ok(value) => {
-                    values.insert(name.as_str(), value);
-                }
-                Err(mut error) => {
-                    error.origin = Origin::Override(given);
-                    self.errors.push(*error);
-                }
-            }
-        }
-        values
-    }
-
-    /// What every defined name means, and the parameters among them; errors are kept.
-    fn parameters<'d>(
-        &mut self,
-        definitions: &[(&'d Definition, &Built)],
-        overrides: &FxHashMap<&'d str, Constant>,
-        drawings: &[&Built],
-    ) -> (FxHashMap<&'d str, Meaning<'d>>, Vec<Parameter>)
-    where
-        'a: 'd,
-    {
-        let mut names = FxHashMap::default();
-        let mut parameters: Vec<Parameter> = Vec::new();
-        let mut add = |name: &str, kind, slider: Slider| {
-            let number = parameters.len() as u32;
-            parameters.push(Parameter {
-                name: name.to_owned(),
-                number,
-                value: slider.value,
-                range: slider.range,
-                kind,
-                span: slider.span,
-            });
-            number
-        };
-        let mut time_set = false;
-        for (definition, _) in definitions {
-            let name = definition.name.text.as_str();
-            let is_time = name == "t";
-            let given = overrides.get(name).cloned();
-            let is_slider = definition.parameters.is_none()
-                && (is_time
-                    || definition.range.is_some()
-                    || given.is_some()
-                    || is_plain_number(&definition.body));
-            if !is_slider {
-                if let (Some(_), Some((low, high))) = (&definition.parameters, &definition.range) {
-                    let span = low.span.to(high.span);
-                    self.errors
-                        .push(*Error::new(span, ErrorKind::RangeOutsideDefinition));
-                }
-                names.insert(name, Meaning::Definition(definition));
-                continue;
-            }
-            match slider(definition, given, &self.options.limits) {
-                Ok(mut slider) => {
-                    let kind = if is_time {
-                        ParameterKind::Time
-                    } else {
-                        ParameterKind::Slider
-                    };
-                    if let (true, Some(time)) =
-                        (is_time, self.options.time.and_then(Interval::point))
-                    {
-                        slider.value = Constant::enclosed(time);
-                    }
-                    time_set |= is_time;
-                    let number = add(name, kind, slider);
-                    if !is_time {
-                        names.insert(name, Meaning::Parameter(number));
-                    }
-                }
-                Err(error) => self.errors.push(*error),
-            }
-        }
-        for (name, _) in self.options.overrides {
-            let name = name.as_str();
-            let Some(value) = overrides.get(name) else {
-                continue;
-            };
-            if name != "t" && !names.contains_key(name) {
-                let slider = Slider {
-                    value: value.clone(),
-                    range: None,
-                    span: None,
-                };
-                let number = add(name, ParameterKind::Slider, slider);
-                names.insert(name, Meaning::Parameter(number));
-            }
-        }
-        let uses_time = drawings.iter().any(|b| b.used.contains("t"))
-            || definitions.iter().any(|(_, b)| b.used.contains("t"));
-        if !time_set && (uses_time || overrides.contains_key("t")) {
-            let value = self
-                .options
-                .time
-                .and_then(Interval::point)
-                .map(Constant::enclosed)
-                .or_else(|| overrides.get("t").cloned())
-                .unwrap_or_else(|| Constant::integer(0));
-            let slider = Slider {
-                value,
-                range: None,
-                span: None,
-            };
-            add("t", ParameterKind::Time, slider);
-        }
-        (names, parameters)
-    }
-}
-
-/// The value and range of a slider's definition.
-fn slider(definition: &Definition, given: Option<Constant>, limits: &Limits) -> Fallible<Slider> {
-    let is_given = given.is_some();
-    let value = match given {
-        Some(value) => value,
-        None => constant::evaluate(&definition.body, limits)?,
-    };
-    let range = match &definition.range {
-        None => None,
-        Some((low, high)) => {
-            let span = low.span.to(high.span);
-            let (low, high) = (
-                constant::evaluate(low, limits)?,
-                constant::evaluate(high, limits)?,
-            );
-            if low.bounds().lo >= high.bounds().hi {
-                return Err(Error::new(span, ErrorKind::EmptyRange));
-            }
-            let outside =
-                value.bounds().hi < low.bounds().lo || high.bounds().hi < value.bounds().lo;
-            if outside && !is_given {
-                return Err(Error::new(definition.body.span, ErrorKind::OutsideRange));
-            }
-            Some((low, high))
-        }
-    };
-    Ok(Slider {
-        value,
-        range,
-        span: Some(definition.name.span),
-    })
 }
 
 /// The surface that a statement draws.
@@ -571,69 +371,9 @@ fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, No
     let kind = ErrorKind::NothingToDraw {
         last: definition.name.text.clone(),
         is_number: is_plain_number(&definition.body),
+        parameters: definition.parameters.as_ref().map(Vec::len),
     };
     Err(Error::new(definition.name.span, kind))
-}
-
-/// The error for definitions that use one another in a circle, if any do.
-fn recursion(definitions: &[(&Definition, &Built)]) -> Option<Box<Error>> {
-    const NEW: u8 = 0;
-    const OPEN: u8 = 1;
-    const DONE: u8 = 2;
-    let index: FxHashMap<&str, usize> = definitions
-        .iter()
-        .enumerate()
-        .map(|(index, (definition, _))| (definition.name.text.as_str(), index))
-        .collect();
-    let uses: Vec<Vec<usize>> = definitions
-        .iter()
-        .map(|(_, built)| {
-            let mut uses: Vec<usize> = built
-                .used
-                .iter()
-                .filter_map(|name| index.get(name.as_str()).copied())
-                .collect();
-            uses.sort_unstable();
-            uses
-        })
-        .collect();
-    let mut state = vec![NEW; definitions.len()];
-    for start in 0..definitions.len() {
-        if state[start] != NEW {
-            continue;
-        }
-        // A depth-first walk with its own stack: (definition, how many of its uses were followed).
-        let mut path: Vec<(usize, usize)> = vec![(start, 0)];
-        state[start] = OPEN;
-        while let Some((at, followed)) = path.last_mut() {
-            let Some(&next) = uses[*at].get(*followed) else {
-                state[*at] = DONE;
-                path.pop();
-                continue;
-            };
-            *followed += 1;
-            match state[next] {
-                NEW => {
-                    state[next] = OPEN;
-                    path.push((next, 0));
-                }
-                OPEN => {
-                    let from = path.iter().position(|(at, _)| *at == next).unwrap_or(0);
-                    let mut cycle: Vec<usize> = path[from..].iter().map(|(at, _)| *at).collect();
-                    // Starts with the definition that stands first in the text.
-                    let first = (0..cycle.len()).min_by_key(|i| cycle[*i]).unwrap_or(0);
-                    cycle.rotate_left(first);
-                    let name = |index: &usize| definitions[*index].0.name.text.clone();
-                    let kind = ErrorKind::Recursion {
-                        cycle: cycle.iter().map(name).collect(),
-                    };
-                    return Some(Error::new(definitions[cycle[0]].0.name.span, kind));
-                }
-                _ => {}
-            }
-        }
-    }
-    None
 }
 
 /// The title and text of the comment that a document starts with.

@@ -106,7 +106,11 @@ pub enum ErrorKind {
     #[error("there is no formula here")]
     Empty,
     #[error("nothing is drawn: there are only definitions")]
-    NothingToDraw { last: String, is_number: bool },
+    NothingToDraw {
+        last: String,
+        is_number: bool,
+        parameters: Option<usize>,
+    },
 
     // ---- characters and brackets
     #[error("`{character}` has no meaning in a formula")]
@@ -133,6 +137,10 @@ pub enum ErrorKind {
     MissingAfter { sign: String },
     #[error("a value is missing before `{sign}`")]
     MissingBefore { sign: String },
+    #[error("a fraction needs two pairs of braces")]
+    HalfFraction,
+    #[error("something is missing at the end")]
+    Unfinished,
     #[error("`{found}` is not expected here")]
     Unexpected { found: String },
     #[error("a number cannot follow a name or a bracket")]
@@ -230,6 +238,8 @@ pub enum ErrorKind {
     OverrideFunction { name: String },
 
     // ---- domain, view and color lines
+    #[error("a domain needs a size above 0")]
+    EmptyDomain,
     #[error("this is not a domain")]
     BadDomain,
     #[error("the range of `{axis}` is given twice")]
@@ -249,15 +259,22 @@ fn plural(count: usize) -> String {
     }
 }
 
+/// More names than this of a circle are not listed.
+const LONGEST_CYCLE: usize = 6;
+
 fn recursion(cycle: &[String]) -> String {
     match cycle {
         [only] => format!("`{only}` is defined by itself"),
         [first, rest @ ..] => {
-            let others: Vec<String> = rest
+            let mut others: Vec<String> = rest
                 .iter()
                 .chain([first])
                 .map(|name| format!("`{name}`"))
                 .collect();
+            if others.len() > LONGEST_CYCLE {
+                others.drain(LONGEST_CYCLE - 2..others.len() - 1);
+                others.insert(LONGEST_CYCLE - 2, "…".to_owned());
+            }
             format!(
                 "these definitions go round in a circle: `{first}` uses {}",
                 others.join(", which uses ")

@@ -110,10 +110,18 @@ impl Error {
                 format!("did you mean `{}`?", meant?.replacement)
             }
             ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`".to_owned(),
-            ErrorKind::NothingToDraw { last, is_number: true } => {
+            ErrorKind::NothingToDraw {
+                last,
+                parameters: Some(count),
+                ..
+            } => {
+                let arguments = ["x", "y", "z"].iter().cycle().take(*count).copied().collect::<Vec<_>>();
+                format!("to draw where `{last}` is 0, add a line such as `{last}({}) = 0`", arguments.join(", "))
+            }
+            ErrorKind::NothingToDraw { last, is_number: true, .. } => {
                 format!("add a line that uses `{last}`, such as `x^2 + y^2 + z^2 = {last}^2`")
             }
-            ErrorKind::NothingToDraw { last, is_number: false } => {
+            ErrorKind::NothingToDraw { last, is_number: false, .. } => {
                 format!("to draw where `{last}` is 0, add a line that is just `{last}`")
             }
             ErrorKind::UnexpectedCharacter { character } => return character_help(*character, meant),
@@ -151,6 +159,7 @@ impl Error {
             ErrorKind::RangeOutsideDefinition => {
                 "to limit a coordinate, write a line such as `domain x in [-2, 2]`".to_owned()
             }
+            ErrorKind::HalfFraction => "write `\\frac{a}{b}`".to_owned(),
             ErrorKind::BadRange => "write `r = 2 in [0, 5]`".to_owned(),
             ErrorKind::EmptyRange => "write the smaller number first".to_owned(),
             ErrorKind::OutsideRange => "choose a value between the ends".to_owned(),
@@ -168,7 +177,13 @@ impl Error {
             ErrorKind::BadVector { key } => format!("write `{key} (1, 2, 3)`"),
             ErrorKind::BadColor => "write a name such as `orange`, or `#ff8800`".to_owned(),
             _ => match meant {
-                Some(meant) => format!("write `{}`", self.corrected(text, meant)),
+                Some(meant) => match text.get(meant.span.range()) {
+                    // A sign alone says little without the one it replaces.
+                    Some(typed) if !typed.is_empty() && meant.span == self.span && typed.chars().count() <= 3 => {
+                        format!("write `{}` in place of `{typed}`", meant.replacement)
+                    }
+                    _ => format!("write `{}`", self.corrected(text, meant)),
+                },
                 None => return None,
             },
         };

@@ -12,9 +12,11 @@
 //! # Ok::<(), zeroset_syntax::Errors>(())
 //! ```
 
+mod application;
 pub mod ast;
 mod build;
 mod constant;
+mod cycle;
 mod diagnose;
 mod document;
 mod error;
@@ -23,6 +25,7 @@ mod grammar;
 mod limits;
 mod lower;
 mod note;
+mod parameters;
 mod prelude;
 mod print;
 mod render;
@@ -31,6 +34,7 @@ mod scan;
 mod scene;
 mod scope;
 mod span;
+mod spelling;
 mod statement;
 mod unknown;
 

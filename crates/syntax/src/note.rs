@@ -23,7 +23,7 @@ pub enum NoteKind {
     InverseFunction { name: String, inverse: String },
     #[error("`{name}` is read as the product `{product}`")]
     ProductOfNames { name: String, product: String },
-    #[error("`{name}` is the constant {meaning}")]
+    #[error("`{name}` is {meaning}")]
     ConstantUsed {
         name: &'static str,
         meaning: &'static str,

@@ -50,6 +50,15 @@ fn list(f: &mut fmt::Formatter<'_>, items: &[Expr], joint: &str, needed: Tightne
     Ok(())
 }
 
+/// An expression as it stands in a product: in brackets if it is looser than a power.
+pub(crate) fn factor_text(expr: &Expr) -> String {
+    if tightness(expr) >= Tightness::Power {
+        expr.to_string()
+    } else {
+        format!("({expr})")
+    }
+}
+
 impl fmt::Display for Expr {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.kind {

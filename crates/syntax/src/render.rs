@@ -83,10 +83,7 @@ struct Window<'a> {
 impl<'a> Window<'a> {
     fn around(text: &'a str, span: Span) -> Self {
         let place = span.start.min(text.len());
-        let line = 1 + text.as_bytes()[..place]
-            .iter()
-            .filter(|b| **b == b'\n')
-            .count();
+        let line = 1 + text[..place].matches('\n').count();
         let line_start = text[..place].rfind('\n').map_or(0, |at| at + 1);
         let end = span.end.clamp(place, text.len());
         let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);

@@ -8,14 +8,14 @@ use crate::build::{Builder, number_only, product_of, sign};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
-use crate::scan::in_name;
-use crate::scope::{Callee, Meaning, is_variadic};
+use crate::scope::{Callee, Meaning};
 use crate::span::Span;
+use crate::spelling::{decimal, plain_name, superscript};
 use std::collections::VecDeque;
 use zeroset_ops::Op;
 
 /// A piece of a run.
-enum Item<'i> {
+pub(crate) enum Item<'i> {
     Number(String, Span),
     Value(Value, Span),
     Function(Callee, Span),
@@ -32,7 +32,7 @@ enum Item<'i> {
 }
 
 /// What is left of a run.
-type Items<'i> = VecDeque<Item<'i>>;
+pub(crate) type Items<'i> = VecDeque<Item<'i>>;
 
 impl Builder<'_> {
     /// The factors of a run.
@@ -126,7 +126,7 @@ impl Builder<'_> {
             Value::Constant(constant) => {
                 let meaning = match constant.name() {
                     "tau" => "2*pi = 6.2831853…",
-                    "phi" => "of the golden ratio, (1 + sqrt(5))/2 = 1.6180339…",
+                    "phi" => "the golden ratio, (1 + sqrt(5))/2 = 1.6180339…",
                     _ => return,
                 };
                 let kind = NoteKind::ConstantUsed {
@@ -145,28 +145,29 @@ impl Builder<'_> {
     }
 
     /// Reads one factor with its exponents onto the end of `factors`.
-    fn factor(&mut self, items: &mut Items<'_>, factors: &mut Vec<Expr>) -> Fallible<()> {
+    pub(crate) fn factor(
+        &mut self,
+        items: &mut Items<'_>,
+        factors: &mut Vec<Expr>,
+    ) -> Fallible<()> {
         if let (Some(Item::Number(_, span)), Some(before)) = (items.front(), factors.last()) {
-            let kind = if before.number().is_some() {
-                ErrorKind::NumberAfterNumber
-            } else {
-                ErrorKind::NumberAfterFactor
+            let (kind, sign) = match before.kind {
+                ExprKind::Number(_) => (ErrorKind::NumberAfterNumber, "*"),
+                // It has its exponent already.
+                ExprKind::Power(..) => (ErrorKind::NumberAfterFactor, "*"),
+                _ => (ErrorKind::NumberAfterFactor, "^"),
             };
             let place = before.span.to(*span);
             let between = Span::new(before.span.end, span.start);
-            let fix = if before.number().is_some() {
-                "*".to_owned()
-            } else {
-                "^".to_owned()
-            };
-            return Err(Error::new(place, kind).suggest(between, fix));
+            return Err(Error::new(place, kind).suggest(between, sign));
         }
-        if let (Some(Item::Closed(pair)), false) = (items.front(), factors.is_empty()) {
-            if pair.as_rule() == Rule::braces {
-                // Braces after a factor look like a restriction; read as a product they would hide a mistake.
+        match items.front() {
+            // Braces after a factor look like a restriction; read as a product they would hide a mistake.
+            Some(Item::Closed(pair)) if pair.as_rule() == Rule::braces && !factors.is_empty() => {
                 let span = self.span(pair);
                 return Err(Error::new(span, ErrorKind::RestrictionNotCondition));
             }
+            _ => {}
         }
         let factor = self.power(items)?;
         factors.push(factor);
@@ -174,12 +175,12 @@ impl Builder<'_> {
     }
 
     /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is above it.
-    fn power(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
+    pub(crate) fn power(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
         let base = self.primary(items)?;
         self.exponents(base, items)
     }
 
-    fn exponents(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+    pub(crate) fn exponents(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
         let depth = self.depth;
         let mut chain: Vec<(Vec<(SumSign, Span)>, Expr)> = vec![(Vec::new(), base)];
         loop {
@@ -256,7 +257,7 @@ impl Builder<'_> {
         self.note(exponent.span, kind);
     }
 
-    fn primary(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
+    pub(crate) fn primary(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
         match items.pop_front() {
             Some(Item::Number(text, span)) => Ok(Expr::new(ExprKind::Number(text), span)),
             Some(Item::Value(value, span)) => self.not_a_call(value, span, items),
@@ -326,7 +327,7 @@ impl Builder<'_> {
     }
 
     /// Braces, bars, a fraction or a root.
-    fn closed(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+    pub(crate) fn closed(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         self.nested(span, |b| match pair.as_rule() {
             Rule::bars => {
@@ -375,248 +376,13 @@ impl Builder<'_> {
         };
         Ok(Expr::new(ExprKind::Call(function, arguments), span))
     }
-
-    /// A function and what it is applied to: brackets, or the implicit product up to the next function.
-    fn application(
-        &mut self,
-        callee: &Callee,
-        span: Span,
-        items: &mut Items<'_>,
-    ) -> Fallible<Expr> {
-        let mut callee = callee.clone();
-        let mut exponent = None;
-        if let Some(Item::Caret(..) | Item::Superscript(..)) = items.front() {
-            let power = self.function_exponent(items)?;
-            if is_minus_one(&power) {
-                callee = self.inverse(&callee, span.to(power.span))?;
-            } else {
-                exponent = Some(power);
-            }
-        }
-        let arguments = if let Some(Item::Group(_)) = items.front() {
-            let Some(Item::Group(pair)) = items.pop_front() else {
-                return Err(Error::new(span, ErrorKind::Empty));
-            };
-            let place = self.span(&pair);
-            let mut arguments = Vec::new();
-            for argument in pair.into_inner().flat_map(Pair::into_inner) {
-                arguments.push(self.value(argument)?);
-            }
-            (arguments, place)
-        } else {
-            let argument = self.bare_argument(&callee, span, items)?;
-            let place = argument.span;
-            (vec![argument], place)
-        };
-        let call = self.call(&callee, span, arguments.0, arguments.1)?;
-        Ok(match exponent {
-            None => call,
-            Some(exponent) => {
-                let place = call.span;
-                Expr::new(ExprKind::Power(Box::new(call), Box::new(exponent)), place)
-            }
-        })
-    }
-
-    /// The exponent between a function and its argument, `sin^2 x`.
-    fn function_exponent(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
-        match items.pop_front() {
-            Some(Item::Superscript(text, span)) => Ok(superscript_number(&text, span)),
-            Some(Item::Caret(signs, _)) => {
-                let exponent = self.primary(items)?;
-                let exponent = match items.front() {
-                    Some(Item::Caret(..) | Item::Superscript(..)) => {
-                        self.exponents(exponent, items)?
-                    }
-                    _ => exponent,
-                };
-                number_only(&exponent)?;
-                self.signed(&signs, |_| Ok(exponent))
-            }
-            _ => Err(Error::new(Span::at(self.base), ErrorKind::Empty)),
-        }
-    }
-
-    fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
-        let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
-        let inverse = match (callee, name.as_str()) {
-            (Callee::BuiltIn(_), "sin") => "asin",
-            (Callee::BuiltIn(_), "cos") => "acos",
-            (Callee::BuiltIn(_), "tan") => "atan",
-            (Callee::BuiltIn(_), "sinh") => "asinh",
-            (Callee::BuiltIn(_), "cosh") => "acosh",
-            (Callee::BuiltIn(_), "tanh") => "atanh",
-            _ => {
-                let name = name.clone();
-                return Err(Error::new(span, ErrorKind::InversePower { name }));
-            }
-        };
-        let kind = NoteKind::InverseFunction {
-            name: name.clone(),
-            inverse: inverse.to_owned(),
-        };
-        self.note(span, kind);
-        Ok(Callee::BuiltIn(inverse.to_owned()))
-    }
-
-    /// The argument of a function without brackets.
-    fn bare_argument(
-        &mut self,
-        callee: &Callee,
-        span: Span,
-        items: &mut Items<'_>,
-    ) -> Fallible<Expr> {
-        let counts = self.scope.counts(callee);
-        if items.is_empty() || !counts.accept(1) {
-            let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
-            let kind = ErrorKind::NeedsArgument {
-                name: name.clone(),
-                count: counts.least(),
-            };
-            return Err(self.suggest_brackets(Error::new(span, kind), span));
-        }
-        let mut factors = Vec::new();
-        while !items.is_empty() {
-            if let (Some(Item::Function(..)), false) = (items.front(), factors.is_empty()) {
-                break;
-            }
-            self.factor(items, &mut factors)?;
-        }
-        if factors.len() > 1 {
-            for factor in &factors {
-                number_only(factor)?;
-            }
-        }
-        let place = factors[0].span.to(factors[factors.len() - 1].span);
-        let product = product_of(
-            factors
-                .into_iter()
-                .map(|f| (ProductSign::Times, f))
-                .collect(),
-            place,
-        );
-        number_only(&product)?;
-        Ok(product)
-    }
-
-    /// `sin -x` is a difference; if that fails, brackets are what was meant.
-    fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
-        let rest = &self.text[span.end..];
-        let after = rest.trim_start();
-        let operand = after.strip_prefix(['-', '−']);
-        let Some(operand) = operand.filter(|o| o.starts_with(|c: char| c.is_alphanumeric())) else {
-            return error;
-        };
-        let length = operand.find(|c: char| !in_name(c)).unwrap_or(operand.len());
-        let argument = &after[..after.len() - operand.len() + length];
-        let end = span.end + (rest.len() - after.len()) + argument.len();
-        if argument.len() > 40 {
-            return error;
-        }
-        error.suggest(Span::new(span.end, end), format!("({argument})"))
-    }
-
-    /// A call with its arguments counted.
-    fn call(
-        &mut self,
-        callee: &Callee,
-        span: Span,
-        arguments: Vec<Expr>,
-        place: Span,
-    ) -> Fallible<Expr> {
-        let Some(function) = self.scope.function(callee, arguments.len()) else {
-            let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
-            let kind = ErrorKind::WrongCount {
-                name: name.clone(),
-                expected: self.scope.counts(callee).to_string(),
-                given: arguments.len(),
-                usage: usage(callee),
-            };
-            return Err(Error::new(span.to(place), kind));
-        };
-        Ok(Expr::new(
-            ExprKind::Call(function, arguments),
-            span.to(place),
-        ))
-    }
 }
 
-/// How a function of the language is called, with its line of help.
-fn usage(callee: &Callee) -> Option<String> {
-    let Callee::BuiltIn(name) = callee else {
-        return None;
-    };
-    if let "log" | "ln" = name.as_str() {
-        return Some(
-            "logarithms are natural; write `ln(a)/ln(b)` for the logarithm of a to base b"
-                .to_owned(),
-        );
-    }
-    if let Some(composed) = zeroset_ops::composed(name).next() {
-        return Some(format!(
-            "`{name}({})`: {}",
-            composed.parameters.join(", "),
-            composed.doc
-        ));
-    }
-    let row = zeroset_ops::native(name)?;
-    let operands = ["a", "b", "c"][..row.op.arity()].join(", ");
-    let more = if is_variadic(row.op) { ", …" } else { "" };
-    Some(format!("`{name}({operands}{more})`: {}", row.doc))
-}
-
-fn is_minus_one(expr: &Expr) -> bool {
-    matches!(&expr.kind, ExprKind::Negate(inner) if inner.number() == Some("1"))
-}
-
-fn superscript_number(text: &str, span: Span) -> Expr {
+/// The number that superscript digits stand for.
+pub(crate) fn superscript_number(text: &str, span: Span) -> Expr {
     let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), span);
     match text.strip_prefix('-') {
         Some(digits) => Expr::new(ExprKind::Negate(Box::new(number(digits))), span),
         None => number(text),
     }
-}
-
-/// Superscript digits as plain ones; a plus sign is dropped.
-fn superscript(text: &str) -> String {
-    text.chars()
-        .filter_map(|c| match c {
-            '⁻' => Some('-'),
-            '⁺' => None,
-            _ => "⁰¹²³⁴⁵⁶⁷⁸⁹"
-                .chars()
-                .zip('0'..='9')
-                .find(|(s, _)| *s == c)
-                .map(|(_, d)| d),
-        })
-        .collect()
-}
-
-/// A number's text in one spelling: `.5` as `0.5`, `1.` as `1`, an exponent after `e`.
-fn decimal(typed: &str) -> String {
-    let text = typed.replace('−', "-").replace('E', "e");
-    let (mantissa, exponent) = match text.split_once('e') {
-        Some((mantissa, exponent)) => (mantissa, Some(exponent)),
-        None => (text.as_str(), None),
-    };
-    let mut number = String::with_capacity(text.len() + 1);
-    if mantissa.starts_with('.') {
-        number.push('0');
-    }
-    number += mantissa.trim_end_matches('.');
-    if let Some(exponent) = exponent {
-        number.push('e');
-        number += exponent.trim_start_matches('+');
-    }
-    number
-}
-
-/// A name without LaTeX around it: `\sin` as `sin`, `\operatorname{foo}` as `foo`, `x_{12}` as `x_12`.
-pub(crate) fn plain_name(typed: &str) -> String {
-    let text = typed.strip_prefix('\\').unwrap_or(typed);
-    let text = match text.split_once('{') {
-        Some(("operatorname" | "mathrm" | "mathit" | "text", inner)) => inner,
-        _ => text,
-    };
-    text.chars().filter(|c| !matches!(c, '{' | '}')).collect()
 }

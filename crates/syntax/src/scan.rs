@@ -85,8 +85,7 @@ fn tokens(text: &str, limit: usize) -> Fallible<Vec<Token>> {
     while let Some(character) = text[at..].chars().next() {
         let rest = &text[at..];
         let (kind, length) = match character {
-            '\n' | ';' => (Some(TokenKind::Break), 1),
-            '\r' => (Some(TokenKind::Break), 1),
+            '\n' | '\r' | ';' => (Some(TokenKind::Break), 1),
             ' ' | '\t' | '\u{A0}' | '\u{2009}' | '\u{202F}' | '\u{3000}' | '\u{2062}'
             | '\u{FEFF}' => (None, character.len_utf8()),
             '#' => comment(
@@ -246,9 +245,13 @@ fn brackets(tokens: &[Token], limit: usize) -> Fallible<Vec<usize>> {
         Some(&(bracket, span)) => {
             let kind = ErrorKind::Unclosed { open: bracket };
             let error = Error::new(span, kind);
-            // Where one bracket is missing and the text has one line, the end is a fair guess.
-            let end = tokens.last().map_or(span.end, |token| token.span.end);
-            Err(if open.len() == 1 && breaks.is_empty() {
+            // Where one bracket is missing, the end of its line is a fair guess.
+            let behind = tokens.partition_point(|token| token.span.start < span.end);
+            let line = tokens[behind..]
+                .iter()
+                .take_while(|token| token.kind != TokenKind::Break);
+            let end = line.last().map_or(span.end, |token| token.span.end);
+            Err(if open.len() == 1 {
                 error.suggest(Span::at(end), closer(bracket))
             } else {
                 error
@@ -332,6 +335,10 @@ fn bars(text: &str, tokens: &[Token]) -> Fallible<()> {
         open: None,
         loose: None,
     };
+    let count = tokens
+        .iter()
+        .filter(|token| token.kind == TokenKind::Bar)
+        .count();
     let mut levels = vec![fresh()];
     for (index, token) in tokens.iter().enumerate() {
         match token.kind {
@@ -359,8 +366,7 @@ fn bars(text: &str, tokens: &[Token]) -> Fallible<()> {
                     Some(open) => {
                         let span = open.to(token.span);
                         if !operand_before && before.is_some_and(|t| t.kind == TokenKind::Bar) {
-                            let more = after.is_some_and(|t| t.kind != TokenKind::Bar);
-                            let kind = if operand_after || more {
+                            let kind = if count > 2 {
                                 ErrorKind::NestedBars
                             } else {
                                 ErrorKind::EmptyBars

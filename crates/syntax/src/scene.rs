@@ -12,6 +12,7 @@ use zeroset_ir::{Axis, Constant};
 
 /// Where to look for the surface.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // a document has one
 pub enum Domain {
     /// To be found by search.
     Auto,
@@ -105,6 +106,7 @@ const COLORS: &[(&str, [u8; 3])] = &[
 ];
 
 /// What one line says.
+#[allow(clippy::large_enum_variant)] // taken apart at once
 pub(crate) enum Scene {
     Domain(Domain),
     View(View),
@@ -207,6 +209,9 @@ impl Reader<'_> {
                     },
                     |value| Constant::rational(-value),
                 );
+                if half.bounds().lo <= 0.0 {
+                    return Err(Error::new(span, ErrorKind::EmptyDomain));
+                }
                 let bounds = ordered(low, half.clone(), span)?;
                 Ok(Domain::Box([0; 3].map(|_| Some(bounds.clone()))))
             }
@@ -273,18 +278,16 @@ impl Reader<'_> {
             return hexadecimal(digits).ok_or_else(|| Error::new(span, ErrorKind::BadColor));
         }
         let name = text.to_ascii_lowercase();
-        match COLORS.iter().find(|(known, _)| *known == name) {
-            Some((_, rgb)) => Ok(Color { rgb: *rgb }),
-            None => {
-                let error = Error::new(span, ErrorKind::BadColor);
-                Err(
-                    match nearest(&name, COLORS.iter().map(|(known, _)| *known)) {
-                        Some(meant) => error.suggest(span, meant),
-                        None => error,
-                    },
-                )
-            }
+        if let Some((_, rgb)) = COLORS.iter().find(|(known, _)| *known == name) {
+            return Ok(Color { rgb: *rgb });
         }
+        let error = Error::new(span, ErrorKind::BadColor);
+        Err(
+            match nearest(&name, COLORS.iter().map(|(known, _)| *known)) {
+                Some(meant) => error.suggest(span, meant),
+                None => error,
+            },
+        )
     }
 }
 

@@ -124,10 +124,9 @@ impl Scope {
         if is_root(name) {
             return Some(Function::Root);
         }
-        if let Some(op) = operation(name, self.internal) {
-            if op.arity() == count || is_variadic(op) {
-                return Some(Function::Native(op));
-            }
+        let op = operation(name, self.internal);
+        if let Some(op) = op.filter(|op| op.arity() == count || is_variadic(*op)) {
+            return Some(Function::Native(op));
         }
         let index = COMPOSED
             .iter()
@@ -169,8 +168,8 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
     let allowed = match lower.chars().count() {
         0 => return None,
         1 => 0,
-        2..=3 => 1,
-        4..=7 => 2,
+        2..=5 => 1,
+        6..=8 => 2,
         _ => 3,
     };
     candidates

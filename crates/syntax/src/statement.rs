@@ -7,10 +7,10 @@ use crate::error::{Error, ErrorKind, Fallible, MOST};
 use crate::grammar::{Pair, Rule, Zeroset};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
-use crate::run::plain_name;
 use crate::scan::{Piece, TokenKind, scan};
 use crate::scope::{Meaning, Scope};
 use crate::span::Span;
+use crate::spelling::plain_name;
 use pest::Parser as _;
 use rustc_hash::FxHashSet;
 
@@ -120,14 +120,14 @@ fn line_kind(text: &str, piece: &Piece) -> LineKind {
 }
 
 /// The only child of `pair`, if it is one pair of the given rule.
-fn only<'i>(pair: Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
+fn only(pair: Pair<'_>, rule: Rule) -> Option<Pair<'_>> {
     let mut inner = pair.into_inner();
     let first = inner.next()?;
     (inner.next().is_none() && first.as_rule() == rule).then_some(first)
 }
 
 /// The powers of a sum that is a single run.
-fn single_run<'i>(sum: Pair<'i>) -> Option<Vec<Pair<'i>>> {
+fn single_run(sum: Pair<'_>) -> Option<Vec<Pair<'_>>> {
     let run = only(only(sum, Rule::product)?, Rule::run)?;
     Some(run.into_inner().collect())
 }
@@ -276,24 +276,21 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         }
     }
     let expression = expression.expect("a line has an expression");
-    let statement = match &line.head {
-        Some(head) => {
-            if let Some(span) = braces {
-                return Err(Error::new(span, ErrorKind::RestrictedDefinition));
-            }
-            let definition = define(&mut builder, head, expression)?;
-            Statement::Define(Definition {
-                range: range.map(|(ends, _)| ends),
-                ..definition
-            })
+    let statement = if let Some(head) = &line.head {
+        if let Some(span) = braces {
+            return Err(Error::new(span, ErrorKind::RestrictedDefinition));
         }
-        None => {
-            if let Some((_, span)) = range {
-                return Err(Error::new(span, ErrorKind::RangeOutsideDefinition));
-            }
-            let expr = builder.expression(expression)?;
-            Statement::Draw { expr, restrictions }
+        let definition = define(&mut builder, head, expression)?;
+        Statement::Define(Definition {
+            range: range.map(|(ends, _)| ends),
+            ..definition
+        })
+    } else {
+        if let Some((_, span)) = range {
+            return Err(Error::new(span, ErrorKind::RangeOutsideDefinition));
         }
+        let expr = builder.expression(expression)?;
+        Statement::Draw { expr, restrictions }
     };
     Ok(Built {
         statement,
@@ -323,11 +320,13 @@ fn define(builder: &mut Builder<'_>, head: &Head, expression: Pair<'_>) -> Falli
             ));
         }
     }
-    if head.parameters.is_none() {
-        if let Meaning::Function(_) = Scope::default().meaning(&name.text, &[]) {
-            let text = name.text.clone();
-            return Err(Error::new(name.span, ErrorKind::Reserved { name: text }));
-        }
+    let built_in = Scope::default().meaning(&name.text, &[]);
+    if head.parameters.is_none() && matches!(built_in, Meaning::Function(_)) {
+        let name_text = name.text.clone();
+        return Err(Error::new(
+            name.span,
+            ErrorKind::Reserved { name: name_text },
+        ));
     }
     let span = builder.span(&expression);
     let sides: Vec<Pair<'_>> = expression

@@ -9,7 +9,11 @@ use crate::span::Span;
 impl Builder<'_> {
     /// The error for a name without a meaning.
     pub(crate) fn unknown(&self, name: &str, typed: &str, span: Span) -> Box<Error> {
-        if name == "i" {
+        // `i` alone, or next to values as in `iy`.
+        let rest = name.strip_prefix('i').or_else(|| name.strip_suffix('i'));
+        if rest.is_some_and(|rest| {
+            rest.is_empty() || matches!(self.meaning(rest), Meaning::Value(_) | Meaning::Product)
+        }) {
             return Error::new(span, ErrorKind::Complex);
         }
         if let Some(powers) = self.lost_superscripts(name) {

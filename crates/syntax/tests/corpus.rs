@@ -25,7 +25,7 @@ fn number(value: &Constant) -> String {
         return exact.to_string();
     }
     let bounds = value.bounds();
-    format!("{}…", (bounds.lo + bounds.hi) / 2.0)
+    format!("{}…", f64::midpoint(bounds.lo, bounds.hi))
 }
 
 fn vector(value: &[Constant; 3]) -> String {

@@ -1,0 +1,212 @@
+//! Functions and what they are applied to: brackets, or the implicit product up to the next function.
+
+use crate::ast::{Expr, ExprKind, ProductSign};
+use crate::build::{Builder, number_only, product_of};
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::grammar::{Pair, Rule};
+use crate::note::NoteKind;
+use crate::run::{Item, Items, superscript_number};
+use crate::scan::in_name;
+use crate::scope::{Callee, is_variadic};
+use crate::span::Span;
+
+impl Builder<'_> {
+    /// A function and what it is applied to: brackets, or the implicit product up to the next function.
+    pub(crate) fn application(
+        &mut self,
+        callee: &Callee,
+        span: Span,
+        items: &mut Items<'_>,
+    ) -> Fallible<Expr> {
+        let mut callee = callee.clone();
+        let mut exponent = None;
+        if let Some(Item::Caret(..) | Item::Superscript(..)) = items.front() {
+            let power = self.function_exponent(items)?;
+            if is_minus_one(&power) {
+                callee = self.inverse(&callee, span.to(power.span))?;
+            } else {
+                exponent = Some(power);
+            }
+        }
+        let arguments = match items.pop_front() {
+            Some(Item::Group(pair)) => {
+                let place = self.span(&pair);
+                let mut arguments = Vec::new();
+                for argument in pair.into_inner().flat_map(Pair::into_inner) {
+                    arguments.push(self.value(argument)?);
+                }
+                (arguments, place)
+            }
+            Some(Item::Closed(pair)) if pair.as_rule() == Rule::braces => {
+                let place = self.span(&pair);
+                (vec![self.closed(pair)?], place)
+            }
+            other => {
+                if let Some(item) = other {
+                    items.push_front(item);
+                }
+                let argument = self.bare_argument(&callee, span, items)?;
+                let place = argument.span;
+                (vec![argument], place)
+            }
+        };
+        let call = self.call(&callee, span, arguments.0, arguments.1)?;
+        Ok(match exponent {
+            None => call,
+            Some(exponent) => {
+                let place = call.span;
+                Expr::new(ExprKind::Power(Box::new(call), Box::new(exponent)), place)
+            }
+        })
+    }
+
+    /// The exponent between a function and its argument, `sin^2 x`.
+    fn function_exponent(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
+        match items.pop_front() {
+            Some(Item::Superscript(text, span)) => Ok(superscript_number(&text, span)),
+            Some(Item::Caret(signs, _)) => {
+                let exponent = self.primary(items)?;
+                let exponent = match items.front() {
+                    Some(Item::Caret(..) | Item::Superscript(..)) => {
+                        self.exponents(exponent, items)?
+                    }
+                    _ => exponent,
+                };
+                number_only(&exponent)?;
+                self.signed(&signs, |_| Ok(exponent))
+            }
+            _ => Err(Error::new(Span::at(self.base), ErrorKind::Empty)),
+        }
+    }
+
+    fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
+        let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
+        let inverse = match (callee, name.as_str()) {
+            (Callee::BuiltIn(_), "sin") => "asin",
+            (Callee::BuiltIn(_), "cos") => "acos",
+            (Callee::BuiltIn(_), "tan") => "atan",
+            (Callee::BuiltIn(_), "sinh") => "asinh",
+            (Callee::BuiltIn(_), "cosh") => "acosh",
+            (Callee::BuiltIn(_), "tanh") => "atanh",
+            _ => {
+                let name = name.clone();
+                return Err(Error::new(span, ErrorKind::InversePower { name }));
+            }
+        };
+        let kind = NoteKind::InverseFunction {
+            name: name.clone(),
+            inverse: inverse.to_owned(),
+        };
+        self.note(span, kind);
+        Ok(Callee::BuiltIn(inverse.to_owned()))
+    }
+
+    /// The argument of a function without brackets.
+    fn bare_argument(
+        &mut self,
+        callee: &Callee,
+        span: Span,
+        items: &mut Items<'_>,
+    ) -> Fallible<Expr> {
+        let counts = self.scope.counts(callee);
+        if items.is_empty() || !counts.accept(1) {
+            let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
+            let kind = ErrorKind::NeedsArgument {
+                name: name.clone(),
+                count: counts.least(),
+            };
+            return Err(self.suggest_brackets(Error::new(span, kind), span));
+        }
+        let mut factors = Vec::new();
+        while !items.is_empty() {
+            if let (Some(Item::Function(..)), false) = (items.front(), factors.is_empty()) {
+                break;
+            }
+            self.factor(items, &mut factors)?;
+        }
+        if factors.len() > 1 {
+            for factor in &factors {
+                number_only(factor)?;
+            }
+        }
+        let place = factors[0].span.to(factors[factors.len() - 1].span);
+        let product = product_of(
+            factors
+                .into_iter()
+                .map(|f| (ProductSign::Times, f))
+                .collect(),
+            place,
+        );
+        number_only(&product)?;
+        Ok(product)
+    }
+
+    /// `sin -x` is a difference; if that fails, brackets are what was meant.
+    fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
+        let rest = &self.text[span.end..];
+        let after = rest.trim_start();
+        let operand = after.strip_prefix(['-', '−']);
+        let Some(operand) = operand.filter(|o| o.starts_with(|c: char| c.is_alphanumeric())) else {
+            return error;
+        };
+        let length = operand.find(|c: char| !in_name(c)).unwrap_or(operand.len());
+        let argument = &after[..after.len() - operand.len() + length];
+        let end = span.end + (rest.len() - after.len()) + argument.len();
+        if argument.len() > 40 {
+            return error;
+        }
+        error.suggest(Span::new(span.end, end), format!("({argument})"))
+    }
+
+    /// A call with its arguments counted.
+    fn call(
+        &mut self,
+        callee: &Callee,
+        span: Span,
+        arguments: Vec<Expr>,
+        place: Span,
+    ) -> Fallible<Expr> {
+        let Some(function) = self.scope.function(callee, arguments.len()) else {
+            let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
+            let kind = ErrorKind::WrongCount {
+                name: name.clone(),
+                expected: self.scope.counts(callee).to_string(),
+                given: arguments.len(),
+                usage: usage(callee),
+            };
+            return Err(Error::new(span.to(place), kind));
+        };
+        Ok(Expr::new(
+            ExprKind::Call(function, arguments),
+            span.to(place),
+        ))
+    }
+}
+
+/// How a function of the language is called, with its line of help.
+fn usage(callee: &Callee) -> Option<String> {
+    let Callee::BuiltIn(name) = callee else {
+        return None;
+    };
+    if let "log" | "ln" = name.as_str() {
+        return Some(
+            "logarithms are natural; write `ln(a)/ln(b)` for the logarithm of a to base b"
+                .to_owned(),
+        );
+    }
+    if let Some(composed) = zeroset_ops::composed(name).next() {
+        return Some(format!(
+            "`{name}({})`: {}",
+            composed.parameters.join(", "),
+            composed.doc
+        ));
+    }
+    let row = zeroset_ops::native(name)?;
+    let operands = ["a", "b", "c"][..row.op.arity()].join(", ");
+    let more = if is_variadic(row.op) { ", …" } else { "" };
+    Some(format!("`{name}({operands}{more})`: {}", row.doc))
+}
+
+fn is_minus_one(expr: &Expr) -> bool {
+    matches!(&expr.kind, ExprKind::Negate(inner) if inner.number() == Some("1"))
+}
