@@ -1,6 +1,6 @@
 //! Rewriting a graph into a shorter one whose enclosures are tighter.
 //!
-//! One loop over the old nodes. Each becomes a [`Value`](value::Value): a node of the new graph, or a sum or product
+//! One loop over the old nodes. Each becomes a [`Value`]: a node of the new graph, or a sum or product
 //! still being collected. An operand that only one node uses is handed over as it stands and so merges with that
 //! node; one that several use becomes a node first and stays shared. Products are never expanded: a factored form
 //! encloses better. Numbers stay exact, and constants like √5 symbolic, until [`fold`] encloses them at the end;
