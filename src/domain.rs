@@ -78,7 +78,7 @@ pub fn find(surfaces: &[&dyn IntervalKernel], periodic: bool) -> AutoDomain {
             let low = place.map(|k| k as f32 * side);
             (exponent == SMALLEST || !inner).then_some(Cell { low, side })
         });
-        possible.anywhere(cells.collect())
+        possible.anywhere(&cells.collect::<Vec<_>>())
     };
     let cube = |half: f64| ([-half; 3], [half; 3]);
     match (SMALLEST..=LARGEST)
@@ -218,8 +218,8 @@ impl Possible<'_> {
     }
 
     /// Whether some cell cannot be proven empty.
-    fn anywhere(&self, cells: Vec<Cell>) -> bool {
-        let mut left = self.of(&cells);
+    fn anywhere(&self, cells: &[Cell]) -> bool {
+        let mut left = self.of(cells);
         for _ in 0..SHELL_DEPTH {
             if left.is_empty() {
                 return false;
@@ -331,8 +331,8 @@ mod tests {
         ] {
             let found = find(&[&Ball(centre, radius)], false);
             assert_eq!(found.finding, Finding::Bounded);
-            for axis in 0..3 {
-                let (c, r) = (f64::from(centre[axis]), f64::from(radius));
+            for (axis, c) in centre.into_iter().enumerate() {
+                let (c, r) = (f64::from(c), f64::from(radius));
                 assert!(
                     found.low[axis] < c - r && c + r < found.high[axis],
                     "{found:?}"

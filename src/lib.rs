@@ -3,5 +3,7 @@
 pub mod domain;
 pub mod enclosure;
 pub mod gallery;
+pub mod picture;
 pub mod program;
 pub mod scene;
+pub mod work;

@@ -5,6 +5,7 @@ use crate::domain::{self, AutoDomain, REACH};
 use crate::enclosure::is_periodic;
 use crate::program::{Program, ProgramError};
 use glam::DVec3;
+use num_traits::ToPrimitive;
 use zeroset_eval::IntervalKernel;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
@@ -68,7 +69,7 @@ pub fn region(
         (DomainChoice::Document, Some(Domain::Box(ranges))) => {
             let given = |axis: usize| {
                 let (low, high) = ranges[axis].as_ref()?;
-                Some([low.bounds().lo, high.bounds().hi])
+                Some([nearest(low), nearest(high)])
             };
             match (given(0), given(1), given(2)) {
                 (Some(x), Some(y), Some(z)) => [x[0], x[1], y[0], y[1], z[0], z[1]],
@@ -148,7 +149,7 @@ pub fn camera(
     let point = |numbers: &Option<[Constant; 3]>| {
         numbers
             .as_ref()
-            .map(|n| DVec3::from_array([0, 1, 2].map(|k| middle(&n[k]))))
+            .map(|n| DVec3::from_array([0, 1, 2].map(|k| nearest(&n[k]))))
     };
     // A side asked for replaces the document's own eye.
     let (typed_eye, typed_up) = match choice.view {
@@ -175,9 +176,9 @@ pub fn camera(
         .projection
         .unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
             (Some(height), _) => Projection::Orthographic {
-                height: middle(height),
+                height: nearest(height),
             },
-            (None, Some(fov)) => Projection::Perspective { fov: middle(fov) },
+            (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },
             (None, None) => Projection::Perspective { fov: View::FOV },
         });
     Camera::new(eye, target, up, projection)
@@ -195,10 +196,14 @@ fn view_of(preset: Preset) -> View {
     }
 }
 
-/// The `f64` nearest to the middle of a constant's bounds.
-fn middle(constant: &Constant) -> f64 {
+/// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and a flag with the same
+/// digits mean the same.
+fn nearest(constant: &Constant) -> f64 {
     let bounds = constant.bounds();
-    bounds.lo.midpoint(bounds.hi)
+    let exact = constant.exact().and_then(ToPrimitive::to_f64);
+    exact
+        .unwrap_or_else(|| bounds.lo.midpoint(bounds.hi))
+        .clamp(bounds.lo, bounds.hi)
 }
 
 #[cfg(test)]
@@ -218,6 +223,7 @@ mod tests {
     #[test]
     fn the_document_s_domain_counts_unless_another_is_given() {
         assert_eq!(found("domain 2\nx+y+z"), ([-2.0; 3], [2.0; 3]));
+        assert_eq!(found("domain 1.2\nx+y+z"), ([-1.2; 3], [1.2; 3]));
         let given = DomainChoice::Bounds([0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
         let (region, _) = region(&document("domain 2\nx+y+z"), given, None).expect("valid");
         assert_eq!(region.high(), DVec3::ONE);

@@ -1,8 +1,24 @@
 //! Colours as people write them and as light adds them.
 
+use std::sync::OnceLock;
+
 /// A colour in linear light: amounts of red, green and blue of the sRGB primaries, 1 at full.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour(pub [f32; 3]);
+
+/// The table of codes has one entry more. It is over the square root of the amount, which the code nearly follows:
+/// neighbouring entries differ by less than a tenth of a code.
+const LAST_CODE: usize = 4095;
+
+/// The nearest sRGB byte of an amount within [0, 1].
+fn encode(value: f32) -> u8 {
+    let encoded = if value <= 0.003_130_8 {
+        12.92 * value
+    } else {
+        1.055 * value.powf(1.0 / 2.4) - 0.055
+    };
+    (255.0 * encoded).round() as u8
+}
 
 impl Colour {
     /// The colour that sRGB encodes with these bytes (IEC 61966-2-1).
@@ -17,16 +33,18 @@ impl Colour {
         }))
     }
 
-    /// The nearest sRGB bytes; amounts outside [0, 1] are clamped, NaN is black.
+    /// The sRGB bytes, each within 0.55 of the exact code; amounts outside [0, 1] are clamped, NaN is black.
     pub fn to_srgb(self) -> [u8; 3] {
+        static CODES: OnceLock<Vec<u8>> = OnceLock::new();
+        let codes = CODES.get_or_init(|| {
+            (0..=LAST_CODE)
+                .map(|n| encode((n as f32 / LAST_CODE as f32).powi(2)))
+                .collect()
+        });
+        // A NaN becomes 0 in the conversion to an index.
         self.0.map(|value| {
-            let value = value.clamp(0.0, 1.0);
-            let encoded = if value <= 0.003_130_8 {
-                12.92 * value
-            } else {
-                1.055 * value.powf(1.0 / 2.4) - 0.055
-            };
-            (255.0 * encoded).round() as u8
+            let root = value.clamp(0.0, 1.0).sqrt();
+            codes[(root * LAST_CODE as f32 + 0.5) as usize]
         })
     }
 
@@ -62,6 +80,11 @@ mod tests {
     fn every_byte_survives_the_way_to_light_and_back() {
         for byte in 0..=255 {
             assert_eq!(Colour::from_srgb([byte; 3]).to_srgb(), [byte; 3]);
+        }
+        for n in 0..=10_000 {
+            let value = n as f32 / 10_000.0;
+            let [code, ..] = Colour([value; 3]).to_srgb();
+            assert!(code.abs_diff(encode(value)) <= 1, "{value}");
         }
         // Half of the light is much brighter than half of the code.
         assert_eq!(Colour([0.5; 3]).to_srgb(), [188; 3]);

@@ -1,8 +1,8 @@
 //! Normals of painted points, asked for after the traversal and only where something is painted.
 //!
 //! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the function's domain) is
-//! replaced by central differences over growing steps, and at last by the direction to the eye, so that a picture never
-//! holds a NaN.
+//! replaced by that a little farther along the ray, then by central differences over growing steps, and at last by the
+//! direction to the eye, so that a picture never holds a NaN.
 
 use crate::frame::Frame;
 use crate::gbuffer::GBuffer;
@@ -27,6 +27,10 @@ const STEP_GROWTH: f64 = 8.0;
 
 /// How many step lengths are tried.
 const STEPS: u32 = 3;
+
+/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint the near end of the
+/// segment that holds a root, and there the function may not yet be defined.
+const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
 /// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of central differences in
 /// world units; a thousandth of the region's extent serves.
@@ -64,22 +68,21 @@ struct Seen {
 impl NormalSource<'_> {
     fn of_batch(&self, seen: &[Seen], step: f64) -> Vec<[f32; 3]> {
         let points: Vec<DVec3> = seen.iter().map(|seen| seen.point).collect();
-        let mut normals = match self {
-            Self::Gradient(kernel) => gradients(*kernel, &points),
-            Self::Central(_) => vec![None; points.len()],
-        };
+        let mut normals = vec![None; points.len()];
+        if let Self::Gradient(kernel) = self {
+            for ahead in AHEAD {
+                let point = |k: usize| points[k] + seen[k].direction * (ahead * step);
+                fill(&mut normals, |open| {
+                    gradients(*kernel, open.iter().map(|&k| point(k)))
+                });
+            }
+        }
         let mut reach = step;
         for _ in 0..STEPS {
-            let open: Vec<usize> = (0..points.len())
-                .filter(|&k| normals[k].is_none())
-                .collect();
-            if open.is_empty() {
-                break;
-            }
-            let differences = self.differences(open.iter().map(|&k| points[k]), reach);
-            for (k, difference) in open.into_iter().zip(differences) {
-                normals[k] = unit(difference);
-            }
+            let point = |k: usize| points[k];
+            fill(&mut normals, |open| {
+                self.differences(open.iter().map(|&k| point(k)), reach)
+            });
             reach *= STEP_GROWTH;
         }
         let before: Vec<DVec3> = seen.iter().map(|s| s.point - s.direction * step).collect();
@@ -155,16 +158,25 @@ impl NormalSource<'_> {
     }
 }
 
-fn gradients(kernel: &dyn GradientKernel, points: &[DVec3]) -> Vec<Option<[f32; 3]>> {
-    let packets = packed(points);
+/// Asks `vectors` for the directions of the points that have none yet, by their places.
+fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<DVec3>) {
+    let open: Vec<usize> = (0..normals.len())
+        .filter(|&k| normals[k].is_none())
+        .collect();
+    if !open.is_empty() {
+        for (&k, vector) in open.iter().zip(vectors(&open)) {
+            normals[k] = unit(vector);
+        }
+    }
+}
+
+fn gradients(kernel: &dyn GradientKernel, points: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+    let points: Vec<DVec3> = points.collect();
+    let packets = packed(&points);
     let mut out = vec![GradientPacket::default(); packets.len()];
     kernel.gradient(&packets, &mut out);
     (0..points.len())
-        .map(|k| {
-            unit(axes(|axis| {
-                f64::from(out[k / LANES].gradient[axis][k % LANES])
-            }))
-        })
+        .map(|k| axes(|axis| f64::from(out[k / LANES].gradient[axis][k % LANES])))
         .collect()
 }
 
@@ -273,6 +285,23 @@ mod tests {
                 [half, -half, 0.0]
             ));
         }
+    }
+
+    #[test]
+    fn a_gradient_just_behind_the_painted_point_serves() {
+        // Defined from half a step behind the point on: y > −0.9995.
+        let edge = |[_, y, _]: [f32; 3]| {
+            if y > -0.9996 {
+                [1.0, 0.0, 0.0]
+            } else {
+                [f32::NAN; 3]
+            }
+        };
+        let kernel = Plain(|_: [f32; 3]| f32::NAN, edge);
+        assert!(near(
+            normal_of(NormalSource::Gradient(&kernel)),
+            [1.0, 0.0, 0.0]
+        ));
     }
 
     #[test]

@@ -97,6 +97,7 @@ const TINT: Colour = Colour([0.6, 0.0, 0.6]);
 /// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f > 0 or f < 0, decides
 /// the colour. In shadow only the ambient share is left.
 pub fn shade(buffer: &GBuffer, frame: &Frame, appearance: &Appearance) -> Vec<u8> {
+    let background = appearance.background.to_srgb();
     let mut bytes = vec![0; 3 * buffer.status.len()];
     bytes
         .par_chunks_mut((3 * buffer.width).max(1))
@@ -105,22 +106,23 @@ pub fn shade(buffer: &GBuffer, frame: &Frame, appearance: &Appearance) -> Vec<u8
             for (column, out) in line.chunks_exact_mut(3).enumerate() {
                 let pixel = row * buffer.width + column;
                 let colour = pixel_colour(buffer, frame, appearance, pixel, (column, row));
-                out.copy_from_slice(&colour.to_srgb());
+                out.copy_from_slice(&colour.map_or(background, Colour::to_srgb));
             }
         });
     bytes
 }
 
+/// The colour of what is painted in a pixel, or `None` for the background.
 fn pixel_colour(
     buffer: &GBuffer,
     frame: &Frame,
     appearance: &Appearance,
     pixel: usize,
     (column, row): (usize, usize),
-) -> Colour {
+) -> Option<Colour> {
     let undecided = buffer.status[pixel] == Status::Undecided;
     if !buffer.is_drawn(pixel) || (undecided && appearance.undecided == UndecidedStyle::Miss) {
-        return appearance.background;
+        return None;
     }
     let ray = frame.ray(column, row);
     let to_eye = -ray.direction.as_vec3();
@@ -150,7 +152,7 @@ fn pixel_colour(
     // The ambient share falls off towards grazing angles, so that shapes stay readable in shadow.
     let ambient = appearance.ambient * (0.5 + 0.5 * facing.abs());
     let colour = base.lit(ambient + (1.0 - appearance.ambient) * direct, highlight);
-    match appearance.undecided {
+    Some(match appearance.undecided {
         UndecidedStyle::Hatch if undecided && (column + row) % HATCH_PERIOD < HATCH_WIDTH => {
             colour.lit(0.25, 0.0)
         }
@@ -159,7 +161,7 @@ fn pixel_colour(
         | UndecidedStyle::Hatch
         | UndecidedStyle::Tint
         | UndecidedStyle::Miss => colour,
-    }
+    })
 }
 
 #[cfg(test)]

@@ -1,0 +1,248 @@
+//! `zeroset eval`: JSON lines in, JSON lines out.
+//!
+//! Kernels compute in 32-bit floats: points are rounded to the nearest, boxes outward. Answers are the kernels' own bits.
+
+use super::{arguments, number};
+use anyhow::{Context, Result};
+use serde_json::{Map, Value, json};
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter, Read, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use zeroset::program::Program;
+use zeroset_eval::{
+    BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, PointPacket,
+    Reference,
+};
+use zeroset_interval::{Facts, Interval, round::f32_up};
+use zeroset_syntax::Options;
+
+/// Longer lines are refused; the parser's own limit on a formula is lower.
+const LONGEST_LINE: u64 = 4 << 20;
+
+/// Formulas kept compiled; when there are more, all are dropped.
+const KEPT: usize = 256;
+
+pub fn run(arguments: &arguments::Eval) -> Result<ExitCode> {
+    let source = &arguments.source;
+    let mut input: Box<dyn BufRead> = if source == Path::new("-") {
+        Box::new(std::io::stdin().lock())
+    } else {
+        let cannot = || format!("cannot read '{}'", source.display());
+        anyhow::ensure!(!source.is_dir(), "'{}' is a directory", source.display());
+        Box::new(BufReader::new(File::open(source).with_context(cannot)?))
+    };
+    let mut out = BufWriter::new(std::io::stdout().lock());
+    let mut functions = Functions {
+        reference: arguments.reference,
+        compiled: HashMap::new(),
+    };
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        let mut limited = input.by_ref().take(LONGEST_LINE);
+        let read = limited
+            .read_until(b'\n', &mut line)
+            .context("cannot read the input")?;
+        if read == 0 {
+            break;
+        }
+        let cut = read as u64 == LONGEST_LINE && line.last() != Some(&b'\n');
+        let answer = if cut {
+            skip_line(&mut *input).context("cannot read the input")?;
+            Err(format!("the line is longer than {LONGEST_LINE} bytes"))
+        } else if line.iter().all(u8::is_ascii_whitespace) {
+            continue;
+        } else {
+            functions.answer(&line)
+        };
+        let answer = answer.unwrap_or_else(|message| json!({ "error": message }));
+        // Somebody who talks to this over a pipe waits for each answer.
+        let written = writeln!(out, "{answer}").and_then(|()| out.flush());
+        match written {
+            Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => break,
+            other => other.context("cannot write the answer")?,
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads up to and with the next line break.
+fn skip_line(input: &mut dyn BufRead) -> std::io::Result<()> {
+    loop {
+        let buffer = input.fill_buf()?;
+        if buffer.is_empty() {
+            return Ok(());
+        }
+        let end = buffer.iter().position(|&byte| byte == b'\n');
+        let used = end.map_or(buffer.len(), |end| end + 1);
+        input.consume(used);
+        if end.is_some() {
+            return Ok(());
+        }
+    }
+}
+
+/// Formulas by their text, with the kernels asked for so far.
+struct Functions {
+    reference: bool,
+    compiled: HashMap<String, Function>,
+}
+
+struct Function {
+    program: Program,
+    interval: Option<Box<dyn IntervalKernel>>,
+    gradient: Option<Box<dyn GradientKernel>>,
+}
+
+impl Functions {
+    fn answer(&mut self, line: &[u8]) -> Result<Value, String> {
+        let request: Map<String, Value> =
+            serde_json::from_slice(line).map_err(|error| format!("not a JSON object: {error}"))?;
+        let formula = match request.get("f") {
+            Some(Value::String(formula)) => formula,
+            Some(other) => return Err(format!("\"f\" must be a string, not {other}")),
+            None => return Err("\"f\" is missing: the formula".to_owned()),
+        };
+        let (at, over) = (request.get("at"), request.get("box"));
+        if let Some(other) = request
+            .keys()
+            .find(|key| !["f", "at", "box"].contains(&key.as_str()))
+        {
+            return Err(format!("\"{other}\" has no meaning here"));
+        }
+        let reference = self.reference;
+        match (at, over) {
+            (Some(at), None) => {
+                let point = three(at, number::read)?;
+                let kernel = self.function(formula)?.gradient(reference)?;
+                Ok(sample(kernel, point))
+            }
+            (None, Some(over)) => {
+                let bounds = three(over, interval)?;
+                let kernel = self.function(formula)?.interval(reference)?;
+                Ok(enclose(kernel, bounds))
+            }
+            _ => Err("either \"at\" or \"box\" is needed".to_owned()),
+        }
+    }
+
+    fn function(&mut self, formula: &str) -> Result<&mut Function, String> {
+        if !self.compiled.contains_key(formula) {
+            let function = Function::read(formula)?;
+            if self.compiled.len() >= KEPT {
+                self.compiled.clear();
+            }
+            self.compiled.insert(formula.to_owned(), function);
+        }
+        self.compiled
+            .get_mut(formula)
+            .ok_or_else(|| "the formula is gone".to_owned())
+    }
+}
+
+impl Function {
+    fn read(formula: &str) -> Result<Self, String> {
+        let document = zeroset_syntax::read(formula, &Options::default())
+            .map_err(|errors| errors.to_string())?;
+        if document.surfaces.len() != 1 {
+            return Err(format!(
+                "one formula is needed, not {}",
+                document.surfaces.len()
+            ));
+        }
+        let program = Program::unchecked(&document, [Interval::ENTIRE; 3])
+            .map_err(|error| error.to_string())?;
+        Ok(Self {
+            program,
+            interval: None,
+            gradient: None,
+        })
+    }
+
+    fn interval(&mut self, reference: bool) -> Result<&dyn IntervalKernel, String> {
+        if self.interval.is_none() {
+            let program = &self.program;
+            self.interval = Some(if reference {
+                Box::new(Reference::new(program.tape(0), program.binding().clone()))
+            } else {
+                Box::new(
+                    program
+                        .interval_kernel(0)
+                        .map_err(|error| error.to_string())?,
+                )
+            });
+        }
+        self.interval
+            .as_deref()
+            .ok_or_else(|| "there is no kernel".to_owned())
+    }
+
+    fn gradient(&mut self, reference: bool) -> Result<&dyn GradientKernel, String> {
+        if self.gradient.is_none() {
+            let program = &self.program;
+            self.gradient = Some(if reference {
+                let tape = program
+                    .gradient_tape(0)
+                    .map_err(|error| error.to_string())?;
+                Box::new(Reference::new(tape, program.binding().clone()))
+            } else {
+                Box::new(
+                    program
+                        .gradient_kernel(0)
+                        .map_err(|error| error.to_string())?,
+                )
+            });
+        }
+        self.gradient
+            .as_deref()
+            .ok_or_else(|| "there is no kernel".to_owned())
+    }
+}
+
+fn three<T>(value: &Value, read: impl Fn(&Value) -> Result<T, String>) -> Result<[T; 3], String> {
+    match value.as_array().map(Vec::as_slice) {
+        Some([x, y, z]) => Ok([read(x)?, read(y)?, read(z)?]),
+        _ => Err("\"at\" and \"box\" need an array of three".to_owned()),
+    }
+}
+
+fn interval(value: &Value) -> Result<Interval, String> {
+    let ends = match value.as_array().map(Vec::as_slice) {
+        Some([low, high]) => (number::read(low)?, number::read(high)?),
+        _ => return Err("each range of \"box\" needs two numbers".to_owned()),
+    };
+    Interval::new(ends.0, ends.1).ok_or_else(|| format!("{} to {} is no range", ends.0, ends.1))
+}
+
+fn sample(kernel: &dyn GradientKernel, point: [f64; 3]) -> Value {
+    let packet = PointPacket {
+        at: point.map(|c| [c as f32; 4]),
+    };
+    let mut out = [GradientPacket::default()];
+    kernel.gradient(&[packet], &mut out);
+    let gradient = out[0]
+        .gradient
+        .map(|lanes| number::write(f64::from(lanes[0])));
+    json!({ "value": number::write(f64::from(out[0].value[0])), "grad": gradient })
+}
+
+fn enclose(kernel: &dyn IntervalKernel, bounds: [Interval; 3]) -> Value {
+    let packet = BoxPacket {
+        neg_lo: bounds.map(|b| [f32_up::from_f64(-b.lo); 4]),
+        hi: bounds.map(|b| [f32_up::from_f64(b.hi); 4]),
+    };
+    let mut out = [EnclosurePacket::default()];
+    kernel.enclose(&[packet], &mut out);
+    let facts = Facts::from_bits(out[0].facts[0]);
+    // Subtracted from 0, so that no bound is printed as -0.
+    let (low, high) = (0.0 - out[0].neg_lo[0], out[0].hi[0] + 0.0);
+    json!({
+        "lo": number::write(f64::from(low)),
+        "hi": number::write(f64::from(high)),
+        "empty": facts.has(Facts::NOWHERE),
+        "defined": facts.has(Facts::DEFINED),
+        "continuous": facts.has(Facts::CONTINUOUS),
+    })
+}

@@ -1,0 +1,116 @@
+//! `zeroset explain`.
+
+use super::arguments::Explain;
+use super::notes;
+use super::subject::Subject;
+use anyhow::Result;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::process::ExitCode;
+use zeroset::program::Program;
+use zeroset::scene;
+use zeroset_eval::{Step, Tape};
+use zeroset_interval::Interval;
+use zeroset_ir::display;
+use zeroset_jit::{Kind, intermediate_code};
+
+pub fn run(arguments: &Explain) -> Result<ExitCode> {
+    let subject = Subject::read(&arguments.subject)?;
+    let text = explain(&subject)?;
+    // A reader such as `head` that has seen enough is no error.
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    Ok(ExitCode::SUCCESS)
+}
+
+fn explain(subject: &Subject) -> Result<String> {
+    let document = &subject.document;
+    let mut text = String::new();
+    for note in &document.notes {
+        let source = &subject.source;
+        let shown = note.render(Some(&source.name), &source.text, notes::coloured_output());
+        writeln!(text, "{shown}\n")?;
+    }
+    // A formula without a surface can be explained too; nothing is then assumed of its domain.
+    let domain = match scene::region(document, subject.domain, None) {
+        Ok((region, _)) => scene::bounds(&region),
+        Err(_) => [Interval::ENTIRE; 3],
+    };
+    let [x, y, z] = domain;
+    writeln!(
+        text,
+        "domain      x in {}, y in {}, z in {}",
+        range(x),
+        range(y),
+        range(z)
+    )?;
+    for parameter in &document.parameters {
+        let value = parameter.value.bounds();
+        writeln!(text, "parameter   {} = {}", parameter.name, range(value))?;
+    }
+    let program = Program::unchecked(document, domain)?;
+    let names: Vec<&str> = document
+        .parameters
+        .iter()
+        .map(|p| p.name.as_str())
+        .collect();
+    for (index, surface) in document.surfaces.iter().enumerate() {
+        let root = program.roots()[index];
+        writeln!(text, "\nread as     {}", surface.echo)?;
+        writeln!(
+            text,
+            "simplified  {}",
+            display(program.graph(), root, &names)
+        )?;
+        let interval = program.tape(index);
+        let gradient = program.gradient_tape(index)?;
+        writeln!(text, "operations  {}", operations(&interval))?;
+        let bytes = [
+            program.interval_kernel(index)?.code_bytes(),
+            program.point_kernel(index)?.code_bytes(),
+            program.gradient_kernel(index)?.code_bytes(),
+        ];
+        writeln!(
+            text,
+            "code        interval {} bytes, point {} bytes, gradient {} bytes ({} operations)",
+            bytes[0],
+            bytes[1],
+            bytes[2],
+            gradient.operations(),
+        )?;
+        writeln!(
+            text,
+            "\ninterval kernel\n{}",
+            intermediate_code(&interval, Kind::Interval)?
+        )?;
+    }
+    let (before, after) = program.nodes();
+    writeln!(text, "nodes       {before} as typed, {after} simplified")?;
+    Ok(text)
+}
+
+/// The value if the bounds enclose one number as tightly as they can, else the bounds.
+fn range(bounds: Interval) -> String {
+    if bounds.lo.next_up() >= bounds.hi {
+        format!("{}", bounds.hi)
+    } else {
+        format!("[{}, {}]", bounds.lo, bounds.hi)
+    }
+}
+
+/// How many of each operation: `7: 3 sqr, 2 +, 2 *`.
+fn operations(tape: &Tape) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for step in tape.steps() {
+        if let Step::Apply(op, _) = step {
+            *counts.entry(op.row().name).or_default() += 1;
+        }
+    }
+    let mut counts: Vec<_> = counts.into_iter().collect();
+    counts.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
+    let parts: Vec<String> = counts
+        .iter()
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
+    format!("{}: {}", tape.operations(), parts.join(", "))
+}

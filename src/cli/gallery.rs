@@ -1,0 +1,87 @@
+//! `zeroset gallery`.
+
+use super::arguments::Gallery;
+use super::notes;
+use super::output::{Output, write_png};
+use super::progress::Progress;
+use super::render::{in_threads, method_settings};
+use super::sheet::Sheet;
+use anyhow::{Context, Result, anyhow};
+use image::RgbImage;
+use std::io::Write;
+use std::path::Path;
+use std::process::ExitCode;
+use zeroset::gallery::{Example, examples};
+use zeroset::picture::{self, Settings};
+use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_syntax::Options;
+
+/// The name of the contact sheet.
+const SHEET: &str = "contact-sheet.png";
+
+pub fn run(arguments: &Gallery) -> Result<ExitCode> {
+    let examples = examples();
+    if arguments.list {
+        list(&examples);
+        return Ok(ExitCode::SUCCESS);
+    }
+    let directory = arguments
+        .output
+        .as_deref()
+        .context("nothing to write to: add -o DIR")?;
+    let settings = method_settings(&arguments.tracing, arguments.size)?;
+    std::fs::create_dir_all(directory)
+        .with_context(|| format!("cannot make the directory '{}'", directory.display()))?;
+    in_threads(arguments.tracing.threads, || {
+        all(&examples, directory, &settings)
+    })?;
+    notes::note(&format!(
+        "{} pictures and {SHEET} are in '{}'",
+        examples.len(),
+        directory.display()
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn list(examples: &[Example]) {
+    let widest = examples
+        .iter()
+        .map(|example| example.slug.len())
+        .max()
+        .unwrap_or(0);
+    let mut out = std::io::stdout().lock();
+    for example in examples {
+        let line = writeln!(out, "{:widest$}  {}", example.slug, example.summary());
+        // A reader such as `head` that has seen enough is no error.
+        if line.is_err() {
+            break;
+        }
+    }
+}
+
+fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()> {
+    let sheet_file = Output::create(&directory.join(SHEET))?;
+    let mut sheet = Sheet::new(examples.len());
+    let bar = Progress::new(examples.len() as u64, "gallery");
+    for (done, example) in examples.iter().enumerate() {
+        let file = Output::create(&directory.join(format!("{}.png", example.slug)))?;
+        let picture = render(example, settings).with_context(|| example.slug)?;
+        let (width, height) = (settings.width, settings.height);
+        file.finish(|out| write_png(out, picture.as_raw(), width, height))?;
+        sheet.add(example.title(), &picture);
+        bar.reach(done as u64 + 1);
+    }
+    let sheet = sheet.into_image();
+    let (width, height) = (sheet.width() as usize, sheet.height() as usize);
+    sheet_file.finish(|out| write_png(out, sheet.as_raw(), width, height))
+}
+
+fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {
+    let document = zeroset_syntax::read(example.text, &Options::default())
+        .map_err(|errors| anyhow!("{errors}"))?;
+    let (region, _) = scene::region(&document, DomainChoice::Document, None)?;
+    let camera = scene::camera(&document, &region, &CameraChoice::default())?;
+    let picture = picture::render(&document, &region, &camera, settings, &|_, _| {})?;
+    RgbImage::from_raw(settings.width as u32, settings.height as u32, picture.rgb)
+        .context("a picture of the wrong size")
+}

@@ -1,0 +1,53 @@
+//! What is said on standard error.
+
+use std::io::{IsTerminal, Write};
+
+/// An error that is already laid out, with carets and a suggestion.
+#[derive(Debug)]
+pub struct Diagnostic(pub String);
+
+impl std::fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Diagnostic {}
+
+/// Reports an error and its causes on one line, or as it is if it already is laid out.
+pub fn error(error: &anyhow::Error) {
+    if let Some(diagnostic) = error.downcast_ref::<Diagnostic>() {
+        return say(&diagnostic.0);
+    }
+    say(&format!("{}: {error:#}", label("error", "31")));
+}
+
+/// Reports something worth knowing that stops nothing.
+pub fn note(text: &str) {
+    say(&format!("{}: {text}", label("note", "36")));
+}
+
+/// Writes to standard error; nobody is left to tell if that fails.
+pub fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Whether standard error takes colours: a terminal, unless `NO_COLOR` is set (no-color.org).
+pub fn coloured() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+        && std::io::stderr().is_terminal()
+}
+
+/// Whether standard output takes colours, by the same rule.
+pub fn coloured_output() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+        && std::io::stdout().is_terminal()
+}
+
+fn label(word: &str, code: &str) -> String {
+    if coloured() {
+        format!("\x1b[1;{code}m{word}\x1b[0m")
+    } else {
+        word.to_owned()
+    }
+}

@@ -1,0 +1,262 @@
+//! `zeroset render`.
+
+use super::arguments::{self, Outputs, Packet, Render, Undecided};
+use super::notes;
+use super::output::{Output, write_png};
+use super::progress::Progress;
+use super::subject::{self, Subject};
+use super::{array, report};
+use anyhow::{Context, Result, bail, ensure};
+use glam::DVec3;
+use std::path::Path;
+use std::process::ExitCode;
+use zeroset::picture::{self, Normals, Picture, Settings};
+use zeroset::scene::{self, CameraChoice};
+use zeroset_trace::{Colour, HalfSpace, MAX_DEPTH, PacketWidth, Projection, UndecidedStyle, View};
+
+/// The exit code for undecided pixels under `--strict`.
+const UNDECIDED: u8 = 1;
+
+/// Shadow rays are traced this many halvings coarser than the picture.
+const SHADOW_COARSENESS: u32 = 1;
+
+pub fn run(arguments: &Render) -> Result<ExitCode> {
+    let settings = settings(arguments)?;
+    let camera_choice = camera_choice(&arguments.camera)?;
+    let files = Files::create(&arguments.outputs)?;
+    let subject = Subject::read(&arguments.subject)?;
+    subject.show_notes();
+
+    let clip = arguments.camera.clip.map(|plane| {
+        let [a, b, c, d] = plane.0;
+        HalfSpace {
+            normal: DVec3::new(a, b, c),
+            offset: d,
+        }
+    });
+    let render = || -> Result<_> {
+        let document = &subject.document;
+        let (region, searched) = scene::region(document, subject.domain, clip)?;
+        let camera = scene::camera(document, &region, &camera_choice)?;
+        let pixels = settings.width * settings.height * document.surfaces.len();
+        let bar = Progress::new(pixels as u64, "tracing");
+        let picture = picture::render(document, &region, &camera, &settings, &|done, _| {
+            bar.reach(done as u64);
+        })?;
+        Ok((region, searched, camera, picture))
+    };
+    let (region, searched, camera, picture) = in_threads(arguments.tracing.threads, render)?;
+
+    if let Some(found) = searched {
+        notes::note(&subject::describe_domain(&found));
+    }
+    remark(&subject, &region, &picture, searched.is_some());
+    files.finish(&picture)?;
+    if arguments.outputs.json {
+        let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
+        println!("{object}");
+    }
+    let undecided = picture.statistics.pixels.undecided > 0;
+    Ok(if arguments.strict && undecided {
+        ExitCode::from(UNDECIDED)
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+/// Runs `work` with this many threads, or as many as there are processors.
+///
+/// # Errors
+/// If there can be no threads, or as `work`.
+pub fn in_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<T> + Send,
+) -> Result<T> {
+    let Some(threads) = threads else {
+        return work();
+    };
+    ensure!(
+        (1..=1024).contains(&threads),
+        "--threads must be between 1 and 1024"
+    );
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.context("cannot start the threads")?.install(work)
+}
+
+/// What the method's flags ask for, at a given size and with the default look.
+///
+/// # Errors
+/// If a number is out of range.
+pub fn method_settings(method: &arguments::Tracing, size: super::vector::Size) -> Result<Settings> {
+    ensure!(
+        (1..=MAX_DEPTH).contains(&method.max_depth),
+        "--max-depth must be between 1 and {MAX_DEPTH}"
+    );
+    let shadow_depth = method
+        .shadow_depth
+        .unwrap_or_else(|| method.max_depth.saturating_sub(SHADOW_COARSENESS).max(1));
+    ensure!(
+        (1..=MAX_DEPTH).contains(&shadow_depth),
+        "--shadow-depth must be between 1 and {MAX_DEPTH}"
+    );
+    Ok(Settings {
+        width: size.width,
+        height: size.height,
+        max_depth: method.max_depth,
+        packet: match method.packet {
+            Packet::Four => PacketWidth::Four,
+            Packet::Eight => PacketWidth::Eight,
+            Packet::Sixteen => PacketWidth::Sixteen,
+        },
+        shadow_depth: method.shadows.then_some(shadow_depth),
+        normals: Some(match method.normals {
+            arguments::Normals::Gradient => Normals::Gradient,
+            arguments::Normals::Central => Normals::Central,
+        }),
+        ..Settings::default()
+    })
+}
+
+fn settings(arguments: &Render) -> Result<Settings> {
+    let look = &arguments.look;
+    ensure!(
+        (0.0..=1.0).contains(&look.ambient),
+        "--ambient must be between 0 and 1"
+    );
+    let background = match &look.background {
+        None => None,
+        Some(text) => Some(
+            Colour::from_hex(text)
+                .with_context(|| format!("--background '{text}' is not a colour such as ffffff"))?,
+        ),
+    };
+    if let Some(light) = look.light {
+        ensure!(
+            light.0.iter().all(|c| c.is_finite()),
+            "--light needs finite numbers"
+        );
+    }
+    let outputs = &arguments.outputs;
+    let method = method_settings(&arguments.tracing, outputs.size)?;
+    let shaded = outputs.output.is_some() || outputs.normal.is_some();
+    Ok(Settings {
+        normals: method.normals.filter(|_| shaded),
+        undecided: match look.undecided {
+            None | Some(Undecided::Shade) => UndecidedStyle::Shade,
+            Some(Undecided::Hatch) => UndecidedStyle::Hatch,
+            Some(Undecided::Tint) => UndecidedStyle::Tint,
+            Some(Undecided::Miss) => UndecidedStyle::Miss,
+        },
+        light: look.light.map(|place| DVec3::from_array(place.0)),
+        ambient: look.ambient,
+        background,
+        ..method
+    })
+}
+
+fn camera_choice(camera: &arguments::Camera) -> Result<CameraChoice> {
+    let point = |numbers: Option<super::vector::Numbers<3>>| numbers.map(|n| DVec3::from(n.0));
+    let view = match &camera.view {
+        None => None,
+        Some(name) => Some(View::named(name).with_context(|| format!("no view '{name}'"))?),
+    };
+    let projection = match (camera.ortho, camera.fov) {
+        (Some(height), _) => Some(Projection::Orthographic { height }),
+        (None, Some(fov)) => Some(Projection::Perspective { fov }),
+        (None, None) => None,
+    };
+    Ok(CameraChoice {
+        view,
+        eye: point(camera.eye),
+        target: point(camera.target),
+        up: point(camera.up),
+        projection,
+    })
+}
+
+/// The files asked for, opened before the work.
+struct Files {
+    picture: Option<Output>,
+    distance: Option<Output>,
+    status: Option<Output>,
+    normal: Option<Output>,
+}
+
+impl Files {
+    fn create(outputs: &Outputs) -> Result<Self> {
+        let Outputs {
+            output,
+            distance,
+            status,
+            normal,
+            json,
+            size: _,
+        } = outputs;
+        let paths = [output, distance, status, normal];
+        if paths.iter().all(|path| path.is_none()) && !json {
+            bail!(
+                "nothing to write: add -o picture.png, or --json, --distance, --status, --normal"
+            );
+        }
+        let standard = paths
+            .iter()
+            .filter(|path| path.as_deref() == Some(Path::new("-")))
+            .count();
+        ensure!(
+            standard + usize::from(*json) <= 1,
+            "only one thing can be written to standard output"
+        );
+        let create = |path: &Option<_>| {
+            path.as_ref()
+                .map(|path: &std::path::PathBuf| Output::create(path))
+        };
+        Ok(Self {
+            picture: create(output).transpose()?,
+            distance: create(distance).transpose()?,
+            status: create(status).transpose()?,
+            normal: create(normal).transpose()?,
+        })
+    }
+
+    fn finish(self, picture: &Picture) -> Result<()> {
+        let buffer = &picture.buffer;
+        let (width, height) = (buffer.width, buffer.height);
+        if let Some(file) = self.picture {
+            file.finish(|out| write_png(out, &picture.rgb, width, height))?;
+        }
+        if let Some(file) = self.distance {
+            file.finish(|out| {
+                array::write(out, &[height, width], buffer.distance.iter().copied())
+            })?;
+        }
+        if let Some(file) = self.status {
+            let bytes = buffer.status.iter().map(|&status| status as u8);
+            file.finish(|out| array::write(out, &[height, width], bytes))?;
+        }
+        if let Some(file) = self.normal {
+            let components = buffer.normal.iter().flatten().copied();
+            file.finish(|out| array::write(out, &[height, width, 3], components))?;
+        }
+        Ok(())
+    }
+}
+
+/// Says what a look at the picture does not tell: why nothing is seen, and how much is undecided.
+fn remark(subject: &Subject, region: &zeroset_trace::Region, picture: &Picture, searched: bool) {
+    let pixels = picture.statistics.pixels;
+    let seen = pixels.hit + pixels.undecided;
+    if seen == 0 {
+        notes::note(&subject::why_nothing_is_seen(
+            subject,
+            region,
+            picture.undefined,
+            searched,
+        ));
+    } else if pixels.undecided > 0 {
+        notes::note(&format!(
+            "{} of {} pixels are undecided: this method proves misses, never hits",
+            pixels.undecided,
+            pixels.miss + seen,
+        ));
+    }
+}

@@ -1,0 +1,69 @@
+//! What `zeroset render --json` prints.
+
+use super::subject::Subject;
+use serde_json::{Value, json};
+use zeroset::domain::AutoDomain;
+use zeroset::picture::{Picture, Settings};
+use zeroset::work::Count;
+use zeroset_trace::{Camera, Projection, Region};
+
+/// Times, counts, camera and domain of a picture.
+pub fn object(
+    subject: &Subject,
+    region: &Region,
+    searched: Option<AutoDomain>,
+    camera: &Camera,
+    settings: &Settings,
+    picture: &Picture,
+) -> Value {
+    let statistics = &picture.statistics;
+    let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
+    let count = |count: Count| json!({"calls": count.calls, "lanes": count.lanes});
+    let (low, high) = (region.low(), region.high());
+    let echoes: Vec<&str> = subject
+        .document
+        .surfaces
+        .iter()
+        .map(|s| s.echo.as_str())
+        .collect();
+    let (projection, value) = match camera.projection() {
+        Projection::Perspective { fov } => ("fov", fov),
+        Projection::Orthographic { height } => ("ortho", height),
+    };
+    let mut camera_object = json!({
+        "eye": camera.eye().to_array(),
+        "target": camera.target().to_array(),
+        "up": camera.up().to_array(),
+    });
+    camera_object[projection] = json!(value);
+    json!({
+        "surfaces": echoes,
+        "method": "knoll",
+        "size": [settings.width, settings.height],
+        "ms": {
+            "parse": ms(subject.parse),
+            "simplify": ms(statistics.times.simplify),
+            "compile": ms(statistics.times.compile),
+            "trace": ms(statistics.times.trace),
+            "shade": ms(statistics.times.shade),
+        },
+        "pixels": {
+            "hit": statistics.pixels.hit,
+            "miss": statistics.pixels.miss,
+            "undecided": statistics.pixels.undecided,
+        },
+        "work": {
+            "interval": count(statistics.work.interval),
+            "point": count(statistics.work.point),
+            "gradient": count(statistics.work.gradient),
+        },
+        "code_bytes": statistics.code_bytes,
+        "nodes": {"before": statistics.nodes.0, "after": statistics.nodes.1},
+        "camera": camera_object,
+        "domain": [low.x, high.x, low.y, high.y, low.z, high.z],
+        "domain_found": searched.map(|found| found.finding.describe()),
+        "clip": region.clip().map(|clip| {
+            [clip.normal.x, clip.normal.y, clip.normal.z, clip.offset]
+        }),
+    })
+}

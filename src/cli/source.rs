@@ -1,0 +1,83 @@
+//! Where the text to draw comes from: standard input, a file, the gallery, or the command line itself.
+
+use anyhow::{Context, Result, bail};
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// No text is read further than this; the parser's own limit is far lower.
+const LONGEST: u64 = 16 << 20;
+
+/// A text and what to call it in messages.
+pub struct Source {
+    pub name: String,
+    pub text: String,
+}
+
+/// Finds the text that `argument` stands for: `-` is standard input, an existing file wins over a name of the gallery,
+/// and that over a formula.
+///
+/// # Errors
+/// If a file cannot be read, or the text is not UTF-8.
+pub fn find(argument: &OsStr) -> Result<Source> {
+    if argument == "-" {
+        return read("standard input", std::io::stdin().lock());
+    }
+    let path = Path::new(argument);
+    let shown = argument.to_string_lossy();
+    // An empty argument or one with a NUL byte is no path, and the failing look-up says so.
+    if path.exists() {
+        let name = format!("'{shown}'");
+        if path.is_dir() {
+            bail!("{name} is a directory, not a function file");
+        }
+        let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+        return read(&name, file);
+    }
+    let Some(text) = argument.to_str() else {
+        bail!("the formula is not valid UTF-8, and no file has this name: '{shown}'");
+    };
+    if let Some(example) = zeroset::gallery::example(text) {
+        return Ok(Source {
+            name: example.slug.to_owned(),
+            text: example.text.to_owned(),
+        });
+    }
+    if path
+        .extension()
+        .is_some_and(|extension| extension == "zset")
+    {
+        bail!("there is no file '{shown}'; for the gallery's names run 'zeroset gallery --list'");
+    }
+    Ok(Source {
+        name: "formula".to_owned(),
+        text: text.to_owned(),
+    })
+}
+
+fn read(name: &str, from: impl Read) -> Result<Source> {
+    let mut bytes = Vec::new();
+    from.take(LONGEST + 1)
+        .read_to_end(&mut bytes)
+        .with_context(|| format!("cannot read {name}"))?;
+    if bytes.len() as u64 > LONGEST {
+        bail!(
+            "{name} is longer than {} MB: that is no formula",
+            LONGEST >> 20
+        );
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok(Source {
+            name: name.to_owned(),
+            text,
+        }),
+        Err(error) => {
+            let at = error.utf8_error().valid_up_to();
+            let line = 1 + String::from_utf8_lossy(&error.as_bytes()[..at])
+                .matches('\n')
+                .count();
+            bail!("{name} is not valid UTF-8 text: line {line}, byte {at}")
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! A document and everything said about it on the command line.
+
+use super::arguments;
+use super::notes;
+use super::source::{self, Source};
+use super::vector::Domain;
+use anyhow::{Context, Result, bail};
+use std::time::{Duration, Instant};
+use zeroset::domain::{AutoDomain, Finding};
+use zeroset::scene::{self, DomainChoice};
+use zeroset_syntax::{Document, Options};
+use zeroset_trace::Region;
+
+/// What is drawn.
+pub struct Subject {
+    /// Where the text came from.
+    pub source: Source,
+    /// The text as read.
+    pub document: Document,
+    /// Where to look.
+    pub domain: DomainChoice,
+    /// How long reading took.
+    pub parse: Duration,
+}
+
+impl Subject {
+    /// Finds and reads the text.
+    ///
+    /// # Errors
+    /// If there is no text, or it is wrong.
+    pub fn read(arguments: &arguments::Subject) -> Result<Self> {
+        let source = source::find(&arguments.source)?;
+        let overrides = overrides(&arguments.define)?;
+        let time = arguments.time.as_deref().map(time).transpose()?;
+        let domain = match arguments.domain {
+            None => DomainChoice::Document,
+            Some(Domain::Auto) => DomainChoice::Auto,
+            Some(Domain::Bounds(bounds)) => DomainChoice::Bounds(bounds),
+        };
+        let started = Instant::now();
+        let options = Options {
+            overrides: &overrides,
+            time,
+            ..Options::default()
+        };
+        let read = zeroset_syntax::read(&source.text, &options);
+        let parse = started.elapsed();
+        match read {
+            Ok(document) => Ok(Self {
+                source,
+                document,
+                domain,
+                parse,
+            }),
+            Err(errors) => {
+                let shown = errors.render(Some(&source.name), &source.text, notes::coloured());
+                Err(notes::Diagnostic(shown).into())
+            }
+        }
+    }
+
+    /// Reports how the text was read where that may surprise.
+    pub fn show_notes(&self) {
+        for note in &self.document.notes {
+            let Source { name, text } = &self.source;
+            notes::say(&note.render(Some(name), text, notes::coloured()));
+        }
+    }
+}
+
+fn overrides(defines: &[String]) -> Result<Vec<(String, String)>> {
+    defines
+        .iter()
+        .map(|define| {
+            let (name, value) = define
+                .split_once('=')
+                .with_context(|| format!("-D '{define}' is not of the form name=value"))?;
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        })
+        .collect()
+}
+
+fn time(text: &str) -> Result<f64> {
+    match text.trim().parse::<f64>() {
+        Ok(time) if time.is_finite() => Ok(time),
+        _ => bail!("--time '{text}' is not a finite number"),
+    }
+}
+
+/// One line on a domain that was searched for.
+pub fn describe_domain(found: &AutoDomain) -> String {
+    let range = |axis: usize| format!("{}..{}", found.low[axis], found.high[axis]);
+    let ranges = (range(0), range(1), range(2));
+    let shown = if ranges.0 == ranges.1 && ranges.1 == ranges.2 {
+        format!("x, y, z in {}", ranges.0)
+    } else {
+        format!("x in {}, y in {}, z in {}", ranges.0, ranges.1, ranges.2)
+    };
+    format!("{}; domain {shown}", found.finding.describe())
+}
+
+/// One line on a picture in which nothing is seen.
+pub fn why_nothing_is_seen(
+    subject: &Subject,
+    region: &Region,
+    undefined: bool,
+    searched: bool,
+) -> String {
+    if undefined {
+        return "nothing is seen: the function has no value anywhere in the domain".to_owned();
+    }
+    let elsewhere = if searched {
+        None
+    } else {
+        scene::search(&subject.document).ok()
+    };
+    match elsewhere {
+        Some(found) if found.finding == Finding::Empty => {
+            "nothing is seen: the surface is proven empty up to ±256".to_owned()
+        }
+        Some(found) if outside(&found, region) => {
+            let [x0, y0, z0] = found.low;
+            let [x1, y1, z1] = found.high;
+            format!(
+                "nothing is seen here; the surface lies elsewhere: try --domain {x0},{x1},{y0},{y1},{z0},{z1}"
+            )
+        }
+        _ => "nothing is seen: every ray is proven to miss".to_owned(),
+    }
+}
+
+/// Whether the domain found reaches beyond the one looked at.
+fn outside(found: &AutoDomain, region: &Region) -> bool {
+    (0..3)
+        .any(|axis| found.low[axis] < region.low()[axis] || found.high[axis] > region.high()[axis])
+}

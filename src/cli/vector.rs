@@ -1,0 +1,145 @@
+//! Lists of numbers on the command line: points, planes, sizes and domains.
+
+use std::str::FromStr;
+
+/// `N` numbers with commas between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numbers<const N: usize>(pub [f64; N]);
+
+impl<const N: usize> FromStr for Numbers<N> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = numbers(text)?;
+        let found = numbers.len();
+        let array = numbers.try_into();
+        Ok(Self(array.map_err(|_| {
+            format!("expected {N} numbers with commas between, found {found}")
+        })?))
+    }
+}
+
+/// The value of `--domain`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Domain {
+    /// Found from the formula.
+    Auto,
+    /// Lower and upper bound per axis, unchecked.
+    Bounds([f64; 6]),
+}
+
+impl FromStr for Domain {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim() == "auto" {
+            return Ok(Self::Auto);
+        }
+        match *numbers(text)? {
+            [r] => Ok(Self::Bounds([-r, r, -r, r, -r, r])),
+            [a, b, c, d, e, f] => Ok(Self::Bounds([a, b, c, d, e, f])),
+            ref other => Err(format!(
+                "expected auto, one number or six with commas between, found {} numbers",
+                other.len()
+            )),
+        }
+    }
+}
+
+/// A picture's size in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    pub width: usize,
+    pub height: usize,
+}
+
+/// More pixels than this would need gigabytes of memory.
+const MOST_PIXELS: usize = 1 << 26;
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (width, height) = text.split_once(['x', 'X', '×']).unwrap_or((text, text));
+        let side = |text: &str| {
+            text.trim().parse::<usize>().map_err(|_| {
+                "expected a number of pixels such as 512, or width and height such as 640x480"
+                    .to_owned()
+            })
+        };
+        let (width, height) = (side(width)?, side(height)?);
+        match width.checked_mul(height) {
+            Some(0) => Err("a picture needs at least one pixel".to_owned()),
+            Some(pixels) if pixels <= MOST_PIXELS => Ok(Self { width, height }),
+            _ => Err(format!("a picture may have at most {MOST_PIXELS} pixels")),
+        }
+    }
+}
+
+fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',')
+        .map(|part| {
+            let part = part.trim();
+            part.parse()
+                .map_err(|_| format!("'{part}' is not a number"))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_and_bounded() {
+        assert_eq!(
+            "512".parse(),
+            Ok(Size {
+                width: 512,
+                height: 512
+            })
+        );
+        assert_eq!(
+            "640x480".parse(),
+            Ok(Size {
+                width: 640,
+                height: 480
+            })
+        );
+        let wrong = [
+            "",
+            "0",
+            "0x0",
+            "1x0",
+            "-1",
+            "1x2x3",
+            "99999999",
+            "9999999999x9999999999",
+        ];
+        for text in wrong {
+            assert!(text.parse::<Size>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn domains_are_a_word_a_number_or_six() {
+        assert_eq!("auto".parse(), Ok(Domain::Auto));
+        assert_eq!(
+            "3".parse(),
+            Ok(Domain::Bounds([-3.0, 3.0, -3.0, 3.0, -3.0, 3.0]))
+        );
+        assert_eq!(
+            "-1,1, 0,2,.5,1e1".parse(),
+            Ok(Domain::Bounds([-1.0, 1.0, 0.0, 2.0, 0.5, 10.0]))
+        );
+        for text in ["", "1,2", "1,2,3,4,5", "a", "1,2,3,4,5,6,7", "1,,2"] {
+            assert!(text.parse::<Domain>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn points_have_their_number_of_coordinates() {
+        assert_eq!("1,-2,3".parse(), Ok(Numbers([1.0, -2.0, 3.0])));
+        assert!("1,2".parse::<Numbers<3>>().is_err());
+    }
+}
