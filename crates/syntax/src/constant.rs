@@ -161,3 +161,53 @@ fn exactly(op: Op, operands: &[&BigRational]) -> Option<BigRational> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arithmetic_on_decimals_is_exact() {
+        for (text, numerator, denominator) in [
+            ("0.1 + 0.2", 3, 10),
+            ("1/3*3", 1, 1),
+            ("-2^2", -4, 1),
+            ("2^-3", 1, 8),
+            ("(1/3)^2", 1, 9),
+            ("0^0", 1, 1),
+            ("-(-5)", 5, 1),
+        ] {
+            let expected = Constant::ratio(numerator, denominator).expect("not zero");
+            assert_eq!(constant(text).expect(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn other_values_are_enclosed_tightly() {
+        for (text, value) in [
+            ("2*pi", std::f64::consts::TAU),
+            ("sqrt(2)", std::f64::consts::SQRT_2),
+            ("(1+sqrt(5))/2", 1.618_033_988_749_895),
+            ("sin(0.5)^2 + cos(0.5)^2", 1.0),
+            ("max(1, 2, tau)", std::f64::consts::TAU),
+            ("2^0.5", std::f64::consts::SQRT_2),
+        ] {
+            let bounds = constant(text).expect(text).bounds();
+            assert!(
+                bounds.lo <= value && value <= bounds.hi,
+                "{text}: {bounds:?}"
+            );
+            assert!(bounds.width() < 1e-13, "{text}: {bounds:?}");
+        }
+    }
+
+    #[test]
+    fn what_varies_or_has_no_value_is_refused() {
+        for text in [
+            "x", "t", "r", "1/0", "sqrt(-1)", "ln(0)", "9^9^9^9", "1e400", "", "1,2", "1 < 2",
+            "1; 2", "0^-1",
+        ] {
+            assert!(constant(text).is_err(), "{text}");
+        }
+    }
+}

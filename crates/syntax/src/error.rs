@@ -158,7 +158,11 @@ pub enum ErrorKind {
 
     // ---- names
     #[error("`{name}` is not defined")]
-    UnknownName { name: String },
+    UnknownName {
+        name: String,
+        /// The letter that lacks a value, if all others have one and the name could be their product.
+        letter: Option<char>,
+    },
     #[error("there is no function `{name}`")]
     UnknownFunction { name: String },
     #[error("`{name}` runs a name and a number together")]

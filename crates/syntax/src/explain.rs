@@ -95,16 +95,34 @@ impl Error {
     }
 
     /// What to write instead. `text` is the text that the error's spans are places of.
+    #[allow(clippy::too_many_lines)] // one arm for each kind of error
     pub fn help(&self, text: &str) -> Option<String> {
         let meant = self.suggestion.as_ref();
         let help = match &self.kind {
-            ErrorKind::UnknownName { name } => match meant {
-                Some(meant) => format!("did you mean `{}`?", meant.replacement),
-                None => format!("give it a value with a line `{name} = 1` or with `-D {name}=1`"),
+            ErrorKind::UnknownName { name, .. }
+                if matches!(name.as_str(), "for" | "if" | "where" | "when") =>
+            {
+                "to restrict a formula, write the condition in braces: `x + y = z {z > 0}`"
+                    .to_owned()
+            }
+            ErrorKind::UnknownName { name, letter } => match (meant, letter) {
+                (Some(meant), _) => format!("did you mean `{}`?", meant.replacement),
+                (None, Some(letter)) => {
+                    let product: Vec<String> = name.chars().map(String::from).collect();
+                    format!(
+                        "to read it as `{}`, give `{letter}` a value with a line `{letter} = 1` or with `-D {letter}=1`",
+                        product.join("*")
+                    )
+                }
+                (None, None) => {
+                    format!("give it a value with a line `{name} = 1` or with `-D {name}=1`")
+                }
             },
             ErrorKind::UnknownFunction { name } => match meant {
                 Some(meant) => format!("did you mean `{}`?", meant.replacement),
-                None => format!("define it with a line `{name}(a) = …`, or give `{name}` a value to multiply with"),
+                None => format!(
+                    "define it with a line `{name}(a) = …`, or give `{name}` a value to multiply with"
+                ),
             },
             ErrorKind::UnknownOverride { .. } | ErrorKind::BadColor if meant.is_some() => {
                 format!("did you mean `{}`?", meant?.replacement)
@@ -115,44 +133,84 @@ impl Error {
                 parameters: Some(count),
                 ..
             } => {
-                let arguments = ["x", "y", "z"].iter().cycle().take(*count).copied().collect::<Vec<_>>();
-                format!("to draw where `{last}` is 0, add a line such as `{last}({}) = 0`", arguments.join(", "))
+                let arguments = ["x", "y", "z"]
+                    .iter()
+                    .cycle()
+                    .take(*count)
+                    .copied()
+                    .collect::<Vec<_>>();
+                format!(
+                    "to draw where `{last}` is 0, add a line such as `{last}({}) = 0`",
+                    arguments.join(", ")
+                )
             }
-            ErrorKind::NothingToDraw { last, is_number: true, .. } => {
+            ErrorKind::NothingToDraw {
+                last,
+                is_number: true,
+                ..
+            } => {
                 format!("add a line that uses `{last}`, such as `x^2 + y^2 + z^2 = {last}^2`")
             }
-            ErrorKind::NothingToDraw { last, is_number: false, .. } => {
+            ErrorKind::NothingToDraw {
+                last,
+                is_number: false,
+                ..
+            } => {
                 format!("to draw where `{last}` is 0, add a line that is just `{last}`")
             }
-            ErrorKind::UnexpectedCharacter { character } => return character_help(*character, meant),
+            ErrorKind::UnexpectedCharacter { character } => {
+                return character_help(*character, meant);
+            }
             ErrorKind::Unopened { .. } => "remove it, or open a bracket before it".to_owned(),
             ErrorKind::NestedBars | ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => {
                 "write `abs(…)` in place of bars".to_owned()
             }
             ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`".to_owned(),
-            ErrorKind::Comma if meant.is_none() => "draw several surfaces with one line each".to_owned(),
-            ErrorKind::Tuple => "write one equation in x, y and z; a product is written with `*`".to_owned(),
-            ErrorKind::Vector => "write an equation in x, y and z, such as `x^2 + y^2 = z`".to_owned(),
+            ErrorKind::Comma if meant.is_none() => {
+                "draw several surfaces with one line each".to_owned()
+            }
+            ErrorKind::Tuple => {
+                "write one equation in x, y and z; a product is written with `*`".to_owned()
+            }
+            ErrorKind::Vector => {
+                "write an equation in x, y and z, such as `x^2 + y^2 = z`".to_owned()
+            }
             ErrorKind::Complex => "rewrite the formula with real and imaginary parts".to_owned(),
-            ErrorKind::NeedsArgument { name, count: 1 } if meant.is_none() => format!("write `{name}(…)`"),
+            ErrorKind::NeedsArgument { name, count: 1 } if meant.is_none() => {
+                format!("write `{name}(…)`")
+            }
             ErrorKind::NeedsArgument { name, .. } if meant.is_none() => {
                 format!("write `{name}(…, …)`: without brackets a function takes one argument only")
             }
             ErrorKind::WrongCount { usage, .. } => usage.clone()?,
             ErrorKind::InversePower { name } => format!("write `1/{name}(…)` for the reciprocal"),
             ErrorKind::Reserved { .. } => "choose another name".to_owned(),
-            ErrorKind::ZerothRoot => "the second argument of `root(a, n)` says which root to take".to_owned(),
-            ErrorKind::ConditionAsValue => "compare outside of the arithmetic, as in `x + 1 < y`".to_owned(),
-            ErrorKind::ValueAsCondition { .. } => "compare it with something, as in `x^2 + y^2 < 1`".to_owned(),
+            ErrorKind::ZerothRoot => {
+                "the second argument of `root(a, n)` says which root to take".to_owned()
+            }
+            ErrorKind::ConditionAsValue => {
+                "compare outside of the arithmetic, as in `x + 1 < y`".to_owned()
+            }
+            ErrorKind::ValueAsCondition { .. } => {
+                "compare it with something, as in `x^2 + y^2 < 1`".to_owned()
+            }
             ErrorKind::EquationInCondition => {
                 "use `<=` or `>=`, or restrict the equation: `x + y = z {z > 0}`".to_owned()
             }
             ErrorKind::SeveralEquals => "draw two equations with one line each".to_owned(),
             ErrorKind::MixedChain => "restrict the equation: `x + y = z {z < 1}`".to_owned(),
-            ErrorKind::UnequalOutsideBraces => "exclude points from an equation: `x*y = 1 {x != 0}`".to_owned(),
-            ErrorKind::RestrictionNotCondition => "compare it with something, as in `{z > 0}`".to_owned(),
-            ErrorKind::RestrictionIsEquation => "use `<`, `<=`, `>`, `>=` or `!=` in braces".to_owned(),
-            ErrorKind::MixedRestriction => "use `<` and `>` throughout, or `<=` and `>=` throughout".to_owned(),
+            ErrorKind::UnequalOutsideBraces => {
+                "exclude points from an equation: `x*y = 1 {x != 0}`".to_owned()
+            }
+            ErrorKind::RestrictionNotCondition => {
+                "compare it with something, as in `{z > 0}`".to_owned()
+            }
+            ErrorKind::RestrictionIsEquation => {
+                "use `<`, `<=`, `>`, `>=` or `!=` in braces".to_owned()
+            }
+            ErrorKind::MixedRestriction => {
+                "use `<` and `>` throughout, or `<=` and `>=` throughout".to_owned()
+            }
             ErrorKind::DefinitionIsCondition => {
                 "define left minus right, `d = x^2 - 1`, and draw `d <= 0`".to_owned()
             }
@@ -163,28 +221,20 @@ impl Error {
             ErrorKind::BadRange => "write `r = 2 in [0, 5]`".to_owned(),
             ErrorKind::EmptyRange => "write the smaller number first".to_owned(),
             ErrorKind::OutsideRange => "choose a value between the ends".to_owned(),
-            ErrorKind::OverrideNotAName { .. } => "write `-D name=value`, such as `-D r=2`".to_owned(),
-            ErrorKind::OverrideCoordinate { .. } => "to cut a picture, use a domain".to_owned(),
-            ErrorKind::UnknownOverride { .. } => "use the name in the formula, or leave the setting out".to_owned(),
-            ErrorKind::OverrideFunction { .. } => "change its line in the text instead".to_owned(),
-            ErrorKind::BadDomain => "write `domain 3`, `domain auto`, `domain [-2, 2]`, \
-                `domain x in [-2, 2], y in [-1, 1]` or six numbers"
-                .to_owned(),
-            ErrorKind::BadView => {
-                "write `view front` (iso, back, left, right, top, bottom) or `view eye (2, -3, 1.5) target (0, 0, 0)`"
-                    .to_owned()
-            }
-            ErrorKind::BadVector { key } => format!("write `{key} (1, 2, 3)`"),
-            ErrorKind::BadColor => "write a name such as `orange`, or `#ff8800`".to_owned(),
-            _ => match meant {
-                Some(meant) => match text.get(meant.span.range()) {
+            kind => match (setting_help(kind), meant) {
+                (Some(help), _) => help,
+                (None, Some(meant)) => match text.get(meant.span.range()) {
                     // A sign alone says little without the one it replaces.
-                    Some(typed) if !typed.is_empty() && meant.span == self.span && typed.chars().count() <= 3 => {
+                    Some(typed)
+                        if !typed.is_empty()
+                            && meant.span == self.span
+                            && typed.chars().count() <= 3 =>
+                    {
                         format!("write `{}` in place of `{typed}`", meant.replacement)
                     }
                     _ => format!("write `{}`", self.corrected(text, meant)),
                 },
-                None => return None,
+                (None, None) => return None,
             },
         };
         Some(help)
@@ -205,6 +255,27 @@ impl Error {
         }
         corrected
     }
+}
+
+/// What to write instead in an override or in a `domain`, `view` or `color` line.
+fn setting_help(kind: &ErrorKind) -> Option<String> {
+    let help = match kind {
+            ErrorKind::OverrideNotAName { .. } => "write `-D name=value`, such as `-D r=2`".to_owned(),
+            ErrorKind::OverrideCoordinate { .. } => "to cut a picture, use a domain".to_owned(),
+            ErrorKind::UnknownOverride { .. } => "use the name in the formula, or leave the setting out".to_owned(),
+            ErrorKind::OverrideFunction { .. } => "change its line in the text instead".to_owned(),
+            ErrorKind::BadDomain => "write `domain 3`, `domain auto`, `domain [-2, 2]`, \
+                `domain x in [-2, 2], y in [-1, 1]` or six numbers"
+                .to_owned(),
+            ErrorKind::BadView => {
+                "write `view front` (iso, back, left, right, top, bottom) or `view eye (2, -3, 1.5) target (0, 0, 0)`"
+                    .to_owned()
+            }
+            ErrorKind::BadVector { key } => format!("write `{key} (1, 2, 3)`"),
+            ErrorKind::BadColor => "write a name such as `orange`, or `#ff8800`".to_owned(),
+            _ => return None,
+    };
+    Some(help)
 }
 
 fn character_reason(character: char) -> Option<String> {

@@ -355,7 +355,7 @@ impl<'a> Lowering<'a> {
                 let name = name.clone();
                 found
                     .map(|(_, node)| *node)
-                    .ok_or_else(|| Error::new(span, ErrorKind::UnknownName { name }))
+                    .ok_or_else(|| Error::new(span, ErrorKind::UnknownName { name, letter: None }))
             }
             Value::Defined(name) => {
                 if let Some(node) = self.values.get(name.as_str()) {
@@ -376,7 +376,10 @@ impl<'a> Lowering<'a> {
                     }
                     None => {
                         let name = name.clone();
-                        Err(Error::new(span, ErrorKind::UnknownName { name }))
+                        Err(Error::new(
+                            span,
+                            ErrorKind::UnknownName { name, letter: None },
+                        ))
                     }
                 }
             }

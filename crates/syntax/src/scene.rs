@@ -247,7 +247,8 @@ impl Reader<'_> {
         let given = inner.next().expect("a setting has a value");
         if given.as_rule() == Rule::signed_number {
             let text = given.as_str().replace('−', "-");
-            let value = constant::evaluate_text(&text, self.limits)?;
+            let value = constant::evaluate_text(&text, self.limits)
+                .map_err(|error| Error::new(span, error.kind))?;
             match key {
                 "fov" => view.fov = Some(value),
                 _ => view.ortho = Some(value),

@@ -167,8 +167,8 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
     let lower = name.to_lowercase();
     let allowed = match lower.chars().count() {
         0 => return None,
-        1 => 0,
-        2..=5 => 1,
+        1..=2 => 0,
+        3..=5 => 1,
         6..=8 => 2,
         _ => 3,
     };

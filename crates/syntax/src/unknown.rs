@@ -24,7 +24,10 @@ impl Builder<'_> {
         let kind = if followed_by_brackets || typed.starts_with('\\') {
             ErrorKind::UnknownFunction { name: short(name) }
         } else {
-            ErrorKind::UnknownName { name: short(name) }
+            ErrorKind::UnknownName {
+                name: short(name),
+                letter: self.missing_letter(name),
+            }
         };
         let error = Error::new(span, kind);
         let nearest = || self.scope.nearest(name, self.locals, followed_by_brackets);
@@ -61,6 +64,21 @@ impl Builder<'_> {
             previous = character;
         }
         Some(powers)
+    }
+
+    /// The only letter of a short name like `mx` that has no value.
+    fn missing_letter(&self, name: &str) -> Option<char> {
+        // Longer names are words, not products.
+        const LONGEST: usize = 3;
+        let letters: Vec<char> = name.chars().take(LONGEST + 1).collect();
+        if !(2..=LONGEST).contains(&letters.len()) || !name.contains(['x', 'y', 'z']) {
+            return None;
+        }
+        let mut missing = letters
+            .iter()
+            .filter(|letter| !self.is_value(&letter.to_string()));
+        let letter = missing.next().filter(|letter| letter.is_alphabetic())?;
+        missing.all(|other| other == letter).then_some(*letter)
     }
 
     /// `xsin` as `x sin` and `sinxy` as `sin xy`, if the parts have meanings.

@@ -1,5 +1,6 @@
 //! Texts made to overflow, hang or panic: each is read, or refused with one clear error, on a small stack.
 
+use std::fmt::Write as _;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
 
 /// Half of what threads usually have.
@@ -26,9 +27,10 @@ fn error(text: String) -> ErrorKind {
 fn accepted(text: String) -> usize {
     on_a_small_stack(move || {
         let document: Result<_, Errors> = read(&text, &Options::default());
-        document
-            .map(|d| d.graph.len())
-            .unwrap_or_else(|e| panic!("{}", e.render(None, &text, false)))
+        document.map_or_else(
+            |e| panic!("{}", e.render(None, &text, false)),
+            |d| d.graph.len(),
+        )
     })
 }
 
@@ -47,10 +49,7 @@ fn nesting_is_bounded() {
     assert!(is_too_deep(format!("{}x", "-".repeat(20_000))));
     assert!(is_too_deep(format!("x{}", "^x".repeat(20_000))));
     assert!(is_too_deep(format!("x{}", "^-x".repeat(20_000))));
-    assert!(is_too_deep(format!(
-        "x{}",
-        "²".repeat(1) + &"^2".repeat(20_000)
-    )));
+    assert!(is_too_deep(format!("x{}", "^2".repeat(20_000))));
     assert!(is_too_deep(format!("{}x", "sin ".repeat(20_000))));
     assert!(is_too_deep(format!("{}x", "√".repeat(20_000))));
     assert!(is_too_deep(format!("{}x < 1", "not ".repeat(20_000))));
@@ -168,9 +167,9 @@ fn expansion_is_bounded() {
     let mut tree = String::from("g0(a) = a + x\n");
     for i in 1..60 {
         let before = i - 1;
-        chain += &format!("a{i} = a{before} + a{before}\n");
-        doubling += &format!("f{i}(a) = f{before}(a) + f{before}(a)\n");
-        tree += &format!("g{i}(a) = g{before}(2*a) + g{before}(3*a + {i})\n");
+        writeln!(chain, "a{i} = a{before} + a{before}").unwrap();
+        writeln!(doubling, "f{i}(a) = f{before}(a) + f{before}(a)").unwrap();
+        writeln!(tree, "g{i}(a) = g{before}(2*a) + g{before}(3*a + {i})").unwrap();
     }
     accepted(chain + "a59\n");
     accepted(doubling + "f59(x)\n");
@@ -181,13 +180,13 @@ fn expansion_is_bounded() {
 
     let mut long = String::from("a0 = x\n");
     for i in 1..5000 {
-        long += &format!("a{i} = a{} + 1\n", i - 1);
+        writeln!(long, "a{i} = a{} + 1", i - 1).unwrap();
     }
     assert!(is_too_deep(long + "a4999\n"));
 
     let mut circle = String::from("a0 = a4999\n");
     for i in 1..5000 {
-        circle += &format!("a{i} = a{} + 1\n", i - 1);
+        writeln!(circle, "a{i} = a{} + 1", i - 1).unwrap();
     }
     let text = circle + "x\n";
     let errors = on_a_small_stack(move || read(&text, &Options::default()).expect_err("a circle"));
@@ -196,7 +195,10 @@ fn expansion_is_bounded() {
 
 #[test]
 fn many_errors_are_cut_short() {
-    let text: String = (0..20_000).map(|i| format!("abc{i}def + x\n")).collect();
+    let mut text = String::new();
+    for i in 0..20_000 {
+        writeln!(text, "abc{i}def + x").unwrap();
+    }
     let errors =
         on_a_small_stack(move || read(&text, &Options::default()).expect_err("unknown names"));
     assert!(errors.iter().count() <= 20);

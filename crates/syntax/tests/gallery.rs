@@ -1,0 +1,26 @@
+//! Every example file reads without an error, draws one surface, and says what it is.
+
+use zeroset_syntax::{Options, read};
+
+#[test]
+fn every_example_reads() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("the examples are there") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|extension| extension != "zset") {
+            continue;
+        }
+        count += 1;
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(&path).expect("a text");
+        let document = read(&text, &Options::default())
+            .unwrap_or_else(|errors| panic!("{}", errors.render(Some(&name), &text, false)));
+        assert_eq!(document.surfaces.len(), 1, "{name}");
+        assert!(
+            document.title.is_some() && document.domain.is_some(),
+            "{name}"
+        );
+    }
+    assert!(count >= 65, "{count} examples");
+}

@@ -1,0 +1,39 @@
+//! How diagnostics are drawn: color, file names, long lines, and places in several lines.
+
+use zeroset_syntax::{Options, read};
+
+fn rendered(name: Option<&str>, text: &str, color: bool) -> String {
+    read(text, &Options::default())
+        .expect_err("an error")
+        .render(name, text, color)
+}
+
+#[test]
+fn plain_text_has_no_escape_sequences() {
+    let text = "x^2 + foo";
+    assert!(!rendered(None, text, false).contains('\u{1b}'));
+    assert!(rendered(None, text, true).contains('\u{1b}'));
+    assert_eq!(rendered(None, text, false), rendered(None, text, false));
+}
+
+#[test]
+fn a_file_is_named_with_line_and_column() {
+    let text = "r = 2\nx^2 + foo";
+    assert!(rendered(Some("torus.zset"), text, false).contains("torus.zset:2:7"));
+}
+
+#[test]
+fn the_caret_stands_under_the_place_in_a_long_line() {
+    for terms in [0, 10, 100, 1000] {
+        let text = format!("{}foo{}", "y + ".repeat(terms), " + z".repeat(terms));
+        let rendered = rendered(None, &text, false);
+        let lines: Vec<&str> = rendered.lines().collect();
+        let caret = lines
+            .iter()
+            .position(|line| line.contains("^^^"))
+            .expect("a caret");
+        let column = lines[caret].find("^^^").expect("a caret");
+        assert_eq!(&lines[caret - 1][column..column + 3], "foo", "{rendered}");
+        assert!(lines.iter().all(|line| line.len() < 150), "{rendered}");
+    }
+}
