@@ -17,6 +17,17 @@ pub(crate) struct Scope {
 /// Longest name, in bytes, that is looked at letter by letter.
 const LONGEST_PRODUCT: usize = 64;
 
+/// Every name of the language, for completion: functions with their aliases, constants, coordinates and time.
+///
+/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is written as a whole
+/// number and odd, negative numbers have roots too; any other n is read as `a^(1/n)`, for a ≥ 0.
+pub fn language_names() -> impl Iterator<Item = &'static str> {
+    names()
+        .chain(ROOT_NAMES.iter().copied())
+        .chain(NamedConstant::ALL.iter().map(|constant| constant.name()))
+        .chain(["x", "y", "z", "t"])
+}
+
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Meaning {

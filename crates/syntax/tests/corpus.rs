@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
-use zeroset_syntax::{Document, Domain, Kind, Options, ParameterKind, read};
+use zeroset_syntax::{Document, Domain, Kind, Limits, Options, ParameterKind, parse, read};
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/language.txt");
 
@@ -257,4 +257,26 @@ fn every_row_reads_as_the_corpus_says() {
         wrong.len(),
         wrong.join("\n")
     );
+}
+
+#[test]
+fn every_row_that_reads_is_printed_and_read_alike() {
+    let text = std::fs::read_to_string(CORPUS).expect("the corpus is there");
+    let mut count = 0;
+    for row in rows(&text).iter().flatten() {
+        let Ok(statements) = parse(&row.input.join("\n"), &Limits::default()) else {
+            continue;
+        };
+        let printed: Vec<String> = statements.iter().map(ToString::to_string).collect();
+        let printed = printed.join("\n");
+        if printed.is_empty() {
+            continue;
+        }
+        match parse(&printed, &Limits::default()) {
+            Ok(again) => assert_eq!(again, statements, "{printed}"),
+            Err(errors) => panic!("{}", errors.render(None, &printed, false)),
+        }
+        count += 1;
+    }
+    assert!(count >= 150, "only {count} rows");
 }
