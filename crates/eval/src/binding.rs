@@ -19,27 +19,17 @@ pub struct Binding {
 impl Binding {
     /// Binds each parameter to bounds of its value and to what is proven of it.
     pub fn new(parameters: &[(Interval, Facts)]) -> Self {
-        let nowhere = parameters
-            .iter()
-            .any(|(_, facts)| facts.has(Facts::NOWHERE));
+        let nowhere = parameters.iter().any(|(_, facts)| facts.has(Facts::NOWHERE));
         let facts = if nowhere {
             Facts::NOWHERE
         } else {
             // A parameter does not vary over a box: where it is defined, it is continuous.
-            let defined = parameters
-                .iter()
-                .all(|(_, facts)| facts.has(Facts::DEFINED));
+            let defined = parameters.iter().all(|(_, facts)| facts.has(Facts::DEFINED));
             if defined { Facts::TOTAL } else { Facts::NONE }
         };
-        let bounds: Vec<Interval> = parameters
-            .iter()
-            .map(|(bounds, _)| outward(*bounds))
-            .collect();
+        let bounds: Vec<Interval> = parameters.iter().map(|(bounds, _)| outward(*bounds)).collect();
         Self {
-            enclosures: bounds
-                .iter()
-                .map(|b| [[-b.lo as f32; 4], [b.hi as f32; 4]])
-                .collect(),
+            enclosures: bounds.iter().map(|b| [[-b.lo as f32; 4], [b.hi as f32; 4]]).collect(),
             values: bounds.iter().map(|b| [middle(*b) as f32; 4]).collect(),
             bounds,
             facts,

@@ -46,10 +46,7 @@ impl IntervalKernel for Reference {
                 &mut Software,
                 |_, axis| {
                     let axis = axis as usize;
-                    (
-                        Lanes::from_f32(packet.neg_lo[axis]),
-                        Lanes::from_f32(packet.hi[axis]),
-                    )
+                    (Lanes::from_f32(packet.neg_lo[axis]), Lanes::from_f32(packet.hi[axis]))
                 },
                 |_, number| {
                     let [neg_lo, hi] = self.binding.enclosures()[number as usize];
@@ -62,11 +59,7 @@ impl IntervalKernel for Reference {
                 neg_lo: value.neg_lo.f32(),
                 hi: value.hi.f32(),
                 facts: facts_of(value).map(|facts| {
-                    if reads {
-                        self.binding.limit(facts).bits()
-                    } else {
-                        facts.bits()
-                    }
+                    if reads { self.binding.limit(facts).bits() } else { facts.bits() }
                 }),
             };
         }
@@ -88,14 +81,9 @@ impl GradientKernel for Reference {
     fn gradient(&self, points: &[PointPacket], out: &mut [GradientPacket]) {
         assert!(out.len() >= points.len(), "output shorter than input");
         for (packet, out) in points.iter().zip(out) {
-            let [value, x, y, z] = self
-                .values_at(packet)
-                .try_into()
-                .expect("value and three derivatives");
-            *out = GradientPacket {
-                value,
-                gradient: [x, y, z],
-            };
+            let [value, x, y, z] =
+                self.values_at(packet).try_into().expect("value and three derivatives");
+            *out = GradientPacket { value, gradient: [x, y, z] };
         }
     }
 }

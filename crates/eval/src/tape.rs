@@ -19,10 +19,7 @@ pub struct Assumptions {
 impl Assumptions {
     /// Nothing is known of the coordinates or of `parameters` parameters.
     pub fn none(parameters: usize) -> Self {
-        Self {
-            domain: [Interval::ENTIRE; 3],
-            parameters: vec![Interval::ENTIRE; parameters],
-        }
+        Self { domain: [Interval::ENTIRE; 3], parameters: vec![Interval::ENTIRE; parameters] }
     }
 }
 
@@ -99,17 +96,12 @@ impl Tape {
 
     /// Whether any step reads a parameter.
     pub fn reads_parameters(&self) -> bool {
-        self.steps
-            .iter()
-            .any(|step| matches!(step, Step::Parameter(_)))
+        self.steps.iter().any(|step| matches!(step, Step::Parameter(_)))
     }
 
     /// The number of operations: steps that are neither coordinates, parameters nor constants.
     pub fn operations(&self) -> usize {
-        self.steps
-            .iter()
-            .filter(|step| matches!(step, Step::Apply(..)))
-            .count()
+        self.steps.iter().filter(|step| matches!(step, Step::Apply(..))).count()
     }
 
     /// Writes the enclosures of all outputs on `m`. `coordinate` and `parameter` give inputs as (−lo, hi).
@@ -124,10 +116,9 @@ impl Tape {
             let value = match step {
                 Step::Coordinate(axis) => pair(coordinate(m, *axis)),
                 Step::Parameter(number) => pair(parameter(m, *number)),
-                Step::Constant(bounds) => pair((
-                    m.number(Format::F32, -bounds.lo),
-                    m.number(Format::F32, bounds.hi),
-                )),
+                Step::Constant(bounds) => {
+                    pair((m.number(Format::F32, -bounds.lo), m.number(Format::F32, bounds.hi)))
+                }
                 Step::Apply(op, operands) => {
                     let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
                     enclose(m, Format::F32, *op, &operands)
@@ -135,10 +126,7 @@ impl Tape {
             };
             values.push(Operand { value, range });
         }
-        self.outputs
-            .iter()
-            .map(|&output| values[output].value)
-            .collect()
+        self.outputs.iter().map(|&output| values[output].value).collect()
     }
 
     /// Writes the values of all outputs at points on `m`.
@@ -193,10 +181,7 @@ fn range_of(step: &Step, values: &[Operand<Lanes>], assumptions: &Assumptions) -
     let given = |bounds: Interval| {
         let bounds = outward(bounds);
         let lanes = |end: f64| Lanes::from_f32([end as f32; 4]);
-        Operand {
-            value: Enclosure::total(lanes(-bounds.lo), lanes(bounds.hi)),
-            range: bounds,
-        }
+        Operand { value: Enclosure::total(lanes(-bounds.lo), lanes(bounds.hi)), range: bounds }
     };
     match step {
         Step::Coordinate(axis) => given(assumptions.domain[*axis as usize]),
@@ -206,21 +191,14 @@ fn range_of(step: &Step, values: &[Operand<Lanes>], assumptions: &Assumptions) -
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
             let value = enclose(&mut Software, Format::F32, *op, &operands);
             // 0 − x gives 0 for a zero of either sign.
-            let (lo, hi) = (
-                0.0 - f64::from(value.neg_lo.f32()[0]),
-                0.0 + f64::from(value.hi.f32()[0]),
-            );
+            let (lo, hi) =
+                (0.0 - f64::from(value.neg_lo.f32()[0]), 0.0 + f64::from(value.hi.f32()[0]));
             let nowhere = facts_of(&value)[0].has(Facts::NOWHERE);
             let range = match Interval::new(lo, hi) {
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),
             };
-            given(if elementary(*op) {
-                inflate(range)
-            } else {
-                range
-            })
-            .with_facts(&value)
+            given(if elementary(*op) { inflate(range) } else { range }).with_facts(&value)
         }
     }
 }
@@ -231,11 +209,7 @@ trait WithFacts {
 
 impl WithFacts for Operand<Lanes> {
     fn with_facts(self, facts: &Enclosure<Lanes>) -> Self {
-        let value = Enclosure {
-            neg_lo: self.value.neg_lo,
-            hi: self.value.hi,
-            ..*facts
-        };
+        let value = Enclosure { neg_lo: self.value.neg_lo, hi: self.value.hi, ..*facts };
         Self { value, ..self }
     }
 }
@@ -258,10 +232,7 @@ pub(crate) fn facts_of(value: &Enclosure<Lanes>) -> [Facts; 4] {
 
 fn inflate(range: Interval) -> Interval {
     let out = |end: f64, sign: f64| end + sign * end.abs() * NOT_MONOTONE;
-    Interval {
-        lo: out(range.lo, -1.0),
-        hi: out(range.hi, 1.0),
-    }
+    Interval { lo: out(range.lo, -1.0), hi: out(range.hi, 1.0) }
 }
 
 /// Whether bounds of `op` come from an approximation.

@@ -14,10 +14,7 @@ pub struct Interval {
 
 impl Interval {
     /// All reals.
-    pub const ENTIRE: Self = Self {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-    };
+    pub const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
     /// The number 0.
     pub const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
     /// The number 1.
@@ -63,10 +60,7 @@ impl Interval {
     /// The smallest interval that encloses both.
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
-        Self {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.max(other.hi),
-        }
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
     /// The largest absolute value of a member.

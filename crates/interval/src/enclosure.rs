@@ -21,13 +21,7 @@ pub struct Enclosure<V> {
 impl<V: Copy> Enclosure<V> {
     /// Bounds of an expression that is defined and continuous everywhere.
     pub fn total(neg_lo: V, hi: V) -> Self {
-        Self {
-            neg_lo,
-            hi,
-            nowhere: Fact::False,
-            defined: Fact::True,
-            continuous: Fact::True,
-        }
+        Self { neg_lo, hi, nowhere: Fact::False, defined: Fact::True, continuous: Fact::True }
     }
 }
 
@@ -103,15 +97,8 @@ impl<V: Copy> Operand<V> {
 
     pub(crate) fn negated(&self) -> Self {
         Self {
-            value: Enclosure {
-                neg_lo: self.value.hi,
-                hi: self.value.neg_lo,
-                ..self.value
-            },
-            range: Interval {
-                lo: -self.range.hi,
-                hi: -self.range.lo,
-            },
+            value: Enclosure { neg_lo: self.value.hi, hi: self.value.neg_lo, ..self.value },
+            range: Interval { lo: -self.range.hi, hi: -self.range.lo },
         }
     }
 }

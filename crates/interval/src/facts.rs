@@ -58,8 +58,6 @@ impl fmt::Debug for Facts {
             (Self::DEFINED, "defined"),
             (Self::CONTINUOUS, "continuous"),
         ];
-        f.debug_set()
-            .entries(names.iter().filter(|n| self.has(n.0)).map(|n| n.1))
-            .finish()
+        f.debug_set().entries(names.iter().filter(|n| self.has(n.0)).map(|n| n.1)).finish()
     }
 }

@@ -29,11 +29,7 @@ pub fn fold(op: Op, operands: &[(Interval, Facts)]) -> (Interval, Facts) {
         .iter()
         .map(|&(range, facts)| {
             let fact = |bit: Facts| {
-                if facts.has(bit) {
-                    Fact::True
-                } else {
-                    Fact::False
-                }
+                if facts.has(bit) { Fact::True } else { Fact::False }
             };
             let value = Enclosure {
                 neg_lo: Lanes::from_f64([-range.lo; 2]),
@@ -59,11 +55,5 @@ pub fn fold(op: Op, operands: &[(Interval, Facts)]) -> (Interval, Facts) {
         return (Interval::ENTIRE, Facts::NOWHERE);
     }
     // 0 − x turns −0 into 0.
-    (
-        Interval {
-            lo: 0.0 - neg_lo,
-            hi: hi + 0.0,
-        },
-        facts,
-    )
+    (Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 }, facts)
 }

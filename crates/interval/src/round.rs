@@ -26,12 +26,7 @@ pub mod f32_up {
     fn demote(value: f64, error: f64) -> f32 {
         let nearest = value as f32;
         let back = f64::from(nearest);
-        correct_up!(
-            f32,
-            nearest,
-            value.is_finite(),
-            back < value || (back == value && error > 0.0)
-        )
+        correct_up!(f32, nearest, value.is_finite(), back < value || (back == value && error > 0.0))
     }
 
     /// `value` rounded up.
@@ -87,12 +82,7 @@ pub mod f64_up {
     /// `a + b`.
     pub fn add(a: f64, b: f64) -> f64 {
         let sum = a + b;
-        correct_up!(
-            f64,
-            sum,
-            a.is_finite() && b.is_finite(),
-            super::sum_error(a, b, sum) > 0.0
-        )
+        correct_up!(f64, sum, a.is_finite() && b.is_finite(), super::sum_error(a, b, sum) > 0.0)
     }
 
     /// `a − b`.
@@ -120,11 +110,7 @@ pub mod f64_up {
         let ((a, i), (b, j)) = (split(a), split(b));
         let quotient = a / b;
         let remainder = (-quotient).mul_add(b, a);
-        scale(
-            quotient,
-            if b > 0.0 { remainder } else { -remainder },
-            i - j,
-        )
+        scale(quotient, if b > 0.0 { remainder } else { -remainder }, i - j)
     }
 
     /// √a; NaN for a < 0.
@@ -160,11 +146,7 @@ pub mod f64_up {
     fn scale(value: f64, error: f64, n: i32) -> f64 {
         if COMFORT.contains(&n) {
             let nearest = value * power(n); // exact: no underflow
-            return if error > 0.0 {
-                nearest.next_up()
-            } else {
-                nearest
-            };
+            return if error > 0.0 { nearest.next_up() } else { nearest };
         }
         // Two exact steps at most, then the one that rounds; compare the result with the exact value by undoing it.
         let clamped = n.clamp(-1200, 1200); // beyond, the result is 0 or infinite in any case
@@ -228,9 +210,6 @@ mod tests {
         assert_eq!(f64_up::mul(-1e-200, 1e-200), 0.0);
         assert_eq!(f64_up::div(f64::from_bits(1), 2.0), f64::from_bits(1));
         assert_eq!(f64_up::div(1.0, f64::from_bits(1)), f64::INFINITY);
-        assert_eq!(
-            f64_up::sqrt(f64::from_bits(4)),
-            f64_up::sqrt(f64::from_bits(1)) * 2.0
-        );
+        assert_eq!(f64_up::sqrt(f64::from_bits(4)), f64_up::sqrt(f64::from_bits(1)) * 2.0);
     }
 }

@@ -100,18 +100,10 @@ fn compare(
         a,
         b,
         |a, b| {
-            if f(f32::from_bits(a), f32::from_bits(b)) {
-                u32::MAX
-            } else {
-                0
-            }
+            if f(f32::from_bits(a), f32::from_bits(b)) { u32::MAX } else { 0 }
         },
         |a, b| {
-            if g(f64::from_bits(a), f64::from_bits(b)) {
-                u64::MAX
-            } else {
-                0
-            }
+            if g(f64::from_bits(a), f64::from_bits(b)) { u64::MAX } else { 0 }
         },
     )
 }
@@ -158,20 +150,10 @@ impl Machine for Software {
         unary(a, f32::abs, f64::abs)
     }
     fn min(&mut self, a: Lanes, b: Lanes) -> Lanes {
-        binary(
-            a,
-            b,
-            |a, b| if a < b { a } else { b },
-            |a, b| if a < b { a } else { b },
-        )
+        binary(a, b, |a, b| if a < b { a } else { b }, |a, b| if a < b { a } else { b })
     }
     fn max(&mut self, a: Lanes, b: Lanes) -> Lanes {
-        binary(
-            a,
-            b,
-            |a, b| if a > b { a } else { b },
-            |a, b| if a > b { a } else { b },
-        )
+        binary(a, b, |a, b| if a > b { a } else { b }, |a, b| if a > b { a } else { b })
     }
     fn floor(&mut self, a: Lanes) -> Lanes {
         unary(a, f32::floor, f64::floor)

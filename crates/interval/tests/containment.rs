@@ -48,10 +48,7 @@ fn values_lie_inside_and_point_bounds_are_tight() {
             let value = f(a);
             let (enclosure, facts) = fold(op, &[of(a, a)]);
             if value.is_nan() || (value == f64::NEG_INFINITY && a == 0.0) {
-                assert!(
-                    facts.has(Facts::NOWHERE),
-                    "{op:?}({a}) is undefined: {enclosure:?}"
-                );
+                assert!(facts.has(Facts::NOWHERE), "{op:?}({a}) is undefined: {enclosure:?}");
                 continue;
             }
             assert!(!facts.has(Facts::NOWHERE), "{op:?}({a})");
@@ -63,10 +60,7 @@ fn values_lie_inside_and_point_bounds_are_tight() {
             );
             if a.abs() < 1e5 && value.is_finite() {
                 let width = 2e-14 * value.abs() + 1e-307;
-                assert!(
-                    enclosure.width() <= width,
-                    "{op:?}({a}) = {value}: {enclosure:?}"
-                );
+                assert!(enclosure.width() <= width, "{op:?}({a}) = {value}: {enclosure:?}");
             }
         }
         for &a in &points {
@@ -75,10 +69,7 @@ fn values_lie_inside_and_point_bounds_are_tight() {
                     continue;
                 }
                 let (enclosure, facts) = fold(op, &[of(a, b)]);
-                assert!(
-                    enclosure.lo <= enclosure.hi,
-                    "{op:?} [{a}, {b}]: {enclosure:?}"
-                );
+                assert!(enclosure.lo <= enclosure.hi, "{op:?} [{a}, {b}]: {enclosure:?}");
                 for step in 0..=64 {
                     let x = a + (b - a) * (f64::from(step) / 64.0);
                     let value = f(x.clamp(a, b)).clamp(-f64::MAX, f64::MAX);
@@ -100,34 +91,13 @@ fn values_lie_inside_and_point_bounds_are_tight() {
 fn arithmetic_is_tightest_on_finite_operands() {
     assert_eq!(bounds(Op::Add, &[of(1.0, 2.0), of(-3.0, 5.0)]), (-2.0, 7.0));
     assert_eq!(bounds(Op::Sub, &[of(1.0, 2.0), of(-3.0, 5.0)]), (-4.0, 5.0));
-    assert_eq!(
-        bounds(Op::Mul, &[of(-1.0, 2.0), of(-3.0, 5.0)]),
-        (-6.0, 10.0)
-    );
-    assert_eq!(
-        bounds(Op::Mul, &[of(1.0, 2.0), of(-3.0, 5.0)]),
-        (-6.0, 10.0)
-    );
-    assert_eq!(
-        bounds(Op::Mul, &[of(-2.0, -1.0), of(-3.0, 5.0)]),
-        (-10.0, 6.0)
-    );
-    assert_eq!(
-        bounds(Op::Mul, &[of(-2.0, -1.0), of(3.0, 5.0)]),
-        (-10.0, -3.0)
-    );
-    assert_eq!(
-        bounds(Op::Div, &[of(-1.0, 2.0), of(4.0, 8.0)]),
-        (-0.25, 0.5)
-    );
-    assert_eq!(
-        bounds(Op::Div, &[of(1.0, 2.0), of(-8.0, -4.0)]),
-        (-0.5, -0.125)
-    );
-    assert_eq!(
-        bounds(Op::Div, &[of(1.0, 2.0), of(0.0, 4.0)]),
-        (0.25, f64::INFINITY)
-    );
+    assert_eq!(bounds(Op::Mul, &[of(-1.0, 2.0), of(-3.0, 5.0)]), (-6.0, 10.0));
+    assert_eq!(bounds(Op::Mul, &[of(1.0, 2.0), of(-3.0, 5.0)]), (-6.0, 10.0));
+    assert_eq!(bounds(Op::Mul, &[of(-2.0, -1.0), of(-3.0, 5.0)]), (-10.0, 6.0));
+    assert_eq!(bounds(Op::Mul, &[of(-2.0, -1.0), of(3.0, 5.0)]), (-10.0, -3.0));
+    assert_eq!(bounds(Op::Div, &[of(-1.0, 2.0), of(4.0, 8.0)]), (-0.25, 0.5));
+    assert_eq!(bounds(Op::Div, &[of(1.0, 2.0), of(-8.0, -4.0)]), (-0.5, -0.125));
+    assert_eq!(bounds(Op::Div, &[of(1.0, 2.0), of(0.0, 4.0)]), (0.25, f64::INFINITY));
     assert_eq!(
         bounds(Op::Div, &[of(-1.0, 2.0), of(-1.0, 4.0)]),
         (f64::NEG_INFINITY, f64::INFINITY)
@@ -135,10 +105,7 @@ fn arithmetic_is_tightest_on_finite_operands() {
     assert_eq!(bounds(Op::Sqr, &[of(-1.0, 2.0)]), (0.0, 4.0));
     assert_eq!(bounds(Op::Pow, &[of(-1.0, 2.0), of(3.0, 3.0)]), (-1.0, 8.0));
     assert_eq!(bounds(Op::Pow, &[of(-2.0, 1.0), of(4.0, 4.0)]), (0.0, 16.0));
-    assert_eq!(
-        bounds(Op::Pow, &[of(2.0, 4.0), of(-1.0, -1.0)]),
-        (0.25, 0.5)
-    );
+    assert_eq!(bounds(Op::Pow, &[of(2.0, 4.0), of(-1.0, -1.0)]), (0.25, 0.5));
     assert_eq!(bounds(Op::Sqrt, &[of(4.0, 9.0)]), (2.0, 3.0));
     assert_eq!(bounds(Op::Mod, &[of(2.5, 2.75), of(1.0, 1.0)]), (0.5, 0.75));
     assert_eq!(bounds(Op::Mod, &[of(2.5, 3.25), of(1.0, 1.0)]), (0.0, 1.0));
@@ -153,45 +120,26 @@ fn facts_say_where_a_function_is_defined() {
     assert_eq!(facts(Op::Sqrt, &[of(-2.0, -1.0)]), Facts::NOWHERE);
     assert_eq!(facts(Op::Sqrt, &[of(0.0, 1.0)]), Facts::TOTAL);
     assert_eq!(facts(Op::Ln, &[of(0.0, 1.0)]), Facts::NONE);
-    assert_eq!(
-        facts(Op::Div, &[of(1.0, 1.0), of(0.0, 0.0)]),
-        Facts::NOWHERE
-    );
+    assert_eq!(facts(Op::Div, &[of(1.0, 1.0), of(0.0, 0.0)]), Facts::NOWHERE);
     assert_eq!(facts(Op::Div, &[of(1.0, 1.0), of(0.0, 1.0)]), Facts::NONE);
     assert_eq!(facts(Op::Div, &[of(1.0, 1.0), of(1.0, 2.0)]), Facts::TOTAL);
     assert_eq!(facts(Op::Tan, &[of(1.0, 2.0)]), Facts::NONE);
     assert_eq!(facts(Op::Tan, &[of(-1.0, 1.0)]), Facts::TOTAL);
     assert_eq!(facts(Op::Floor, &[of(0.5, 1.5)]), Facts::DEFINED);
     assert_eq!(facts(Op::Floor, &[of(1.0, 1.5)]), Facts::TOTAL);
-    assert_eq!(
-        facts(Op::Pow, &[of(-2.0, -1.0), of(0.5, 0.5)]),
-        Facts::NOWHERE
-    );
+    assert_eq!(facts(Op::Pow, &[of(-2.0, -1.0), of(0.5, 0.5)]), Facts::NOWHERE);
     assert_eq!(facts(Op::Pow, &[of(0.0, 1.0), of(0.5, 0.5)]), Facts::TOTAL);
-    assert_eq!(
-        facts(Op::Pow, &[of(-1.0, 1.0), of(-2.0, -2.0)]),
-        Facts::NONE
-    );
+    assert_eq!(facts(Op::Pow, &[of(-1.0, 1.0), of(-2.0, -2.0)]), Facts::NONE);
     assert_eq!(facts(Op::Pow, &[of(-1.0, 1.0), of(0.0, 0.0)]), Facts::TOTAL);
     assert_eq!(
         facts(
             Op::SelectNegative,
-            &[
-                of(-2.0, -1.0),
-                of(0.0, 1.0),
-                (Interval::ENTIRE, Facts::NOWHERE)
-            ]
+            &[of(-2.0, -1.0), of(0.0, 1.0), (Interval::ENTIRE, Facts::NOWHERE)]
         ),
         Facts::TOTAL
     );
-    assert_eq!(
-        facts(Op::WhereNonneg, &[of(0.0, 1.0), of(-2.0, -1.0)]),
-        Facts::NOWHERE
-    );
-    assert_eq!(
-        facts(Op::WherePositive, &[of(0.0, 1.0), of(0.0, 0.0)]),
-        Facts::NOWHERE
-    );
+    assert_eq!(facts(Op::WhereNonneg, &[of(0.0, 1.0), of(-2.0, -1.0)]), Facts::NOWHERE);
+    assert_eq!(facts(Op::WherePositive, &[of(0.0, 1.0), of(0.0, 0.0)]), Facts::NOWHERE);
 }
 
 #[test]
@@ -217,19 +165,14 @@ fn no_bound_is_nan_or_infinite_on_the_wrong_side() {
     }
     let check = |op: Op, operands: &[(Interval, Facts)]| {
         let (bounds, _) = fold(op, operands);
-        assert!(
-            Interval::new(bounds.lo, bounds.hi).is_some(),
-            "{op:?} {operands:?}: {bounds:?}"
-        );
+        assert!(Interval::new(bounds.lo, bounds.hi).is_some(), "{op:?} {operands:?}: {bounds:?}");
     };
     for row in zeroset_ops::TABLE {
         for a in &boxes {
             match row.arity {
                 1 => check(row.op, &[*a]),
                 2 => boxes.iter().for_each(|b| check(row.op, &[*a, *b])),
-                _ => boxes
-                    .iter()
-                    .for_each(|b| check(row.op, &[*a, *b, of(1.0, 2.0)])),
+                _ => boxes.iter().for_each(|b| check(row.op, &[*a, *b, of(1.0, 2.0)])),
             }
         }
     }

@@ -43,12 +43,7 @@ struct Fraction {
 
 impl Fraction {
     fn whole(numerator: NodeId) -> Self {
-        Self {
-            numerator,
-            above: Factors::new(),
-            below: Factors::new(),
-            excluded: Factors::new(),
-        }
+        Self { numerator, above: Factors::new(), below: Factors::new(), excluded: Factors::new() }
     }
 
     fn is_whole(&self) -> bool {
@@ -88,21 +83,14 @@ fn times(mut a: Factors, b: &Factors) -> Factors {
 }
 
 fn raised(factors: &Factors, exponent: u32) -> Factors {
-    factors
-        .iter()
-        .map(|(base, n)| (*base, n.saturating_mul(exponent)))
-        .collect()
+    factors.iter().map(|(base, n)| (*base, n.saturating_mul(exponent))).collect()
 }
 
 /// `numerator · Π factors`
 fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
     for (base, n) in factors {
         let power = powi(graph, *base, i64::from(*n));
-        node = if is_one(graph, node) {
-            power
-        } else {
-            mul(graph, node, power)
-        };
+        node = if is_one(graph, node) { power } else { mul(graph, node, power) };
     }
     node
 }
@@ -116,11 +104,7 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<Cleared> {
     let needed = graph.reachable(&[root]);
     let mut uniform = uniform(graph);
     uniform.truncate(root.index() + 1);
-    let ids: Vec<NodeId> = graph
-        .iter()
-        .map(|(id, _)| id)
-        .take(root.index() + 1)
-        .collect();
+    let ids: Vec<NodeId> = graph.iter().map(|(id, _)| id).take(root.index() + 1).collect();
     let mut fractions: Vec<Option<Fraction>> = vec![None; root.index() + 1];
     for id in ids.into_iter().filter(|id| needed[id.index()]) {
         let Node::Apply(op, operands) = graph.node(id).clone() else {
@@ -131,33 +115,20 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<Cleared> {
         }
         let parts: Vec<Fraction> = operands
             .iter()
-            .map(|o| {
-                fractions[o.index()]
-                    .clone()
-                    .unwrap_or_else(|| Fraction::whole(*o))
-            })
+            .map(|o| fractions[o.index()].clone().unwrap_or_else(|| Fraction::whole(*o)))
             .collect();
         let fraction = combine(graph, op, &operands, &parts, &uniform);
-        fractions[id.index()] = fraction
-            .and_then(Fraction::reduced)
-            .filter(|f| !f.is_whole());
+        fractions[id.index()] = fraction.and_then(Fraction::reduced).filter(|f| !f.is_whole());
     }
     let fraction = fractions[root.index()].take()?;
     // What stands above has no zero in the domain; dropped there, it must still count as a pole.
     let mut below = fraction.below;
-    for base in fraction
-        .above
-        .into_keys()
-        .chain(fraction.excluded.into_keys())
-    {
+    for base in fraction.above.into_keys().chain(fraction.excluded.into_keys()) {
         below.entry(base).or_insert(1);
     }
     let one = graph.integer(1);
     let denominator = product(graph, one, &below);
-    Some(Cleared {
-        numerator: fraction.numerator,
-        denominator,
-    })
+    Some(Cleared { numerator: fraction.numerator, denominator })
 }
 
 fn combine(
@@ -171,10 +142,7 @@ fn combine(
     match op {
         Op::Neg if !whole => {
             let numerator = neg(graph, parts[0].numerator);
-            Some(Fraction {
-                numerator,
-                ..parts[0].clone()
-            })
+            Some(Fraction { numerator, ..parts[0].clone() })
         }
         Op::Add | Op::Sub if !whole => Some(sum(graph, op, &parts[0], &parts[1])),
         Op::Mul if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
@@ -202,19 +170,13 @@ fn combine(
             let numerator = graph.apply(Op::Sin, operands);
             let cos = graph.apply(Op::Cos, operands);
             let below = Factors::from([(cos, 1)]);
-            Some(Fraction {
-                below,
-                ..Fraction::whole(numerator)
-            })
+            Some(Fraction { below, ..Fraction::whole(numerator) })
         }
         Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero | Op::WhereDefined
             if !parts[0].is_whole() =>
         {
             let numerator = graph.apply(op, &[parts[0].numerator, operands[1]]);
-            Some(Fraction {
-                numerator,
-                ..parts[0].clone()
-            })
+            Some(Fraction { numerator, ..parts[0].clone() })
         }
         Op::Neg
         | Op::Add
@@ -266,23 +228,11 @@ fn sum(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
         product(graph, numerator, &missing)
     };
     let (left, right) = (over(a), over(b));
-    let numerator = if op == Op::Add {
-        add(graph, left, right)
-    } else {
-        sub(graph, left, right)
-    };
+    let numerator = if op == Op::Add { add(graph, left, right) } else { sub(graph, left, right) };
     let mut excluded = a.excluded.clone();
     let lost = [&a.above, &b.above, &b.excluded];
-    excluded.extend(
-        lost.into_iter()
-            .flat_map(|factors| factors.keys().map(|base| (*base, 1))),
-    );
-    Fraction {
-        numerator,
-        above: Factors::new(),
-        below,
-        excluded,
-    }
+    excluded.extend(lost.into_iter().flat_map(|factors| factors.keys().map(|base| (*base, 1))));
+    Fraction { numerator, above: Factors::new(), below, excluded }
 }
 
 fn multiplied(graph: &mut Graph, a: &Fraction, b: &Fraction) -> Fraction {
@@ -343,12 +293,7 @@ fn inverted(graph: &mut Graph, a: &Fraction, uniform: &[bool]) -> Option<Fractio
             }
         }
     }
-    Some(Fraction {
-        numerator,
-        above: a.below.clone(),
-        below,
-        excluded: a.excluded.clone(),
-    })
+    Some(Fraction { numerator, above: a.below.clone(), below, excluded: a.excluded.clone() })
 }
 
 #[cfg(test)]
@@ -379,21 +324,9 @@ mod tests {
             pair("1 - z*(x - y^2)", "x - y^2")
         );
         let tan = cleared(|[x, y, z], _| x.f(Op::Tan) + y.f(Op::Tan) - z);
-        assert_eq!(
-            tan,
-            pair(
-                "sin(x)*cos(y) + sin(y)*cos(x) - z*cos(x)*cos(y)",
-                "cos(x)*cos(y)"
-            )
-        );
-        assert_eq!(
-            cleared(|[x, y, _], _| y * x.pow(-2) + 1.0),
-            pair("y + sqr(x)", "sqr(x)")
-        );
-        assert_eq!(
-            cleared(|[x, y, _], _| (y / x).pow(3) - 1.0),
-            pair("y^3 - x^3", "x^3")
-        );
+        assert_eq!(tan, pair("sin(x)*cos(y) + sin(y)*cos(x) - z*cos(x)*cos(y)", "cos(x)*cos(y)"));
+        assert_eq!(cleared(|[x, y, _], _| y * x.pow(-2) + 1.0), pair("y + sqr(x)", "sqr(x)"));
+        assert_eq!(cleared(|[x, y, _], _| (y / x).pow(3) - 1.0), pair("y^3 - x^3", "x^3"));
         assert_eq!(
             cleared(|[x, y, _], _| -(y / (2.0 * x)).f(Op::Sqr)),
             pair("-sqr(y*0.5)", "sqr(x)")
@@ -403,23 +336,14 @@ mod tests {
     #[test]
     fn a_shared_denominator_is_not_multiplied() {
         assert_eq!(cleared(|[x, y, z], _| x / z + y / z), pair("x + y", "z"));
-        assert_eq!(
-            cleared(|[x, y, z], _| 1.0 / (x * z) + y / z),
-            pair("1 + y*x", "x*z")
-        );
-        assert_eq!(
-            cleared(|[x, y, _], _| 1.0 / x.f(Op::Sqr) - y / x),
-            pair("1 - y*x", "sqr(x)")
-        );
+        assert_eq!(cleared(|[x, y, z], _| 1.0 / (x * z) + y / z), pair("1 + y*x", "x*z"));
+        assert_eq!(cleared(|[x, y, _], _| 1.0 / x.f(Op::Sqr) - y / x), pair("1 - y*x", "sqr(x)"));
     }
 
     #[test]
     fn poles_of_a_divisor_stay_undefined() {
         assert_eq!(cleared(|[x, y, _], _| y / (1.0 / x)), pair("y", "x"));
-        assert_eq!(
-            cleared(|[x, y, _], _| y / (1.0 / x) - 1.0),
-            pair("y*x - 1", "x")
-        );
+        assert_eq!(cleared(|[x, y, _], _| y / (1.0 / x) - 1.0), pair("y*x - 1", "x"));
     }
 
     #[test]
@@ -456,11 +380,7 @@ mod tests {
                 continue;
             };
             for _ in 0..8 {
-                let at = [
-                    random.coordinate(),
-                    random.coordinate(),
-                    random.coordinate(),
-                ];
+                let at = [random.coordinate(), random.coordinate(), random.coordinate()];
                 let parameters = [random.coordinate(), random.coordinate()];
                 let values = evaluate(&graph, at, &parameters);
                 let [f, n, d] =

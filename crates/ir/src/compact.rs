@@ -11,9 +11,7 @@ pub fn compact(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
     let mut copy = Graph::new();
     let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
-        places[id.index()] = Some(copy_node(&mut copy, node, |operand| {
-            place(&places, operand)
-        }));
+        places[id.index()] = Some(copy_node(&mut copy, node, |operand| place(&places, operand)));
     }
     let roots = roots.iter().map(|root| place(&places, *root)).collect();
     (copy, roots)

@@ -64,10 +64,7 @@ impl Constant {
     fn bits(bounds: Interval) -> Self {
         let value = Self::bits_of(bounds);
         if value.is_named() {
-            return Self::bits_of(Interval {
-                lo: bounds.lo,
-                hi: bounds.hi.next_up(),
-            });
+            return Self::bits_of(Interval { lo: bounds.lo, hi: bounds.hi.next_up() });
         }
         value
     }
@@ -102,11 +99,7 @@ impl Constant {
                     return None;
                 }
                 // Digits only, so the one failure is an exponent too long for 64 bits.
-                let saturated = if text.starts_with('-') {
-                    i64::MIN / 2
-                } else {
-                    i64::MAX / 2
-                };
+                let saturated = if text.starts_with('-') { i64::MIN / 2 } else { i64::MAX / 2 };
                 text.parse().unwrap_or(saturated)
             }
         };
@@ -117,16 +110,10 @@ impl Constant {
         let scale = exponent - fraction.len() as i64;
         let magnitude = scale + significant.len() as i64; // value in [10^(magnitude-1), 10^magnitude)
         if magnitude > EXPONENT_LIMIT {
-            return Some(Self::bits(Interval {
-                lo: f64::MAX,
-                hi: f64::INFINITY,
-            }));
+            return Some(Self::bits(Interval { lo: f64::MAX, hi: f64::INFINITY }));
         }
         if magnitude < -EXPONENT_LIMIT {
-            return Some(Self::bits(Interval {
-                lo: 0.0,
-                hi: f64::from_bits(1),
-            }));
+            return Some(Self::bits(Interval { lo: 0.0, hi: f64::from_bits(1) }));
         }
         let kept = significant.len().min(KEPT_DIGITS);
         let power = |n: i64| num_traits::pow(BigInt::from(10), n.unsigned_abs() as usize);
@@ -150,27 +137,18 @@ impl Constant {
     /// The circle constant π.
     pub fn pi() -> Self {
         // The nearest double is below π; source: OEIS A000796.
-        Self::bits_of(Interval {
-            lo: std::f64::consts::PI,
-            hi: std::f64::consts::PI.next_up(),
-        })
+        Self::bits_of(Interval { lo: std::f64::consts::PI, hi: std::f64::consts::PI.next_up() })
     }
 
     /// The circle constant τ = 2π.
     pub fn tau() -> Self {
-        Self::bits_of(Interval {
-            lo: std::f64::consts::TAU,
-            hi: std::f64::consts::TAU.next_up(),
-        })
+        Self::bits_of(Interval { lo: std::f64::consts::TAU, hi: std::f64::consts::TAU.next_up() })
     }
 
     /// Euler's number e.
     pub fn e() -> Self {
         // The nearest double is below e; source: OEIS A001113.
-        Self::bits_of(Interval {
-            lo: std::f64::consts::E,
-            hi: std::f64::consts::E.next_up(),
-        })
+        Self::bits_of(Interval { lo: std::f64::consts::E, hi: std::f64::consts::E.next_up() })
     }
 
     /// The golden ratio φ = (1 + √5)/2.
@@ -178,20 +156,16 @@ impl Constant {
         // 1.618033988749894848204586834365638117720309..., source: OEIS A001622; the nearest double is
         // 1.6180339887498949025..., above φ.
         let nearest = 1.618_033_988_749_895_f64;
-        Self::bits_of(Interval {
-            lo: nearest.next_down(),
-            hi: nearest,
-        })
+        Self::bits_of(Interval { lo: nearest.next_down(), hi: nearest })
     }
 
     /// The tightest `f64` bounds of the number.
     pub fn bounds(&self) -> Interval {
         match self {
             Self::Exact(value) => enclose(value),
-            Self::Enclosed([lo, hi]) => Interval {
-                lo: f64::from_bits(*lo),
-                hi: f64::from_bits(*hi),
-            },
+            Self::Enclosed([lo, hi]) => {
+                Interval { lo: f64::from_bits(*lo), hi: f64::from_bits(*hi) }
+            }
         }
     }
 
@@ -205,9 +179,7 @@ impl Constant {
 
     /// The number as an integer, if it is one that fits.
     pub fn as_integer(&self) -> Option<i64> {
-        self.exact()
-            .filter(|value| value.is_integer())
-            .and_then(|value| value.numer().to_i64())
+        self.exact().filter(|value| value.is_integer()).and_then(|value| value.numer().to_i64())
     }
 
     /// Whether the number is exactly 0.
@@ -225,17 +197,10 @@ impl Constant {
 fn enclose(value: &BigRational) -> Interval {
     if value.is_negative() {
         let positive = enclose(&-value);
-        return Interval {
-            lo: -positive.hi,
-            hi: -positive.lo,
-        };
+        return Interval { lo: -positive.hi, hi: -positive.lo };
     }
     // A guess, then exact comparisons: correct whatever the rounding of the guess.
-    let mut lo = value
-        .to_f64()
-        .filter(|guess| !guess.is_nan())
-        .unwrap_or(f64::MAX)
-        .min(f64::MAX);
+    let mut lo = value.to_f64().filter(|guess| !guess.is_nan()).unwrap_or(f64::MAX).min(f64::MAX);
     let exact = |x: f64| BigRational::from_float(x).unwrap_or_else(BigRational::zero);
     while exact(lo) > *value {
         lo = lo.next_down();
@@ -243,11 +208,7 @@ fn enclose(value: &BigRational) -> Interval {
     while lo < f64::MAX && exact(lo.next_up()) <= *value {
         lo = lo.next_up();
     }
-    let hi = if exact(lo) == *value {
-        lo
-    } else {
-        lo.next_up()
-    };
+    let hi = if exact(lo) == *value { lo } else { lo.next_up() };
     Interval { lo, hi }
 }
 
@@ -295,36 +256,18 @@ mod tests {
     #[test]
     fn known_constants_lie_inside_their_bounds() {
         // Integer arithmetic on published digits, independent of float parsing.
-        let digits = |text: &str| {
-            Constant::decimal(text)
-                .and_then(|c| c.exact().cloned())
-                .expect("exact")
-        };
+        let digits =
+            |text: &str| Constant::decimal(text).and_then(|c| c.exact().cloned()).expect("exact");
         for (constant, text) in [
-            (
-                Constant::pi(),
-                "3.14159265358979323846264338327950288419716939937510",
-            ),
-            (
-                Constant::tau(),
-                "6.28318530717958647692528676655900576839433879875021",
-            ),
-            (
-                Constant::e(),
-                "2.71828182845904523536028747135266249775724709369995",
-            ),
-            (
-                Constant::phi(),
-                "1.61803398874989484820458683436563811772030917980576",
-            ),
+            (Constant::pi(), "3.14159265358979323846264338327950288419716939937510"),
+            (Constant::tau(), "6.28318530717958647692528676655900576839433879875021"),
+            (Constant::e(), "2.71828182845904523536028747135266249775724709369995"),
+            (Constant::phi(), "1.61803398874989484820458683436563811772030917980576"),
         ] {
             let bounds = constant.bounds();
             let exact = |x: f64| BigRational::from_float(x).expect("finite");
             let value = digits(text);
-            assert!(
-                exact(bounds.lo) < value && value < exact(bounds.hi),
-                "{text}"
-            );
+            assert!(exact(bounds.lo) < value && value < exact(bounds.hi), "{text}");
             assert_eq!(bounds.lo.next_up(), bounds.hi, "{text}");
         }
     }

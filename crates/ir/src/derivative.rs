@@ -232,10 +232,7 @@ mod tests {
         let root = apply(&mut graph, Op::Pow, &[x, three]);
         let before = graph.len();
         let partials = gradient(&mut graph, root);
-        let ln = graph
-            .iter()
-            .skip(before)
-            .find(|(_, node)| matches!(node, Node::Apply(Op::Ln, _)));
+        let ln = graph.iter().skip(before).find(|(_, node)| matches!(node, Node::Apply(Op::Ln, _)));
         assert!(ln.is_none());
         let square = apply(&mut graph, Op::Sqr, &[x]);
         assert_eq!(partials[0], apply(&mut graph, Op::Mul, &[three, square]));
@@ -300,14 +297,9 @@ mod tests {
                     at[axis] += steps * STEP;
                     value(at, root).map(|v| v.0)
                 };
-                let (Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)) = (
-                    moved(-2.0),
-                    moved(-1.0),
-                    moved(1.0),
-                    moved(2.0),
-                    moved(-0.7),
-                    moved(0.7),
-                ) else {
+                let (Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)) =
+                    (moved(-2.0), moved(-1.0), moved(1.0), moved(2.0), moved(-0.7), moved(0.7))
+                else {
                     continue;
                 };
                 let central = (c - b) / (2.0 * STEP);

@@ -88,10 +88,9 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
                 (binding, pieces)
             };
             match op {
-                Op::Neg => (
-                    Binding::Sign,
-                    vec![text("-"), Piece::Node(operands[0], Binding::Product)],
-                ),
+                Op::Neg => {
+                    (Binding::Sign, vec![text("-"), Piece::Node(operands[0], Binding::Product)])
+                }
                 Op::Add => infix(Binding::Sum, " + ", Binding::Product, Binding::Sum),
                 Op::Sub => infix(Binding::Sum, " - ", Binding::Product, Binding::Sum),
                 Op::Mul => infix(Binding::Product, "*", Binding::Power, Binding::Product),
@@ -154,17 +153,10 @@ fn number(constant: &Constant) -> (Binding, String) {
         let bounds = constant.bounds();
         return (Binding::Atom, format!("[{}, {}]", bounds.lo, bounds.hi));
     };
-    let sign = if value.is_negative() {
-        Binding::Sign
-    } else {
-        Binding::Atom
-    };
+    let sign = if value.is_negative() { Binding::Sign } else { Binding::Atom };
     match decimal(value) {
         Some(text) => (sign, text),
-        None => (
-            Binding::Product,
-            format!("{}/{}", value.numer(), value.denom()),
-        ),
+        None => (Binding::Product, format!("{}/{}", value.numer(), value.denom())),
     }
 }
 
@@ -185,17 +177,9 @@ fn decimal(value: &BigRational) -> Option<String> {
     if places == 0 {
         return Some(value.numer().to_string());
     }
-    let digits = format!(
-        "{:0>width$}",
-        scaled.numer().abs().to_string(),
-        width = places + 1
-    );
+    let digits = format!("{:0>width$}", scaled.numer().abs().to_string(), width = places + 1);
     let (whole, fraction) = digits.split_at(digits.len() - places);
-    let sign = if value.is_negative() && !value.is_zero() {
-        "-"
-    } else {
-        ""
-    };
+    let sign = if value.is_negative() && !value.is_zero() { "-" } else { "" };
     Some(format!("{sign}{whole}.{fraction}"))
 }
 

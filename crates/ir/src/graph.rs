@@ -92,10 +92,7 @@ impl Graph {
 
     /// All nodes, operands before users.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = (NodeId, &Node)> {
-        self.nodes
-            .iter()
-            .enumerate()
-            .map(|(index, node)| (NodeId(index as u32), node))
+        self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))
     }
 
     /// A coordinate.
@@ -124,19 +121,10 @@ impl Graph {
     /// If the number of operands is not the arity of `op`, or one of them does not exist.
     pub fn apply(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
         assert_eq!(operands.len(), op.arity(), "{op:?}");
-        assert!(
-            operands.iter().all(|id| id.index() < self.nodes.len()),
-            "unknown operand"
-        );
+        assert!(operands.iter().all(|id| id.index() < self.nodes.len()), "unknown operand");
         let mut ids = [operands[0]; 3];
         ids[..operands.len()].copy_from_slice(operands);
-        self.intern(Node::Apply(
-            op,
-            Operands {
-                ids,
-                len: operands.len() as u8,
-            },
-        ))
+        self.intern(Node::Apply(op, Operands { ids, len: operands.len() as u8 }))
     }
 
     /// Where `op` applied to `operands` stands already.
@@ -144,9 +132,7 @@ impl Graph {
         let mut ids = [operands[0]; 3];
         ids[..operands.len()].copy_from_slice(operands);
         let len = operands.len() as u8;
-        self.index
-            .get(&Node::Apply(op, Operands { ids, len }))
-            .copied()
+        self.index.get(&Node::Apply(op, Operands { ids, len })).copied()
     }
 
     fn intern(&mut self, node: Node) -> NodeId {

@@ -88,11 +88,7 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
     }
     let roots: Vec<NodeId> = roots.iter().map(|root| place(&places, *root)).collect();
     let (graph, roots) = compact(&copy, &roots);
-    Hoisted {
-        graph,
-        roots,
-        uniforms,
-    }
+    Hoisted { graph, roots, uniforms }
 }
 
 #[cfg(test)]
@@ -118,10 +114,7 @@ mod tests {
             .map(|(number, id)| (*number, display(&graph, *id, &["a", "", "", "b"])))
             .collect();
         let expected = [(4, "sin(a)"), (5, "sin(a) + b^2"), (6, "sqrt(2)*a")];
-        assert_eq!(
-            texts,
-            expected.map(|(number, text)| (number, text.to_owned()))
-        );
+        assert_eq!(texts, expected.map(|(number, text)| (number, text.to_owned())));
         let text = |root: usize| display(&hoisted.graph, hoisted.roots[root], &["a", "", "", "b"]);
         assert_eq!(text(0), "x*p4 + y*p5 + p6 - b*x + x^2");
         assert_eq!((text(1), text(2)), ("p4".into(), "a".into()));

@@ -48,8 +48,7 @@ impl Sheet {
 impl<'a> Term<'a> {
     pub(crate) fn apply(self, op: Op, others: &[Term<'a>]) -> Term<'a> {
         let operands: Vec<NodeId> = std::iter::once(&self).chain(others).map(|t| t.id).collect();
-        self.sheet
-            .term(self.sheet.0.borrow_mut().apply(op, &operands))
+        self.sheet.term(self.sheet.0.borrow_mut().apply(op, &operands))
     }
 
     pub(crate) fn pow(self, exponent: i64) -> Term<'a> {
@@ -122,23 +121,23 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
                     chosen.map(|(v, w)| (v, if a.abs() <= e { f64::INFINITY } else { w }))
                 })
             }
-            Node::Apply(op, operands) => operands
-                .iter()
-                .map(|id| values[id.index()])
-                .collect::<Option<Vec<_>>>()
-                .and_then(|v| {
-                    let integer = operands.get(1).is_some_and(|id| {
+            Node::Apply(op, operands) => {
+                operands.iter().map(|id| values[id.index()]).collect::<Option<Vec<_>>>().and_then(
+                    |v| {
+                        let integer = operands.get(1).is_some_and(|id| {
                         matches!(graph.node(*id), Node::Constant(c) if c.as_integer().is_some())
                     });
-                    let computed = *op == Op::Pow
-                        && fixed[operands[1].index()]
-                        && matches!(graph.node(operands[1]), Node::Apply(..));
-                    if computed && v[0].0 - v[0].1 <= 0.0 {
-                        // Whether an exponent like 4/2 is an integer is not seen in floats.
-                        return Some((0.0, f64::INFINITY));
-                    }
-                    point(*op, &v, integer)
-                }),
+                        let computed = *op == Op::Pow
+                            && fixed[operands[1].index()]
+                            && matches!(graph.node(operands[1]), Node::Apply(..));
+                        if computed && v[0].0 - v[0].1 <= 0.0 {
+                            // Whether an exponent like 4/2 is an integer is not seen in floats.
+                            return Some((0.0, f64::INFINITY));
+                        }
+                        point(*op, &v, integer)
+                    },
+                )
+            }
         };
         values.push(value);
     }
@@ -169,28 +168,14 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
         Op::Fract => (a - a.floor(), jump(a, ea) + ea),
         Op::Sqr => (a * a, 2.0 * a.abs() * ea + ea * ea),
         Op::Sqrt if a < 0.0 => {
-            return if -a <= ea {
-                Some((0.0, f64::INFINITY))
-            } else {
-                None
-            };
+            return if -a <= ea { Some((0.0, f64::INFINITY)) } else { None };
         }
-        Op::Sqrt => (
-            a.sqrt(),
-            unsure(a, ea) + ea / a.sqrt().max(f64::MIN_POSITIVE),
-        ),
-        Op::Cbrt => (
-            a.cbrt(),
-            unsure(a, ea) + ea / a.cbrt().powi(2).max(f64::MIN_POSITIVE),
-        ),
+        Op::Sqrt => (a.sqrt(), unsure(a, ea) + ea / a.sqrt().max(f64::MIN_POSITIVE)),
+        Op::Cbrt => (a.cbrt(), unsure(a, ea) + ea / a.cbrt().powi(2).max(f64::MIN_POSITIVE)),
         Op::Exp => (a.exp(), a.exp() * ea),
         Op::Ln | Op::Log2 | Op::Log10 => {
             if a <= 0.0 {
-                return if -a <= ea && ea > 0.0 {
-                    Some((0.0, f64::INFINITY))
-                } else {
-                    None
-                };
+                return if -a <= ea && ea > 0.0 { Some((0.0, f64::INFINITY)) } else { None };
             }
             let scale = match op {
                 Op::Log2 => std::f64::consts::LN_2,
@@ -208,30 +193,18 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
         Op::Mul => (a * b, a.abs() * eb + b.abs() * ea + ea * eb),
         Op::Div => {
             if b.abs() <= eb {
-                return if eb == 0.0 {
-                    None
-                } else {
-                    Some((0.0, f64::INFINITY))
-                };
+                return if eb == 0.0 { None } else { Some((0.0, f64::INFINITY)) };
             }
             (a / b, 2.0 * (ea + (a / b).abs() * eb) / b.abs())
         }
         Op::Pow => {
             let n = b;
             if integer && n >= 0.0 {
-                let slope = if n == 0.0 {
-                    0.0
-                } else {
-                    n * (a.abs() + ea).powf(n - 1.0)
-                };
+                let slope = if n == 0.0 { 0.0 } else { n * (a.abs() + ea).powf(n - 1.0) };
                 (a.powf(n), slope * ea)
             } else if integer {
                 if a.abs() <= ea {
-                    return if ea == 0.0 {
-                        None
-                    } else {
-                        Some((0.0, f64::INFINITY))
-                    };
+                    return if ea == 0.0 { None } else { Some((0.0, f64::INFINITY)) };
                 }
                 (a.powf(n), 4.0 * (n * a.powf(n - 1.0)).abs() * ea)
             } else {
@@ -243,28 +216,18 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
                     };
                 }
                 let value = a.powf(n);
-                let relative = if a > 0.0 {
-                    4.0 * (n.abs() * ea / a + a.ln().abs() * eb)
-                } else {
-                    0.0
-                };
+                let relative =
+                    if a > 0.0 { 4.0 * (n.abs() * ea / a + a.ln().abs() * eb) } else { 0.0 };
                 (value, unsure(a, ea) + unsure(n, eb) + value * relative)
             }
         }
         Op::Mod => {
             if b.abs() <= eb {
-                return if eb == 0.0 {
-                    None
-                } else {
-                    Some((0.0, f64::INFINITY))
-                };
+                return if eb == 0.0 { None } else { Some((0.0, f64::INFINITY)) };
             }
             let quotient = a / b;
             let spread = (ea + quotient.abs() * eb) / b.abs() + quotient.abs() * 1e-12;
-            (
-                a - b * quotient.floor(),
-                jump(quotient, spread) + ea + quotient.abs() * eb,
-            )
+            (a - b * quotient.floor(), jump(quotient, spread) + ea + quotient.abs() * eb)
         }
         Op::Min => (a.min(b), ea.max(eb)),
         Op::Max => (a.max(b), ea.max(eb)),
@@ -338,16 +301,8 @@ impl Random {
         for _ in 0..size {
             // Sums, products and powers are drawn more often: most rules are about them.
             let op = match self.below(3) {
-                0 => [
-                    Op::Add,
-                    Op::Sub,
-                    Op::Mul,
-                    Op::Mul,
-                    Op::Div,
-                    Op::Neg,
-                    Op::Sqr,
-                    Op::Pow,
-                ][self.below(8)],
+                0 => [Op::Add, Op::Sub, Op::Mul, Op::Mul, Op::Div, Op::Neg, Op::Sqr, Op::Pow]
+                    [self.below(8)],
                 1 => [Op::Add, Op::Sub, Op::Mul][self.below(3)],
                 _ => TABLE[self.below(TABLE.len())].op,
             };
@@ -358,10 +313,7 @@ impl Random {
                     }
                     // Recent nodes more often, so that graphs grow deep.
                     let from = if self.below(2) == 0 {
-                        nodes
-                            .len()
-                            .saturating_sub(4)
-                            .max(leaves.min(nodes.len() - 1))
+                        nodes.len().saturating_sub(4).max(leaves.min(nodes.len() - 1))
                     } else {
                         0
                     };

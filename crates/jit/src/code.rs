@@ -18,11 +18,7 @@ impl Code {
     /// # Safety
     /// `entry` must lie in memory that `module` owns.
     pub unsafe fn new(module: JITModule, entry: Entry, bytes: usize) -> Self {
-        Self {
-            module: ManuallyDrop::new(module),
-            entry,
-            bytes,
-        }
+        Self { module: ManuallyDrop::new(module), entry, bytes }
     }
 
     /// The function. It must not be called after this value is dropped.

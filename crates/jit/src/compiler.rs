@@ -72,16 +72,9 @@ fn target(tier: Tier) -> Result<OwnedTargetIsa, Error> {
                     [("opt_level", "none"), ("regalloc_algorithm", "single_pass")].as_slice()
                 }
             };
-            let verifier = if cfg!(debug_assertions) {
-                "true"
-            } else {
-                "false"
-            };
-            let common = [
-                ("enable_verifier", verifier),
-                ("unwind_info", "false"),
-                ("is_pic", "false"),
-            ];
+            let verifier = if cfg!(debug_assertions) { "true" } else { "false" };
+            let common =
+                [("enable_verifier", verifier), ("unwind_info", "false"), ("is_pic", "false")];
             for (name, value) in level.iter().chain(&common) {
                 flags.set(name, value).ok()?;
             }
@@ -89,9 +82,7 @@ fn target(tier: Tier) -> Result<OwnedTargetIsa, Error> {
             isa.finish(settings::Flags::new(flags)).ok()
         })
         .clone()
-        .ok_or(Error::Unsupported(
-            "a processor that the code generator knows",
-        ))
+        .ok_or(Error::Unsupported("a processor that the code generator knows"))
 }
 
 fn check_processor() -> Result<(), Error> {
@@ -114,22 +105,13 @@ fn check_processor() -> Result<(), Error> {
 pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
     check_processor()?;
     let function = build(tape, kind)?;
-    let tier = if function.dfg.num_insts() > FAST_TIER_FROM {
-        Tier::Fast
-    } else {
-        Tier::Optimised
-    };
+    let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
     let isa = target(tier)?;
     let mut module = JITModule::new(JITBuilder::with_isa(isa, default_libcall_names()));
     let report = |error: cranelift_module::ModuleError| Error::Codegen(format!("{error:?}"));
-    let id = module
-        .declare_anonymous_function(&function.signature)
-        .map_err(report)?;
+    let id = module.declare_anonymous_function(&function.signature).map_err(report)?;
     let mut context = Context::for_function(function);
-    debug_assert!(
-        module.target_config().pointer_bits() == 64,
-        "kernels use 64-bit pointers"
-    );
+    debug_assert!(module.target_config().pointer_bits() == 64, "kernels use 64-bit pointers");
     // From here on an early return must free the module's memory.
     let finished = module
         .define_function(id, &mut context)
@@ -137,9 +119,7 @@ pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
         .map_err(report);
     match finished {
         Ok(()) => {
-            let bytes = context
-                .compiled_code()
-                .map_or(0, |code| code.code_info().total_size);
+            let bytes = context.compiled_code().map_or(0, |code| code.code_info().total_size);
             let address = module.get_finalized_function(id);
             // SAFETY: the function was declared with the signature that `Entry` describes.
             let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
@@ -163,6 +143,23 @@ pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
 /// If the tape has another number of outputs than `kind` needs.
 pub fn intermediate_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
     Ok(build(tape, kind)?.display().to_string())
+}
+
+/// The machine code of a kernel, as assembly text.
+///
+/// # Errors
+/// If this processor is not supported or the formula too large.
+///
+/// # Panics
+/// If the tape has another number of outputs than `kind` needs.
+pub fn machine_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
+    check_processor()?;
+    let mut context = Context::for_function(build(tape, kind)?);
+    context.set_disasm(true);
+    let code = context
+        .compile(target(Tier::Optimised)?.as_ref(), &mut Default::default())
+        .map_err(|error| Error::Codegen(format!("{error:?}")))?;
+    Ok(code.vcode.clone().unwrap_or_default())
 }
 
 fn signature() -> Signature {
@@ -190,16 +187,9 @@ fn trusted() -> MemFlagsData {
 }
 
 fn build(tape: &Tape, kind: Kind) -> Result<Function, Error> {
-    assert_eq!(
-        tape.outputs(),
-        kind.outputs(),
-        "outputs of a {kind:?} kernel"
-    );
+    assert_eq!(tape.outputs(), kind.outputs(), "outputs of a {kind:?} kernel");
     if tape.operations() > LIMIT {
-        return Err(Error::TooLarge {
-            operations: tape.operations(),
-            limit: LIMIT,
-        });
+        return Err(Error::TooLarge { operations: tape.operations(), limit: LIMIT });
     }
     let mut function = Function::new();
     function.signature = signature();
@@ -213,18 +203,10 @@ fn build(tape: &Tape, kind: Kind) -> Result<Function, Error> {
         unreachable!("the signature has five parameters");
     };
     let (body, end) = (builder.create_block(), builder.create_block());
-    let carried: Vec<Value> = (0..3)
-        .map(|_| builder.append_block_param(body, I64))
-        .collect();
-    builder
-        .ins()
-        .brif(count, body, &args(&[inputs, outputs, count]), end, &[]);
+    let carried: Vec<Value> = (0..3).map(|_| builder.append_block_param(body, I64)).collect();
+    builder.ins().brif(count, body, &args(&[inputs, outputs, count]), end, &[]);
     builder.switch_to_block(body);
-    let cursor = Cursor {
-        input: carried[0],
-        output: carried[1],
-        parameters,
-    };
+    let cursor = Cursor { input: carried[0], output: carried[1], parameters };
     match kind {
         Kind::Interval => emit_enclosure(&mut builder, tape, &cursor),
         Kind::Point | Kind::Gradient => emit_values(&mut builder, tape, &cursor),
@@ -254,22 +236,16 @@ fn close_loop(
     let output = builder.ins().iadd_imm_s(carried[1], output_stride as i64);
     let left = builder.ins().iadd_imm_s(carried[2], -1);
     let more = builder.ins().icmp_imm_s(IntCC::NotEqual, left, 0);
-    builder
-        .ins()
-        .brif(more, body, &args(&[input, output, left]), end, &[]);
+    builder.ins().brif(more, body, &args(&[input, output, left]), end, &[]);
 }
 
 /// Loads the vector with this index from an array of vectors.
 fn load(m: &mut Emitter<'_, '_>, ty: Type, base: Value, index: usize) -> Value {
-    m.builder()
-        .ins()
-        .load(ty, trusted(), base, (16 * index) as i32)
+    m.builder().ins().load(ty, trusted(), base, (16 * index) as i32)
 }
 
 fn store(m: &mut Emitter<'_, '_>, value: Value, base: Value, index: usize) {
-    m.builder()
-        .ins()
-        .store(trusted(), value, base, (16 * index) as i32);
+    m.builder().ins().store(trusted(), value, base, (16 * index) as i32);
 }
 
 /// Index of the first parameter's vectors after the two fact words.
@@ -281,17 +257,11 @@ fn emit_enclosure(builder: &mut FunctionBuilder<'_>, tape: &Tape, cursor: &Curso
         &mut m,
         |m, axis| {
             let axis = axis as usize;
-            (
-                load(m, F32X4, cursor.input, axis),
-                load(m, F32X4, cursor.input, 3 + axis),
-            )
+            (load(m, F32X4, cursor.input, axis), load(m, F32X4, cursor.input, 3 + axis))
         },
         |m, number| {
             let at = FIRST_PARAMETER + 2 * number as usize;
-            (
-                load(m, F32X4, cursor.parameters, at),
-                load(m, F32X4, cursor.parameters, at + 1),
-            )
+            (load(m, F32X4, cursor.parameters, at), load(m, F32X4, cursor.parameters, at + 1))
         },
     );
     let value = &values[0];

@@ -30,10 +30,7 @@ struct Compiled {
 
 impl Compiled {
     fn new(tape: &Tape, kind: Kind) -> Result<Self, Error> {
-        Ok(Self {
-            code: Arc::new(compile(tape, kind)?),
-            parameters: tape.parameters(),
-        })
+        Ok(Self { code: Arc::new(compile(tape, kind)?), parameters: tape.parameters() })
     }
 
     fn check(&self, binding: &Binding) {
@@ -117,22 +114,14 @@ kernel! {
 impl NativeInterval {
     fn vectors(binding: &Binding) -> Arc<[Vector]> {
         let facts = binding.limits().map(|facts| Vector([facts.bits(); 4]));
-        let bounds = binding
-            .enclosures()
-            .iter()
-            .flatten()
-            .map(|lanes| Vector::from_f32(*lanes));
+        let bounds = binding.enclosures().iter().flatten().map(|lanes| Vector::from_f32(*lanes));
         facts.into_iter().chain(bounds).collect()
     }
 }
 
 impl NativePoint {
     fn vectors(binding: &Binding) -> Arc<[Vector]> {
-        binding
-            .values()
-            .iter()
-            .map(|lanes| Vector::from_f32(*lanes))
-            .collect()
+        binding.values().iter().map(|lanes| Vector::from_f32(*lanes)).collect()
     }
 }
 

@@ -15,15 +15,14 @@ use zeroset_interval::{Format, Machine};
 pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
     constants: HashMap<(Type, u128), Value>,
+    /// The bits of the values that are constants.
+    known: HashMap<Value, u128>,
 }
 
 impl<'a, 'b> Emitter<'a, 'b> {
     /// An emitter that appends to the current block of `builder`.
     pub fn new(builder: &'a mut FunctionBuilder<'b>) -> Self {
-        Self {
-            builder,
-            constants: HashMap::new(),
-        }
+        Self { builder, constants: HashMap::new(), known: HashMap::new() }
     }
 
     /// The function being built.
@@ -39,6 +38,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
         let handle = self.builder.func.dfg.constants.insert(data);
         let value = self.builder.ins().vconst(ty, handle);
         self.constants.insert((ty, bytes), value);
+        self.known.insert(value, bytes);
         value
     }
 
@@ -102,11 +102,13 @@ impl Machine for Emitter<'_, '_> {
     }
     // By masks from the constant pool: the instructions fneg and fabs would build theirs each time.
     fn neg(&mut self, a: Value) -> Value {
-        let sign = if self.type_of(a) == F32X4 {
-            self.bits(Format::F32, 1 << 31)
-        } else {
-            self.bits(Format::F64, 1 << 63)
-        };
+        let ty = self.type_of(a);
+        let (format, bit) = if ty == F32X4 { (Format::F32, 31) } else { (Format::F64, 63) };
+        if let Some(&bits) = self.known.get(&a) {
+            let lane = (bits as u64 ^ 1 << bit) & (u64::MAX >> (63 - bit));
+            return self.bits(format, lane);
+        }
+        let sign = self.bits(format, 1 << bit);
         self.builder.ins().bxor(a, sign)
     }
     fn abs(&mut self, a: Value) -> Value {
@@ -198,12 +200,7 @@ impl Machine for Emitter<'_, '_> {
         let low = self.cast(cranelift_codegen::ir::types::I8X16, low);
         let high = self.cast(cranelift_codegen::ir::types::I8X16, high);
         let order: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23];
-        let mask = self
-            .builder
-            .func
-            .dfg
-            .immediates
-            .push(ConstantData::from(order.as_slice()));
+        let mask = self.builder.func.dfg.immediates.push(ConstantData::from(order.as_slice()));
         let joined = self.builder.ins().shuffle(low, high, mask);
         self.cast(F32X4, joined)
     }

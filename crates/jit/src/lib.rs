@@ -10,6 +10,6 @@ mod kernel;
 mod lanes;
 mod rounding;
 
-pub use compiler::{Kind, intermediate_code};
+pub use compiler::{Kind, intermediate_code, machine_code};
 pub use error::Error;
 pub use kernel::{NativeGradient, NativeInterval, NativePoint};

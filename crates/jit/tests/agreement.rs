@@ -21,17 +21,7 @@ impl Random {
     }
 
     fn end(&mut self) -> f32 {
-        let special = [
-            0.0,
-            -0.0,
-            1.0,
-            -1.0,
-            0.5,
-            f32::MIN_POSITIVE,
-            1e-45,
-            f32::MAX,
-            -f32::MAX,
-        ];
+        let special = [0.0, -0.0, 1.0, -1.0, 0.5, f32::MIN_POSITIVE, 1e-45, f32::MAX, -f32::MAX];
         match self.next() % 4 {
             0 => special[self.next() as usize % special.len()],
             1 => {
@@ -45,11 +35,7 @@ impl Random {
 
     fn bounds(&mut self) -> (f32, f32) {
         let (a, b) = (self.end(), self.end());
-        let (lo, hi) = if self.next() % 4 == 0 {
-            (a, a)
-        } else {
-            (a.min(b), a.max(b))
-        };
+        let (lo, hi) = if self.next() % 4 == 0 { (a, a) } else { (a.min(b), a.max(b)) };
         (lo.min(f32::MAX), hi.max(-f32::MAX))
     }
 }
@@ -66,10 +52,8 @@ fn every_operation_agrees_on_intervals_and_points() {
     for row in TABLE {
         for bounded in [false, true] {
             let mut graph = Graph::new();
-            let operands: Vec<_> = Axis::ALL[..row.op.arity()]
-                .iter()
-                .map(|&axis| graph.variable(axis))
-                .collect();
+            let operands: Vec<_> =
+                Axis::ALL[..row.op.arity()].iter().map(|&axis| graph.variable(axis)).collect();
             let root = graph.apply(row.op, &operands);
             let mut assumptions = Assumptions::none(0);
             if bounded {
@@ -104,11 +88,7 @@ fn every_operation_agrees_on_intervals_and_points() {
                         && same(e.hi[lane], f.hi[lane])
                         && e.facts[lane] == f.facts[lane];
                     assert!(agree, "{} lane {lane}: {packet:?}\n{e:?}\n{f:?}", row.name);
-                    assert!(
-                        !f.neg_lo[lane].is_nan() && !f.hi[lane].is_nan(),
-                        "{}",
-                        row.name
-                    );
+                    assert!(!f.neg_lo[lane].is_nan() && !f.hi[lane].is_nan(), "{}", row.name);
                 }
             }
             let mut expected = vec![ValuePacket::default(); at.len()];

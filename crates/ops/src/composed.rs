@@ -23,13 +23,7 @@ const fn row(
     body: &'static str,
     doc: &'static str,
 ) -> Composed {
-    Composed {
-        name,
-        aliases,
-        parameters,
-        body,
-        doc,
-    }
+    Composed { name, aliases, parameters, body, doc }
 }
 
 /// Every composed function.

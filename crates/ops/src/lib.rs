@@ -18,18 +18,14 @@ pub use table::TABLE;
 /// Infix and internal operations have names too, for printing, but cannot be called.
 pub fn native(name: &str) -> Option<&'static Row> {
     TABLE.iter().find(|row| {
-        matches!(
-            row.notation,
-            Notation::Function | Notation::Infix { callable: true, .. }
-        ) && (row.name == name || row.aliases.contains(&name))
+        matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
+            && (row.name == name || row.aliases.contains(&name))
     })
 }
 
 /// The composed functions called `name` (exact spelling, aliases included), one per arity.
 pub fn composed(name: &str) -> impl Iterator<Item = &'static Composed> {
-    COMPOSED
-        .iter()
-        .filter(move |f| f.name == name || f.aliases.contains(&name))
+    COMPOSED.iter().filter(move |f| f.name == name || f.aliases.contains(&name))
 }
 
 /// Every callable name, aliases included, in table order: for completion and suggestions.
@@ -37,15 +33,11 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     let native = TABLE
         .iter()
         .filter(|row| {
-            matches!(
-                row.notation,
-                Notation::Function | Notation::Infix { callable: true, .. }
-            )
+            matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
         })
         .flat_map(|row| std::iter::once(row.name).chain(row.aliases.iter().copied()));
-    let composed = COMPOSED
-        .iter()
-        .flat_map(|f| std::iter::once(f.name).chain(f.aliases.iter().copied()));
+    let composed =
+        COMPOSED.iter().flat_map(|f| std::iter::once(f.name).chain(f.aliases.iter().copied()));
     native.chain(composed)
 }
 
@@ -68,19 +60,12 @@ mod tests {
         let mut seen: HashMap<(&str, usize), &str> = HashMap::new();
         for row in TABLE {
             for name in std::iter::once(&row.name).chain(row.aliases) {
-                assert!(
-                    seen.insert((name, usize::from(row.arity)), row.name)
-                        .is_none(),
-                    "{name}"
-                );
+                assert!(seen.insert((name, usize::from(row.arity)), row.name).is_none(), "{name}");
             }
         }
         for f in COMPOSED {
             for name in std::iter::once(&f.name).chain(f.aliases) {
-                assert!(
-                    seen.insert((name, f.parameters.len()), f.name).is_none(),
-                    "{name}"
-                );
+                assert!(seen.insert((name, f.parameters.len()), f.name).is_none(), "{name}");
             }
         }
     }

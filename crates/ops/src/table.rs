@@ -20,10 +20,7 @@ const BASE: Row = Row {
 };
 
 const fn infix(symbol: &'static str) -> Notation {
-    Notation::Infix {
-        symbol,
-        callable: false,
-    }
+    Notation::Infix { symbol, callable: false }
 }
 
 /// Every native operation, in the order of [`Op`].

@@ -40,10 +40,7 @@ fn read<T: npyz::Deserialize>(source: impl Read) -> Result<Array<T>> {
     if file.order() != npyz::Order::C {
         return Err(Error::new(ErrorKind::InvalidData, "Fortran order"));
     }
-    Ok(Array {
-        shape: file.shape().to_vec(),
-        data: file.into_vec()?,
-    })
+    Ok(Array { shape: file.shape().to_vec(), data: file.into_vec()? })
 }
 
 #[cfg(test)]
@@ -63,17 +60,11 @@ mod tests {
     fn arrays_read_back() {
         let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3), }";
         let array = read_u8(&*file(header, &[1, 2, 3, 4, 5, 6])).expect("an array");
-        assert_eq!(
-            (array.shape, array.data),
-            (vec![2, 3], vec![1, 2, 3, 4, 5, 6])
-        );
+        assert_eq!((array.shape, array.data), (vec![2, 3], vec![1, 2, 3, 4, 5, 6]));
         let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
         let data = [1.5_f64.to_le_bytes(), f64::INFINITY.to_le_bytes()].concat();
         let array = read_f64(&*file(header, &data)).expect("an array");
-        assert_eq!(
-            (array.shape, array.data),
-            (vec![2], vec![1.5, f64::INFINITY])
-        );
+        assert_eq!((array.shape, array.data), (vec![2], vec![1.5, f64::INFINITY]));
         let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1,), }";
         let array = read_f32(&*file(header, &0.5_f32.to_le_bytes())).expect("an array");
         assert_eq!(array.data, [0.5]);

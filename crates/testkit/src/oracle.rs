@@ -67,23 +67,12 @@ pub struct Claim {
 
 impl Claim {
     fn new(span: Span, defined: Defined) -> Self {
-        let span = if defined == Defined::No {
-            Span::ENTIRE
-        } else {
-            span
-        };
-        Self {
-            lo: span.lo,
-            hi: span.hi,
-            defined,
-        }
+        let span = if defined == Defined::No { Span::ENTIRE } else { span };
+        Self { lo: span.lo, hi: span.hi, defined }
     }
 
     fn span(self) -> Span {
-        Span {
-            lo: self.lo,
-            hi: self.hi,
-        }
+        Span { lo: self.lo, hi: self.hi }
     }
 }
 
@@ -127,13 +116,7 @@ impl<'a> Oracle<'a> {
                 }
             });
         }
-        Self {
-            graph,
-            roots: roots.to_vec(),
-            needed,
-            constants,
-            exponents,
-        }
+        Self { graph, roots: roots.to_vec(), needed, constants, exponents }
     }
 
     /// What is certain at `point`, one claim per root.

@@ -122,9 +122,7 @@ impl Document {
         match bounds {
             Some((lo, hi)) if lo == hi => self.define("p", number, &decimal(*lo)),
             bounds => {
-                let (lo, hi) = bounds
-                    .copied()
-                    .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+                let (lo, hi) = bounds.copied().unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
                 let (id, name) = self.name("p", number);
                 let range = format!("[{}, {}]", hexadecimal(lo), hexadecimal(hi));
                 self.notes.insert(format!("{name} lies in {range}"));
@@ -167,9 +165,7 @@ fn document(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> (String, 
             Node::Constant(value) => (document.constant(value), 1),
             Node::Apply(op, operands) => {
                 if op.row().notation == Notation::Internal {
-                    document
-                        .notes
-                        .insert(format!("{} is internal", op.row().name));
+                    document.notes.insert(format!("{} is internal", op.row().name));
                 }
                 let ids: Vec<NodeId> = operands.iter().map(|id| copies[id.index()].0).collect();
                 let lengths = operands.iter().map(|id| copies[id.index()].1);
@@ -242,10 +238,7 @@ mod tests {
         }
         let line = reproduce(&graph, root, &[], &Place::At([1.0; 3]));
         assert!(line.len() < 40_000, "{}", line.len());
-        assert!(
-            line.starts_with(r#"{"f":"vbq = x*x\nvcq = vbq*vbq\n"#),
-            "{line}"
-        );
+        assert!(line.starts_with(r#"{"f":"vbq = x*x\nvcq = vbq*vbq\n"#), "{line}");
     }
 
     #[test]

@@ -39,10 +39,7 @@ fn every_operation_encloses_the_oracle() {
 #[test]
 fn random_graphs_enclose_the_oracle() {
     for (seed, adversarial) in [(0x5eed_0051, false), (0x5eed_0052, true)] {
-        let options = GraphOptions {
-            adversarial,
-            ..GraphOptions::default()
-        };
+        let options = GraphOptions { adversarial, ..GraphOptions::default() };
         let tally = check_interval_graphs(&interval, seed, &options, 10_000, 16);
         let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
         assert!(tally.defined > 100_000, "{tally:?}");

@@ -19,11 +19,8 @@ fn formula(line: &str) -> String {
 #[test]
 fn printed_formulas_read_back_with_the_same_values() {
     let mut rng = Rng::with_seed(SEED);
-    let ops: Vec<Op> = TABLE
-        .iter()
-        .filter(|row| row.notation != Notation::Internal)
-        .map(|row| row.op)
-        .collect();
+    let ops: Vec<Op> =
+        TABLE.iter().filter(|row| row.notation != Notation::Internal).map(|row| row.op).collect();
     let mut compared = 0;
     for round in 0..3000 {
         let options = GraphOptions {

@@ -88,12 +88,8 @@ impl Camera {
                 return Err(CameraError::NotFinite(name));
             }
         }
-        let forward = (target - eye)
-            .try_normalize()
-            .ok_or(CameraError::EyeIsTarget)?;
-        let sine = up
-            .try_normalize()
-            .map_or(0.0, |up| forward.cross(up).length());
+        let forward = (target - eye).try_normalize().ok_or(CameraError::EyeIsTarget)?;
+        let sine = up.try_normalize().map_or(0.0, |up| forward.cross(up).length());
         if sine < LEAST_SINE {
             return Err(CameraError::UpAlongView);
         }
@@ -106,12 +102,7 @@ impl Camera {
             }
             Projection::Perspective { .. } | Projection::Orthographic { .. } => {}
         }
-        Ok(Self {
-            eye,
-            target,
-            up,
-            projection,
-        })
+        Ok(Self { eye, target, up, projection })
     }
 
     /// Where the picture is taken from.
@@ -169,11 +160,7 @@ mod tests {
             v.map(|c| c / length)
         };
         let cross = |a: [f64; 3], b: [f64; 3]| {
-            [
-                a[1] * b[2] - a[2] * b[1],
-                a[2] * b[0] - a[0] * b[2],
-                a[0] * b[1] - a[1] * b[0],
-            ]
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
         };
         let forward = norm([-4.0, -3.0, -6.0]);
         let right = norm(cross(forward, [0.0, 1.0, 0.0]));
@@ -208,28 +195,16 @@ mod tests {
     fn impossible_cameras_are_refused() {
         let new = |eye, up, projection| Camera::new(eye, DVec3::ZERO, up, projection);
         let eye = DVec3::new(0.0, 0.0, 3.0);
-        assert_eq!(
-            new(DVec3::ZERO, DVec3::Y, FOV_40),
-            Err(CameraError::EyeIsTarget)
-        );
+        assert_eq!(new(DVec3::ZERO, DVec3::Y, FOV_40), Err(CameraError::EyeIsTarget));
         assert_eq!(new(eye, DVec3::Z, FOV_40), Err(CameraError::UpAlongView));
         assert_eq!(new(eye, DVec3::ZERO, FOV_40), Err(CameraError::UpAlongView));
-        assert_eq!(
-            new(eye * f64::NAN, DVec3::Y, FOV_40),
-            Err(CameraError::NotFinite("eye"))
-        );
+        assert_eq!(new(eye * f64::NAN, DVec3::Y, FOV_40), Err(CameraError::NotFinite("eye")));
         for fov in [0.0, -1.0, 180.0, f64::INFINITY] {
             let projection = Projection::Perspective { fov };
-            assert_eq!(
-                new(eye, DVec3::Y, projection),
-                Err(CameraError::FieldOfView(fov))
-            );
+            assert_eq!(new(eye, DVec3::Y, projection), Err(CameraError::FieldOfView(fov)));
         }
         let nan = Projection::Perspective { fov: f64::NAN };
-        assert!(matches!(
-            new(eye, DVec3::Y, nan),
-            Err(CameraError::FieldOfView(_))
-        ));
+        assert!(matches!(new(eye, DVec3::Y, nan), Err(CameraError::FieldOfView(_))));
         let flat = Projection::Orthographic { height: 0.0 };
         assert_eq!(new(eye, DVec3::Y, flat), Err(CameraError::Height(0.0)));
     }

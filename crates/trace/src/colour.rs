@@ -12,11 +12,8 @@ const LAST_CODE: usize = 4095;
 
 /// The nearest sRGB byte of an amount within [0, 1].
 fn encode(value: f32) -> u8 {
-    let encoded = if value <= 0.003_130_8 {
-        12.92 * value
-    } else {
-        1.055 * value.powf(1.0 / 2.4) - 0.055
-    };
+    let encoded =
+        if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
     (255.0 * encoded).round() as u8
 }
 
@@ -25,11 +22,7 @@ impl Colour {
     pub fn from_srgb(bytes: [u8; 3]) -> Self {
         Self(bytes.map(|byte| {
             let value = f32::from(byte) / 255.0;
-            if value <= 0.040_45 {
-                value / 12.92
-            } else {
-                ((value + 0.055) / 1.055).powf(2.4)
-            }
+            if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
         }))
     }
 
@@ -37,9 +30,7 @@ impl Colour {
     pub fn to_srgb(self) -> [u8; 3] {
         static CODES: OnceLock<Vec<u8>> = OnceLock::new();
         let codes = CODES.get_or_init(|| {
-            (0..=LAST_CODE)
-                .map(|n| encode((n as f32 / LAST_CODE as f32).powi(2)))
-                .collect()
+            (0..=LAST_CODE).map(|n| encode((n as f32 / LAST_CODE as f32).powi(2))).collect()
         });
         // A NaN becomes 0 in the conversion to an index.
         self.0.map(|value| {
@@ -93,14 +84,8 @@ mod tests {
 
     #[test]
     fn hexadecimal_colours_are_read() {
-        assert_eq!(
-            Colour::from_hex("#ff8000").map(Colour::to_srgb),
-            Some([255, 128, 0])
-        );
-        assert_eq!(
-            Colour::from_hex("FF8000").map(Colour::to_srgb),
-            Some([255, 128, 0])
-        );
+        assert_eq!(Colour::from_hex("#ff8000").map(Colour::to_srgb), Some([255, 128, 0]));
+        assert_eq!(Colour::from_hex("FF8000").map(Colour::to_srgb), Some([255, 128, 0]));
         for text in ["", "#fff", "#ff80000", "+f8000", "red", "#ff80é"] {
             assert_eq!(Colour::from_hex(text), None, "{text}");
         }

@@ -75,15 +75,9 @@ impl Frame {
         let upward = (1.0 - 2.0 * (j as f64 + 0.5) / height) * self.scale;
         let offset = across * self.right + upward * self.up;
         if self.parallel {
-            Ray {
-                origin: self.eye + offset,
-                direction: self.forward,
-            }
+            Ray { origin: self.eye + offset, direction: self.forward }
         } else {
-            Ray {
-                origin: self.eye,
-                direction: (self.forward + offset).normalize(),
-            }
+            Ray { origin: self.eye, direction: (self.forward + offset).normalize() }
         }
     }
 

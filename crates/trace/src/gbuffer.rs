@@ -71,11 +71,7 @@ impl GBuffer {
     /// # Panics
     /// If the sizes differ.
     pub fn merge(&mut self, other: &Self) {
-        assert_eq!(
-            (self.width, self.height),
-            (other.width, other.height),
-            "sizes differ"
-        );
+        assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         for pixel in 0..self.status.len() {
             let (mine, theirs) = (self.distance[pixel], other.distance[pixel]);
             if theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided) {
@@ -128,10 +124,7 @@ mod tests {
         // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint is the hit's.
         let mut buffer = pixel(Status::Hit, 5.0, 5.0, 0);
         buffer.merge(&pixel(Status::Undecided, 3.0, f32::INFINITY, 1));
-        assert_eq!(
-            (buffer.status[0], buffer.distance[0]),
-            (Status::Undecided, 3.0)
-        );
+        assert_eq!((buffer.status[0], buffer.distance[0]), (Status::Undecided, 3.0));
         assert_eq!((buffer.drawn[0], buffer.surface[0]), (5.0, 0));
         // A hit in front decides.
         buffer.merge(&pixel(Status::Hit, 2.0, 2.0, 2));
@@ -140,13 +133,6 @@ mod tests {
         let before = buffer.clone();
         buffer.merge(&GBuffer::new(1, 1, 3));
         assert_eq!(buffer, before);
-        assert_eq!(
-            buffer.counts(),
-            PixelCounts {
-                miss: 0,
-                hit: 1,
-                undecided: 0
-            }
-        );
+        assert_eq!(buffer.counts(), PixelCounts { miss: 0, hit: 1, undecided: 0 });
     }
 }

@@ -30,11 +30,7 @@ pub struct Knoll {
 
 impl Default for Knoll {
     fn default() -> Self {
-        Self {
-            depth: 10,
-            width: PacketWidth::Four,
-            suppress_asymptotes: true,
-        }
+        Self { depth: 10, width: PacketWidth::Four, suppress_asymptotes: true }
     }
 }
 
@@ -110,13 +106,7 @@ impl Knoll {
             .collect();
         for (pixels, done) in tiles {
             work += done;
-            for Pixel {
-                index,
-                status,
-                distance,
-                drawn,
-            } in pixels
-            {
+            for Pixel { index, status, distance, drawn } in pixels {
                 buffer.status[index] = status;
                 buffer.distance[index] = distance;
                 buffer.drawn[index] = drawn;
@@ -135,10 +125,7 @@ impl Knoll {
     ) -> (Vec<Pixel>, Work) {
         let (width, height) = (frame.width(), frame.height());
         // A packet's extent in pixels: 2×2, 4×2 or 4×4.
-        let (columns, rows) = (
-            if GROUPS == 1 { 2 } else { 4 },
-            if GROUPS == 4 { 4 } else { 2 },
-        );
+        let (columns, rows) = (if GROUPS == 1 { 2 } else { 4 }, if GROUPS == 4 { 4 } else { 2 });
         let mut pixels = Vec::new();
         let mut work = Work::default();
         for y in (top..(top + TILE).min(height)).step_by(rows) {
@@ -154,11 +141,7 @@ impl Knoll {
                         let (i, j) = place(group, lane);
                         let ray = frame.ray(i, j);
                         let (origin, direction) = (ray.origin, ray.direction);
-                        Segment {
-                            origin,
-                            direction,
-                            to: f64::INFINITY,
-                        }
+                        Segment { origin, direction, to: f64::INFINITY }
                     })
                 });
                 let outcomes = self.rays(&segments, region, kernel, &mut work);
@@ -187,19 +170,13 @@ impl Knoll {
                 std::array::from_fn(|lane| {
                     let at = |share| packet.distance(share, &segments[group][lane], region);
                     let Outcome { drawn, suppressed } = outcomes[group][lane];
-                    Found {
-                        drawn: drawn.map(at),
-                        suppressed: suppressed.map(at),
-                    }
+                    Found { drawn: drawn.map(at), suppressed: suppressed.map(at) }
                 })
             });
         }
         // One by one: a packet of one ray, four times, always advances together. Were it not so (a direction that is
         // not a number), nothing would be known of the ray.
-        let unknown = Found {
-            drawn: None,
-            suppressed: Some(0.0),
-        };
+        let unknown = Found { drawn: None, suppressed: Some(0.0) };
         segments.map(|group| {
             group.map(|one| match Packet::<1>::new(&[[one; 4]], region) {
                 Some(_) => self.rays(&[[one; 4]], region, kernel, work)[0][0],
@@ -315,9 +292,8 @@ impl Knoll {
         light: &crate::light::Light,
         offset: f64,
     ) -> Work {
-        let painted: Vec<usize> = (0..buffer.drawn.len())
-            .filter(|&pixel| buffer.is_drawn(pixel))
-            .collect();
+        let painted: Vec<usize> =
+            (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
         let parts: Vec<(Vec<(usize, bool)>, Work)> = painted
             .par_chunks(TILE * TILE)
             .map(|pixels| {
@@ -331,11 +307,7 @@ impl Knoll {
                         let (way, distance) = light.towards(point);
                         // Off the surface on the side of the eye, then along the light.
                         let origin = point - ray.direction * offset + way * offset;
-                        Segment {
-                            origin,
-                            direction: way,
-                            to: distance,
-                        }
+                        Segment { origin, direction: way, to: distance }
                     };
                     let segments = [std::array::from_fn(segment)];
                     let [outcomes] = self.rays(&segments, region, kernel, &mut work);
@@ -387,11 +359,6 @@ impl Found {
         let drawn = self.drawn.unwrap_or(f32::INFINITY);
         let distance = self.suppressed.unwrap_or(f32::INFINITY).min(drawn);
         let status = Status::Undecided;
-        distance.is_finite().then_some(Pixel {
-            index,
-            status,
-            distance,
-            drawn,
-        })
+        distance.is_finite().then_some(Pixel { index, status, distance, drawn })
     }
 }

@@ -36,13 +36,7 @@ impl Light {
     /// The ray from `point` to the light and the distance at which it arrives, or `None` at the light itself.
     pub fn shadow_ray(&self, point: DVec3) -> Option<(Ray, f64)> {
         let (direction, distance) = self.towards(point);
-        (direction != DVec3::ZERO).then_some((
-            Ray {
-                origin: point,
-                direction,
-            },
-            distance,
-        ))
+        (direction != DVec3::ZERO).then_some((Ray { origin: point, direction }, distance))
     }
 }
 

@@ -45,10 +45,7 @@ pub fn normals(buffer: &mut GBuffer, frame: &Frame, source: NormalSource<'_>, st
                 .iter()
                 .map(|&pixel| {
                     let ray = frame.ray_of(pixel);
-                    Seen {
-                        point: ray.at(f64::from(buffer.drawn[pixel])),
-                        direction: ray.direction,
-                    }
+                    Seen { point: ray.at(f64::from(buffer.drawn[pixel])), direction: ray.direction }
                 })
                 .collect();
             source.of_batch(&seen, step)
@@ -72,38 +69,25 @@ impl NormalSource<'_> {
         if let Self::Gradient(kernel) = self {
             for ahead in AHEAD {
                 let point = |k: usize| points[k] + seen[k].direction * (ahead * step);
-                fill(&mut normals, |open| {
-                    gradients(*kernel, open.iter().map(|&k| point(k)))
-                });
+                fill(&mut normals, |open| gradients(*kernel, open.iter().map(|&k| point(k))));
             }
         }
         let mut reach = step;
         for _ in 0..STEPS {
             let point = |k: usize| points[k];
-            fill(&mut normals, |open| {
-                self.differences(open.iter().map(|&k| point(k)), reach)
-            });
+            fill(&mut normals, |open| self.differences(open.iter().map(|&k| point(k)), reach));
             reach *= STEP_GROWTH;
         }
         let before: Vec<DVec3> = seen.iter().map(|s| s.point - s.direction * step).collect();
         let unresolved = normals.iter().any(Option::is_none);
-        let values = if unresolved {
-            self.sample(&before)
-        } else {
-            Vec::new()
-        };
+        let values = if unresolved { self.sample(&before) } else { Vec::new() };
         normals
             .into_iter()
             .enumerate()
             .map(|(k, normal)| {
                 normal.unwrap_or_else(|| {
                     let towards_eye = -seen[k].direction.as_vec3();
-                    (if values[k] < 0.0 {
-                        -towards_eye
-                    } else {
-                        towards_eye
-                    })
-                    .to_array()
+                    (if values[k] < 0.0 { -towards_eye } else { towards_eye }).to_array()
                 })
             })
             .collect()
@@ -160,9 +144,7 @@ impl NormalSource<'_> {
 
 /// Asks `vectors` for the directions of the points that have none yet, by their places.
 fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<DVec3>) {
-    let open: Vec<usize> = (0..normals.len())
-        .filter(|&k| normals[k].is_none())
-        .collect();
+    let open: Vec<usize> = (0..normals.len()).filter(|&k| normals[k].is_none()).collect();
     if !open.is_empty() {
         for (&k, vector) in open.iter().zip(vectors(&open)) {
             normals[k] = unit(vector);
@@ -248,12 +230,7 @@ mod tests {
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let mut buffer = GBuffer::new(1, 1, 0);
         buffer.drawn[0] = 4.0;
-        normals(
-            &mut buffer,
-            &camera.expect("valid").frame(1, 1),
-            source,
-            1e-3,
-        );
+        normals(&mut buffer, &camera.expect("valid").frame(1, 1), source, 1e-3);
         buffer.normal[0]
     }
 
@@ -265,14 +242,8 @@ mod tests {
     fn gradients_and_differences_agree_on_a_sphere() {
         let value = |[x, y, z]: [f32; 3]| x * x + y * y + z * z - 1.0;
         let sphere = Plain(value, |p: [f32; 3]| p.map(|c| 2.0 * c));
-        assert!(near(
-            normal_of(NormalSource::Gradient(&sphere)),
-            [0.0, -1.0, 0.0]
-        ));
-        assert!(near(
-            normal_of(NormalSource::Central(&sphere)),
-            [0.0, -1.0, 0.0]
-        ));
+        assert!(near(normal_of(NormalSource::Gradient(&sphere)), [0.0, -1.0, 0.0]));
+        assert!(near(normal_of(NormalSource::Central(&sphere)), [0.0, -1.0, 0.0]));
     }
 
     #[test]
@@ -280,10 +251,7 @@ mod tests {
         for broken in [f32::NAN, 0.0, f32::INFINITY] {
             let kernel = Plain(|[x, y, _]: [f32; 3]| x - y, move |_: [f32; 3]| [broken; 3]);
             let half = std::f32::consts::FRAC_1_SQRT_2;
-            assert!(near(
-                normal_of(NormalSource::Gradient(&kernel)),
-                [half, -half, 0.0]
-            ));
+            assert!(near(normal_of(NormalSource::Gradient(&kernel)), [half, -half, 0.0]));
         }
     }
 
@@ -291,17 +259,10 @@ mod tests {
     fn a_gradient_just_behind_the_painted_point_serves() {
         // Defined from half a step behind the point on: y > −0.9995.
         let edge = |[_, y, _]: [f32; 3]| {
-            if y > -0.9996 {
-                [1.0, 0.0, 0.0]
-            } else {
-                [f32::NAN; 3]
-            }
+            if y > -0.9996 { [1.0, 0.0, 0.0] } else { [f32::NAN; 3] }
         };
         let kernel = Plain(|_: [f32; 3]| f32::NAN, edge);
-        assert!(near(
-            normal_of(NormalSource::Gradient(&kernel)),
-            [1.0, 0.0, 0.0]
-        ));
+        assert!(near(normal_of(NormalSource::Gradient(&kernel)), [1.0, 0.0, 0.0]));
     }
 
     #[test]
@@ -316,24 +277,15 @@ mod tests {
     #[test]
     fn with_nothing_to_go_by_the_normal_faces_the_side_that_is_seen() {
         let undefined = Plain(|_: [f32; 3]| f32::NAN, ());
-        assert!(near(
-            normal_of(NormalSource::Central(&undefined)),
-            [0.0, -1.0, 0.0]
-        ));
+        assert!(near(normal_of(NormalSource::Central(&undefined)), [0.0, -1.0, 0.0]));
         let negative = Plain(|_: [f32; 3]| -1.0, ());
-        assert!(near(
-            normal_of(NormalSource::Central(&negative)),
-            [0.0, 1.0, 0.0]
-        ));
+        assert!(near(normal_of(NormalSource::Central(&negative)), [0.0, 1.0, 0.0]));
     }
 
     #[test]
     fn huge_gradients_keep_their_direction() {
         let steep = Plain(|_: [f32; 3]| 0.0, |_: [f32; 3]| [0.0, f32::MAX, f32::MAX]);
         let half = std::f32::consts::FRAC_1_SQRT_2;
-        assert!(near(
-            normal_of(NormalSource::Gradient(&steep)),
-            [0.0, half, half]
-        ));
+        assert!(near(normal_of(NormalSource::Gradient(&steep)), [0.0, half, half]));
     }
 }

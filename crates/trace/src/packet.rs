@@ -100,12 +100,7 @@ impl<const GROUPS: usize> Packet<GROUPS> {
         let (low, high) = (region.low()[k], region.high()[k]);
         let (start, end) = if forward { (low, high) } else { (high, low) };
         let (near, extent) = (start as f32, (end - start) as f32);
-        let planes = Planes {
-            k,
-            start,
-            extent: end - start,
-            inverse: 1.0 / (end - start),
-        };
+        let planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
         let bounds = [0, 1, 2].map(|axis| (above(-region.low()[axis]), above(region.high()[axis])));
         let mut packet = Self {
             axes,
@@ -125,16 +120,11 @@ impl<const GROUPS: usize> Packet<GROUPS> {
     /// The distance from a ray's origin to the plane τ = `share`, no nearer than where the ray enters the region;
     /// rounded to nearest.
     pub fn distance(&self, share: f32, segment: &Segment, region: &Region) -> f32 {
-        let Planes {
-            k, start, extent, ..
-        } = self.planes;
+        let Planes { k, start, extent, .. } = self.planes;
         let length = segment.direction.length();
         let plane = start + f64::from(share) * extent;
         let distance = (plane - segment.origin[k]) / segment.direction[k] * length;
-        let ray = Ray {
-            origin: segment.origin,
-            direction: segment.direction / length,
-        };
+        let ray = Ray { origin: segment.origin, direction: segment.direction / length };
         let entry = region.span(&ray).map_or(0.0, |(near, _)| near);
         distance.max(entry) as f32
     }
@@ -142,10 +132,7 @@ impl<const GROUPS: usize> Packet<GROUPS> {
     /// Boxes around the rays between the planes `from` and `to`, clipped to the region.
     #[inline]
     pub fn boxes(&self, from: f32, to: f32, out: &mut [BoxPacket; GROUPS]) {
-        let (a, b) = (
-            self.start + from * self.extent,
-            self.start + to * self.extent,
-        );
+        let (a, b) = (self.start + from * self.extent, self.start + to * self.extent);
         let [k, u, v] = self.axes;
         let neg_lo = ((-a).max(-b) + self.slack).min(self.bounds[k].0);
         let hi = (a.max(b) + self.slack).min(self.bounds[k].1);
@@ -172,22 +159,14 @@ impl Group {
         bounds: &[(f32, f32); 3],
         region: &Region,
     ) -> Self {
-        let mut group = Self {
-            enter: Vec4::ZERO,
-            leave: Vec4::ONE,
-            ..Self::default()
-        };
+        let mut group = Self { enter: Vec4::ZERO, leave: Vec4::ONE, ..Self::default() };
         // τ = (origin_k + t · d_k − start) / extent grows with t.
         let mut from = [0.0_f32; 4];
         let mut to = [1.0_f32; 4];
         let mut clip = [[0.0_f32; 4]; 2];
         let mut sides = [[[0.0_f32; 4]; 2]; 2];
         for (lane, segment) in segments.iter().enumerate() {
-            let Segment {
-                origin,
-                direction,
-                to: last,
-            } = *segment;
+            let Segment { origin, direction, to: last } = *segment;
             // Whatever is computed here in f64 is off by far less than the slack.
             let first = planes.start - origin[planes.k];
             let per_k = 1.0 / direction[planes.k];
@@ -260,11 +239,7 @@ impl Side {
     fn new(start: Vec4, extent: Vec4) -> Self {
         let slack =
             COORDINATE_ERROR * (start.abs() + extent.abs()) + Vec4::splat(f32::MIN_POSITIVE);
-        Self {
-            start,
-            extent,
-            slack,
-        }
+        Self { start, extent, slack }
     }
 
     #[inline]
@@ -276,9 +251,5 @@ impl Side {
 /// The least `f32` that is no smaller.
 pub(crate) fn above(value: f64) -> f32 {
     let nearest = value as f32;
-    if f64::from(nearest) < value {
-        nearest.next_up()
-    } else {
-        nearest
-    }
+    if f64::from(nearest) < value { nearest.next_up() } else { nearest }
 }

@@ -76,9 +76,8 @@ impl Region {
     /// # Errors
     /// If a coordinate of `low` is not below that of `high`, or exceeds 1e18 in magnitude, or is NaN.
     pub fn new(low: DVec3, high: DVec3) -> Result<Self, RegionError> {
-        for (axis, (low, high)) in ['x', 'y', 'z']
-            .into_iter()
-            .zip(low.to_array().into_iter().zip(high.to_array()))
+        for (axis, (low, high)) in
+            ['x', 'y', 'z'].into_iter().zip(low.to_array().into_iter().zip(high.to_array()))
         {
             // Negated, so that NaN is refused too.
             if !(low.abs() <= LARGEST_COORDINATE && high.abs() <= LARGEST_COORDINATE) {
@@ -88,11 +87,7 @@ impl Region {
                 return Err(RegionError::Empty { axis, low, high });
             }
         }
-        Ok(Self {
-            low,
-            high,
-            clip: None,
-        })
+        Ok(Self { low, high, clip: None })
     }
 
     /// The same box, cut by a half-space.
@@ -101,14 +96,7 @@ impl Region {
     /// If the plane's numbers are not finite or its normal is zero.
     pub fn with_clip(self, clip: HalfSpace) -> Result<Self, RegionError> {
         let valid = clip.normal.try_normalize().is_some() && clip.offset.is_finite();
-        if valid {
-            Ok(Self {
-                clip: Some(clip),
-                ..self
-            })
-        } else {
-            Err(RegionError::Plane)
-        }
+        if valid { Ok(Self { clip: Some(clip), ..self }) } else { Err(RegionError::Plane) }
     }
 
     /// The corner with the smallest coordinates.
@@ -190,11 +178,7 @@ impl Region {
         }
         self.span(ray)?;
         let normal = normal?;
-        Some(Entry {
-            distance: near,
-            normal,
-            certain: near.1 <= far,
-        })
+        Some(Entry { distance: near, normal, certain: near.1 <= far })
     }
 
     /// Bounds on the distances at which the ray enters and leaves the slab of one axis, or `None` if it runs outside.
@@ -206,11 +190,7 @@ impl Region {
             return (low <= origin && origin <= high)
                 .then_some((always, (f64::INFINITY, f64::INFINITY)));
         }
-        let (first, last) = if direction > 0.0 {
-            (low, high)
-        } else {
-            (high, low)
-        };
+        let (first, last) = if direction > 0.0 { (low, high) } else { (high, low) };
         let at = |bound: f64| {
             let distance = (bound - origin) / direction;
             (down(distance), up(distance))
@@ -230,10 +210,7 @@ impl HalfSpace {
         };
         let size = |v: DVec3| self.normal.abs().dot(v.abs());
         (
-            bounds(
-                self.offset - self.normal.dot(ray.origin),
-                self.offset.abs() + size(ray.origin),
-            ),
+            bounds(self.offset - self.normal.dot(ray.origin), self.offset.abs() + size(ray.origin)),
             bounds(self.normal.dot(ray.direction), size(ray.direction)),
         )
     }
@@ -258,10 +235,7 @@ mod tests {
     }
 
     fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
-        Ray {
-            origin: origin.into(),
-            direction: DVec3::from(direction).normalize(),
-        }
+        Ray { origin: origin.into(), direction: DVec3::from(direction).normalize() }
     }
 
     #[test]
@@ -286,44 +260,23 @@ mod tests {
 
     #[test]
     fn a_ray_inside_a_face_is_kept() {
-        assert!(
-            cube()
-                .span(&ray([-3.0, 1.0, 0.0], [1.0, 0.0, 0.0]))
-                .is_some()
-        );
-        assert!(
-            cube()
-                .span(&ray([-3.0, 1.0_f64.next_up(), 0.0], [1.0, 0.0, 0.0]))
-                .is_none()
-        );
+        assert!(cube().span(&ray([-3.0, 1.0, 0.0], [1.0, 0.0, 0.0])).is_some());
+        assert!(cube().span(&ray([-3.0, 1.0_f64.next_up(), 0.0], [1.0, 0.0, 0.0])).is_none());
     }
 
     #[test]
     fn a_half_space_cuts_either_end() {
-        let keep_left = HalfSpace {
-            normal: DVec3::X * 2.0,
-            offset: 0.5,
-        };
+        let keep_left = HalfSpace { normal: DVec3::X * 2.0, offset: 0.5 };
         let region = cube().with_clip(keep_left).expect("valid");
-        let (near, far) = region
-            .span(&ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]))
-            .expect("meets");
+        let (near, far) = region.span(&ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0])).expect("meets");
         assert!((near - 2.0).abs() < 1e-12 && far > 3.25 && far - 3.25 < 1e-12);
         let back = ray([3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]);
         let (near, _) = region.span(&back).expect("meets");
         assert!(near <= 2.75 && near > 2.75 - 1e-12);
         assert_eq!(region.entry(&back).expect("from outside").normal, DVec3::X);
         // Parallel to the plane, on either side of it.
-        assert!(
-            region
-                .span(&ray([0.0, -3.0, 0.0], [0.0, 1.0, 0.0]))
-                .is_some()
-        );
-        assert!(
-            region
-                .span(&ray([0.5, -3.0, 0.0], [0.0, 1.0, 0.0]))
-                .is_none()
-        );
+        assert!(region.span(&ray([0.0, -3.0, 0.0], [0.0, 1.0, 0.0])).is_some());
+        assert!(region.span(&ray([0.5, -3.0, 0.0], [0.0, 1.0, 0.0])).is_none());
     }
 
     #[test]
@@ -344,19 +297,11 @@ mod tests {
             }
             let point = DVec3::new(random(16) as f64, random(16) as f64, random(16) as f64) / 16.0;
             let t = random(64).unsigned_abs() as f64 / 8.0;
-            let ray = Ray {
-                origin: point - direction * t,
-                direction,
-            };
+            let ray = Ray { origin: point - direction * t, direction };
             let normal = DVec3::new(random(3) as f64, random(3) as f64, 1.0);
-            let clip = HalfSpace {
-                normal,
-                offset: normal.dot(point),
-            };
+            let clip = HalfSpace { normal, offset: normal.dot(point) };
             let region = cube().with_clip(clip).expect("valid");
-            let (near, far) = region
-                .span(&ray)
-                .unwrap_or_else(|| panic!("lost: {ray:?} at {t}"));
+            let (near, far) = region.span(&ray).unwrap_or_else(|| panic!("lost: {ray:?} at {t}"));
             assert!(near <= t && t <= far, "{ray:?} at {t}: {near} to {far}");
         }
     }
@@ -365,18 +310,9 @@ mod tests {
     fn impossible_regions_are_refused() {
         let low = DVec3::splat(-1.0);
         let bound = |x: f64| Region::new(low, DVec3::new(1.0, x, 1.0));
-        assert!(matches!(
-            bound(-1.0),
-            Err(RegionError::Empty { axis: 'y', .. })
-        ));
-        assert!(matches!(
-            bound(f64::NAN),
-            Err(RegionError::Bound { axis: 'y', .. })
-        ));
-        assert!(matches!(
-            bound(f64::INFINITY),
-            Err(RegionError::Bound { axis: 'y', .. })
-        ));
+        assert!(matches!(bound(-1.0), Err(RegionError::Empty { axis: 'y', .. })));
+        assert!(matches!(bound(f64::NAN), Err(RegionError::Bound { axis: 'y', .. })));
+        assert!(matches!(bound(f64::INFINITY), Err(RegionError::Bound { axis: 'y', .. })));
         let plane = |normal: DVec3, offset| cube().with_clip(HalfSpace { normal, offset });
         assert_eq!(plane(DVec3::ZERO, 0.0), Err(RegionError::Plane));
         assert_eq!(plane(DVec3::X, f64::NAN), Err(RegionError::Plane));

@@ -111,11 +111,7 @@ fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64
 /// The least `f32` that is no smaller.
 fn above(value: f64) -> f32 {
     let nearest = value as f32;
-    if f64::from(nearest) < value {
-        nearest.next_up()
-    } else {
-        nearest
-    }
+    if f64::from(nearest) < value { nearest.next_up() } else { nearest }
 }
 
 #[cfg(test)]
@@ -165,10 +161,7 @@ mod tests {
 
     #[test]
     fn the_clipping_plane_is_capped_too() {
-        let clip = HalfSpace {
-            normal: DVec3::NEG_Y,
-            offset: 0.0,
-        };
+        let clip = HalfSpace { normal: DVec3::NEG_Y, offset: 0.0 };
         let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0))
             .and_then(|region| region.with_clip(clip))
             .expect("valid");

@@ -99,16 +99,13 @@ const TINT: Colour = Colour([0.6, 0.0, 0.6]);
 pub fn shade(buffer: &GBuffer, frame: &Frame, appearance: &Appearance) -> Vec<u8> {
     let background = appearance.background.to_srgb();
     let mut bytes = vec![0; 3 * buffer.status.len()];
-    bytes
-        .par_chunks_mut((3 * buffer.width).max(1))
-        .enumerate()
-        .for_each(|(row, line)| {
-            for (column, out) in line.chunks_exact_mut(3).enumerate() {
-                let pixel = row * buffer.width + column;
-                let colour = pixel_colour(buffer, frame, appearance, pixel, (column, row));
-                out.copy_from_slice(&colour.map_or(background, Colour::to_srgb));
-            }
-        });
+    bytes.par_chunks_mut((3 * buffer.width).max(1)).enumerate().for_each(|(row, line)| {
+        for (column, out) in line.chunks_exact_mut(3).enumerate() {
+            let pixel = row * buffer.width + column;
+            let colour = pixel_colour(buffer, frame, appearance, pixel, (column, row));
+            out.copy_from_slice(&colour.map_or(background, Colour::to_srgb));
+        }
+    });
     bytes
 }
 
@@ -129,16 +126,8 @@ fn pixel_colour(
     let towards_positive = Vec3::from(buffer.normal[pixel]);
     let facing = towards_positive.dot(to_eye);
     let colours = appearance.colours(usize::from(buffer.surface[pixel]));
-    let base = if facing < 0.0 || buffer.cap[pixel] {
-        colours.negative
-    } else {
-        colours.positive
-    };
-    let normal = if facing < 0.0 {
-        -towards_positive
-    } else {
-        towards_positive
-    };
+    let base = if facing < 0.0 || buffer.cap[pixel] { colours.negative } else { colours.positive };
+    let normal = if facing < 0.0 { -towards_positive } else { towards_positive };
 
     let point = ray.at(f64::from(buffer.drawn[pixel]));
     let to_light = appearance.light.towards(point).0.as_vec3();
@@ -209,16 +198,7 @@ mod tests {
         let (mut buffer, frame) = painted([0.0, -1.0, 0.0]);
         let hit = shade(&buffer, &frame, &headlight());
         buffer.status[0] = Status::Undecided;
-        let with = |undecided| {
-            shade(
-                &buffer,
-                &frame,
-                &Appearance {
-                    undecided,
-                    ..headlight()
-                },
-            )
-        };
+        let with = |undecided| shade(&buffer, &frame, &Appearance { undecided, ..headlight() });
         assert_eq!(with(UndecidedStyle::Shade), hit);
         assert!(with(UndecidedStyle::Hatch)[0] < hit[0]);
         assert_ne!(with(UndecidedStyle::Tint), hit);

@@ -44,10 +44,7 @@ impl View {
 
     /// The view called `name`.
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL
-            .iter()
-            .find(|view| view.0 == name)
-            .map(|view| view.1)
+        Self::ALL.iter().find(|view| view.0 == name).map(|view| view.1)
     }
 
     /// The offset of the eye from the target, in half extents, and the upward direction.
@@ -72,12 +69,7 @@ impl View {
     pub fn camera(self, region: &Region, projection: Projection) -> Result<Camera, CameraError> {
         let (offset, up) = self.offset_and_up();
         let centre = region.centre();
-        Camera::new(
-            centre + offset * region.half_extent(),
-            centre,
-            up,
-            projection,
-        )
+        Camera::new(centre + offset * region.half_extent(), centre, up, projection)
     }
 }
 
@@ -87,9 +79,8 @@ mod tests {
 
     fn looks_along(view: View) -> DVec3 {
         let region = Region::new(DVec3::splat(-1.0), DVec3::new(3.0, 1.0, 1.0)).expect("valid");
-        let camera = view
-            .camera(&region, Projection::Perspective { fov: View::FOV })
-            .expect("valid");
+        let camera =
+            view.camera(&region, Projection::Perspective { fov: View::FOV }).expect("valid");
         assert_eq!(camera.target(), DVec3::X);
         camera.frame(2, 2).forward()
     }
@@ -110,9 +101,8 @@ mod tests {
     fn the_six_sides_show_the_whole_cube() {
         let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("valid");
         for (name, view) in View::ALL.into_iter().filter(|view| view.1 != View::Iso) {
-            let camera = view
-                .camera(&region, Projection::Perspective { fov: View::FOV })
-                .expect("valid");
+            let camera =
+                view.camera(&region, Projection::Perspective { fov: View::FOV }).expect("valid");
             let frame = camera.frame(32, 32);
             for corner in 0..8 {
                 let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };

@@ -70,11 +70,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(super) fn abs(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        Enclosure {
-            neg_lo: self.neg_mignitude(a),
-            hi: self.magnitude(a),
-            ..a.value
-        }
+        Enclosure { neg_lo: self.neg_mignitude(a), hi: self.magnitude(a), ..a.value }
     }
 
     pub(super) fn mul(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
@@ -94,10 +90,11 @@ impl<M: Machine> Rule<'_, M> {
                 let (neg_lo, hi) = self.product(a, &b.negated(), guard);
                 (hi, neg_lo)
             }
+            (Sign::Nonneg, _) if a.range.singleton().is_some() => self.product_nonneg(a, b, guard),
             (Sign::Nonneg, Sign::Nonneg) => {
-                // Lower ends are finite, so only hi·hi can be 0·∞.
-                let low = self.m.neg(b.value.neg_lo);
-                let neg_lo = self.m.mul(a.value.neg_lo, low);
+                // Lower ends are finite, so only hi·hi can be 0·∞. A constant comes first, and its negation is free.
+                let low = self.m.neg(a.value.neg_lo);
+                let neg_lo = self.m.mul(b.value.neg_lo, low);
                 let hi = self.m.mul(a.value.hi, b.value.hi);
                 (neg_lo, if guard { self.close(hi) } else { hi })
             }
@@ -123,11 +120,7 @@ impl<M: Machine> Rule<'_, M> {
             neg_lo = self.m.max(other_neg_lo, neg_lo);
             hi = self.m.max(other_hi, hi);
         }
-        if guard {
-            (self.close(neg_lo), self.close(hi))
-        } else {
-            (neg_lo, hi)
-        }
+        if guard { (self.close(neg_lo), self.close(hi)) } else { (neg_lo, hi) }
     }
 
     fn product_unknown(
@@ -138,22 +131,9 @@ impl<M: Machine> Rule<'_, M> {
     ) -> (M::V, M::V) {
         let a_lo = self.m.neg(a.neg_lo);
         let a_neg_hi = self.m.neg(a.hi);
-        let neg_lo = [
-            (a.hi, b.neg_lo),
-            (a_lo, b.neg_lo),
-            (a.neg_lo, b.hi),
-            (a_neg_hi, b.hi),
-        ];
-        let hi = [
-            (a.hi, b.hi),
-            (a_lo, b.hi),
-            (a.neg_lo, b.neg_lo),
-            (a_neg_hi, b.neg_lo),
-        ];
-        (
-            self.largest_product(neg_lo, guard),
-            self.largest_product(hi, guard),
-        )
+        let neg_lo = [(a.hi, b.neg_lo), (a_lo, b.neg_lo), (a.neg_lo, b.hi), (a_neg_hi, b.hi)];
+        let hi = [(a.hi, b.hi), (a_lo, b.hi), (a.neg_lo, b.neg_lo), (a_neg_hi, b.neg_lo)];
+        (self.largest_product(neg_lo, guard), self.largest_product(hi, guard))
     }
 
     /// The largest of four products. A NaN among the last three is dropped by `max`: the extreme it stands for,
@@ -248,9 +228,6 @@ impl<M: Machine> Rule<'_, M> {
         let largest = self.m.max(a.value.neg_lo, a.value.hi);
         let least = self.m.min(a.value.neg_lo, a.value.hi);
         // max(−lo, hi) = 0 only for [0, 0]; min(−lo, hi) < 0 only off zero.
-        (
-            Fact::Lanes(self.m.le(largest, zero)),
-            Fact::Lanes(self.m.lt(least, zero)),
-        )
+        (Fact::Lanes(self.m.le(largest, zero)), Fact::Lanes(self.m.lt(least, zero)))
     }
 }

@@ -66,10 +66,7 @@ impl<M: Machine> Rule<'_, M> {
     ) -> Enclosure<M::V> {
         // Only the definition of b matters, not its continuity.
         let value = self.combine(a.value.neg_lo, a.value.hi, a, b);
-        Enclosure {
-            continuous: a.value.continuous.and(self.m, b.value.defined),
-            ..value
-        }
+        Enclosure { continuous: a.value.continuous.and(self.m, b.value.defined), ..value }
     }
 
     pub(super) fn where_nonneg(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
@@ -105,10 +102,7 @@ impl<M: Machine> Rule<'_, M> {
         }
         let zero = self.zero();
         let nowhere = self.m.lt(a.value.hi, zero);
-        (
-            Fact::Lanes(nowhere),
-            Fact::Lanes(self.m.le(a.value.neg_lo, zero)),
-        )
+        (Fact::Lanes(nowhere), Fact::Lanes(self.m.le(a.value.neg_lo, zero)))
     }
 
     /// Lanes where an operand is entirely ≤ 0, and those where it is entirely > 0.
@@ -118,9 +112,6 @@ impl<M: Machine> Rule<'_, M> {
         }
         let zero = self.zero();
         let nowhere = self.m.le(a.value.hi, zero);
-        (
-            Fact::Lanes(nowhere),
-            Fact::Lanes(self.m.lt(a.value.neg_lo, zero)),
-        )
+        (Fact::Lanes(nowhere), Fact::Lanes(self.m.lt(a.value.neg_lo, zero)))
     }
 }

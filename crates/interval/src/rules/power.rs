@@ -11,11 +11,7 @@ impl<M: Machine> Rule<'_, M> {
         let neg_mig = self.neg_mignitude(a);
         let mag = self.magnitude(a);
         let (neg_lo, hi) = self.square_nonneg(neg_mig, mag);
-        Enclosure {
-            neg_lo,
-            hi,
-            ..a.value
-        }
+        Enclosure { neg_lo, hi, ..a.value }
     }
 
     /// (−lo, hi) of the square of a nonnegative pair (−lo, hi).
@@ -39,28 +35,14 @@ impl<M: Machine> Rule<'_, M> {
         let down = self.m.int_add(up, inexact); // a set mask is −1
         let neg_lo = self.m.neg(down);
         let (nowhere, throughout) = self.nonneg(a);
-        self.restrict(
-            Enclosure {
-                neg_lo,
-                hi,
-                ..a.value
-            },
-            nowhere,
-            throughout,
-        )
+        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
 
     pub(super) fn pow(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         if let Some(n) = b.range.integer() {
             let value = self.integer_power(a, n);
             // Whatever the exponent is, it has to be defined where the power is.
-            return self.with_facts_of(
-                &Operand {
-                    value,
-                    range: Interval::ENTIRE,
-                },
-                b,
-            );
+            return self.with_facts_of(&Operand { value, range: Interval::ENTIRE }, b);
         }
         self.real_power(a, b)
     }
@@ -69,43 +51,27 @@ impl<M: Machine> Rule<'_, M> {
         match n {
             0 => {
                 let (one, minus_one) = (self.number(1.0), self.number(-1.0));
-                Enclosure {
-                    neg_lo: minus_one,
-                    hi: one,
-                    continuous: a.value.defined,
-                    ..a.value
-                }
+                Enclosure { neg_lo: minus_one, hi: one, continuous: a.value.defined, ..a.value }
             }
             1 => a.value,
             n if n < 0 => {
                 let value = self.integer_power(a, n.saturating_neg());
                 // The range of the power is not known here, but that of a nonzero base has no 0 either.
                 let (nowhere, throughout) = self.nonzero(a);
-                let power = Operand {
-                    value,
-                    range: Interval::ENTIRE,
-                };
+                let power = Operand { value, range: Interval::ENTIRE };
                 let one = Operand {
                     value: Enclosure::total(self.number(-1.0), self.number(1.0)),
                     range: Interval::ONE,
                 };
                 let quotient = self.div(&one, &power);
                 let facts = self.restrict(value, nowhere, throughout);
-                Enclosure {
-                    neg_lo: quotient.neg_lo,
-                    hi: quotient.hi,
-                    ..facts
-                }
+                Enclosure { neg_lo: quotient.neg_lo, hi: quotient.hi, ..facts }
             }
             n if n % 2 == 0 => {
                 let neg_mig = self.neg_mignitude(a);
                 let mag = self.magnitude(a);
                 let (neg_lo, hi) = self.power_nonneg(neg_mig, mag, n.unsigned_abs());
-                Enclosure {
-                    neg_lo,
-                    hi,
-                    ..a.value
-                }
+                Enclosure { neg_lo, hi, ..a.value }
             }
             n => {
                 let n = n.unsigned_abs();
@@ -115,16 +81,11 @@ impl<M: Machine> Rule<'_, M> {
                         let (lo, neg_hi) = self.power_nonneg(a.value.hi, a.value.neg_lo, n);
                         (neg_hi, lo)
                     }
-                    Sign::Unknown => (
-                        self.odd_power_up(a.value.neg_lo, n),
-                        self.odd_power_up(a.value.hi, n),
-                    ),
+                    Sign::Unknown => {
+                        (self.odd_power_up(a.value.neg_lo, n), self.odd_power_up(a.value.hi, n))
+                    }
                 };
-                Enclosure {
-                    neg_lo,
-                    hi,
-                    ..a.value
-                }
+                Enclosure { neg_lo, hi, ..a.value }
             }
         }
     }
@@ -173,14 +134,8 @@ impl<M: Machine> Rule<'_, M> {
         let [base_lo, base_hi] = self.positive_ends(a);
         let bounded = a.range.hi < f64::INFINITY;
         let ln_range = match self.format {
-            Format::F32 => Interval {
-                lo: -104.0,
-                hi: if bounded { 89.0 } else { f64::INFINITY },
-            },
-            Format::F64 => Interval {
-                lo: -746.0,
-                hi: if bounded { 710.0 } else { f64::INFINITY },
-            },
+            Format::F32 => Interval { lo: -104.0, hi: if bounded { 89.0 } else { f64::INFINITY } },
+            Format::F64 => Interval { lo: -746.0, hi: if bounded { 710.0 } else { f64::INFINITY } },
         };
         let ends = [base_lo, base_hi, b.value.neg_lo, b.value.hi];
         let [mut neg_lo, mut hi] = by_halves(self.m, self.format, ends, |text, ends| {
@@ -191,19 +146,9 @@ impl<M: Machine> Rule<'_, M> {
                 let unbounded = text.m.eq(ends[1], infinity);
                 hi = text.m.select(unbounded, infinity, hi);
             }
-            let ln = Operand {
-                value: Enclosure::total(neg_lo, hi),
-                range: ln_range,
-            };
-            let b = Operand {
-                value: Enclosure::total(ends[2], ends[3]),
-                range: b.range,
-            };
-            let exponent = Rule {
-                m: text.m,
-                format: Format::F64,
-            }
-            .mul(&b, &ln);
+            let ln = Operand { value: Enclosure::total(neg_lo, hi), range: ln_range };
+            let b = Operand { value: Enclosure::total(ends[2], ends[3]), range: b.range };
+            let exponent = Rule { m: text.m, format: Format::F64 }.mul(&b, &ln);
             text.exp([exponent.neg_lo, exponent.hi])
         });
         let zero = self.zero();

@@ -12,12 +12,7 @@ impl<M: Machine> Rule<'_, M> {
         let lo = self.m.neg(neg_lo);
         let one_value = self.m.eq(lo, hi);
         let continuous = a.value.continuous.and(self.m, Fact::Lanes(one_value));
-        Enclosure {
-            neg_lo,
-            hi,
-            continuous,
-            ..a.value
-        }
+        Enclosure { neg_lo, hi, continuous, ..a.value }
     }
 
     pub(super) fn floor(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -69,29 +64,16 @@ impl<M: Machine> Rule<'_, M> {
         let neg_lo = self.m.select(one_cell, neg_lo, zero);
         let hi = self.m.sub(a.value.hi, floor.hi);
         let hi = self.m.select(one_cell, hi, one);
-        Enclosure {
-            neg_lo,
-            hi,
-            ..floor
-        }
+        Enclosure { neg_lo, hi, ..floor }
     }
 
     /// a − b·floor(a/b), within [0, b) for b > 0 and (b, 0] for b < 0.
     pub(super) fn modulo(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let entire = Interval::ENTIRE;
-        let quotient = Operand {
-            value: self.div(a, b),
-            range: entire,
-        };
-        let cells = Operand {
-            value: self.floor(&quotient),
-            range: entire,
-        };
+        let quotient = Operand { value: self.div(a, b), range: entire };
+        let cells = Operand { value: self.floor(&quotient), range: entire };
         // Whole cells; unbounded range, so the product is guarded.
-        let multiple = Operand {
-            value: self.mul(b, &cells),
-            range: entire,
-        };
+        let multiple = Operand { value: self.mul(b, &cells), range: entire };
         let direct = self.add(a, &multiple.negated());
         // Where the quotient is finite, the direct bounds and [min(0, b), max(0, b)] both hold: take the tighter.
         // Their intersection is never empty where the function is defined somewhere.
@@ -103,10 +85,6 @@ impl<M: Machine> Rule<'_, M> {
         // Keep lo ≤ hi also in lanes that are nowhere defined.
         let lo = self.m.neg(neg_lo);
         let hi = self.m.max(hi, lo);
-        Enclosure {
-            neg_lo,
-            hi,
-            ..direct
-        }
+        Enclosure { neg_lo, hi, ..direct }
     }
 }

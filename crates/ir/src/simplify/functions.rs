@@ -55,14 +55,8 @@ impl Rewriter<'_> {
     pub(super) fn function(&mut self, op: Op, operand: Value) -> Value {
         let mut operand = self.product(operand);
         let conditions = std::mem::take(&mut operand.conditions);
-        if let Some(value) = operand
-            .as_number()
-            .and_then(|number| numbers::function(op, number))
-        {
-            return Value::Product(Product {
-                conditions,
-                ..Product::number(value)
-            });
+        if let Some(value) = operand.as_number().and_then(|number| numbers::function(op, number)) {
+            return Value::Product(Product { conditions, ..Product::number(value) });
         }
         let mut outer = BigRational::one();
         if operand.coefficient.is_negative() {
@@ -100,10 +94,7 @@ impl Rewriter<'_> {
             Op::Abs if known.range.lo >= 0.0 => return self.product_of_node(a),
             Op::Abs if known.range.hi <= 0.0 => {
                 let product = self.product_of_node(a);
-                return Product {
-                    coefficient: -product.coefficient,
-                    ..product
-                };
+                return Product { coefficient: -product.coefficient, ..product };
             }
             Op::Abs if self.operands(a, Op::Abs).is_some() => return Product::power(a, 1),
             Op::Sign if known.excludes_zero() => {
@@ -119,11 +110,7 @@ impl Rewriter<'_> {
                 }
             }
             Op::Cbrt => {
-                let cube = self
-                    .products
-                    .get(&a)
-                    .filter(|p| p.coefficient.is_one())
-                    .cloned();
+                let cube = self.products.get(&a).filter(|p| p.coefficient.is_one()).cloned();
                 if let Some(p) = cube
                     && let [factor] = p.factors[..]
                     && factor.exponent == 3
@@ -247,10 +234,7 @@ impl Rewriter<'_> {
             c
         } else {
             let node = self.node(Op::SelectNegative, &[a, b, c]);
-            return Value::Product(Product {
-                conditions,
-                ..Product::power(node, 1)
-            });
+            return Value::Product(Product { conditions, ..Product::power(node, 1) });
         };
         let mut result = self.product_of_node(chosen);
         result.conditions.extend(conditions);

@@ -185,24 +185,11 @@ impl Rewriter<'_> {
             Node::Constant(constant) => {
                 let opaque = constant.exact().is_none() && !constant.is_named();
                 let range = constant.bounds();
-                (
-                    self.graph.constant(constant.clone()),
-                    range,
-                    Rank::Constant,
-                    opaque,
-                )
+                (self.graph.constant(constant.clone()), range, Rank::Constant, opaque)
             }
             Node::Apply(..) => unreachable!("not a leaf"),
         };
-        self.note(
-            id,
-            Known {
-                range,
-                facts: Facts::TOTAL,
-                rank,
-                opaque,
-            },
-        );
+        self.note(id, Known { range, facts: Facts::TOTAL, rank, opaque });
         id
     }
 
@@ -224,20 +211,9 @@ impl Rewriter<'_> {
                     facts = facts & Facts::NOWHERE;
                 }
             }
-            let rank = each()
-                .map(|known| known.rank)
-                .max()
-                .unwrap_or(Rank::Constant);
+            let rank = each().map(|known| known.rank).max().unwrap_or(Rank::Constant);
             let opaque = each().any(|known| known.opaque);
-            self.note(
-                id,
-                Known {
-                    range,
-                    facts,
-                    rank,
-                    opaque,
-                },
-            );
+            self.note(id, Known { range, facts, rank, opaque });
         }
         id
     }

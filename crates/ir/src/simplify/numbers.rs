@@ -41,10 +41,7 @@ pub(super) fn root(value: &BigRational, degree: u32) -> Option<BigRational> {
         let root = whole.nth_root(degree);
         (root.pow(degree) == *whole).then_some(root)
     };
-    Some(BigRational::new(
-        exact(value.numer())?,
-        exact(value.denom())?,
-    ))
+    Some(BigRational::new(exact(value.numer())?, exact(value.denom())?))
 }
 
 /// The value of a function of one exact number, where that is a rational number.
@@ -87,9 +84,5 @@ fn round_half_even(a: &BigRational) -> BigRational {
     let below = a.floor();
     let rest = a - &below;
     let even = (below.numer() % BigInt::from(2)).is_zero();
-    if rest < half || (rest == half && even) {
-        below
-    } else {
-        below + BigRational::one()
-    }
+    if rest < half || (rest == half && even) { below } else { below + BigRational::one() }
 }

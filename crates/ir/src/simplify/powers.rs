@@ -17,10 +17,7 @@ impl Rewriter<'_> {
             for factor in &base.factors {
                 self.require(&mut conditions, condition_of(factor));
             }
-            return Value::Product(Product {
-                conditions,
-                ..Product::number(BigRational::one())
-            });
+            return Value::Product(Product { conditions, ..Product::number(BigRational::one()) });
         }
         if let Some(power) = base.raised(n) {
             return Value::Product(self.settle(power));
@@ -35,10 +32,7 @@ impl Rewriter<'_> {
     /// `base^exponent`; `fixed` tells whether the exponent was written without coordinates and parameters.
     pub(super) fn power(&mut self, base: Value, exponent: Value, fixed: bool) -> Value {
         let exponent = self.product(exponent);
-        let number = exponent
-            .factors
-            .is_empty()
-            .then(|| exponent.coefficient.clone());
+        let number = exponent.factors.is_empty().then(|| exponent.coefficient.clone());
         let conditions = exponent.conditions.clone();
         let Some(number) = number else {
             let exponent = self.node_of(Value::Product(exponent));
@@ -62,21 +56,13 @@ impl Rewriter<'_> {
         result = self.product(power);
         result.conditions.extend(conditions);
         let positive = number.is_positive();
-        let bound = if positive {
-            Condition::Nonneg(base)
-        } else {
-            Condition::Positive(base)
-        };
+        let bound = if positive { Condition::Nonneg(base) } else { Condition::Positive(base) };
         self.require(&mut result.conditions, bound);
         Value::Product(result)
     }
 
     fn exact_power(&mut self, base: Value, exponent: &BigRational) -> Value {
-        if let Some(n) = exponent
-            .is_integer()
-            .then(|| exponent.numer().to_i64())
-            .flatten()
-        {
+        if let Some(n) = exponent.is_integer().then(|| exponent.numer().to_i64()).flatten() {
             return self.integer_power(base, n);
         }
         if exponent.denom().to_u32() == Some(2)

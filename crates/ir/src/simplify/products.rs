@@ -69,21 +69,14 @@ impl Rewriter<'_> {
             id = operands[0];
         }
         if let Some(number) = self.exact(id) {
-            return Product {
-                conditions,
-                ..Product::number(number.clone())
-            };
+            return Product { conditions, ..Product::number(number.clone()) };
         }
         // A shared product stays one factor, so that it stays shared; a shared power shows its base.
         match self.products.get(&id) {
-            Some(product) if product.factors.len() == 1 => Product {
-                conditions,
-                ..product.clone()
-            },
-            Some(_) | None => Product {
-                conditions,
-                ..Product::power(id, 1)
-            },
+            Some(product) if product.factors.len() == 1 => {
+                Product { conditions, ..product.clone() }
+            }
+            Some(_) | None => Product { conditions, ..Product::power(id, 1) },
         }
     }
 
@@ -96,11 +89,7 @@ impl Rewriter<'_> {
             a.coefficient = coefficient;
         } else {
             let base = self.number(b.coefficient);
-            a.factors.push(Factor {
-                base,
-                exponent: 1,
-                nonzero: false,
-            });
+            a.factors.push(Factor { base, exponent: 1, nonzero: false });
         }
         a.factors.append(&mut b.factors);
         a.conditions.append(&mut b.conditions);
@@ -142,11 +131,7 @@ impl Rewriter<'_> {
             }
         }
         let vanished = p.coefficient.is_zero();
-        let Product {
-            factors,
-            conditions,
-            ..
-        } = &mut p;
+        let Product { factors, conditions, .. } = &mut p;
         factors.retain(|factor| {
             if factor.exponent != 0 && !vanished {
                 return true;
@@ -211,9 +196,7 @@ impl Rewriter<'_> {
         // What came to light may be a number or a product itself.
         let mut opened = Vec::new();
         for factor in std::mem::take(&mut p.factors) {
-            let number = self
-                .exact(factor.base)
-                .and_then(|n| numbers::power(n, factor.exponent));
+            let number = self.exact(factor.base).and_then(|n| numbers::power(n, factor.exponent));
             match number.and_then(|n| numbers::moderate(n * &p.coefficient)) {
                 Some(number) if !factor.nonzero || !self.known(factor.base).range.contains(0.0) => {
                     p.coefficient = number;
@@ -239,10 +222,7 @@ impl Rewriter<'_> {
     fn open_overlapping(&self, p: &mut Product) {
         let inner = |factor: &Factor| {
             self.products.get(&factor.base).filter(|inner| {
-                inner
-                    .factors
-                    .first()
-                    .is_some_and(|first| first.base != factor.base)
+                inner.factors.first().is_some_and(|first| first.base != factor.base)
                     && inner.conditions.is_empty()
             })
         };
@@ -270,18 +250,17 @@ impl Rewriter<'_> {
                 .filter(|inner| inner.factors.iter().any(|f| repeated(f.base)))
                 .and_then(|inner| inner.raised(factor.exponent))
                 .and_then(|inner| {
-                    Some((
-                        numbers::moderate(&inner.coefficient * &p.coefficient)?,
-                        inner,
-                    ))
+                    Some((numbers::moderate(&inner.coefficient * &p.coefficient)?, inner))
                 });
             match found {
                 Some((coefficient, inner)) => {
                     p.coefficient = coefficient;
-                    opened.extend(inner.factors.into_iter().map(|f| Factor {
-                        nonzero: f.nonzero || factor.nonzero,
-                        ..f
-                    }));
+                    opened.extend(
+                        inner
+                            .factors
+                            .into_iter()
+                            .map(|f| Factor { nonzero: f.nonzero || factor.nonzero, ..f }),
+                    );
                 }
                 None => opened.push(factor),
             }
@@ -294,12 +273,7 @@ impl Rewriter<'_> {
         if p.factors.is_empty() {
             return self.number(p.coefficient.clone());
         }
-        if let [
-            Factor {
-                base, exponent: 1, ..
-            },
-        ] = p.factors[..]
-        {
+        if let [Factor { base, exponent: 1, .. }] = p.factors[..] {
             if p.coefficient.is_one() {
                 return base;
             }
@@ -315,21 +289,12 @@ impl Rewriter<'_> {
             let remembered = if p.coefficient.is_one() || p.factors.len() == 1 {
                 p.clone()
             } else {
-                let monic = Product {
-                    coefficient: BigRational::one(),
-                    ..p.clone()
-                };
+                let monic = Product { coefficient: BigRational::one(), ..p.clone() };
                 let base = self.emit_product(&monic);
-                Product {
-                    coefficient: p.coefficient.clone(),
-                    ..Product::power(base, 1)
-                }
+                Product { coefficient: p.coefficient.clone(), ..Product::power(base, 1) }
             };
             let conditions = Vec::new();
-            self.products.entry(node).or_insert(Product {
-                conditions,
-                ..remembered
-            });
+            self.products.entry(node).or_insert(Product { conditions, ..remembered });
         }
         node
     }
@@ -366,11 +331,7 @@ impl Rewriter<'_> {
         }
         // The number joins what else does not vary, above the line.
         let unit = p.coefficient.abs().is_one();
-        let mut fixed = if unit {
-            None
-        } else {
-            Some(self.number(p.coefficient.clone()))
-        };
+        let mut fixed = if unit { None } else { Some(self.number(p.coefficient.clone())) };
         if let Some(above) = uniform[0] {
             fixed = Some(self.multiply(fixed, above));
         }
@@ -390,11 +351,7 @@ impl Rewriter<'_> {
             Some(node) => node,
             None => self.number(BigRational::one()),
         };
-        if unit && p.coefficient.is_negative() {
-            self.node(Op::Neg, &[node])
-        } else {
-            node
-        }
+        if unit && p.coefficient.is_negative() { self.node(Op::Neg, &[node]) } else { node }
     }
 
     fn multiply(&mut self, a: Option<NodeId>, b: NodeId) -> NodeId {
@@ -414,9 +371,7 @@ impl Rewriter<'_> {
 
     /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight, and shorter.
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
-        let common = powers
-            .iter()
-            .fold(0, |gcd, (_, n)| greatest_common_divisor(gcd, *n));
+        let common = powers.iter().fold(0, |gcd, (_, n)| greatest_common_divisor(gcd, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));
         if powers.len() > 1 && common > 1 && !shared {
             let reduced: Vec<_> = powers.iter().map(|(base, n)| (*base, n / common)).collect();
@@ -443,9 +398,7 @@ impl Rewriter<'_> {
             node = self.node(Op::Sqr, &[node]);
         }
         if node != base {
-            self.products
-                .entry(node)
-                .or_insert_with(|| Product::power(base, exponent as i64));
+            self.products.entry(node).or_insert_with(|| Product::power(base, exponent as i64));
         }
         node
     }

@@ -46,10 +46,7 @@ impl Rewriter<'_> {
             self.merge_terms(&mut terms, &mut conditions);
         }
         if terms.is_empty() {
-            return Product {
-                conditions,
-                ..Product::number(constant)
-            };
+            return Product { conditions, ..Product::number(constant) };
         }
         if terms.len() == 1 && constant.is_zero() {
             let (term, coefficient) = terms.swap_remove(0);
@@ -59,11 +56,7 @@ impl Rewriter<'_> {
                 None => Product::power(term, 1),
             };
             if let Some(coefficient) = numbers::moderate(coefficient * &power.coefficient) {
-                return Product {
-                    coefficient,
-                    conditions,
-                    ..power
-                };
+                return Product { coefficient, conditions, ..power };
             }
         }
         let content = content(&terms, &constant);
@@ -74,11 +67,7 @@ impl Rewriter<'_> {
             constant /= &content;
         }
         let node = self.emit_sum(&constant, &terms);
-        Product {
-            coefficient: content,
-            conditions,
-            ..Product::power(node, 1)
-        }
+        Product { coefficient: content, conditions, ..Product::power(node, 1) }
     }
 
     fn merge_terms(&self, terms: &mut Terms, conditions: &mut Vec<Condition>) {
@@ -123,9 +112,7 @@ impl Rewriter<'_> {
             let at = signs.partition_point(|s| *s < (term, false));
             signs.get(at) == Some(&(term, false)) && signs.get(at + 1) == Some(&(term, true))
         };
-        self.open(terms, constant, |_, inner| {
-            inner.iter().any(|(t, _)| both(*t))
-        })
+        self.open(terms, constant, |_, inner| inner.iter().any(|(t, _)| both(*t)))
     }
 
     /// Replaces sums by their terms where a square and its base then meet and a square can be completed.
@@ -216,9 +203,7 @@ impl Rewriter<'_> {
             }
             let inner = self.emit_sum(&half, &[(t, BigRational::one())]);
             let completed = self.node(Op::Sqr, &[inner]);
-            self.products
-                .entry(completed)
-                .or_insert_with(|| Product::power(inner, 2));
+            self.products.entry(completed).or_insert_with(|| Product::power(inner, 2));
             *constant = rest;
             // The new term may break the order and so hide a pair from the search: the caller sorts and tries again.
             terms.remove(linear);
@@ -272,9 +257,8 @@ impl Rewriter<'_> {
             Some((false, _)) if all_negative => self.emit_signed(offset, &varying),
             Some((negative, node)) if !varying.is_empty() => {
                 // Next to a shared sum, so that sums which differ in other terms share this one too.
-                let shared = varying
-                    .iter()
-                    .position(|(term, c)| self.sums.contains_key(term) && c.is_one());
+                let shared =
+                    varying.iter().position(|(term, c)| self.sums.contains_key(term) && c.is_one());
                 if let Some(shared) = shared {
                     let (first, _) = varying.remove(shared);
                     let start = self.join(Some((false, first)), negative, node);
@@ -293,9 +277,7 @@ impl Rewriter<'_> {
             None => self.number(BigRational::zero()),
         };
         if terms.len() <= REMEMBERED && (terms.len() > 1 || !constant.is_zero()) {
-            self.sums
-                .entry(node)
-                .or_insert_with(|| (constant.clone(), terms.to_vec()));
+            self.sums.entry(node).or_insert_with(|| (constant.clone(), terms.to_vec()));
             if partial {
                 for (term, _) in terms {
                     let users = self.users.entry(*term).or_default();
@@ -311,17 +293,12 @@ impl Rewriter<'_> {
     /// [`emit_signed`](Self::emit_signed) from nothing; where all signs are minus, a coefficient takes the first.
     fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
         if terms.iter().all(|(_, c)| c.is_negative())
-            && let Some(first) = terms
-                .iter()
-                .position(|(term, c)| !c.abs().is_one() || self.takes_sign(*term))
+            && let Some(first) =
+                terms.iter().position(|(term, c)| !c.abs().is_one() || self.takes_sign(*term))
         {
             let (term, c) = &terms[first];
             let start = self.scaled(*term, c);
-            let rest: Terms = terms
-                .iter()
-                .filter(|(other, _)| other != term)
-                .cloned()
-                .collect();
+            let rest: Terms = terms.iter().filter(|(other, _)| other != term).cloned().collect();
             return self.emit_signed(Some((false, start)), &rest);
         }
         self.emit_signed(None, terms)
@@ -337,19 +314,16 @@ impl Rewriter<'_> {
     pub(super) fn difference_in(&self, p: &Product) -> Option<usize> {
         p.factors.iter().position(|factor| {
             factor.exponent == 1
-                && self
-                    .sums
-                    .get(&factor.base)
-                    .is_some_and(|(constant, terms)| {
-                        let negative = |c: &BigRational| c.is_negative() && c.abs().is_one();
-                        match &terms[..] {
-                            [(_, a)] => negative(a) || (a.is_positive() && constant.is_negative()),
-                            [(_, a), (_, b)] => {
-                                constant.is_zero() && (a.is_negative() != b.is_negative())
-                            }
-                            _ => false,
+                && self.sums.get(&factor.base).is_some_and(|(constant, terms)| {
+                    let negative = |c: &BigRational| c.is_negative() && c.abs().is_one();
+                    match &terms[..] {
+                        [(_, a)] => negative(a) || (a.is_positive() && constant.is_negative()),
+                        [(_, a), (_, b)] => {
+                            constant.is_zero() && (a.is_negative() != b.is_negative())
                         }
-                    })
+                        _ => false,
+                    }
+                })
         })
     }
 
@@ -371,10 +345,7 @@ impl Rewriter<'_> {
                 continue;
             }
             let scale = terms[alike[0]].1.clone();
-            let inner: Terms = alike
-                .iter()
-                .map(|i| (terms[*i].0, &terms[*i].1 / &scale))
-                .collect();
+            let inner: Terms = alike.iter().map(|i| (terms[*i].0, &terms[*i].1 / &scale)).collect();
             let sum = self.emit_sum(&BigRational::zero(), &inner);
             for i in alike.iter().rev() {
                 terms.remove(*i);
@@ -421,14 +392,8 @@ impl Rewriter<'_> {
         }
         let known = self.products.get(&term).filter(|p| p.coefficient.is_one());
         let product = match known {
-            Some(product) => Product {
-                coefficient: c.clone(),
-                ..product.clone()
-            },
-            None => Product {
-                coefficient: c.clone(),
-                ..Product::power(term, 1)
-            },
+            Some(product) => Product { coefficient: c.clone(), ..product.clone() },
+            None => Product { coefficient: c.clone(), ..Product::power(term, 1) },
         };
         self.emit_product(&product)
     }
@@ -441,24 +406,17 @@ impl Rewriter<'_> {
         let mut index = 0;
         while index < terms.len() {
             let (first, scale) = &terms[index];
-            let found = self
-                .users
-                .get(first)
-                .into_iter()
-                .flatten()
-                .find_map(|&known| {
-                    let (_, parts) = self.sums.get(&known)?;
-                    let unit = &parts.iter().find(|(term, _)| term == first)?.1;
-                    let factor = scale / unit;
-                    let inside = parts.len() < terms.len()
-                        && !self.known(known).opaque
-                        && parts.iter().all(|(part, c)| {
-                            terms
-                                .iter()
-                                .any(|(term, d)| part == term && *d == c * &factor)
-                        });
-                    (inside && known != *first).then_some((known, factor))
-                });
+            let found = self.users.get(first).into_iter().flatten().find_map(|&known| {
+                let (_, parts) = self.sums.get(&known)?;
+                let unit = &parts.iter().find(|(term, _)| term == first)?.1;
+                let factor = scale / unit;
+                let inside = parts.len() < terms.len()
+                    && !self.known(known).opaque
+                    && parts.iter().all(|(part, c)| {
+                        terms.iter().any(|(term, d)| part == term && *d == c * &factor)
+                    });
+                (inside && known != *first).then_some((known, factor))
+            });
             if let Some((known, factor)) = found {
                 let parts = &self.sums[&known].1;
                 terms.retain(|(term, _)| !parts.iter().any(|(part, _)| part == term));

@@ -18,23 +18,14 @@ fn simple(formula: impl for<'a> Fn(&'a Sheet, [Term<'a>; 3]) -> Term<'a>) -> Str
 
 #[test]
 fn like_terms_merge_and_numbers_stay_exact() {
-    assert_eq!(
-        simple(|_, [x, y, _]| x + 2.0 * y + x - y + 0.1 + 0.2),
-        "2*x + y + 0.3"
-    );
+    assert_eq!(simple(|_, [x, y, _]| x + 2.0 * y + x - y + 0.1 + 0.2), "2*x + y + 0.3");
     assert_eq!(simple(|_, [x, y, _]| x * y + y * x), "2*(x*y)");
     assert_eq!(simple(|_, [x, y, _]| (x + y) - (y + x) + x), "x");
     assert_eq!(simple(|_, [x, y, _]| -(x - y)), "y - x");
-    assert_eq!(
-        simple(|_, [x, y, _]| 3.0 - (2.0 - (1.0 - (x - y)))),
-        "y - x + 2"
-    );
+    assert_eq!(simple(|_, [x, y, _]| 3.0 - (2.0 - (1.0 - (x - y)))), "y - x + 2");
     assert_eq!(simple(|_, [x, y, _]| 2.0 * x + 2.0 * y), "2*(x + y)");
     assert_eq!(simple(|_, [x, _, _]| x / 4.0 * 3.0), "0.75*x");
-    assert_eq!(
-        simple(|s, [x, _, _]| s.number("5").f(Op::Sqrt).pow(2) * x),
-        "5*x"
-    );
+    assert_eq!(simple(|s, [x, _, _]| s.number("5").f(Op::Sqrt).pow(2) * x), "5*x");
 }
 
 #[test]
@@ -49,49 +40,22 @@ fn products_collect_powers() {
     assert_eq!(simple(|_, [x, _, _]| (-x).pow(2)), "sqr(x)");
     assert_eq!(simple(|_, [x, _, _]| (-x).pow(3)), "-x^3");
     assert_eq!(simple(|_, [x, _, _]| x.f(Op::Abs).pow(20)), "sqr(sqr(x^5))");
-    assert_eq!(
-        simple(|_, [x, y, _]| (x - y).pow(2) + (y - x).pow(2)),
-        "2*sqr(x - y)"
-    );
-    assert_eq!(
-        simple(|_, [x, y, _]| (x + 1.0) * (x + y)),
-        "(x + 1)*(x + y)"
-    );
+    assert_eq!(simple(|_, [x, y, _]| (x - y).pow(2) + (y - x).pow(2)), "2*sqr(x - y)");
+    assert_eq!(simple(|_, [x, y, _]| (x + 1.0) * (x + y)), "(x + 1)*(x + y)");
     assert_eq!(simple(|s, [x, _, _]| 2.0 * (x * s.parameter(0))), "2*a*x");
 }
 
 #[test]
 fn a_domain_outlives_what_gave_it() {
     assert_eq!(simple(|_, [x, _, _]| x / x), "where_nonzero(1, x)");
-    assert_eq!(
-        simple(|_, [x, _, _]| x.pow(3) / x),
-        "where_nonzero(sqr(x), x)"
-    );
+    assert_eq!(simple(|_, [x, _, _]| x.pow(3) / x), "where_nonzero(sqr(x), x)");
     assert_eq!(simple(|_, [x, y, _]| (y / x) * x), "where_nonzero(y, x)");
-    assert_eq!(
-        simple(|_, [x, _, _]| 1.0 / (1.0 / x)),
-        "where_nonzero(x, x)"
-    );
-    assert_eq!(
-        simple(|_, [x, _, _]| x.f(Op::Sqrt).pow(2)),
-        "where_nonneg(max(x, 0), x)"
-    );
-    assert_eq!(
-        simple(|_, [x, _, _]| x.f(Op::Ln).f(Op::Exp)),
-        "where_positive(max(x, 0), x)"
-    );
-    assert_eq!(
-        simple(|_, [x, y, _]| x.f(Op::Ln) * 0.0 + y),
-        "where_defined(y, ln(x))"
-    );
-    assert_eq!(
-        simple(|_, [x, y, _]| x.f(Op::Ln) - x.f(Op::Ln) + y),
-        "where_defined(y, ln(x))"
-    );
-    assert_eq!(
-        simple(|_, [x, _, _]| x.f(Op::Ln).pow(0)),
-        "where_defined(1, ln(x))"
-    );
+    assert_eq!(simple(|_, [x, _, _]| 1.0 / (1.0 / x)), "where_nonzero(x, x)");
+    assert_eq!(simple(|_, [x, _, _]| x.f(Op::Sqrt).pow(2)), "where_nonneg(max(x, 0), x)");
+    assert_eq!(simple(|_, [x, _, _]| x.f(Op::Ln).f(Op::Exp)), "where_positive(max(x, 0), x)");
+    assert_eq!(simple(|_, [x, y, _]| x.f(Op::Ln) * 0.0 + y), "where_defined(y, ln(x))");
+    assert_eq!(simple(|_, [x, y, _]| x.f(Op::Ln) - x.f(Op::Ln) + y), "where_defined(y, ln(x))");
+    assert_eq!(simple(|_, [x, _, _]| x.f(Op::Ln).pow(0)), "where_defined(1, ln(x))");
     // Proven total on the box: no restriction is left.
     assert_eq!(simple(|_, [x, y, _]| (x + 3.0) / (x + 3.0) * y), "y");
     assert_eq!(simple(|_, [x, y, _]| (x + 3.0).f(Op::Ln) * 0.0 + y), "y");
@@ -101,10 +65,7 @@ fn a_domain_outlives_what_gave_it() {
 
 #[test]
 fn squares_are_completed() {
-    assert_eq!(
-        simple(|_, [x, _, _]| x.pow(4) - 5.0 * x.pow(2)),
-        "sqr(sqr(x) - 2.5) - 6.25"
-    );
+    assert_eq!(simple(|_, [x, _, _]| x.pow(4) - 5.0 * x.pow(2)), "sqr(sqr(x) - 2.5) - 6.25");
     assert_eq!(
         simple(|_, [x, y, _]| x.pow(2) + x + y.pow(2) - y),
         "sqr(x + 0.5) + sqr(y - 0.5) - 0.5"
@@ -114,27 +75,15 @@ fn squares_are_completed() {
         "2*sqr(sin(x) + 0.25) - 0.125"
     );
     // Here the enclosure is exact as it stands, and here rounding would outweigh the gain.
-    assert_eq!(
-        simple(|_, [x, _, _]| x.pow(4) + 5.0 * x.pow(2)),
-        "5*sqr(x) + sqr(sqr(x))"
-    );
-    assert_eq!(
-        simple(|_, [x, _, _]| x.pow(2) - 1000.0 * x),
-        "sqr(x) - 1000*x"
-    );
+    assert_eq!(simple(|_, [x, _, _]| x.pow(4) + 5.0 * x.pow(2)), "5*sqr(x) + sqr(sqr(x))");
+    assert_eq!(simple(|_, [x, _, _]| x.pow(2) - 1000.0 * x), "sqr(x) - 1000*x");
 }
 
 #[test]
 fn signs_and_inverses_simplify() {
     assert_eq!(simple(|_, [x, _, _]| (-x).f(Op::Sin)), "-sin(x)");
-    assert_eq!(
-        simple(|_, [x, y, _]| (y - x).f(Op::Cos) - (x - y).f(Op::Cos)),
-        "0"
-    );
-    assert_eq!(
-        simple(|_, [x, _, _]| (-2.0 * x).f(Op::Abs).f(Op::Abs)),
-        "2*abs(x)"
-    );
+    assert_eq!(simple(|_, [x, y, _]| (y - x).f(Op::Cos) - (x - y).f(Op::Cos)), "0");
+    assert_eq!(simple(|_, [x, _, _]| (-2.0 * x).f(Op::Abs).f(Op::Abs)), "2*abs(x)");
     assert_eq!(simple(|_, [x, _, _]| x.pow(2).f(Op::Abs)), "sqr(x)");
     assert_eq!(simple(|_, [x, _, _]| (x - 3.0).f(Op::Abs)), "3 - x");
     assert_eq!(simple(|_, [x, _, _]| x.pow(2).f(Op::Sqrt)), "abs(x)");
@@ -148,18 +97,9 @@ fn signs_and_inverses_simplify() {
         "x"
     );
     assert_eq!(simple(|_, [x, y, _]| (x + 5.0).apply(Op::Min, &[y])), "y");
-    assert_eq!(
-        simple(|s, [x, _, _]| x.apply(Op::Pow, &[s.number("0.5")])),
-        "sqrt(x)"
-    );
-    assert_eq!(
-        simple(|s, [x, _, _]| x.apply(Op::Pow, &[s.number("1.5")])),
-        "sqrt(x)^3"
-    );
-    assert_eq!(
-        simple(|s, [x, _, _]| x.apply(Op::Pow, &[s.number("4") / 2.0])),
-        "sqr(x)"
-    );
+    assert_eq!(simple(|s, [x, _, _]| x.apply(Op::Pow, &[s.number("0.5")])), "sqrt(x)");
+    assert_eq!(simple(|s, [x, _, _]| x.apply(Op::Pow, &[s.number("1.5")])), "sqrt(x)^3");
+    assert_eq!(simple(|s, [x, _, _]| x.apply(Op::Pow, &[s.number("4") / 2.0])), "sqr(x)");
     assert_eq!(
         simple(|s, [x, _, _]| s.number("4").f(Op::Sqrt) + s.number("8").f(Op::Cbrt) + x),
         "x + 4"
@@ -168,10 +108,7 @@ fn signs_and_inverses_simplify() {
         simple(|_, [x, y, z]| (2.0 * x).apply(Op::SelectNegative, &[y, z])),
         "select_negative(x, y, z)"
     );
-    assert_eq!(
-        simple(|_, [x, y, z]| (x - 3.0).apply(Op::SelectNegative, &[y, z])),
-        "y"
-    );
+    assert_eq!(simple(|_, [x, y, z]| (x - 3.0).apply(Op::SelectNegative, &[y, z])), "y");
 }
 
 #[test]
@@ -240,11 +177,7 @@ fn values_and_domains_are_kept() {
         let (folded, folded_roots) =
             simplify(&graph, &[root], &[DOMAIN; 3], &parameters).expect("small");
         for _ in 0..8 {
-            let at = [
-                random.coordinate(),
-                random.coordinate(),
-                random.coordinate(),
-            ];
+            let at = [random.coordinate(), random.coordinate(), random.coordinate()];
             let values = [random.coordinate(), 1.0 + random.coordinate().abs() / 2.0];
             let before = evaluate(&graph, at, &values)[root.index()];
             for (after, root_after) in [(&after, roots[0]), (&folded, folded_roots[0])] {
@@ -283,13 +216,7 @@ fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) ->
             Node::Variable(axis) => (at[*axis as usize], Facts::TOTAL),
             Node::Parameter(number) => {
                 let value = values[*number as usize];
-                (
-                    Interval {
-                        lo: value,
-                        hi: value,
-                    },
-                    Facts::TOTAL,
-                )
+                (Interval { lo: value, hi: value }, Facts::TOTAL)
             }
             Node::Constant(constant) => (constant.bounds(), Facts::TOTAL),
             Node::Apply(op, operands) => {
@@ -326,10 +253,7 @@ fn enclosures_do_not_widen() {
         for _ in 0..4 {
             let at = [0; 3].map(|_| {
                 let (a, b) = (random.coordinate(), random.coordinate());
-                Interval {
-                    lo: a.min(b),
-                    hi: a.max(b),
-                }
+                Interval { lo: a.min(b), hi: a.max(b) }
             });
             let values = [random.coordinate(), 1.0 + random.coordinate().abs() / 2.0];
             let (old, old_facts) = enclosure(&graph, root, &at, &values);
@@ -349,8 +273,5 @@ fn enclosures_do_not_widen() {
             );
         }
     }
-    assert!(
-        compared > 50_000 && narrower > 1000,
-        "{compared} {narrower}"
-    );
+    assert!(compared > 50_000 && narrower > 1000, "{compared} {narrower}");
 }

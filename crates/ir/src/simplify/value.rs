@@ -47,17 +47,12 @@ impl Sum {
 
     pub(super) fn add_constant(&mut self, value: BigRational) {
         if !value.is_zero() {
-            self.constants
-                .push(if self.negated { -value } else { value });
+            self.constants.push(if self.negated { -value } else { value });
         }
     }
 
     pub(super) fn add_term(&mut self, term: NodeId, coefficient: BigRational) {
-        let signed = if self.negated {
-            -coefficient
-        } else {
-            coefficient
-        };
+        let signed = if self.negated { -coefficient } else { coefficient };
         self.terms.push((term, signed));
     }
 
@@ -68,10 +63,8 @@ impl Sum {
         }
         let flip = self.negated != other.negated;
         let signed = |value: BigRational| if flip { -value } else { value };
-        self.constants
-            .extend(other.constants.into_iter().map(signed));
-        self.terms
-            .extend(other.terms.into_iter().map(|(term, c)| (term, signed(c))));
+        self.constants.extend(other.constants.into_iter().map(signed));
+        self.terms.extend(other.terms.into_iter().map(|(term, c)| (term, signed(c))));
         self.conditions.append(&mut other.conditions);
         self
     }
@@ -112,20 +105,11 @@ pub(super) struct Product {
 
 impl Product {
     pub(super) fn number(coefficient: BigRational) -> Self {
-        Self {
-            coefficient,
-            factors: Vec::new(),
-            conditions: Vec::new(),
-            loose: false,
-        }
+        Self { coefficient, factors: Vec::new(), conditions: Vec::new(), loose: false }
     }
 
     pub(super) fn power(base: NodeId, exponent: i64) -> Self {
-        let factor = Factor {
-            base,
-            exponent,
-            nonzero: false,
-        };
+        let factor = Factor { base, exponent, nonzero: false };
         Self {
             coefficient: BigRational::one(),
             factors: vec![factor],

@@ -24,11 +24,7 @@ pub(super) fn ln(a: Span) -> Span {
 pub(super) fn log2(a: Span) -> Span {
     logarithm(a, |x| {
         let (exponent, fraction) = (x.to_bits() >> 52, x.to_bits() & ((1 << 52) - 1));
-        let is_power = if exponent == 0 {
-            fraction.is_power_of_two()
-        } else {
-            fraction == 0
-        };
+        let is_power = if exponent == 0 { fraction.is_power_of_two() } else { fraction == 0 };
         Rounded::when(core_math::log2(x), is_power)
     })
 }

@@ -46,11 +46,7 @@ impl Exponent {
 pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defined) {
     let (a, b) = (base.span(), power.span());
     match exponent {
-        Exponent::Integer {
-            value,
-            odd,
-            negative,
-        } => {
+        Exponent::Integer { value, odd, negative } => {
             let defined = Defined::decide(!negative || !a.has_zero(), !negative || !a.is_zero());
             (integer_power(a, value, odd), defined)
         }
@@ -74,11 +70,7 @@ fn integer_power(a: Span, n: Span, odd: bool) -> Span {
         return magnitudes(a.abs(), n);
     }
     let negative = magnitudes(Span::new(-a.hi.min(0.0), -a.lo), n).neg();
-    if a.hi <= 0.0 {
-        negative
-    } else {
-        negative.union(magnitudes(Span::new(0.0, a.hi), n))
-    }
+    if a.hi <= 0.0 { negative } else { negative.union(magnitudes(Span::new(0.0, a.hi), n)) }
 }
 
 /// Powers where the base is positive, or 0 under a positive exponent.
@@ -115,9 +107,5 @@ fn exact_power(x: f64, y: f64) -> Option<f64> {
     for _ in 0..y.abs() as u32 {
         product = rounded::mul(product, x).known()?;
     }
-    if y < 0.0 {
-        rounded::div(1.0, product).known()
-    } else {
-        Some(product)
-    }
+    if y < 0.0 { rounded::div(1.0, product).known() } else { Some(product) }
 }

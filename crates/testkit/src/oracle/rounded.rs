@@ -17,10 +17,7 @@ impl Rounded {
     }
 
     pub(super) fn inexact(value: f64) -> Self {
-        Self {
-            value,
-            exact: false,
-        }
+        Self { value, exact: false }
     }
 
     /// `value`, said to be exact if `exact` and not an overflow.

@@ -24,10 +24,7 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         Op::Trunc => everywhere(a.increasing(|x| Rounded::exact(x.trunc()))),
         Op::Fract => everywhere(fract(a)),
         Op::Sqr => everywhere(a.sqr()),
-        Op::Sqrt => (
-            a.within(0.0, f64::INFINITY).increasing(rounded::sqrt),
-            nonneg(a),
-        ),
+        Op::Sqrt => (a.within(0.0, f64::INFINITY).increasing(rounded::sqrt), nonneg(a)),
         Op::Cbrt => everywhere(a.increasing(rounded::cbrt)),
         Op::Exp => everywhere(elementary::exp(a)),
         Op::Ln => (elementary::ln(a), positive(a)),
@@ -36,10 +33,7 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         Op::Sin => everywhere(elementary::sin(a)),
         Op::Cos => everywhere(elementary::cos(a)),
         // Where a cosine is 0 is irrational, so no range is certain to hold nothing else.
-        Op::Tan => (
-            elementary::tan(a),
-            Defined::decide(elementary::has_no_pole(a), true),
-        ),
+        Op::Tan => (elementary::tan(a), Defined::decide(elementary::has_no_pole(a), true)),
         Op::Atan => everywhere(elementary::atan(a)),
         Op::Add => everywhere(a.add(b)),
         Op::Sub => everywhere(a.sub(b)),
@@ -55,9 +49,8 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         Op::WhereNonzero => (a, nonzero(b)),
         Op::WhereDefined => everywhere(a),
     };
-    let defined = operands[..op.arity()]
-        .iter()
-        .fold(local, |all, operand| all.and(operand.defined));
+    let defined =
+        operands[..op.arity()].iter().fold(local, |all, operand| all.and(operand.defined));
     Claim::new(value, defined)
 }
 
@@ -103,12 +96,7 @@ fn modulo(a: Span, b: Span) -> Span {
     }
     // Linear in a and b, with one rounding at each corner.
     let corner = |a: f64, b: f64| rounded::mul_add(-whole, b, a);
-    let corners = [
-        corner(a.lo, b.lo),
-        corner(a.lo, b.hi),
-        corner(a.hi, b.lo),
-        corner(a.hi, b.hi),
-    ];
+    let corners = [corner(a.lo, b.lo), corner(a.lo, b.hi), corner(a.hi, b.lo), corner(a.hi, b.hi)];
     Span::of(&corners).within(least, most)
 }
 

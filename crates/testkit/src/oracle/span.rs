@@ -14,30 +14,20 @@ pub(super) struct Span {
 }
 
 impl Span {
-    pub(super) const ENTIRE: Self = Self {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-    };
+    pub(super) const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
     /// From `lo` to `hi`; everything, if that is no range.
     pub(super) fn new(lo: f64, hi: f64) -> Self {
         if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
             // Adding +0 turns −0 into +0, so that no rule meets a signed zero.
-            Self {
-                lo: lo + 0.0,
-                hi: hi + 0.0,
-            }
+            Self { lo: lo + 0.0, hi: hi + 0.0 }
         } else {
             Self::ENTIRE
         }
     }
 
     pub(super) fn point(value: f64) -> Self {
-        if value.is_finite() {
-            Self::new(value, value)
-        } else {
-            Self::ENTIRE
-        }
+        if value.is_finite() { Self::new(value, value) } else { Self::ENTIRE }
     }
 
     /// Around both results of rounding.
@@ -47,14 +37,8 @@ impl Span {
 
     /// Around all of `results`, of which there is at least one.
     pub(super) fn of(results: &[Rounded]) -> Self {
-        let lo = results
-            .iter()
-            .map(|r| r.down())
-            .fold(f64::INFINITY, f64::min);
-        let hi = results
-            .iter()
-            .map(|r| r.up())
-            .fold(f64::NEG_INFINITY, f64::max);
+        let lo = results.iter().map(|r| r.down()).fold(f64::INFINITY, f64::min);
+        let hi = results.iter().map(|r| r.up()).fold(f64::NEG_INFINITY, f64::max);
         Self::new(lo, hi)
     }
 
@@ -98,10 +82,7 @@ impl Span {
     }
 
     pub(super) fn add(self, other: Self) -> Self {
-        Self::hull(
-            rounded::add(self.lo, other.lo),
-            rounded::add(self.hi, other.hi),
-        )
+        Self::hull(rounded::add(self.lo, other.lo), rounded::add(self.hi, other.hi))
     }
 
     pub(super) fn sub(self, other: Self) -> Self {
@@ -126,25 +107,13 @@ impl Span {
             return Self::ENTIRE;
         }
         // A zero end stands for arbitrarily small divisors of the other end's sign.
-        let other = if other.hi == 0.0 {
-            Self {
-                lo: other.lo,
-                hi: -0.0,
-            }
-        } else {
-            other
-        };
+        let other = if other.hi == 0.0 { Self { lo: other.lo, hi: -0.0 } } else { other };
         Self::of(&self.corners(other, rounded::div))
     }
 
     /// `f` at the four pairs of ends.
     pub(super) fn corners(self, other: Self, f: fn(f64, f64) -> Rounded) -> [Rounded; 4] {
-        [
-            f(self.lo, other.lo),
-            f(self.lo, other.hi),
-            f(self.hi, other.lo),
-            f(self.hi, other.hi),
-        ]
+        [f(self.lo, other.lo), f(self.lo, other.hi), f(self.hi, other.lo), f(self.hi, other.hi)]
     }
 
     /// `f`, which never decreases, at both ends.
@@ -162,11 +131,7 @@ fn rational(value: &BigRational) -> Span {
     // Only a guess; what makes it right are the exact comparisons.
     let Some(guess) = value.to_f64().filter(|x| x.is_finite()) else {
         let huge = Span::new(f64::MAX, f64::INFINITY);
-        return if value.is_negative() {
-            huge.neg()
-        } else {
-            huge
-        };
+        return if value.is_negative() { huge.neg() } else { huge };
     };
     let (mut lo, mut hi) = (guess, guess);
     while lo.is_finite() && exact(lo).is_some_and(|x| x > *value) {

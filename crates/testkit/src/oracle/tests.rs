@@ -22,10 +22,8 @@ fn digits(text: &str) -> BigRational {
 /// The claim on `op` over up to three numbers, as variables.
 fn claim(op: Op, operands: &[f64]) -> Claim {
     let mut graph = Graph::new();
-    let ids: Vec<NodeId> = Axis::ALL[..operands.len()]
-        .iter()
-        .map(|&axis| graph.variable(axis))
-        .collect();
+    let ids: Vec<NodeId> =
+        Axis::ALL[..operands.len()].iter().map(|&axis| graph.variable(axis)).collect();
     let root = graph.apply(op, &ids);
     let mut point = [0.0; 3];
     point[..operands.len()].copy_from_slice(operands);
@@ -35,9 +33,7 @@ fn claim(op: Op, operands: &[f64]) -> Claim {
 /// The claim on `op` over ranges, which are parameters.
 fn claim_over(op: Op, ranges: &[(f64, f64)]) -> Claim {
     let mut graph = Graph::new();
-    let ids: Vec<NodeId> = (0..ranges.len() as u32)
-        .map(|number| graph.parameter(number))
-        .collect();
+    let ids: Vec<NodeId> = (0..ranges.len() as u32).map(|number| graph.parameter(number)).collect();
     let root = graph.apply(op, &ids);
     enclose_at(&graph, &[root], [0.0; 3], ranges)[0]
 }
@@ -102,26 +98,10 @@ fn rational_operations_agree_with_exact_arithmetic() {
         let root = claim(Op::Sqrt, &[a.abs()]);
         let (below, above) = (exact(root.lo), exact(root.hi));
         let holds = &below * &below <= p.abs() && p.abs() <= &above * &above;
-        assert!(
-            holds && root.hi <= root.lo.next_up().next_up(),
-            "{}",
-            case("sqrt")
-        );
-        assert!(
-            is_exactly(claim(Op::Min, &[a, b]), a.min(b)),
-            "{}",
-            case("min")
-        );
-        assert!(
-            is_exactly(claim(Op::Max, &[a, b]), a.max(b)),
-            "{}",
-            case("max")
-        );
-        assert!(
-            is_exactly(claim(Op::WhereDefined, &[a, b]), a),
-            "{}",
-            case("where")
-        );
+        assert!(holds && root.hi <= root.lo.next_up().next_up(), "{}", case("sqrt"));
+        assert!(is_exactly(claim(Op::Min, &[a, b]), a.min(b)), "{}", case("min"));
+        assert!(is_exactly(claim(Op::Max, &[a, b]), a.max(b)), "{}", case("max"));
+        assert!(is_exactly(claim(Op::WhereDefined, &[a, b]), a), "{}", case("where"));
         if !q.is_zero() {
             assert_tight(claim(Op::Div, &[a, b]), &(&p / &q), 2, &case("div"));
         }
@@ -182,23 +162,14 @@ fn remainders_agree_with_exact_arithmetic() {
 fn integer_powers_agree_with_exact_arithmetic() {
     let mut rng = fastrand::Rng::with_seed(SEED);
     for round in 0..5_000 {
-        let base = if rng.bool() {
-            f64::from(rng.i32(-40..=40)) / 16.0
-        } else {
-            number(&mut rng)
-        };
+        let base = if rng.bool() { f64::from(rng.i32(-40..=40)) / 16.0 } else { number(&mut rng) };
         let n = rng.i32(-20..=20);
         if base == 0.0 && n < 0 {
             continue;
         }
         let truth = num_traits::Pow::pow(exact(base), n);
         let case = format!("{base:e}^{n}, seed {SEED:#x}, round {round}");
-        assert_tight(
-            power_claim(base, Constant::integer(n.into())),
-            &truth,
-            2,
-            &case,
-        );
+        assert_tight(power_claim(base, Constant::integer(n.into())), &truth, 2, &case);
     }
 }
 
@@ -217,68 +188,20 @@ fn powers_too_large_for_floats_keep_their_sign() {
 #[test]
 fn published_values_are_enclosed() {
     for (op, at, text) in [
-        (
-            Op::Exp,
-            1.0,
-            "2.71828182845904523536028747135266249775724709369995",
-        ),
-        (
-            Op::Exp,
-            -1.0,
-            "0.36787944117144232159552377016146086744581113103177",
-        ),
-        (
-            Op::Ln,
-            2.0,
-            "0.69314718055994530941723212145817656807550013436025",
-        ),
-        (
-            Op::Ln,
-            10.0,
-            "2.30258509299404568401799145468436420760110148862877",
-        ),
-        (
-            Op::Log2,
-            3.0,
-            "1.58496250072115618145373894394781650875981440769248",
-        ),
-        (
-            Op::Log10,
-            2.0,
-            "0.30102999566398119521373889472449302676818988146211",
-        ),
-        (
-            Op::Sin,
-            1.0,
-            "0.84147098480789650665250232163029899962256306079837",
-        ),
-        (
-            Op::Cos,
-            1.0,
-            "0.54030230586813971740093660744297660373231042061792",
-        ),
-        (
-            Op::Tan,
-            1.0,
-            "1.55740772465490223050697480745836017308725077238152",
-        ),
+        (Op::Exp, 1.0, "2.71828182845904523536028747135266249775724709369995"),
+        (Op::Exp, -1.0, "0.36787944117144232159552377016146086744581113103177"),
+        (Op::Ln, 2.0, "0.69314718055994530941723212145817656807550013436025"),
+        (Op::Ln, 10.0, "2.30258509299404568401799145468436420760110148862877"),
+        (Op::Log2, 3.0, "1.58496250072115618145373894394781650875981440769248"),
+        (Op::Log10, 2.0, "0.30102999566398119521373889472449302676818988146211"),
+        (Op::Sin, 1.0, "0.84147098480789650665250232163029899962256306079837"),
+        (Op::Cos, 1.0, "0.54030230586813971740093660744297660373231042061792"),
+        (Op::Tan, 1.0, "1.55740772465490223050697480745836017308725077238152"),
         (Op::Sin, 1e22, "-0.85220084976718880177270589375302"),
         (Op::Cos, 1e22, "0.52321478539513894549759442588437"),
-        (
-            Op::Atan,
-            1.0,
-            "0.78539816339744830961566084581987572104929234984378",
-        ),
-        (
-            Op::Cbrt,
-            2.0,
-            "1.25992104989487316476721060727822835057025146470151",
-        ),
-        (
-            Op::Sqrt,
-            2.0,
-            "1.41421356237309504880168872420969807856967187537694",
-        ),
+        (Op::Atan, 1.0, "0.78539816339744830961566084581987572104929234984378"),
+        (Op::Cbrt, 2.0, "1.25992104989487316476721060727822835057025146470151"),
+        (Op::Sqrt, 2.0, "1.41421356237309504880168872420969807856967187537694"),
     ] {
         assert_tight(claim(op, &[at]), &digits(text), 2, &format!("{op:?} {at}"));
     }
@@ -311,10 +234,7 @@ fn series(first: BigRational, ratio: impl Fn(i64) -> BigRational) -> (BigRationa
 fn assert_meets(claim: Claim, (sum, rest): &(BigRational, BigRational), case: &str) {
     let (lo, hi) = (exact(claim.lo), exact(claim.hi));
     assert!(lo <= sum + rest && sum - rest <= hi, "{case}: {claim:?}");
-    assert!(
-        claim.hi <= claim.lo.next_up().next_up(),
-        "{case}: {claim:?}"
-    );
+    assert!(claim.hi <= claim.lo.next_up().next_up(), "{case}: {claim:?}");
 }
 
 #[test]
@@ -332,9 +252,7 @@ fn elementary_functions_agree_with_their_series() {
         assert_meets(claim(Op::Exp, &[x]), &truth, &case("exp"));
         let truth = series(p.clone(), |k| -&square * ratio(1, 2 * k * (2 * k + 1)));
         assert_meets(claim(Op::Sin, &[x]), &truth, &case("sin"));
-        let truth = series(BigRational::one(), |k| {
-            -&square * ratio(1, (2 * k - 1) * (2 * k))
-        });
+        let truth = series(BigRational::one(), |k| -&square * ratio(1, (2 * k - 1) * (2 * k)));
         assert_meets(claim(Op::Cos, &[x]), &truth, &case("cos"));
         let truth = series(p.clone(), |k| -&square * ratio(2 * k - 1, 2 * k + 1));
         assert_meets(claim(Op::Atan, &[x]), &truth, &case("atan"));
@@ -462,12 +380,7 @@ fn definedness_is_claimed_only_when_certain() {
     for op in [Op::Sqrt, Op::WhereNonneg] {
         let over = if op == Op::Sqrt { unary } else { last };
         let at = |lo, hi| claim_over(op, &over(lo, hi)).defined;
-        let got = [
-            at(0.0, 1.0),
-            at(-tiny, tiny),
-            at(-tiny, 0.0),
-            at(-2.0, -tiny),
-        ];
+        let got = [at(0.0, 1.0), at(-tiny, tiny), at(-tiny, 0.0), at(-2.0, -tiny)];
         assert_eq!(got, [Yes, Unknown, Unknown, No], "{op:?}");
     }
     for op in [Op::Ln, Op::Log2, Op::Log10, Op::WherePositive] {
@@ -488,10 +401,7 @@ fn definedness_is_claimed_only_when_certain() {
 fn powers_are_defined_as_the_table_says() {
     use Defined::{No, Unknown, Yes};
     let integer = |base, n| power_claim(base, Constant::integer(n)).defined;
-    assert_eq!(
-        [integer(-2.0, 3), integer(0.0, 0), integer(0.0, 2)],
-        [Yes; 3]
-    );
+    assert_eq!([integer(-2.0, 3), integer(0.0, 0), integer(0.0, 2)], [Yes; 3]);
     assert_eq!([integer(-2.0, -3), integer(0.0, -1)], [Yes, No]);
     let half = |base| power_claim(base, Constant::ratio(1, 2).expect("a ratio")).defined;
     assert_eq!([half(2.0), half(0.0), half(-2.0)], [Yes, Yes, No]);

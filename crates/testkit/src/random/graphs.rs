@@ -166,10 +166,7 @@ mod tests {
         let mut rng = Rng::with_seed(SEED);
         let mut seen = vec![0; TABLE.len()];
         let (mut axes, mut parameters, mut exact, mut enclosed) = (0, 0, 0, 0);
-        let options = GraphOptions {
-            parameters: 2,
-            ..GraphOptions::default()
-        };
+        let options = GraphOptions { parameters: 2, ..GraphOptions::default() };
         for _ in 0..2000 {
             let (graph, root) = random_graph(&mut rng, &options);
             let needed = graph.reachable(&[root]);
@@ -194,16 +191,10 @@ mod tests {
     #[test]
     fn only_the_operations_asked_for_are_drawn() {
         let mut rng = Rng::with_seed(SEED);
-        let options = GraphOptions {
-            ops: vec![Op::Add, Op::Sin],
-            ..GraphOptions::default()
-        };
+        let options = GraphOptions { ops: vec![Op::Add, Op::Sin], ..GraphOptions::default() };
         for _ in 0..100 {
             let (graph, root) = random_graph(&mut rng, &options);
-            assert!(matches!(
-                graph.node(root),
-                Node::Apply(Op::Add | Op::Sin, _)
-            ));
+            assert!(matches!(graph.node(root), Node::Apply(Op::Add | Op::Sin, _)));
             let other = graph
                 .iter()
                 .any(|(_, node)| matches!(node, Node::Apply(op, _) if !options.ops.contains(op)));

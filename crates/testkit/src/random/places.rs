@@ -10,13 +10,7 @@ use super::{Rng, values::nudge};
 /// every axis, so that larger formulas are defined and finite somewhere.
 pub fn random_box(rng: &mut Rng, ends: Ends) -> [[f32; 2]; 3] {
     let plain = rng.u32(0..4) == 0;
-    [(); 3].map(|()| {
-        if plain {
-            plain_range(rng)
-        } else {
-            random_range(rng, ends)
-        }
-    })
+    [(); 3].map(|()| if plain { plain_range(rng) } else { random_range(rng, ends) })
 }
 
 fn plain_range(rng: &mut Rng) -> [f32; 2] {
@@ -121,11 +115,7 @@ pub fn random_ray(rng: &mut Rng) -> Ray {
     let eye = [(); 3].map(|()| signed(rng) * 8.0);
     let start = from_exponents(rng, -10, 3);
     let length = from_exponents(rng, -24, 3);
-    Ray {
-        eye,
-        direction,
-        span: [start, start + length],
-    }
+    Ray { eye, direction, span: [start, start + length] }
 }
 
 #[cfg(test)]
@@ -142,10 +132,7 @@ mod tests {
             let region = random_box(&mut rng, Ends::Infinite);
             let case = format!("{region:?}, seed {SEED:#x}, round {round}");
             for [lo, hi] in region {
-                assert!(
-                    lo <= hi && lo < f32::INFINITY && hi > f32::NEG_INFINITY,
-                    "{case}"
-                );
+                assert!(lo <= hi && lo < f32::INFINITY && hi > f32::NEG_INFINITY, "{case}");
                 unbounded += u32::from(lo.is_infinite() || hi.is_infinite());
             }
             let point = point_in_box(&mut rng, &region);

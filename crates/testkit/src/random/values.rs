@@ -98,9 +98,8 @@ mod tests {
     fn all_kinds_of_numbers_are_drawn() {
         let seed = 0x5eed_0010;
         let mut rng = Rng::with_seed(seed);
-        let draws: Vec<f32> = (0..20_000)
-            .map(|_| adversarial_f32(&mut rng, Ends::Finite))
-            .collect();
+        let draws: Vec<f32> =
+            (0..20_000).map(|_| adversarial_f32(&mut rng, Ends::Finite)).collect();
         assert!(draws.iter().all(|x| x.is_finite()), "seed {seed:#x}");
         let is_drawn = |test: &dyn Fn(f32) -> bool| draws.iter().any(|&x| test(x));
         assert!(is_drawn(&|x| x.to_bits() == 0));

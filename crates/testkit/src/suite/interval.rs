@@ -41,10 +41,7 @@ pub fn check_interval_graphs(
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    let options = GraphOptions {
-        parameters: 0,
-        ..options.clone()
-    };
+    let options = GraphOptions { parameters: 0, ..options.clone() };
     for _ in 0..graphs {
         let (graph, root) = random_graph(&mut rng, &options);
         let drawn = check(make, &mut rng, &graph, root, boxes);
@@ -64,9 +61,7 @@ fn check(
     root: NodeId,
     boxes: u32,
 ) -> Result<Tally, Failure> {
-    let regions: Vec<_> = (0..boxes)
-        .map(|_| random_box(rng, Ends::Infinite))
-        .collect();
+    let regions: Vec<_> = (0..boxes).map(|_| random_box(rng, Ends::Infinite)).collect();
     let packets: Vec<BoxPacket> = regions.chunks(LANES).map(packed).collect();
     let mut enclosures = vec![EnclosurePacket::default(); packets.len()];
     make(graph, root).enclose(&packets, &mut enclosures);

@@ -27,20 +27,14 @@ pub fn check_rewrite(
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    let options = GraphOptions {
-        parameters: 0,
-        ..options.clone()
-    };
+    let options = GraphOptions { parameters: 0, ..options.clone() };
     for _ in 0..graphs {
         let (graph, root) = random_graph(&mut rng, &options);
         let region = random_box(&mut rng, Ends::Infinite);
         let Some((after, new_root)) = rewrite(&graph, root, &region) else {
             continue;
         };
-        let (old, new) = (
-            Oracle::new(&graph, &[root]),
-            Oracle::new(&after, &[new_root]),
-        );
+        let (old, new) = (Oracle::new(&graph, &[root]), Oracle::new(&after, &[new_root]));
         for _ in 0..POINTS {
             let point = point_in_box(&mut rng, &region);
             let (was, is) = (old.at(point, &[])[0], new.at(point, &[])[0]);

@@ -25,9 +25,7 @@ impl Subject {
 pub(super) fn subjects() -> Vec<Subject> {
     let mut all = Vec::new();
     for row in TABLE {
-        all.push(subject(row.op, |graph, place| {
-            graph.variable(Axis::ALL[place])
-        }));
+        all.push(subject(row.op, |graph, place| graph.variable(Axis::ALL[place])));
         if row.arity != 2 {
             continue;
         }
@@ -49,9 +47,7 @@ pub(super) fn subjects() -> Vec<Subject> {
 
 fn subject(op: Op, mut operand: impl FnMut(&mut Graph, usize) -> NodeId) -> Subject {
     let mut graph = Graph::new();
-    let operands: Vec<NodeId> = (0..op.arity())
-        .map(|place| operand(&mut graph, place))
-        .collect();
+    let operands: Vec<NodeId> = (0..op.arity()).map(|place| operand(&mut graph, place)).collect();
     let root = graph.apply(op, &operands);
     Subject { op, graph, root }
 }

@@ -124,15 +124,9 @@ fn wrong_values_are_caught() {
     let tally = points(|value| value).unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 5000, "{tally:?}");
     for (spoil, reason) in [
-        (
-            (|_| f64::NAN) as fn(f64) -> f64,
-            "no value where there is one",
-        ),
+        ((|_| f64::NAN) as fn(f64) -> f64, "no value where there is one"),
         (|value| value * 1.001, "too far off"),
-        (
-            |value| value + value.signum() * f64::INFINITY,
-            "too far off",
-        ),
+        (|value| value + value.signum() * f64::INFINITY, "too far off"),
     ] {
         let failure = points(spoil).expect_err(reason).to_string();
         assert!(failure.contains(reason), "{failure}");
@@ -164,10 +158,7 @@ fn wrong_gradients_are_caught() {
     assert!(tally.defined > 10_000, "{tally:?}");
     let make = |_: &Graph, _: NodeId| -> Box<dyn GradientKernel> { Box::new(Zero) };
     let failure = check_gradients(&make, SEED, 50, 1e-3).expect_err("no slope");
-    assert!(
-        failure.to_string().contains("derivative 0 is 0e0"),
-        "{failure}"
-    );
+    assert!(failure.to_string().contains("derivative 0 is 0e0"), "{failure}");
 }
 
 #[test]

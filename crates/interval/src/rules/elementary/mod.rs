@@ -21,21 +21,13 @@ impl<M: Machine> Rule<'_, M> {
             let (at_lo, at_hi) = (f(text, lo), f(text, hi));
             [text.above_negated(at_lo), text.above(at_hi)]
         });
-        Enclosure {
-            neg_lo,
-            hi,
-            ..a.value
-        }
+        Enclosure { neg_lo, hi, ..a.value }
     }
 
     pub(super) fn exp(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let ends = [a.value.neg_lo, a.value.hi];
         let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, ends| text.exp(ends));
-        Enclosure {
-            neg_lo,
-            hi,
-            ..a.value
-        }
+        Enclosure { neg_lo, hi, ..a.value }
     }
 
     pub(super) fn ln(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -58,15 +50,7 @@ impl<M: Machine> Rule<'_, M> {
         });
         let (neg_lo, hi) = self.logarithm_ends(a, neg_lo, hi);
         let (nowhere, throughout) = self.positive(a);
-        self.restrict(
-            Enclosure {
-                neg_lo,
-                hi,
-                ..a.value
-            },
-            nowhere,
-            throughout,
-        )
+        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
 
     /// (lo, hi) raised to the least positive number of the format, where a logarithm can start.
@@ -159,11 +143,7 @@ impl<M: Machine> Rule<'_, M> {
             neg_lo = self.m.select(near, neg_lo, one);
             hi = self.m.select(near, hi, one);
         }
-        Enclosure {
-            neg_lo,
-            hi,
-            ..a.value
-        }
+        Enclosure { neg_lo, hi, ..a.value }
     }
 
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -177,24 +157,13 @@ impl<M: Machine> Rule<'_, M> {
         let infinity = self.infinity();
         let neg_lo = self.m.select(free, value.neg_lo, infinity);
         let hi = self.m.select(free, value.hi, infinity);
-        self.restrict(
-            Enclosure {
-                neg_lo,
-                hi,
-                ..a.value
-            },
-            Fact::False,
-            Fact::Lanes(free),
-        )
+        self.restrict(Enclosure { neg_lo, hi, ..a.value }, Fact::False, Fact::Lanes(free))
     }
 
     /// Lanes where the angle may pass `(j + offset) / per_turn` full turns for some integer j: set wherever it does.
     fn has_turn(&mut self, a: &Operand<M::V>, per_turn: f64, offset: f64) -> M::V {
         // floor(hi − offset) ≥ ceil(lo − offset), both ends rounded outward.
-        let (hi, neg_lo) = (
-            self.turns(a.value.hi, per_turn),
-            self.turns(a.value.neg_lo, per_turn),
-        );
+        let (hi, neg_lo) = (self.turns(a.value.hi, per_turn), self.turns(a.value.neg_lo, per_turn));
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
         let last = self.m.floor(last);
@@ -224,10 +193,7 @@ impl<M: Machine> Rule<'_, M> {
 
     /// Lanes whose ends the angle reduction can handle, or `None` if all can.
     fn within_angle_limit(&mut self, a: &Operand<M::V>) -> Option<M::V> {
-        let limit = Interval {
-            lo: -ANGLE_LIMIT,
-            hi: ANGLE_LIMIT,
-        };
+        let limit = Interval { lo: -ANGLE_LIMIT, hi: ANGLE_LIMIT };
         if limit.encloses(a.range) {
             return None;
         }

@@ -40,11 +40,8 @@ const LN_2_LO: f64 = 2.823_529_056_303_157_7e-13;
 const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 const ONE: u64 = 0x3ff0_0000_0000_0000;
 /// π/2 in three parts of 33, 33 and 53 bits.
-const HALF_PI: [f64; 3] = [
-    1.570_796_326_734_125_6,
-    6.077_100_506_303_966e-11,
-    2.022_226_624_879_595e-21,
-];
+const HALF_PI: [f64; 3] =
+    [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_226_624_879_595e-21];
 /// π/2 − `HALF_PI[0]` in one part.
 const HALF_PI_REST: f64 = 6.077_100_506_506_192e-11;
 
@@ -178,10 +175,7 @@ impl<M: Machine> Text<'_, M> {
                 let subnormal = self.m.lt(x, tiny);
                 let scaled = self.m.mul(x, factor);
                 let bits = self.number(-64.0);
-                (
-                    self.m.select(subnormal, scaled, x),
-                    Some(self.m.and(subnormal, bits)),
-                )
+                (self.m.select(subnormal, scaled, x), Some(self.m.and(subnormal, bits)))
             }
         };
         // x = 2^k · m with √½ ≤ m < √2: shift the bits so that the exponent field steps at √½.
@@ -207,9 +201,8 @@ impl<M: Machine> Text<'_, M> {
         let s = self.m.div(f, below);
         let z = self.m.mul(s, s);
         let terms = self.pick(6, 9);
-        let coefficients: Vec<f64> = (1..=terms)
-            .map(|n| 2.0 / (2.0 * f64::from(n) + 1.0))
-            .collect();
+        let coefficients: Vec<f64> =
+            (1..=terms).map(|n| 2.0 / (2.0 * f64::from(n) + 1.0)).collect();
         let tail = self.series(z, &coefficients);
         let tail = self.m.mul(tail, z);
         let sum = self.m.add(tail, two);
@@ -252,10 +245,7 @@ impl<M: Machine> Text<'_, M> {
         const TAN_EIGHTH_PI: f64 = std::f64::consts::SQRT_2 - 1.0;
         const TAN_THREE_EIGHTHS_PI: f64 = std::f64::consts::SQRT_2 + 1.0;
         let t = self.m.abs(x);
-        let (low, high) = (
-            self.number(TAN_EIGHTH_PI),
-            self.number(TAN_THREE_EIGHTHS_PI),
-        );
+        let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
         let (middle, far) = (self.m.lt(low, t), self.m.lt(high, t));
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
         // atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t): |quotient| ≤ tan π/8.
@@ -265,10 +255,8 @@ impl<M: Machine> Text<'_, M> {
         let below = self.m.select(middle, plus, one);
         let below = self.m.select(far, t, below);
         let u = self.m.div(above, below);
-        let (quarter, half) = (
-            self.number(std::f64::consts::FRAC_PI_4),
-            self.number(std::f64::consts::FRAC_PI_2),
-        );
+        let (quarter, half) =
+            (self.number(std::f64::consts::FRAC_PI_4), self.number(std::f64::consts::FRAC_PI_2));
         let base = self.m.and(middle, quarter);
         let base = self.m.select(far, half, base);
         // u² ≤ 0.17158: the tails z¹⁴/29 and z²⁰/41 are below 2⁻⁴⁰ and 2⁻⁵⁶.
@@ -383,11 +371,7 @@ fn reciprocal_factorials(terms: u32, first: u32) -> Vec<f64> {
     (1..=terms)
         .map(|n| {
             let factorial: f64 = (1..=first + 2 * n - 2).map(f64::from).product();
-            if n % 2 == 0 {
-                1.0 / factorial
-            } else {
-                -1.0 / factorial
-            }
+            if n % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial }
         })
         .collect()
 }
