@@ -81,80 +81,49 @@ pub fn find(surfaces: &[&dyn IntervalKernel], periodic: bool) -> AutoDomain {
         possible.anywhere(&cells.collect::<Vec<_>>())
     };
     let cube = |half: f64| ([-half; 3], [half; 3]);
-    match (SMALLEST..=LARGEST)
-        .rev()
-        .find(|&exponent| occupied(exponent))
-    {
+    match (SMALLEST..=LARGEST).rev().find(|&exponent| occupied(exponent)) {
         None => {
             let (low, high) = cube(LEAST);
-            AutoDomain {
-                low,
-                high,
-                finding: Finding::Empty,
-            }
+            AutoDomain { low, high, finding: Finding::Empty }
         }
         Some(LARGEST) => {
             let first = (SMALLEST..LARGEST).find(|&exponent| occupied(exponent));
             let least = if periodic { LEAST_PERIODIC } else { LEAST };
             let (low, high) = cube(2.0_f64.powi(first.unwrap_or(LARGEST)).max(least));
-            AutoDomain {
-                low,
-                high,
-                finding: Finding::Unbounded,
-            }
+            AutoDomain { low, high, finding: Finding::Unbounded }
         }
         Some(exponent) => {
             let half = 2.0_f32.powi(exponent);
-            let whole = Cell {
-                low: [-half; 3],
-                side: 2.0 * half,
-            };
+            let whole = Cell { low: [-half; 3], side: 2.0 * half };
             let (low, high) = possible.tight(whole);
             let (low, high) = roomy(low.map(f64::from), high.map(f64::from));
-            AutoDomain {
-                low,
-                high,
-                finding: Finding::Bounded,
-            }
+            AutoDomain { low, high, finding: Finding::Bounded }
         }
     }
 }
 
 /// The box with some space on each side, its bounds rounded outward to few digits.
 fn roomy(low: [f64; 3], high: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-    let largest = (0..3)
-        .map(|axis| high[axis] - low[axis])
-        .fold(0.0, f64::max);
+    let largest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     // A hundredth of the extent, as a power of ten.
     let grain = 10.0_f64.powf((largest / 100.0).log10().floor());
     let axis = |axis: usize| {
         let space = SPACE * (high[axis] - low[axis]);
         // Division by the power of ten's reciprocal gives the decimal nearest to what is meant.
         let digits = |steps: f64| {
-            if grain < 1.0 {
-                steps / (1.0 / grain).round()
-            } else {
-                steps * grain
-            }
+            if grain < 1.0 { steps / (1.0 / grain).round() } else { steps * grain }
         };
         // What is a whole number of grains but for rounding is not moved by another; the space absorbs it.
         let snapped = |steps: f64, outward: f64| {
             let near = steps.round();
-            if (steps - near).abs() < 1e-6 {
-                near
-            } else {
-                outward
-            }
+            if (steps - near).abs() < 1e-6 { near } else { outward }
         };
         let (below, above) = ((low[axis] - space) / grain, (high[axis] + space) / grain);
         let below = digits(snapped(below, below.floor()));
         let above = digits(snapped(above, above.ceil()));
         (below, above)
     };
-    (
-        [axis(0).0, axis(1).0, axis(2).0],
-        [axis(0).1, axis(1).1, axis(2).1],
-    )
+    ([axis(0).0, axis(1).0, axis(2).0], [axis(0).1, axis(1).1, axis(2).1])
 }
 
 /// A cube of space whose corners are short binary fractions, so that halving it is exact.
@@ -169,10 +138,7 @@ impl Cell {
         let side = self.side / 2.0;
         (0..8).map(move |n| {
             let step = |axis: usize| if n >> axis & 1 == 1 { side } else { 0.0 };
-            Self {
-                low: [0, 1, 2].map(|axis| self.low[axis] + step(axis)),
-                side,
-            }
+            Self { low: [0, 1, 2].map(|axis| self.low[axis] + step(axis)), side }
         })
     }
 
@@ -237,9 +203,7 @@ impl Possible<'_> {
     fn tight(&self, mut whole: Cell) -> ([f32; 3], [f32; 3]) {
         loop {
             let (low, high) = self.hull(whole);
-            let extent = (0..3)
-                .map(|axis| high[axis] - low[axis])
-                .fold(0.0, f32::max);
+            let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f32::max);
             let side = 2.0_f32.powf(extent.log2().ceil());
             if side > whole.side / 4.0 || side < FINEST {
                 return (low, high);
@@ -269,11 +233,7 @@ impl Possible<'_> {
                 }
             }
         }
-        if low[0] > high[0] {
-            (whole.low, whole.high())
-        } else {
-            (low, high)
-        }
+        if low[0] > high[0] { (whole.low, whole.high()) } else { (low, high) }
     }
 }
 
@@ -293,11 +253,8 @@ mod tests {
                         let a = -b.neg_lo[axis][lane] - self.0[axis];
                         let b = b.hi[axis][lane] - self.0[axis];
                         high += a.abs().max(b.abs()).powi(2);
-                        low += if a <= 0.0 && b >= 0.0 {
-                            0.0
-                        } else {
-                            a.abs().min(b.abs()).powi(2)
-                        };
+                        low +=
+                            if a <= 0.0 && b >= 0.0 { 0.0 } else { a.abs().min(b.abs()).powi(2) };
                     }
                     out.neg_lo[lane] = self.1 * self.1 - low;
                     out.hi[lane] = high - self.1 * self.1;
@@ -324,19 +281,14 @@ mod tests {
 
     #[test]
     fn a_ball_is_bounded_by_a_snug_box() {
-        for (centre, radius) in [
-            ([0.0; 3], 1.0_f32),
-            ([3.0, 0.0, -20.0], 0.5),
-            ([-100.0, 7.0, 0.25], 0.03125),
-        ] {
+        for (centre, radius) in
+            [([0.0; 3], 1.0_f32), ([3.0, 0.0, -20.0], 0.5), ([-100.0, 7.0, 0.25], 0.03125)]
+        {
             let found = find(&[&Ball(centre, radius)], false);
             assert_eq!(found.finding, Finding::Bounded);
             for (axis, c) in centre.into_iter().enumerate() {
                 let (c, r) = (f64::from(c), f64::from(radius));
-                assert!(
-                    found.low[axis] < c - r && c + r < found.high[axis],
-                    "{found:?}"
-                );
+                assert!(found.low[axis] < c - r && c + r < found.high[axis], "{found:?}");
                 assert!(found.high[axis] - found.low[axis] < 2.6 * r, "{found:?}");
             }
         }
@@ -360,10 +312,7 @@ mod tests {
     fn two_surfaces_share_a_domain() {
         let far = Ball([5.0, 0.0, 0.0], 1.0);
         let found = find(&[&Ball([0.0; 3], 1.0), &far], false);
-        assert!(
-            found.low[0] < -1.0 && found.high[0] > 6.0 && found.high[1] < 3.0,
-            "{found:?}"
-        );
+        assert!(found.low[0] < -1.0 && found.high[0] > 6.0 && found.high[1] < 3.0, "{found:?}");
     }
 
     #[test]

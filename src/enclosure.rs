@@ -1,7 +1,7 @@
 //! What a formula can be, over a whole domain: bounds and facts from one pass over its graph.
 
 use zeroset_eval::Assumptions;
-use zeroset_interval::{Facts, Interval, fold};
+use zeroset_interval::{Facts, Interval, Value, fold};
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
@@ -11,28 +11,29 @@ use zeroset_ops::Op;
 /// If a parameter's number has no bounds in `assumptions`.
 pub fn enclose(graph: &Graph, root: NodeId, assumptions: &Assumptions) -> (Interval, Facts) {
     let needed = graph.reachable(&[root]);
-    let mut known = vec![(Interval::ENTIRE, Facts::NONE); graph.len()];
+    let mut known = vec![Value::from((Interval::ENTIRE, Facts::NONE)); graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         known[id.index()] = match node {
-            Node::Variable(axis) => (assumptions.domain[*axis as usize], Facts::TOTAL),
-            Node::Parameter(number) => (assumptions.parameters[*number as usize], Facts::TOTAL),
-            Node::Constant(value) => (value.bounds(), Facts::TOTAL),
+            Node::Variable(axis) => (assumptions.domain[*axis as usize], Facts::TOTAL).into(),
+            Node::Parameter(number) => {
+                (assumptions.parameters[*number as usize], Facts::TOTAL).into()
+            }
+            Node::Constant(value) => value.value(),
             Node::Apply(op, operands) => {
                 let operands: Vec<_> = operands.iter().map(|id| known[id.index()]).collect();
-                fold(*op, &operands)
+                fold(*op, &operands).into()
             }
         };
     }
-    known[root.index()]
+    let Value { bounds, facts, .. } = known[root.index()];
+    (bounds, facts)
 }
 
 /// Which coordinates `root` depends on.
 pub fn coordinates(graph: &Graph, root: NodeId) -> [bool; 3] {
     let needed = graph.reachable(&[root]);
     Axis::ALL.map(|axis| {
-        graph
-            .iter()
-            .any(|(id, node)| needed[id.index()] && *node == Node::Variable(axis))
+        graph.iter().any(|(id, node)| needed[id.index()] && *node == Node::Variable(axis))
     })
 }
 

@@ -25,12 +25,7 @@ impl Example {
     }
 
     fn comment(&self, line: usize) -> &'static str {
-        self.text
-            .lines()
-            .nth(line)
-            .and_then(|line| line.strip_prefix('#'))
-            .unwrap_or("")
-            .trim()
+        self.text.lines().nth(line).and_then(|line| line.strip_prefix('#')).unwrap_or("").trim()
     }
 }
 
@@ -40,10 +35,7 @@ pub fn examples() -> Vec<Example> {
         .files()
         .filter_map(|file| {
             let slug = file.path().to_str()?.strip_suffix(".zset")?;
-            Some(Example {
-                slug,
-                text: file.contents_utf8()?,
-            })
+            Some(Example { slug, text: file.contents_utf8()? })
         })
         .collect();
     examples.sort_by_key(|example| example.slug);
@@ -54,9 +46,7 @@ pub fn examples() -> Vec<Example> {
 pub fn example(name: &str) -> Option<Example> {
     let name = name.trim();
     let called = |other: &str| other.eq_ignore_ascii_case(name);
-    examples()
-        .into_iter()
-        .find(|example| called(example.slug) || called(example.title()))
+    examples().into_iter().find(|example| called(example.slug) || called(example.title()))
 }
 
 #[cfg(test)]
@@ -65,13 +55,8 @@ mod tests {
 
     /// Lower case, with everything between letters and digits collapsed to a hyphen.
     fn slug(name: &str) -> String {
-        let words = name
-            .split(|c: char| !c.is_ascii_alphanumeric())
-            .filter(|w| !w.is_empty());
-        words
-            .map(str::to_ascii_lowercase)
-            .collect::<Vec<_>>()
-            .join("-")
+        let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
+        words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
     }
 
     #[test]
@@ -79,12 +64,7 @@ mod tests {
         let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
         let files = std::fs::read_dir(directory).expect("a directory");
         let mut found: Vec<String> = files
-            .map(|file| {
-                file.expect("readable")
-                    .file_name()
-                    .into_string()
-                    .expect("UTF-8")
-            })
+            .map(|file| file.expect("readable").file_name().into_string().expect("UTF-8"))
             .filter_map(|name| name.strip_suffix(".zset").map(str::to_owned))
             .collect();
         found.sort();
@@ -98,11 +78,7 @@ mod tests {
         for example in examples() {
             assert_eq!(slug(example.title()), example.slug);
             let summary = example.summary();
-            assert!(
-                summary.len() > 30 && summary.ends_with('.'),
-                "{}",
-                example.slug
-            );
+            assert!(summary.len() > 30 && summary.ends_with('.'), "{}", example.slug);
         }
     }
 

@@ -158,11 +158,7 @@ pub fn render(
         progress(done, pixels * surfaces);
         true
     };
-    let method = |depth| Knoll {
-        depth,
-        width: settings.packet,
-        ..Knoll::default()
-    };
+    let method = |depth| Knoll { depth, width: settings.packet, ..Knoll::default() };
     let mut buffer = GBuffer::new(settings.width, settings.height, 0);
     for (index, (surface, kernels)) in document.surfaces.iter().zip(&kernels).enumerate() {
         let (mut layer, done) =
@@ -199,10 +195,7 @@ pub fn render(
                 offset,
             );
             work.add_traversal(&done);
-            hidden
-                .iter_mut()
-                .zip(&buffer.shadow)
-                .for_each(|(all, this)| *all |= this);
+            hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
         }
         buffer.shadow = hidden;
         times.trace += watch.lap();
@@ -213,20 +206,10 @@ pub fn render(
         None => Vec::new(),
     };
     times.shade += watch.lap();
-    let statistics = Statistics {
-        times,
-        pixels: buffer.counts(),
-        work,
-        code_bytes,
-        nodes: program.nodes(),
-    };
+    let statistics =
+        Statistics { times, pixels: buffer.counts(), work, code_bytes, nodes: program.nodes() };
     let undefined = (0..surfaces).any(|surface| program.is_undefined(surface));
-    Ok(Picture {
-        buffer,
-        rgb,
-        statistics,
-        undefined,
-    })
+    Ok(Picture { buffer, rgb, statistics, undefined })
 }
 
 fn compile(
@@ -238,18 +221,15 @@ fn compile(
         || program.interval_kernel(surface),
         || match normals {
             None => Ok(None),
-            Some(Normals::Gradient) => program
-                .gradient_kernel(surface)
-                .map(|k| Some(NormalKernel::Gradient(k))),
-            Some(Normals::Central) => program
-                .point_kernel(surface)
-                .map(|k| Some(NormalKernel::Central(k))),
+            Some(Normals::Gradient) => {
+                program.gradient_kernel(surface).map(|k| Some(NormalKernel::Gradient(k)))
+            }
+            Some(Normals::Central) => {
+                program.point_kernel(surface).map(|k| Some(NormalKernel::Central(k)))
+            }
         },
     );
-    Ok(Kernels {
-        interval: interval?,
-        normals: normals?,
-    })
+    Ok(Kernels { interval: interval?, normals: normals? })
 }
 
 impl Kernels {
@@ -294,23 +274,16 @@ fn fill_normals(
 
 fn appearance(document: &Document, settings: &Settings, light: Light) -> Appearance {
     let plain = Appearance::new(light);
-    let surfaces = document
-        .surfaces
-        .iter()
-        .enumerate()
-        .map(|(index, surface)| {
-            match surface.color {
-                // One colour typed serves both sides; the side where f < 0 is darker.
-                Some(color) => {
-                    let positive = Colour::from_srgb(color.rgb);
-                    SurfaceColours {
-                        positive,
-                        negative: positive.lit(0.45, 0.0),
-                    }
-                }
-                None => SurfaceColours::default_for(index),
+    let surfaces = document.surfaces.iter().enumerate().map(|(index, surface)| {
+        match surface.color {
+            // One colour typed serves both sides; the side where f < 0 is darker.
+            Some(color) => {
+                let positive = Colour::from_srgb(color.rgb);
+                SurfaceColours { positive, negative: positive.lit(0.45, 0.0) }
             }
-        });
+            None => SurfaceColours::default_for(index),
+        }
+    });
     Appearance {
         surfaces: surfaces.collect(),
         background: settings.background.unwrap_or(plain.background),

@@ -70,10 +70,7 @@ impl Program {
                 }
             } else if !enclosure::coordinates(&program.graph, root).contains(&true) {
                 let value = describe(bounds, side.is_some());
-                return Err(ProgramError::Constant {
-                    echo: echo(),
-                    value,
-                });
+                return Err(ProgramError::Constant { echo: echo(), value });
             }
         }
         Ok(program)
@@ -84,30 +81,16 @@ impl Program {
     /// # Errors
     /// If a formula is too large.
     pub fn unchecked(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        let parameters: Vec<Interval> = document
-            .parameters
-            .iter()
-            .map(|parameter| parameter.value.bounds())
-            .collect();
-        let bound: Vec<_> = parameters
-            .iter()
-            .map(|bounds| (*bounds, Facts::TOTAL))
-            .collect();
-        let typed: Vec<NodeId> = document
-            .surfaces
-            .iter()
-            .map(|surface| surface.root)
-            .collect();
+        let parameters: Vec<Interval> =
+            document.parameters.iter().map(|parameter| parameter.value.bounds()).collect();
+        let bound: Vec<_> = parameters.iter().map(|bounds| (*bounds, Facts::TOTAL)).collect();
+        let typed: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
         let symbolic = rewrite(&document.graph, &typed, &domain, &parameters)?;
         let (graph, roots) = simplify(&symbolic.0, &symbolic.1, &domain, &parameters)?;
         let assumptions = Assumptions { domain, parameters };
         let undefined = roots
             .iter()
-            .map(|&root| {
-                enclosure::enclose(&graph, root, &assumptions)
-                    .1
-                    .has(Facts::NOWHERE)
-            })
+            .map(|&root| enclosure::enclose(&graph, root, &assumptions).1.has(Facts::NOWHERE))
             .collect();
         Ok(Self {
             graph,
@@ -189,28 +172,17 @@ impl Program {
     /// # Errors
     /// If no code can be made.
     pub fn gradient_kernel(&self, surface: usize) -> Result<NativeGradient, ProgramError> {
-        Ok(NativeGradient::compile(
-            &self.gradient_tape(surface)?,
-            &self.binding,
-        )?)
+        Ok(NativeGradient::compile(&self.gradient_tape(surface)?, &self.binding)?)
     }
 }
 
 fn count(graph: &Graph, roots: &[NodeId]) -> usize {
-    graph
-        .reachable(roots)
-        .into_iter()
-        .filter(|needed| *needed)
-        .count()
+    graph.reachable(roots).into_iter().filter(|needed| *needed).count()
 }
 
 /// What is known of a constant; `plain` if it was typed as one expression, not as two that are compared.
 fn describe(bounds: Interval, plain: bool) -> String {
-    let it = if plain {
-        "it is"
-    } else {
-        "its two sides differ by"
-    };
+    let it = if plain { "it is" } else { "its two sides differ by" };
     let value = match bounds.singleton() {
         Some(0.0) => return "every point is a zero".to_owned(),
         Some(value) => format!("{value}"),
@@ -239,15 +211,8 @@ mod tests {
 
     #[test]
     fn constants_are_refused_with_their_value() {
-        assert_eq!(
-            message("3"),
-            "'3' is constant: it is 3 at every point, so it has no surface"
-        );
-        assert!(
-            message("1=x-x").contains("differ by 1 at every point"),
-            "{}",
-            message("1=x-x")
-        );
+        assert_eq!(message("3"), "'3' is constant: it is 3 at every point, so it has no surface");
+        assert!(message("1=x-x").contains("differ by 1 at every point"), "{}", message("1=x-x"));
         assert!(message("x-x").contains("every point is a zero"));
         assert!(message("9^9^9^9").contains("is constant"));
     }

@@ -79,11 +79,8 @@ pub fn region(
                     let or_found = |axis: usize, range: Option<[f64; 2]>| {
                         range.unwrap_or([found.low[axis], found.high[axis]])
                     };
-                    let (x, y, z) = (
-                        or_found(0, ranges.0),
-                        or_found(1, ranges.1),
-                        or_found(2, ranges.2),
-                    );
+                    let (x, y, z) =
+                        (or_found(0, ranges.0), or_found(1, ranges.1), or_found(2, ranges.2));
                     [x[0], x[1], y[0], y[1], z[0], z[1]]
                 }
             }
@@ -107,33 +104,19 @@ pub fn region(
 /// # Errors
 /// If there is no surface, or no code can be made.
 pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
-    let program = Program::new(
-        document,
-        [Interval {
-            lo: -REACH,
-            hi: REACH,
-        }; 3],
-    )?;
+    let program = Program::new(document, [Interval { lo: -REACH, hi: REACH }; 3])?;
     let kernels = (0..program.roots().len())
         .map(|surface| program.interval_kernel(surface))
         .collect::<Result<Vec<_>, _>>()?;
-    let kernels: Vec<&dyn IntervalKernel> = kernels
-        .iter()
-        .map(|kernel| kernel as &dyn IntervalKernel)
-        .collect();
-    let periodic = program
-        .roots()
-        .iter()
-        .any(|&root| is_periodic(program.graph(), root));
+    let kernels: Vec<&dyn IntervalKernel> =
+        kernels.iter().map(|kernel| kernel as &dyn IntervalKernel).collect();
+    let periodic = program.roots().iter().any(|&root| is_periodic(program.graph(), root));
     Ok(domain::find(&kernels, periodic))
 }
 
 /// The box of a region as bounds of x, y and z.
 pub fn bounds(region: &Region) -> [Interval; 3] {
-    [0, 1, 2].map(|axis| Interval {
-        lo: region.low()[axis],
-        hi: region.high()[axis],
-    })
+    [0, 1, 2].map(|axis| Interval { lo: region.low()[axis], hi: region.high()[axis] })
 }
 
 /// The camera for `document` in `region`.
@@ -147,24 +130,16 @@ pub fn camera(
 ) -> Result<Camera, CameraError> {
     let typed = document.view.clone().unwrap_or_default();
     let point = |numbers: &Option<[Constant; 3]>| {
-        numbers
-            .as_ref()
-            .map(|n| DVec3::from_array([0, 1, 2].map(|k| nearest(&n[k]))))
+        numbers.as_ref().map(|n| DVec3::from_array([0, 1, 2].map(|k| nearest(&n[k]))))
     };
     // A side asked for replaces the document's own eye.
     let (typed_eye, typed_up) = match choice.view {
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
     };
-    let view = choice
-        .view
-        .or(typed.preset.map(view_of))
-        .unwrap_or_default();
+    let view = choice.view.or(typed.preset.map(view_of)).unwrap_or_default();
     let (offset, view_up) = view.offset_and_up();
-    let target = choice
-        .target
-        .or(point(&typed.target))
-        .unwrap_or(region.centre());
+    let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
     let given_eye = choice.eye.or(typed_eye);
     let eye = given_eye.unwrap_or(target + offset * region.half_extent());
     let up = choice.up.or(typed_up).unwrap_or_else(|| {
@@ -172,15 +147,11 @@ pub fn camera(
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
         if vertical { DVec3::Y } else { view_up }
     });
-    let projection = choice
-        .projection
-        .unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
-            (Some(height), _) => Projection::Orthographic {
-                height: nearest(height),
-            },
-            (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },
-            (None, None) => Projection::Perspective { fov: View::FOV },
-        });
+    let projection = choice.projection.unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
+        (Some(height), _) => Projection::Orthographic { height: nearest(height) },
+        (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },
+        (None, None) => Projection::Perspective { fov: View::FOV },
+    });
     Camera::new(eye, target, up, projection)
 }
 
@@ -201,9 +172,7 @@ fn view_of(preset: Preset) -> View {
 fn nearest(constant: &Constant) -> f64 {
     let bounds = constant.bounds();
     let exact = constant.exact().and_then(ToPrimitive::to_f64);
-    exact
-        .unwrap_or_else(|| bounds.lo.midpoint(bounds.hi))
-        .clamp(bounds.lo, bounds.hi)
+    exact.unwrap_or_else(|| bounds.lo.midpoint(bounds.hi)).clamp(bounds.lo, bounds.hi)
 }
 
 #[cfg(test)]
@@ -233,10 +202,7 @@ mod tests {
     fn a_domain_left_open_is_searched_for() {
         let (low, high) = found("x^2+y^2+z^2=1");
         assert!(low.iter().all(|low| (-1.3..-1.0).contains(low)), "{low:?}");
-        assert!(
-            high.iter().all(|high| (1.0..1.3).contains(high)),
-            "{high:?}"
-        );
+        assert!(high.iter().all(|high| (1.0..1.3).contains(high)), "{high:?}");
         let (low, high) = found("domain z in [0, 5]\nx^2+y^2+z^2=1");
         assert!((low[2], high[2]) == (0.0, 5.0) && low[0] > -1.3);
         assert_eq!(found("sin(x)+sin(y)+sin(z)").1, [std::f64::consts::TAU; 3]);
@@ -249,15 +215,9 @@ mod tests {
         let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
         let eye = |choice: CameraChoice| camera(&document, &region, &choice).expect("valid").eye();
         assert_eq!(eye(CameraChoice::default()), DVec3::X * 4.0);
-        let own = CameraChoice {
-            eye: Some(DVec3::Z * 9.0),
-            ..CameraChoice::default()
-        };
+        let own = CameraChoice { eye: Some(DVec3::Z * 9.0), ..CameraChoice::default() };
         assert_eq!(eye(own), DVec3::Z * 9.0);
-        let side = CameraChoice {
-            view: Some(View::Iso),
-            ..CameraChoice::default()
-        };
+        let side = CameraChoice { view: Some(View::Iso), ..CameraChoice::default() };
         assert_eq!(eye(side), DVec3::new(4.0, -6.0, 3.0));
     }
 }

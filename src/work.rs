@@ -30,10 +30,7 @@ pub struct Work {
 impl Work {
     /// Adds what a traversal asked for.
     pub fn add_traversal(&mut self, done: &zeroset_trace::Work) {
-        self.interval += Count {
-            calls: done.interval_calls,
-            lanes: done.interval_lanes,
-        };
+        self.interval += Count { calls: done.interval_calls, lanes: done.interval_lanes };
     }
 }
 
@@ -53,19 +50,12 @@ pub(crate) struct Counted<'a, K> {
 
 impl<'a, K> Counted<'a, K> {
     pub(crate) fn new(kernel: &'a K) -> Self {
-        Self {
-            kernel,
-            calls: AtomicU64::new(0),
-            packets: AtomicU64::new(0),
-        }
+        Self { kernel, calls: AtomicU64::new(0), packets: AtomicU64::new(0) }
     }
 
     pub(crate) fn count(&self) -> Count {
         let lanes = LANES as u64 * self.packets.load(Ordering::Relaxed);
-        Count {
-            calls: self.calls.load(Ordering::Relaxed),
-            lanes,
-        }
+        Count { calls: self.calls.load(Ordering::Relaxed), lanes }
     }
 
     fn called(&self, packets: usize) {

@@ -38,12 +38,7 @@ pub struct Subject {
     pub source: OsString,
 
     /// Give a name of the formula a value; may be repeated
-    #[arg(
-        short = 'D',
-        long = "define",
-        value_name = "NAME=VALUE",
-        allow_hyphen_values = true
-    )]
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub define: Vec<String>,
 
     /// The time t
@@ -51,11 +46,7 @@ pub struct Subject {
     pub time: Option<String>,
 
     /// Where to look: auto, a number r for the cube from -r to r, or six bounds
-    #[arg(
-        long,
-        value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
     pub domain: Option<Domain>,
 }
 
@@ -89,12 +80,7 @@ pub struct Outputs {
     pub output: Option<PathBuf>,
 
     /// Width and height in pixels, or one number for a square
-    #[arg(
-        long,
-        value_name = "N|WxH",
-        default_value = "512",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
     pub size: Size,
 
     /// Distance from the eye as a float32 array, inf where there is nothing
@@ -137,12 +123,7 @@ pub struct Camera {
     pub fov: Option<f64>,
 
     /// Parallel rays, in a picture this high in world units
-    #[arg(
-        long,
-        value_name = "HEIGHT",
-        conflicts_with = "fov",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "HEIGHT", conflicts_with = "fov", allow_hyphen_values = true)]
     pub ortho: Option<f64>,
 
     /// Cut away what lies beyond a plane: keep a*x + b*y + c*z <= d
@@ -192,12 +173,7 @@ pub struct Look {
     pub light: Option<Numbers<3>>,
 
     /// Share of the light that comes from everywhere, from 0 to 1
-    #[arg(
-        long,
-        value_name = "SHARE",
-        default_value_t = 0.3,
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.3, allow_hyphen_values = true)]
     pub ambient: f32,
 
     /// Colour where nothing is seen [default: f4f4f6]
@@ -269,12 +245,7 @@ pub struct Gallery {
     pub list: bool,
 
     /// Width and height of each picture in pixels, or one number for a square
-    #[arg(
-        long,
-        value_name = "N|WxH",
-        default_value = "512",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
     pub size: Size,
 
     #[command(flatten)]

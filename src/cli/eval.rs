@@ -34,17 +34,12 @@ pub fn run(arguments: &arguments::Eval) -> Result<ExitCode> {
         Box::new(BufReader::new(File::open(source).with_context(cannot)?))
     };
     let mut out = BufWriter::new(std::io::stdout().lock());
-    let mut functions = Functions {
-        reference: arguments.reference,
-        compiled: HashMap::new(),
-    };
+    let mut functions = Functions { reference: arguments.reference, compiled: HashMap::new() };
     let mut line = Vec::new();
     loop {
         line.clear();
         let mut limited = input.by_ref().take(LONGEST_LINE);
-        let read = limited
-            .read_until(b'\n', &mut line)
-            .context("cannot read the input")?;
+        let read = limited.read_until(b'\n', &mut line).context("cannot read the input")?;
         if read == 0 {
             break;
         }
@@ -106,9 +101,7 @@ impl Functions {
             None => return Err("\"f\" is missing: the formula".to_owned()),
         };
         let (at, over) = (request.get("at"), request.get("box"));
-        if let Some(other) = request
-            .keys()
-            .find(|key| !["f", "at", "box"].contains(&key.as_str()))
+        if let Some(other) = request.keys().find(|key| !["f", "at", "box"].contains(&key.as_str()))
         {
             return Err(format!("\"{other}\" has no meaning here"));
         }
@@ -136,9 +129,7 @@ impl Functions {
             }
             self.compiled.insert(formula.to_owned(), function);
         }
-        self.compiled
-            .get_mut(formula)
-            .ok_or_else(|| "the formula is gone".to_owned())
+        self.compiled.get_mut(formula).ok_or_else(|| "the formula is gone".to_owned())
     }
 }
 
@@ -147,18 +138,11 @@ impl Function {
         let document = zeroset_syntax::read(formula, &Options::default())
             .map_err(|errors| errors.to_string())?;
         if document.surfaces.len() != 1 {
-            return Err(format!(
-                "one formula is needed, not {}",
-                document.surfaces.len()
-            ));
+            return Err(format!("one formula is needed, not {}", document.surfaces.len()));
         }
         let program = Program::unchecked(&document, [Interval::ENTIRE; 3])
             .map_err(|error| error.to_string())?;
-        Ok(Self {
-            program,
-            interval: None,
-            gradient: None,
-        })
+        Ok(Self { program, interval: None, gradient: None })
     }
 
     fn interval(&mut self, reference: bool) -> Result<&dyn IntervalKernel, String> {
@@ -167,37 +151,23 @@ impl Function {
             self.interval = Some(if reference {
                 Box::new(Reference::new(program.tape(0), program.binding().clone()))
             } else {
-                Box::new(
-                    program
-                        .interval_kernel(0)
-                        .map_err(|error| error.to_string())?,
-                )
+                Box::new(program.interval_kernel(0).map_err(|error| error.to_string())?)
             });
         }
-        self.interval
-            .as_deref()
-            .ok_or_else(|| "there is no kernel".to_owned())
+        self.interval.as_deref().ok_or_else(|| "there is no kernel".to_owned())
     }
 
     fn gradient(&mut self, reference: bool) -> Result<&dyn GradientKernel, String> {
         if self.gradient.is_none() {
             let program = &self.program;
             self.gradient = Some(if reference {
-                let tape = program
-                    .gradient_tape(0)
-                    .map_err(|error| error.to_string())?;
+                let tape = program.gradient_tape(0).map_err(|error| error.to_string())?;
                 Box::new(Reference::new(tape, program.binding().clone()))
             } else {
-                Box::new(
-                    program
-                        .gradient_kernel(0)
-                        .map_err(|error| error.to_string())?,
-                )
+                Box::new(program.gradient_kernel(0).map_err(|error| error.to_string())?)
             });
         }
-        self.gradient
-            .as_deref()
-            .ok_or_else(|| "there is no kernel".to_owned())
+        self.gradient.as_deref().ok_or_else(|| "there is no kernel".to_owned())
     }
 }
 
@@ -217,14 +187,10 @@ fn interval(value: &Value) -> Result<Interval, String> {
 }
 
 fn sample(kernel: &dyn GradientKernel, point: [f64; 3]) -> Value {
-    let packet = PointPacket {
-        at: point.map(|c| [c as f32; 4]),
-    };
+    let packet = PointPacket { at: point.map(|c| [c as f32; 4]) };
     let mut out = [GradientPacket::default()];
     kernel.gradient(&[packet], &mut out);
-    let gradient = out[0]
-        .gradient
-        .map(|lanes| number::write(f64::from(lanes[0])));
+    let gradient = out[0].gradient.map(|lanes| number::write(f64::from(lanes[0])));
     json!({ "value": number::write(f64::from(out[0].value[0])), "grad": gradient })
 }
 

@@ -37,31 +37,17 @@ fn explain(subject: &Subject) -> Result<String> {
         Err(_) => [Interval::ENTIRE; 3],
     };
     let [x, y, z] = domain;
-    writeln!(
-        text,
-        "domain      x in {}, y in {}, z in {}",
-        range(x),
-        range(y),
-        range(z)
-    )?;
+    writeln!(text, "domain      x in {}, y in {}, z in {}", range(x), range(y), range(z))?;
     for parameter in &document.parameters {
         let value = parameter.value.bounds();
         writeln!(text, "parameter   {} = {}", parameter.name, range(value))?;
     }
     let program = Program::unchecked(document, domain)?;
-    let names: Vec<&str> = document
-        .parameters
-        .iter()
-        .map(|p| p.name.as_str())
-        .collect();
+    let names: Vec<&str> = document.parameters.iter().map(|p| p.name.as_str()).collect();
     for (index, surface) in document.surfaces.iter().enumerate() {
         let root = program.roots()[index];
         writeln!(text, "\nread as     {}", surface.echo)?;
-        writeln!(
-            text,
-            "simplified  {}",
-            display(program.graph(), root, &names)
-        )?;
+        writeln!(text, "simplified  {}", display(program.graph(), root, &names))?;
         let interval = program.tape(index);
         let gradient = program.gradient_tape(index)?;
         writeln!(text, "operations  {}", operations(&interval))?;
@@ -78,11 +64,7 @@ fn explain(subject: &Subject) -> Result<String> {
             bytes[2],
             gradient.operations(),
         )?;
-        writeln!(
-            text,
-            "\ninterval kernel\n{}",
-            intermediate_code(&interval, Kind::Interval)?
-        )?;
+        writeln!(text, "\ninterval kernel\n{}", intermediate_code(&interval, Kind::Interval)?)?;
     }
     let (before, after) = program.nodes();
     writeln!(text, "nodes       {before} as typed, {after} simplified")?;
@@ -108,9 +90,6 @@ fn operations(tape: &Tape) -> String {
     }
     let mut counts: Vec<_> = counts.into_iter().collect();
     counts.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
-    let parts: Vec<String> = counts
-        .iter()
-        .map(|(name, count)| format!("{count} {name}"))
-        .collect();
+    let parts: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
     format!("{}: {}", tape.operations(), parts.join(", "))
 }

@@ -25,16 +25,11 @@ pub fn run(arguments: &Gallery) -> Result<ExitCode> {
         list(&examples);
         return Ok(ExitCode::SUCCESS);
     }
-    let directory = arguments
-        .output
-        .as_deref()
-        .context("nothing to write to: add -o DIR")?;
+    let directory = arguments.output.as_deref().context("nothing to write to: add -o DIR")?;
     let settings = method_settings(&arguments.tracing, arguments.size)?;
     std::fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the directory '{}'", directory.display()))?;
-    in_threads(arguments.tracing.threads, || {
-        all(&examples, directory, &settings)
-    })?;
+    in_threads(arguments.tracing.threads, || all(&examples, directory, &settings))?;
     notes::note(&format!(
         "{} pictures and {SHEET} are in '{}'",
         examples.len(),
@@ -44,11 +39,7 @@ pub fn run(arguments: &Gallery) -> Result<ExitCode> {
 }
 
 fn list(examples: &[Example]) {
-    let widest = examples
-        .iter()
-        .map(|example| example.slug.len())
-        .max()
-        .unwrap_or(0);
+    let widest = examples.iter().map(|example| example.slug.len()).max().unwrap_or(0);
     let mut out = std::io::stdout().lock();
     for example in examples {
         let line = writeln!(out, "{:widest$}  {}", example.slug, example.summary());

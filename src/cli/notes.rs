@@ -45,9 +45,5 @@ pub fn coloured_output() -> bool {
 }
 
 fn label(word: &str, code: &str) -> String {
-    if coloured() {
-        format!("\x1b[1;{code}m{word}\x1b[0m")
-    } else {
-        word.to_owned()
-    }
+    if coloured() { format!("\x1b[1;{code}m{word}\x1b[0m") } else { word.to_owned() }
 }

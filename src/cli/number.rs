@@ -9,27 +9,14 @@ use serde_json::{Number, Value};
 /// A sentence that says what is wrong.
 pub fn read(value: &Value) -> Result<f64, String> {
     match value {
-        Value::Number(number) => number
-            .as_f64()
-            .ok_or_else(|| format!("{number} is too large")),
+        Value::Number(number) => number.as_f64().ok_or_else(|| format!("{number} is too large")),
         Value::String(text) => {
             let unsigned = text.strip_prefix(['+', '-']).unwrap_or(text);
-            match unsigned
-                .strip_prefix("0x")
-                .or_else(|| unsigned.strip_prefix("0X"))
-            {
+            match unsigned.strip_prefix("0x").or_else(|| unsigned.strip_prefix("0X")) {
                 Some(digits) => hexadecimal(digits)
-                    .map(|magnitude| {
-                        if text.starts_with('-') {
-                            -magnitude
-                        } else {
-                            magnitude
-                        }
-                    })
+                    .map(|magnitude| if text.starts_with('-') { -magnitude } else { magnitude })
                     .ok_or_else(|| format!("'{text}' is not a hexadecimal float of 64 bits")),
-                None => text
-                    .parse()
-                    .map_err(|_| format!("'{text}' is not a number")),
+                None => text.parse().map_err(|_| format!("'{text}' is not a number")),
             }
         }
         other => Err(format!("{other} is not a number")),

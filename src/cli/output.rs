@@ -46,18 +46,19 @@ impl Output {
                     if path.file_name().is_none() {
                         anyhow::bail!("{}: it names no file", cannot());
                     }
-                    let directory = path
-                        .parent()
-                        .filter(|parent| !parent.as_os_str().is_empty());
+                    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty());
                     let directory = directory.unwrap_or(Path::new("."));
-                    Sink::Renamed(temporary(directory).with_context(cannot)?)
+                    if !directory.is_dir() {
+                        let directory = directory.display();
+                        anyhow::bail!("{}: there is no directory '{directory}'", cannot());
+                    }
+                    // The error as it comes would name the temporary file.
+                    let plain = |error: std::io::Error| std::io::Error::from(error.kind());
+                    Sink::Renamed(temporary(directory).map_err(plain).with_context(cannot)?)
                 }
             }
         };
-        Ok(Self {
-            path: path.to_owned(),
-            sink,
-        })
+        Ok(Self { path: path.to_owned(), sink })
     }
 
     /// Writes the whole content, then makes it appear under its name.
@@ -70,28 +71,17 @@ impl Output {
         match self.sink {
             Sink::Renamed(file) => {
                 let mut writer = BufWriter::new(file);
-                content(&mut writer)
-                    .and_then(|()| writer.flush())
-                    .with_context(cannot)?;
-                let file = writer
-                    .into_inner()
-                    .map_err(|e| e.into_error())
-                    .with_context(cannot)?;
-                file.persist(&path)
-                    .map_err(|e| e.error)
-                    .with_context(cannot)?;
+                content(&mut writer).and_then(|()| writer.flush()).with_context(cannot)?;
+                let file = writer.into_inner().map_err(|e| e.into_error()).with_context(cannot)?;
+                file.persist(&path).map_err(|e| e.error).with_context(cannot)?;
             }
             Sink::Direct(file) => {
                 let mut writer = BufWriter::new(file);
-                content(&mut writer)
-                    .and_then(|()| writer.flush())
-                    .with_context(cannot)?;
+                content(&mut writer).and_then(|()| writer.flush()).with_context(cannot)?;
             }
             Sink::Standard => {
                 let mut writer = BufWriter::new(std::io::stdout().lock());
-                content(&mut writer)
-                    .and_then(|()| writer.flush())
-                    .with_context(cannot)?;
+                content(&mut writer).and_then(|()| writer.flush()).with_context(cannot)?;
             }
         }
         Ok(())

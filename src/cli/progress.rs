@@ -20,10 +20,7 @@ impl Progress {
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent}%  {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(what);
-        Self {
-            bar,
-            started: Instant::now(),
-        }
+        Self { bar, started: Instant::now() }
     }
 
     /// Shows that so many of the steps are done, unless more already are.

@@ -10,6 +10,7 @@ use anyhow::{Context, Result, bail, ensure};
 use glam::DVec3;
 use std::path::Path;
 use std::process::ExitCode;
+use zeroset::domain::AutoDomain;
 use zeroset::picture::{self, Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice};
 use zeroset_trace::{Colour, HalfSpace, MAX_DEPTH, PacketWidth, Projection, UndecidedStyle, View};
@@ -29,10 +30,7 @@ pub fn run(arguments: &Render) -> Result<ExitCode> {
 
     let clip = arguments.camera.clip.map(|plane| {
         let [a, b, c, d] = plane.0;
-        HalfSpace {
-            normal: DVec3::new(a, b, c),
-            offset: d,
-        }
+        HalfSpace { normal: DVec3::new(a, b, c), offset: d }
     });
     let render = || -> Result<_> {
         let document = &subject.document;
@@ -50,18 +48,14 @@ pub fn run(arguments: &Render) -> Result<ExitCode> {
     if let Some(found) = searched {
         notes::note(&subject::describe_domain(&found));
     }
-    remark(&subject, &region, &picture, searched.is_some());
+    remark(&subject, &region, &picture, searched);
     files.finish(&picture)?;
     if arguments.outputs.json {
         let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
         println!("{object}");
     }
     let undecided = picture.statistics.pixels.undecided > 0;
-    Ok(if arguments.strict && undecided {
-        ExitCode::from(UNDECIDED)
-    } else {
-        ExitCode::SUCCESS
-    })
+    Ok(if arguments.strict && undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
 
 /// Runs `work` with this many threads, or as many as there are processors.
@@ -75,10 +69,7 @@ pub fn in_threads<T: Send>(
     let Some(threads) = threads else {
         return work();
     };
-    ensure!(
-        (1..=1024).contains(&threads),
-        "--threads must be between 1 and 1024"
-    );
+    ensure!((1..=1024).contains(&threads), "--threads must be between 1 and 1024");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.context("cannot start the threads")?.install(work)
 }
@@ -119,10 +110,7 @@ pub fn method_settings(method: &arguments::Tracing, size: super::vector::Size) -
 
 fn settings(arguments: &Render) -> Result<Settings> {
     let look = &arguments.look;
-    ensure!(
-        (0.0..=1.0).contains(&look.ambient),
-        "--ambient must be between 0 and 1"
-    );
+    ensure!((0.0..=1.0).contains(&look.ambient), "--ambient must be between 0 and 1");
     let background = match &look.background {
         None => None,
         Some(text) => Some(
@@ -131,10 +119,7 @@ fn settings(arguments: &Render) -> Result<Settings> {
         ),
     };
     if let Some(light) = look.light {
-        ensure!(
-            light.0.iter().all(|c| c.is_finite()),
-            "--light needs finite numbers"
-        );
+        ensure!(light.0.iter().all(|c| c.is_finite()), "--light needs finite numbers");
     }
     let outputs = &arguments.outputs;
     let method = method_settings(&arguments.tracing, outputs.size)?;
@@ -184,32 +169,20 @@ struct Files {
 
 impl Files {
     fn create(outputs: &Outputs) -> Result<Self> {
-        let Outputs {
-            output,
-            distance,
-            status,
-            normal,
-            json,
-            size: _,
-        } = outputs;
+        let Outputs { output, distance, status, normal, json, size: _ } = outputs;
         let paths = [output, distance, status, normal];
         if paths.iter().all(|path| path.is_none()) && !json {
             bail!(
                 "nothing to write: add -o picture.png, or --json, --distance, --status, --normal"
             );
         }
-        let standard = paths
-            .iter()
-            .filter(|path| path.as_deref() == Some(Path::new("-")))
-            .count();
+        let standard = paths.iter().filter(|path| path.as_deref() == Some(Path::new("-"))).count();
         ensure!(
             standard + usize::from(*json) <= 1,
             "only one thing can be written to standard output"
         );
-        let create = |path: &Option<_>| {
-            path.as_ref()
-                .map(|path: &std::path::PathBuf| Output::create(path))
-        };
+        let create =
+            |path: &Option<_>| path.as_ref().map(|path: &std::path::PathBuf| Output::create(path));
         Ok(Self {
             picture: create(output).transpose()?,
             distance: create(distance).transpose()?,
@@ -242,16 +215,16 @@ impl Files {
 }
 
 /// Says what a look at the picture does not tell: why nothing is seen, and how much is undecided.
-fn remark(subject: &Subject, region: &zeroset_trace::Region, picture: &Picture, searched: bool) {
+fn remark(
+    subject: &Subject,
+    region: &zeroset_trace::Region,
+    picture: &Picture,
+    searched: Option<AutoDomain>,
+) {
     let pixels = picture.statistics.pixels;
     let seen = pixels.hit + pixels.undecided;
     if seen == 0 {
-        notes::note(&subject::why_nothing_is_seen(
-            subject,
-            region,
-            picture.undefined,
-            searched,
-        ));
+        notes::note(&subject::why_nothing_is_seen(subject, region, picture.undefined, searched));
     } else if pixels.undecided > 0 {
         notes::note(&format!(
             "{} of {} pixels are undecided: this method proves misses, never hits",

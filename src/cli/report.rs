@@ -20,12 +20,7 @@ pub fn object(
     let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
     let count = |count: Count| json!({"calls": count.calls, "lanes": count.lanes});
     let (low, high) = (region.low(), region.high());
-    let echoes: Vec<&str> = subject
-        .document
-        .surfaces
-        .iter()
-        .map(|s| s.echo.as_str())
-        .collect();
+    let echoes: Vec<&str> = subject.document.surfaces.iter().map(|s| s.echo.as_str()).collect();
     let (projection, value) = match camera.projection() {
         Projection::Perspective { fov } => ("fov", fov),
         Projection::Orthographic { height } => ("ortho", height),

@@ -31,10 +31,7 @@ impl Sheet {
         let rows = (pictures as u32).div_ceil(COLUMNS).max(1);
         let width = COLUMNS * (SIDE + MARGIN) + MARGIN;
         let height = rows * (SIDE + LABEL + MARGIN) + MARGIN;
-        Self {
-            image: RgbImage::from_pixel(width, height, PAPER),
-            filled: 0,
-        }
+        Self { image: RgbImage::from_pixel(width, height, PAPER), filled: 0 }
     }
 
     /// Adds a picture of any size, scaled to fit; one more than there is room for is dropped.
@@ -47,10 +44,7 @@ impl Sheet {
         let (width, height) = (scaled(picture.width()), scaled(picture.height()));
         let small = imageops::resize(picture, width, height, FilterType::Triangle);
         let inset = |side: u32| i64::from((SIDE - side) / 2);
-        let (x, y) = (
-            i64::from(left) + inset(width),
-            i64::from(top) + inset(height),
-        );
+        let (x, y) = (i64::from(left) + inset(width), i64::from(top) + inset(height));
         imageops::replace(&mut self.image, &small, x, y);
         self.write(name, left, top + SIDE + 2);
         self.filled += 1;

@@ -28,56 +28,38 @@ pub fn find(argument: &OsStr) -> Result<Source> {
     let shown = argument.to_string_lossy();
     // An empty argument or one with a NUL byte is no path, and the failing look-up says so.
     if path.exists() {
-        let name = format!("'{shown}'");
         if path.is_dir() {
-            bail!("{name} is a directory, not a function file");
+            bail!("'{shown}' is a directory, not a function file");
         }
-        let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-        return read(&name, file);
+        let file = File::open(path).with_context(|| format!("cannot read '{shown}'"))?;
+        return read(&shown, file);
     }
     let Some(text) = argument.to_str() else {
         bail!("the formula is not valid UTF-8, and no file has this name: '{shown}'");
     };
     if let Some(example) = zeroset::gallery::example(text) {
-        return Ok(Source {
-            name: example.slug.to_owned(),
-            text: example.text.to_owned(),
-        });
+        return Ok(Source { name: example.slug.to_owned(), text: example.text.to_owned() });
     }
-    if path
-        .extension()
-        .is_some_and(|extension| extension == "zset")
-    {
+    if path.extension().is_some_and(|extension| extension == "zset") {
         bail!("there is no file '{shown}'; for the gallery's names run 'zeroset gallery --list'");
     }
-    Ok(Source {
-        name: "formula".to_owned(),
-        text: text.to_owned(),
-    })
+    Ok(Source { name: "formula".to_owned(), text: text.to_owned() })
 }
 
 fn read(name: &str, from: impl Read) -> Result<Source> {
     let mut bytes = Vec::new();
     from.take(LONGEST + 1)
         .read_to_end(&mut bytes)
-        .with_context(|| format!("cannot read {name}"))?;
+        .with_context(|| format!("cannot read '{name}'"))?;
     if bytes.len() as u64 > LONGEST {
-        bail!(
-            "{name} is longer than {} MB: that is no formula",
-            LONGEST >> 20
-        );
+        bail!("'{name}' is longer than {} MB: that is no formula", LONGEST >> 20);
     }
     match String::from_utf8(bytes) {
-        Ok(text) => Ok(Source {
-            name: name.to_owned(),
-            text,
-        }),
+        Ok(text) => Ok(Source { name: name.to_owned(), text }),
         Err(error) => {
             let at = error.utf8_error().valid_up_to();
-            let line = 1 + String::from_utf8_lossy(&error.as_bytes()[..at])
-                .matches('\n')
-                .count();
-            bail!("{name} is not valid UTF-8 text: line {line}, byte {at}")
+            let line = 1 + String::from_utf8_lossy(&error.as_bytes()[..at]).matches('\n').count();
+            bail!("'{name}' is not valid UTF-8 text: line {line}, byte {at}")
         }
     }
 }

@@ -38,20 +38,11 @@ impl Subject {
             Some(Domain::Bounds(bounds)) => DomainChoice::Bounds(bounds),
         };
         let started = Instant::now();
-        let options = Options {
-            overrides: &overrides,
-            time,
-            ..Options::default()
-        };
+        let options = Options { overrides: &overrides, time, ..Options::default() };
         let read = zeroset_syntax::read(&source.text, &options);
         let parse = started.elapsed();
         match read {
-            Ok(document) => Ok(Self {
-                source,
-                document,
-                domain,
-                parse,
-            }),
+            Ok(document) => Ok(Self { source, document, domain, parse }),
             Err(errors) => {
                 let shown = errors.render(Some(&source.name), &source.text, notes::coloured());
                 Err(notes::Diagnostic(shown).into())
@@ -104,17 +95,12 @@ pub fn why_nothing_is_seen(
     subject: &Subject,
     region: &Region,
     undefined: bool,
-    searched: bool,
+    searched: Option<AutoDomain>,
 ) -> String {
     if undefined {
         return "nothing is seen: the function has no value anywhere in the domain".to_owned();
     }
-    let elsewhere = if searched {
-        None
-    } else {
-        scene::search(&subject.document).ok()
-    };
-    match elsewhere {
+    match searched.or_else(|| scene::search(&subject.document).ok()) {
         Some(found) if found.finding == Finding::Empty => {
             "nothing is seen: the surface is proven empty up to ±256".to_owned()
         }

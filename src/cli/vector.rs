@@ -13,9 +13,10 @@ impl<const N: usize> FromStr for Numbers<N> {
         let numbers = numbers(text)?;
         let found = numbers.len();
         let array = numbers.try_into();
-        Ok(Self(array.map_err(|_| {
-            format!("expected {N} numbers with commas between, found {found}")
-        })?))
+        Ok(Self(
+            array
+                .map_err(|_| format!("expected {N} numbers with commas between, found {found}"))?,
+        ))
     }
 }
 
@@ -80,8 +81,7 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',')
         .map(|part| {
             let part = part.trim();
-            part.parse()
-                .map_err(|_| format!("'{part}' is not a number"))
+            part.parse().map_err(|_| format!("'{part}' is not a number"))
         })
         .collect()
 }
@@ -92,30 +92,9 @@ mod tests {
 
     #[test]
     fn sizes_are_read_and_bounded() {
-        assert_eq!(
-            "512".parse(),
-            Ok(Size {
-                width: 512,
-                height: 512
-            })
-        );
-        assert_eq!(
-            "640x480".parse(),
-            Ok(Size {
-                width: 640,
-                height: 480
-            })
-        );
-        let wrong = [
-            "",
-            "0",
-            "0x0",
-            "1x0",
-            "-1",
-            "1x2x3",
-            "99999999",
-            "9999999999x9999999999",
-        ];
+        assert_eq!("512".parse(), Ok(Size { width: 512, height: 512 }));
+        assert_eq!("640x480".parse(), Ok(Size { width: 640, height: 480 }));
+        let wrong = ["", "0", "0x0", "1x0", "-1", "1x2x3", "99999999", "9999999999x9999999999"];
         for text in wrong {
             assert!(text.parse::<Size>().is_err(), "{text}");
         }
@@ -124,10 +103,7 @@ mod tests {
     #[test]
     fn domains_are_a_word_a_number_or_six() {
         assert_eq!("auto".parse(), Ok(Domain::Auto));
-        assert_eq!(
-            "3".parse(),
-            Ok(Domain::Bounds([-3.0, 3.0, -3.0, 3.0, -3.0, 3.0]))
-        );
+        assert_eq!("3".parse(), Ok(Domain::Bounds([-3.0, 3.0, -3.0, 3.0, -3.0, 3.0])));
         assert_eq!(
             "-1,1, 0,2,.5,1e1".parse(),
             Ok(Domain::Bounds([-1.0, 1.0, 0.0, 2.0, 0.5, 10.0]))

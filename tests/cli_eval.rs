@@ -1,0 +1,117 @@
+//! `zeroset eval`: JSON lines in and out.
+
+mod cli_support;
+
+use cli_support::Place;
+use serde_json::{Value, json};
+
+fn answers(arguments: &[&str], input: &str) -> Vec<Value> {
+    let place = Place::new();
+    let all = [&["eval"], arguments].concat();
+    let run = place.run_with(&all, input.as_bytes()).ok();
+    run.text().lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+fn answer(request: &Value) -> Value {
+    answers(&["-"], &request.to_string()).remove(0)
+}
+
+#[test]
+fn points_have_values_and_gradients() {
+    let found = answer(&json!({"f": "x^2*y - z", "at": [3, 2, 1]}));
+    assert_eq!(found, json!({"value": 17.0, "grad": [12.0, 9.0, -1.0]}));
+    let pole = answer(&json!({"f": "1/x", "at": [0, 0, 0]}));
+    assert!(pole["value"].is_string(), "{pole}");
+}
+
+#[test]
+fn boxes_have_bounds_and_facts() {
+    let all = answer(&json!({"f": "x^2", "box": [[-1, 2], [0, 0], [0, 0]]}));
+    let expected =
+        json!({"lo": 0.0, "hi": 4.0, "empty": false, "defined": true, "continuous": true});
+    assert_eq!(all, expected);
+    let part = answer(&json!({"f": "sqrt(x)", "box": [[-1, 4], [0, 0], [0, 0]]}));
+    assert_eq!((&part["defined"], &part["empty"]), (&json!(false), &json!(false)));
+    let none = answer(&json!({"f": "sqrt(x)", "box": [[-4, -1], [0, 0], [0, 0]]}));
+    assert_eq!(none["empty"], true);
+    let jump = answer(&json!({"f": "floor(x)", "box": [[0.5, 1.5], [0, 0], [0, 0]]}));
+    assert_eq!((&jump["defined"], &jump["continuous"]), (&json!(true), &json!(false)));
+    let unbounded = answer(&json!({"f": "exp(x)", "box": [["-inf", "inf"], [0, 0], [0, 0]]}));
+    assert_eq!((&unbounded["lo"], &unbounded["hi"]), (&json!(0.0), &json!("inf")));
+}
+
+#[test]
+fn bounds_that_are_no_f32_are_rounded_outward() {
+    let found = answer(&json!({"f": "x", "box": [[0.1, 0.1], [0, 0], [0, 0]]}));
+    let end = |key: &str| found[key].as_f64().expect("a number");
+    assert!(end("lo") < 0.1 && 0.1 < end("hi"));
+    assert_eq!(end("lo") as f32, (end("hi") as f32).next_down());
+}
+
+#[test]
+fn numbers_are_read_and_written_exactly() {
+    let exact = "0x1.fffffep-3";
+    let value = f64::from(0.25_f32.next_down());
+    assert_eq!(answer(&json!({"f": "x", "at": [exact, 0, 0]}))["value"], value);
+    assert_eq!(answer(&json!({"f": "x", "at": [value, 0, 0]}))["value"], value);
+    assert_eq!(answer(&json!({"f": "x", "at": ["-inf", 0, 0]}))["value"], "-inf");
+    assert_eq!(answer(&json!({"f": "x", "at": ["nan", 0, 0]}))["value"], "nan");
+}
+
+#[test]
+fn compiled_code_and_the_reference_agree() {
+    let formulas =
+        ["x*y - sin(z)", "x^3/y + exp(z)", "min(x, max(y, z)) - floor(x)", "x^y - ln(z)"];
+    let mut input = String::new();
+    for formula in formulas {
+        for k in 0..20 {
+            let a = f64::from(k) * 0.37 - 3.0;
+            input += &json!({"f": formula, "at": [a, a * 0.5 + 1.0, a * a]}).to_string();
+            input += "\n";
+            let bounds = [[a, a + 0.7], [-1.0, a.abs()], [0.0, 2.0]];
+            input += &json!({"f": formula, "box": bounds}).to_string();
+            input += "\n";
+        }
+    }
+    let compiled = answers(&["-"], &input);
+    assert_eq!(compiled.len(), 160);
+    assert_eq!(compiled, answers(&["-", "--reference"], &input));
+}
+
+#[test]
+fn a_bad_line_is_answered_and_the_next_one_too() {
+    let long = format!("{{\"f\":\"{}\",\"at\":[0,0,0]}}", "x+".repeat(3_000_000));
+    let wrong = [
+        "nonsense",
+        "[]",
+        "{}",
+        r#"{"f":"x"}"#,
+        r#"{"f":3,"at":[0,0,0]}"#,
+        r#"{"f":"x+","at":[0,0,0]}"#,
+        r#"{"f":"x\ny","at":[0,0,0]}"#,
+        r#"{"f":"x","at":[0,0]}"#,
+        r#"{"f":"x","at":[0,0,"z"]}"#,
+        r#"{"f":"x","at":[0,0,0],"box":[[0,1],[0,1],[0,1]]}"#,
+        r#"{"f":"x","box":[[1,0],[0,1],[0,1]]}"#,
+        r#"{"f":"x","box":[["inf","inf"],[0,1],[0,1]]}"#,
+        r#"{"f":"x","box":[["nan",1],[0,1],[0,1]]}"#,
+        r#"{"f":"x","at":[0,0,0],"typo":1}"#,
+        &long,
+    ];
+    let input: String =
+        wrong.iter().flat_map(|line| [line, "\n", "\n{\"f\":\"x\",\"at\":[1,0,0]}\n"]).collect();
+    let found = answers(&["-"], &input);
+    assert_eq!(found.len(), 2 * wrong.len());
+    for (pair, line) in found.chunks(2).zip(wrong) {
+        let shown = &line[..line.len().min(60)];
+        assert!(pair[0]["error"].as_str().is_some_and(|e| e.len() < 300), "{shown}: {}", pair[0]);
+        assert_eq!(pair[1]["value"], 1.0, "after {shown}");
+    }
+}
+
+#[test]
+fn bytes_that_are_no_text_are_answered() {
+    let place = Place::new();
+    let run = place.run_with(&["eval", "-"], b"{\"f\":\"\xff\"}\n").ok();
+    assert!(run.json()["error"].is_string());
+}
