@@ -143,6 +143,8 @@ fn values_may_begin_with_a_minus() {
         let all = [&["render"], &arguments[..], &["-o", "a.png", "--size", "8"]].concat();
         let run = place.run(&all);
         assert_eq!(run.code, Some(0), "{arguments:?}: {}", run.stderr);
+        // Taken for a flag, `-h…` would have printed the help.
+        assert!(run.stdout.is_empty(), "{}", run.text());
     }
 }
 
