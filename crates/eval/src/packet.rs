@@ -20,7 +20,7 @@ pub struct BoxPacket {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(16))]
 pub struct EnclosurePacket {
-    /// The negated lower ends; never NaN, never −∞.
+    /// The negated lower ends; never NaN, never −∞ (where the facts say nowhere, nothing else is said of them).
     pub neg_lo: Lanes,
     /// The upper ends; never NaN, never −∞.
     pub hi: Lanes,
@@ -36,7 +36,7 @@ pub struct PointPacket {
     pub at: [Lanes; 3],
 }
 
-/// Four values of a function, one per point. NaN where it is undefined.
+/// Four values of a function, one per point. NaN where it is undefined, or infinite at a pole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(16))]
 pub struct ValuePacket {

@@ -1,8 +1,8 @@
 //! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
 
 use zeroset_interval::{
-    Enclosure, Facts, Format, Interval, Lanes, Machine, Operand, Software, enclose, evaluate,
-    round::f32_up,
+    Enclosure, Exponent, Facts, Format, Interval, Lanes, Machine, Operand, Software, enclose,
+    evaluate, round::f32_up,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -30,10 +30,20 @@ pub enum Step {
     Coordinate(Axis),
     /// Reads a parameter, by its number.
     Parameter(u32),
-    /// A constant, by its bounds.
-    Constant(Interval),
+    /// A constant, by its bounds, and what it is as an exponent.
+    Constant(Interval, Exponent),
     /// An operation on earlier steps.
     Apply(Op, Vec<usize>),
+}
+
+impl Step {
+    /// What the step's value is as an exponent.
+    fn exponent(&self) -> Exponent {
+        match self {
+            Self::Constant(_, exponent) => *exponent,
+            Self::Coordinate(_) | Self::Parameter(_) | Self::Apply(..) => Exponent::Real,
+        }
+    }
 }
 
 /// Steps that compute one or more expressions over packets of `f32`.
@@ -64,7 +74,7 @@ impl Tape {
             let step = match node {
                 Node::Variable(axis) => Step::Coordinate(*axis),
                 Node::Parameter(number) => Step::Parameter(*number),
-                Node::Constant(value) => Step::Constant(outward(value.bounds())),
+                Node::Constant(value) => Step::Constant(outward(value.bounds()), value.exponent()),
                 Node::Apply(op, operands) => {
                     Step::Apply(*op, operands.iter().map(|id| place[id.index()]).collect())
                 }
@@ -116,7 +126,7 @@ impl Tape {
             let value = match step {
                 Step::Coordinate(axis) => pair(coordinate(m, *axis)),
                 Step::Parameter(number) => pair(parameter(m, *number)),
-                Step::Constant(bounds) => {
+                Step::Constant(bounds, _) => {
                     pair((m.number(Format::F32, -bounds.lo), m.number(Format::F32, bounds.hi)))
                 }
                 Step::Apply(op, operands) => {
@@ -124,7 +134,7 @@ impl Tape {
                     enclose(m, Format::F32, *op, &operands)
                 }
             };
-            values.push(Operand { value, range });
+            values.push(Operand { value, range, exponent: step.exponent() });
         }
         self.outputs.iter().map(|&output| values[output].value).collect()
     }
@@ -141,11 +151,12 @@ impl Tape {
             values.push(match step {
                 Step::Coordinate(axis) => coordinate(m, *axis),
                 Step::Parameter(number) => parameter(m, *number),
-                Step::Constant(bounds) => m.number(Format::F32, middle(*bounds)),
+                Step::Constant(bounds, _) => m.number(Format::F32, middle(*bounds)),
                 Step::Apply(op, operands) => {
-                    let ranges: Vec<_> = operands.iter().map(|&i| self.ranges[i]).collect();
+                    let exponent =
+                        operands.last().map_or(Exponent::Real, |&i| self.steps[i].exponent());
                     let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-                    evaluate(m, Format::F32, *op, &operands, &ranges)
+                    evaluate(m, Format::F32, *op, &operands, exponent)
                 }
             });
         }
@@ -181,12 +192,12 @@ fn range_of(step: &Step, values: &[Operand<Lanes>], assumptions: &Assumptions) -
     let given = |bounds: Interval| {
         let bounds = outward(bounds);
         let lanes = |end: f64| Lanes::from_f32([end as f32; 4]);
-        Operand { value: Enclosure::total(lanes(-bounds.lo), lanes(bounds.hi)), range: bounds }
+        Operand::new(Enclosure::total(lanes(-bounds.lo), lanes(bounds.hi)), bounds)
     };
     match step {
         Step::Coordinate(axis) => given(assumptions.domain[*axis as usize]),
         Step::Parameter(number) => given(assumptions.parameters[*number as usize]),
-        Step::Constant(bounds) => given(*bounds),
+        Step::Constant(bounds, exponent) => Operand { exponent: *exponent, ..given(*bounds) },
         Step::Apply(op, operands) => {
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
             let value = enclose(&mut Software, Format::F32, *op, &operands);

@@ -50,13 +50,6 @@ impl Interval {
         (self.lo == self.hi).then_some(self.lo)
     }
 
-    /// The one integer inside, if the interval is that integer.
-    pub fn integer(self) -> Option<i32> {
-        let value = self.singleton()?;
-        let integer = value as i32;
-        (f64::from(integer) == value).then_some(integer)
-    }
-
     /// The smallest interval that encloses both.
     #[must_use]
     pub fn hull(self, other: Self) -> Self {

@@ -74,6 +74,20 @@ pub struct Operand<V> {
     pub value: Enclosure<V>,
     /// Every lane's bounds lie within these, for every box the code will ever see.
     pub range: Interval,
+    /// Whether it is a constant integer; asked of exponents only.
+    pub exponent: Exponent,
+}
+
+/// What an operand is as an exponent: the domain of a power depends on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Exponent {
+    /// It varies, or is a constant that is no integer: bases below 0 are outside the domain.
+    #[default]
+    Real,
+    /// It is this integer, at every sample.
+    Integer(i32),
+    /// It is an integer too large for `i32`: the power is defined, but nothing is claimed of its value.
+    LargeInteger,
 }
 
 /// A sign that an operand's bounds are known to have.
@@ -85,6 +99,11 @@ pub(crate) enum Sign {
 }
 
 impl<V: Copy> Operand<V> {
+    /// An operand that is no constant integer.
+    pub fn new(value: Enclosure<V>, range: Interval) -> Self {
+        Self { value, range, exponent: Exponent::Real }
+    }
+
     pub(crate) fn sign(&self) -> Sign {
         if self.range.lo >= 0.0 {
             Sign::Nonneg
@@ -99,6 +118,7 @@ impl<V: Copy> Operand<V> {
         Self {
             value: Enclosure { neg_lo: self.value.hi, hi: self.value.neg_lo, ..self.value },
             range: Interval { lo: -self.range.hi, hi: -self.range.lo },
+            exponent: Exponent::Real,
         }
     }
 }

@@ -1,12 +1,30 @@
 //! Operations on software intervals, for constants and range analysis.
 
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
 use crate::facts::Facts;
 use crate::machine::Format;
 use crate::rules;
 use crate::software::{Lanes, Software};
 use zeroset_ops::Op;
+
+/// What is known of an expression: its bounds, what is proven of it, and what it is as an exponent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Value {
+    /// All its values lie within.
+    pub bounds: Interval,
+    /// Where it is defined and continuous.
+    pub facts: Facts,
+    /// Whether it is a constant integer.
+    pub exponent: Exponent,
+}
+
+impl From<(Interval, Facts)> for Value {
+    /// No constant integer.
+    fn from((bounds, facts): (Interval, Facts)) -> Self {
+        Self { bounds, facts, exponent: Exponent::Real }
+    }
+}
 
 /// Encloses `op` over boxes of operands in `f64`, rounded outward, with what is proven of the result.
 ///
@@ -24,10 +42,11 @@ use zeroset_ops::Op;
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
-pub fn fold(op: Op, operands: &[(Interval, Facts)]) -> (Interval, Facts) {
+pub fn fold<V: Copy + Into<Value>>(op: Op, operands: &[V]) -> (Interval, Facts) {
     let operands: Vec<Operand<Lanes>> = operands
         .iter()
-        .map(|&(range, facts)| {
+        .map(|&operand| {
+            let Value { bounds: range, facts, exponent } = operand.into();
             let fact = |bit: Facts| {
                 if facts.has(bit) { Fact::True } else { Fact::False }
             };
@@ -38,7 +57,7 @@ pub fn fold(op: Op, operands: &[(Interval, Facts)]) -> (Interval, Facts) {
                 defined: fact(Facts::DEFINED),
                 continuous: fact(Facts::CONTINUOUS),
             };
-            Operand { value, range }
+            Operand { value, range, exponent }
         })
         .collect();
     let value = rules::enclose(&mut Software, Format::F64, op, &operands);

@@ -16,9 +16,9 @@ mod rules;
 mod software;
 
 pub use bounds::Interval;
-pub use enclosure::{Enclosure, Fact, Operand};
+pub use enclosure::{Enclosure, Exponent, Fact, Operand};
 pub use facts::Facts;
-pub use fold::fold;
+pub use fold::{Value, fold};
 pub use machine::{Format, Machine};
 pub use point::evaluate;
 pub use rules::enclose;

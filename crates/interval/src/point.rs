@@ -1,14 +1,14 @@
 //! The value of every operation at points, written once over [`Machine`].
 //!
-//! Values carry no bound: they shade pictures and start searches. Where an operation is undefined the value is NaN.
+//! Values carry no bound: they shade pictures and start searches. Where an operation is undefined the value is NaN, or
+//! infinite at a pole.
 
-use crate::bounds::Interval;
+use crate::enclosure::Exponent;
 use crate::machine::{Format, Machine};
 use crate::rules::{ANGLE_LIMIT, Rule, by_halves};
 use zeroset_ops::Op;
 
-/// Evaluates `op` over lanes of operands, all in `format`; `ranges` bound the operands as for
-/// [`enclose`](crate::enclose), and tell which exponents are constant integers.
+/// Evaluates `op` over lanes of operands, all in `format`; `exponent` says what the last operand is as one.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
@@ -17,7 +17,7 @@ pub fn evaluate<M: Machine>(
     format: Format,
     op: Op,
     operands: &[M::V],
-    ranges: &[Interval],
+    exponent: Exponent,
 ) -> M::V {
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
@@ -49,9 +49,9 @@ pub fn evaluate<M: Machine>(
         Op::Sub => rule.m.sub(a, operands[1]),
         Op::Mul => rule.m.mul(a, operands[1]),
         Op::Div => rule.m.div(a, operands[1]),
-        Op::Pow => match ranges[1].integer() {
-            Some(n) => rule.integer_power_at(a, n),
-            None => rule.real_power_at(a, operands[1]),
+        Op::Pow => match exponent {
+            Exponent::Integer(n) => rule.integer_power_at(a, n),
+            Exponent::Real | Exponent::LargeInteger => rule.real_power_at(a, operands[1]),
         },
         Op::Mod => {
             let quotient = rule.m.div(a, operands[1]);

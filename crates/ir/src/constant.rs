@@ -3,7 +3,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
-use zeroset_interval::Interval;
+use zeroset_interval::{Exponent, Facts, Interval, Value};
 
 /// Exact numerators and denominators stay below this many bits; larger results become enclosures.
 const EXACT_BITS: u64 = 512;
@@ -180,6 +180,21 @@ impl Constant {
     /// The number as an integer, if it is one that fits.
     pub fn as_integer(&self) -> Option<i64> {
         self.exact().filter(|value| value.is_integer()).and_then(|value| value.numer().to_i64())
+    }
+
+    /// What the number is as an exponent.
+    pub fn exponent(&self) -> Exponent {
+        match self.exact() {
+            Some(value) if value.is_integer() => {
+                value.numer().to_i32().map_or(Exponent::LargeInteger, Exponent::Integer)
+            }
+            Some(_) | None => Exponent::Real,
+        }
+    }
+
+    /// The number's bounds and properties.
+    pub fn value(&self) -> Value {
+        Value { bounds: self.bounds(), facts: Facts::TOTAL, exponent: self.exponent() }
     }
 
     /// Whether the number is exactly 0.

@@ -4,11 +4,17 @@ use crate::rounding::Entry;
 use cranelift_jit::JITModule;
 use std::mem::ManuallyDrop;
 
+/// A vector of the pool, aligned as vector instructions want it.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(16))]
+pub struct Constant(u128);
+
 /// One finished function and the memory it lives in.
 pub struct Code {
     module: ManuallyDrop<JITModule>,
     entry: Entry,
-    /// Size of the machine code in bytes, constants included.
+    constants: Box<[Constant]>,
+    /// Size of the machine code in bytes.
     pub bytes: usize,
 }
 
@@ -16,15 +22,24 @@ impl Code {
     /// Owns `module`, whose finished function `entry` is.
     ///
     /// # Safety
-    /// `entry` must lie in memory that `module` owns.
-    pub unsafe fn new(module: JITModule, entry: Entry, bytes: usize) -> Self {
-        Self { module: ManuallyDrop::new(module), entry, bytes }
+    /// `entry` must lie in memory that `module` owns, and read no more constants than these.
+    pub unsafe fn new(module: JITModule, entry: Entry, constants: Vec<u128>, bytes: usize) -> Self {
+        let constants = constants.into_iter().map(Constant).collect();
+        Self { module: ManuallyDrop::new(module), entry, constants, bytes }
     }
 
     /// The function. It must not be called after this value is dropped.
     #[inline]
     pub fn entry(&self) -> Entry {
         self.entry
+    }
+}
+
+impl Code {
+    /// The pool of constants that the function reads.
+    #[inline]
+    pub fn constants(&self) -> *const u8 {
+        self.constants.as_ptr().cast()
     }
 }
 

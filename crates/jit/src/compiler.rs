@@ -2,13 +2,12 @@
 
 use crate::code::Code;
 use crate::error::Error;
-use crate::lanes::Emitter;
+use crate::lanes::{Emitter, Vector};
 use crate::rounding::Entry;
+use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
-use cranelift_codegen::ir::{
-    AbiParam, Function, InstBuilder, MemFlagsData, Signature, Type, Value,
-};
+use cranelift_codegen::ir::{AbiParam, Function, InstBuilder, MemFlagsData, Signature, Value};
 use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
 use cranelift_codegen::{Context, ir::Block};
@@ -18,7 +17,7 @@ use cranelift_module::{Module, default_libcall_names};
 use std::mem::size_of;
 use std::sync::OnceLock;
 use zeroset_eval::{BoxPacket, EnclosurePacket, GradientPacket, PointPacket, Tape, ValuePacket};
-use zeroset_interval::{Enclosure, Facts, Format, Machine};
+use zeroset_interval::{Enclosure, Fact, Facts, Format, Machine};
 
 /// What a kernel computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,7 +103,7 @@ fn check_processor() -> Result<(), Error> {
 /// If the tape has another number of outputs than `kind` needs.
 pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
     check_processor()?;
-    let function = build(tape, kind)?;
+    let (function, constants) = build(tape, kind)?;
     let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
     let isa = target(tier)?;
     let mut module = JITModule::new(JITBuilder::with_isa(isa, default_libcall_names()));
@@ -115,8 +114,8 @@ pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
     // From here on an early return must free the module's memory.
     let finished = module
         .define_function(id, &mut context)
-        .and_then(|()| module.finalize_definitions())
-        .map_err(report);
+        .map_err(report)
+        .and_then(|()| module.finalize_definitions().map_err(report));
     match finished {
         Ok(()) => {
             let bytes = context.compiled_code().map_or(0, |code| code.code_info().total_size);
@@ -124,7 +123,7 @@ pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
             // SAFETY: the function was declared with the signature that `Entry` describes.
             let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
             // SAFETY: `entry` is the function just finished in this module.
-            Ok(unsafe { Code::new(module, entry, bytes as usize) })
+            Ok(unsafe { Code::new(module, entry, constants, bytes as usize) })
         }
         Err(error) => {
             // SAFETY: no pointer into the module's memory was taken.
@@ -142,7 +141,7 @@ pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
 /// # Panics
 /// If the tape has another number of outputs than `kind` needs.
 pub fn intermediate_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
-    Ok(build(tape, kind)?.display().to_string())
+    Ok(build(tape, kind)?.0.display().to_string())
 }
 
 /// The machine code of a kernel, as assembly text.
@@ -154,10 +153,10 @@ pub fn intermediate_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
 /// If the tape has another number of outputs than `kind` needs.
 pub fn machine_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
     check_processor()?;
-    let mut context = Context::for_function(build(tape, kind)?);
+    let mut context = Context::for_function(build(tape, kind)?.0);
     context.set_disasm(true);
     let code = context
-        .compile(target(Tier::Optimised)?.as_ref(), &mut Default::default())
+        .compile(target(Tier::Optimised)?.as_ref(), &mut ControlPlane::default())
         .map_err(|error| Error::Codegen(format!("{error:?}")))?;
     Ok(code.vcode.clone().unwrap_or_default())
 }
@@ -170,7 +169,7 @@ fn signature() -> Signature {
         CallConv::SystemV
     };
     let mut signature = Signature::new(convention);
-    signature.params.extend([AbiParam::new(I64); 5]);
+    signature.params.extend([AbiParam::new(I64); 6]);
     signature
 }
 
@@ -186,7 +185,8 @@ fn trusted() -> MemFlagsData {
     MemFlagsData::trusted()
 }
 
-fn build(tape: &Tape, kind: Kind) -> Result<Function, Error> {
+/// The function, and the constants that its pool must hold.
+fn build(tape: &Tape, kind: Kind) -> Result<(Function, Vec<u128>), Error> {
     assert_eq!(tape.outputs(), kind.outputs(), "outputs of a {kind:?} kernel");
     if tape.operations() > LIMIT {
         return Err(Error::TooLarge { operations: tape.operations(), limit: LIMIT });
@@ -199,24 +199,26 @@ fn build(tape: &Tape, kind: Kind) -> Result<Function, Error> {
     builder.append_block_params_for_function_params(entry);
     builder.switch_to_block(entry);
     let arguments: Vec<Value> = builder.block_params(entry).to_vec();
-    let [inputs, outputs, count, parameters, _guards] = arguments[..] else {
-        unreachable!("the signature has five parameters");
+    let [inputs, outputs, count, parameters, constants, _guards] = arguments[..] else {
+        unreachable!("the signature has six parameters");
     };
     let (body, end) = (builder.create_block(), builder.create_block());
     let carried: Vec<Value> = (0..3).map(|_| builder.append_block_param(body, I64)).collect();
     builder.ins().brif(count, body, &args(&[inputs, outputs, count]), end, &[]);
     builder.switch_to_block(body);
     let cursor = Cursor { input: carried[0], output: carried[1], parameters };
+    let mut emitter = Emitter::new(&mut builder, constants);
     match kind {
-        Kind::Interval => emit_enclosure(&mut builder, tape, &cursor),
-        Kind::Point | Kind::Gradient => emit_values(&mut builder, tape, &cursor),
+        Kind::Interval => emit_enclosure(&mut emitter, tape, &cursor),
+        Kind::Point | Kind::Gradient => emit_values(&mut emitter, tape, &cursor),
     }
+    let pool = emitter.finish();
     close_loop(&mut builder, kind, &carried, body, end);
     builder.switch_to_block(end);
     builder.ins().return_(&[]);
     builder.seal_all_blocks();
     builder.finalize(target(Tier::Optimised)?.frontend_config());
-    Ok(function)
+    Ok((function, pool))
 }
 
 fn args(values: &[Value]) -> Vec<cranelift_codegen::ir::BlockArg> {
@@ -240,46 +242,45 @@ fn close_loop(
 }
 
 /// Loads the vector with this index from an array of vectors.
-fn load(m: &mut Emitter<'_, '_>, ty: Type, base: Value, index: usize) -> Value {
-    m.builder().ins().load(ty, trusted(), base, (16 * index) as i32)
+fn load(m: &mut Emitter<'_, '_>, base: Value, index: usize) -> Vector {
+    Vector::Value(m.builder().ins().load(F32X4, trusted(), base, (16 * index) as i32))
 }
 
-fn store(m: &mut Emitter<'_, '_>, value: Value, base: Value, index: usize) {
+fn store(m: &mut Emitter<'_, '_>, vector: Vector, base: Value, index: usize) {
+    let value = m.value(vector);
     m.builder().ins().store(trusted(), value, base, (16 * index) as i32);
 }
 
 /// Index of the first parameter's vectors after the two fact words.
 const FIRST_PARAMETER: usize = 2;
 
-fn emit_enclosure(builder: &mut FunctionBuilder<'_>, tape: &Tape, cursor: &Cursor) {
-    let mut m = Emitter::new(builder);
+fn emit_enclosure(m: &mut Emitter<'_, '_>, tape: &Tape, cursor: &Cursor) {
     let values = tape.enclose(
-        &mut m,
+        m,
         |m, axis| {
             let axis = axis as usize;
-            (load(m, F32X4, cursor.input, axis), load(m, F32X4, cursor.input, 3 + axis))
+            (load(m, cursor.input, axis), load(m, cursor.input, 3 + axis))
         },
         |m, number| {
             let at = FIRST_PARAMETER + 2 * number as usize;
-            (load(m, F32X4, cursor.parameters, at), load(m, F32X4, cursor.parameters, at + 1))
+            (load(m, cursor.parameters, at), load(m, cursor.parameters, at + 1))
         },
     );
     let value = &values[0];
-    let mut facts = fact_bits(&mut m, value);
+    let mut facts = fact_bits(m, value);
     if tape.reads_parameters() {
-        let kept = load(&mut m, F32X4, cursor.parameters, 0);
-        let added = load(&mut m, F32X4, cursor.parameters, 1);
+        let kept = load(m, cursor.parameters, 0);
+        let added = load(m, cursor.parameters, 1);
         facts = m.and(facts, kept);
         facts = m.or(facts, added);
     }
-    store(&mut m, value.neg_lo, cursor.output, 0);
-    store(&mut m, value.hi, cursor.output, 1);
-    store(&mut m, facts, cursor.output, 2);
+    store(m, value.neg_lo, cursor.output, 0);
+    store(m, value.hi, cursor.output, 1);
+    store(m, facts, cursor.output, 2);
 }
 
 /// The three facts as bits of each lane.
-fn fact_bits(m: &mut Emitter<'_, '_>, value: &Enclosure<Value>) -> Value {
-    use zeroset_interval::Fact;
+fn fact_bits(m: &mut Emitter<'_, '_>, value: &Enclosure<Vector>) -> Vector {
     let facts = [
         (value.nowhere, Facts::NOWHERE),
         (value.defined, Facts::DEFINED),
@@ -294,20 +295,19 @@ fn fact_bits(m: &mut Emitter<'_, '_>, value: &Enclosure<Value>) -> Value {
         if let Fact::Lanes(mask) = fact {
             let bit = m.bits(Format::F32, u64::from(bit.bits()));
             let set = m.and(mask, bit);
-            bits = m.or(bits, set);
+            bits = m.or(set, bits);
         }
     }
     bits
 }
 
-fn emit_values(builder: &mut FunctionBuilder<'_>, tape: &Tape, cursor: &Cursor) {
-    let mut m = Emitter::new(builder);
+fn emit_values(m: &mut Emitter<'_, '_>, tape: &Tape, cursor: &Cursor) {
     let values = tape.evaluate(
-        &mut m,
-        |m, axis| load(m, F32X4, cursor.input, axis as usize),
-        |m, number| load(m, F32X4, cursor.parameters, number as usize),
+        m,
+        |m, axis| load(m, cursor.input, axis as usize),
+        |m, number| load(m, cursor.parameters, number as usize),
     );
     for (index, value) in values.into_iter().enumerate() {
-        store(&mut m, value, cursor.output, index);
+        store(m, value, cursor.output, index);
     }
 }

@@ -91,6 +91,7 @@ macro_rules! kernel {
                         outputs.as_mut_ptr().cast(),
                         inputs.len(),
                         self.parameters.as_ptr().cast(),
+                        self.compiled.code.constants(),
                     );
                 }
             }

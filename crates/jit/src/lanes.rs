@@ -2,27 +2,43 @@
 
 use cranelift_codegen::ir::condcodes::FloatCC;
 use cranelift_codegen::ir::immediates::V128Imm;
-use cranelift_codegen::ir::types::{F32X4, F64X2, I32X4, I64X2};
+use cranelift_codegen::ir::types::{F32X4, F64X2, I8X16, I32X4, I64X2};
 use cranelift_codegen::ir::{ConstantData, Endianness, InstBuilder, MemFlagsData, Type, Value};
 use cranelift_frontend::FunctionBuilder;
 use std::collections::HashMap;
 use zeroset_interval::{Format, Machine};
 
+/// A vector while code is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Vector {
+    /// Computed at run time.
+    Value(Value),
+    /// Known: these bits.
+    Constant(Format, u128),
+}
+
 /// Emits each operation into the current block of a function.
 ///
 /// Vectors are always of a float type; integer operations reinterpret them. Nothing here is a library call on
 /// x86-64 with SSE4.1 or on `AArch64`.
+///
+/// Constants come from a pool in memory that the caller passes to the kernel. Each use has a place of its own in it, so
+/// that each load becomes an operand of one instruction: a constant in a register would be loaded on every call, and
+/// on larger formulas spilled and loaded again (6 % on Barth's sextic, and more per call of one packet).
 pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
-    constants: HashMap<(Type, u128), Value>,
-    /// The bits of the values that are constants.
-    known: HashMap<Value, u128>,
+    /// Base address of the pool.
+    pool: Value,
+    /// What the pool must hold.
+    constants: Vec<u128>,
+    /// Constants that stay in registers.
+    kept: HashMap<(Type, u128), Value>,
 }
 
 impl<'a, 'b> Emitter<'a, 'b> {
-    /// An emitter that appends to the current block of `builder`.
-    pub fn new(builder: &'a mut FunctionBuilder<'b>) -> Self {
-        Self { builder, constants: HashMap::new(), known: HashMap::new() }
+    /// An emitter that appends to the current block of `builder`; `pool` is the address of the constants.
+    pub fn new(builder: &'a mut FunctionBuilder<'b>, pool: Value) -> Self {
+        Self { builder, pool, constants: Vec::new(), kept: HashMap::new() }
     }
 
     /// The function being built.
@@ -30,20 +46,52 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder
     }
 
-    fn constant(&mut self, ty: Type, bytes: u128) -> Value {
-        if let Some(&value) = self.constants.get(&(ty, bytes)) {
+    /// What the pool must hold: the vectors in the order of their use.
+    pub fn finish(self) -> Vec<u128> {
+        self.constants
+    }
+
+    /// The vector as a value that any number of instructions may use.
+    pub fn value(&mut self, vector: Vector) -> Value {
+        let (format, bits) = match vector {
+            Vector::Value(value) => return value,
+            Vector::Constant(format, bits) => (format, bits),
+        };
+        let ty = type_of(format);
+        if let Some(&value) = self.kept.get(&(ty, bits)) {
             return value;
         }
-        let data = ConstantData::from(V128Imm(bytes.to_le_bytes()).0.as_slice());
+        let data = ConstantData::from(V128Imm(bits.to_le_bytes()).0.as_slice());
         let handle = self.builder.func.dfg.constants.insert(data);
         let value = self.builder.ins().vconst(ty, handle);
-        self.constants.insert((ty, bytes), value);
-        self.known.insert(value, bytes);
+        self.kept.insert((ty, bits), value);
         value
     }
 
-    fn type_of(&self, value: Value) -> Type {
-        self.builder.func.dfg.value_type(value)
+    /// The vector as a value for one instruction.
+    fn operand(&mut self, vector: Vector) -> Value {
+        match vector {
+            Vector::Value(value) => value,
+            Vector::Constant(format, bits) => {
+                let offset = (16 * self.constants.len()) as i32;
+                self.constants.push(bits);
+                let flags = MemFlagsData::trusted();
+                self.builder.ins().load(type_of(format), flags, self.pool, offset)
+            }
+        }
+    }
+
+    /// Both operands of an instruction, of which at most one is left in memory.
+    fn operands(&mut self, a: Vector, b: Vector) -> (Value, Value) {
+        match (a, b) {
+            (Vector::Constant(..), Vector::Constant(..)) => (self.value(a), self.operand(b)),
+            (Vector::Value(_), _) | (_, Vector::Value(_)) => (self.operand(a), self.operand(b)),
+        }
+    }
+
+    /// Both operands in registers: where an instruction pattern uses each twice.
+    fn values(&mut self, a: Vector, b: Vector) -> (Value, Value) {
+        (self.value(a), self.value(b))
     }
 
     fn cast(&mut self, to: Type, value: Value) -> Value {
@@ -53,155 +101,179 @@ impl<'a, 'b> Emitter<'a, 'b> {
     }
 
     fn compare(&mut self, condition: FloatCC, a: Value, b: Value) -> Value {
-        let ty = self.type_of(a);
+        let ty = self.builder.func.dfg.value_type(a);
         let mask = self.builder.ins().fcmp(condition, a, b);
         self.cast(ty, mask)
     }
 
+    fn comparison(&mut self, condition: FloatCC, a: Vector, b: Vector) -> Vector {
+        let (a, b) = self.operands(a, b);
+        Vector::Value(self.compare(condition, a, b))
+    }
+
+    /// The vector as integers, and its float type.
     fn integers(&mut self, a: Value) -> (Type, Value) {
-        let ty = self.type_of(a);
+        let ty = self.builder.func.dfg.value_type(a);
         let integer = if ty == F32X4 { I32X4 } else { I64X2 };
         (ty, self.cast(integer, a))
     }
+
+    fn format(&self, a: Vector) -> Format {
+        match a {
+            Vector::Constant(format, _) => format,
+            Vector::Value(value) if self.builder.func.dfg.value_type(value) == F32X4 => Format::F32,
+            Vector::Value(_) => Format::F64,
+        }
+    }
+}
+
+fn type_of(format: Format) -> Type {
+    match format {
+        Format::F32 => F32X4,
+        Format::F64 => F64X2,
+    }
+}
+
+/// The bits of a vector with the same lane everywhere.
+fn splat(format: Format, bits: u64) -> u128 {
+    match format {
+        Format::F32 => {
+            let lane = u128::from(bits as u32);
+            lane | lane << 32 | lane << 64 | lane << 96
+        }
+        Format::F64 => u128::from(bits) | u128::from(bits) << 64,
+    }
+}
+
+fn sign_bits(format: Format) -> u128 {
+    match format {
+        Format::F32 => splat(format, 1 << 31),
+        Format::F64 => splat(format, 1 << 63),
+    }
+}
+
+/// An instruction of one float operand.
+macro_rules! unary {
+    ($($name:ident => $instruction:ident),* $(,)?) => {$(
+        fn $name(&mut self, a: Vector) -> Vector {
+            let a = self.value(a);
+            Vector::Value(self.builder.ins().$instruction(a))
+        }
+    )*};
+}
+
+/// An instruction of two operands, one of which may come from memory.
+macro_rules! binary {
+    ($($name:ident => $instruction:ident),* $(,)?) => {$(
+        fn $name(&mut self, a: Vector, b: Vector) -> Vector {
+            let (a, b) = self.operands(a, b);
+            Vector::Value(self.builder.ins().$instruction(a, b))
+        }
+    )*};
+}
+
+/// An instruction on the lanes as integers.
+macro_rules! integer {
+    ($($name:ident => $instruction:ident),* $(,)?) => {$(
+        fn $name(&mut self, a: Vector, b: Vector) -> Vector {
+            let (a, b) = self.operands(a, b);
+            let ((ty, a), (_, b)) = (self.integers(a), self.integers(b));
+            let result = self.builder.ins().$instruction(a, b);
+            Vector::Value(self.cast(ty, result))
+        }
+    )*};
+}
+
+/// A shift of the lanes as integers.
+macro_rules! shift {
+    ($($name:ident => $instruction:ident),* $(,)?) => {$(
+        fn $name(&mut self, a: Vector, by: u8) -> Vector {
+            let a = self.value(a);
+            let (ty, a) = self.integers(a);
+            let shifted = self.builder.ins().$instruction(a, i64::from(by));
+            Vector::Value(self.cast(ty, shifted))
+        }
+    )*};
 }
 
 impl Machine for Emitter<'_, '_> {
-    type V = Value;
+    type V = Vector;
 
-    fn number(&mut self, format: Format, value: f64) -> Value {
+    fn number(&mut self, format: Format, value: f64) -> Vector {
         let bits = match format {
             Format::F32 => u64::from((value as f32).to_bits()),
             Format::F64 => value.to_bits(),
         };
         self.bits(format, bits)
     }
-    fn bits(&mut self, format: Format, bits: u64) -> Value {
-        match format {
-            Format::F32 => {
-                let lane = u128::from(bits as u32);
-                self.constant(F32X4, lane | lane << 32 | lane << 64 | lane << 96)
-            }
-            Format::F64 => self.constant(F64X2, u128::from(bits) | u128::from(bits) << 64),
-        }
+    fn bits(&mut self, format: Format, bits: u64) -> Vector {
+        Vector::Constant(format, splat(format, bits))
     }
 
-    fn add(&mut self, a: Value, b: Value) -> Value {
-        self.builder.ins().fadd(a, b)
-    }
-    fn sub(&mut self, a: Value, b: Value) -> Value {
-        self.builder.ins().fsub(a, b)
-    }
-    fn mul(&mut self, a: Value, b: Value) -> Value {
-        self.builder.ins().fmul(a, b)
-    }
-    fn div(&mut self, a: Value, b: Value) -> Value {
-        self.builder.ins().fdiv(a, b)
-    }
-    fn sqrt(&mut self, a: Value) -> Value {
-        self.builder.ins().sqrt(a)
-    }
-    // By masks from the constant pool: the instructions fneg and fabs would build theirs each time.
-    fn neg(&mut self, a: Value) -> Value {
-        let ty = self.type_of(a);
-        let (format, bit) = if ty == F32X4 { (Format::F32, 31) } else { (Format::F64, 63) };
-        if let Some(&bits) = self.known.get(&a) {
-            let lane = (bits as u64 ^ 1 << bit) & (u64::MAX >> (63 - bit));
-            return self.bits(format, lane);
+    binary! { add => fadd, sub => fsub, mul => fmul, div => fdiv, and => band, or => bor, xor => bxor }
+    unary! { sqrt => sqrt, floor => floor, ceil => ceil, trunc => trunc, nearest => nearest }
+    integer! { int_add => iadd, int_sub => isub }
+    shift! { shift_left => ishl_imm_u, shift_right => ushr_imm_u }
+
+    // By masks from the pool: the instructions fneg and fabs would build theirs each time.
+    fn neg(&mut self, a: Vector) -> Vector {
+        let format = self.format(a);
+        let sign = sign_bits(format);
+        match a {
+            Vector::Constant(_, bits) => Vector::Constant(format, bits ^ sign),
+            Vector::Value(_) => self.xor(a, Vector::Constant(format, sign)),
         }
-        let sign = self.bits(format, 1 << bit);
-        self.builder.ins().bxor(a, sign)
     }
-    fn abs(&mut self, a: Value) -> Value {
-        let rest = if self.type_of(a) == F32X4 {
-            self.bits(Format::F32, (1 << 31) - 1)
-        } else {
-            self.bits(Format::F64, (1 << 63) - 1)
-        };
-        self.builder.ins().band(a, rest)
+    fn abs(&mut self, a: Vector) -> Vector {
+        let format = self.format(a);
+        self.and(a, Vector::Constant(format, !sign_bits(format)))
     }
     // This pattern becomes one minps or maxps on x86-64; fmin and fmax would take seven instructions.
-    fn min(&mut self, a: Value, b: Value) -> Value {
+    fn min(&mut self, a: Vector, b: Vector) -> Vector {
+        let (a, b) = self.values(a, b);
         let less = self.compare(FloatCC::LessThan, a, b);
-        self.builder.ins().bitselect(less, a, b)
+        Vector::Value(self.builder.ins().bitselect(less, a, b))
     }
-    fn max(&mut self, a: Value, b: Value) -> Value {
+    fn max(&mut self, a: Vector, b: Vector) -> Vector {
+        let (a, b) = self.values(a, b);
         let less = self.compare(FloatCC::LessThan, b, a);
-        self.builder.ins().bitselect(less, a, b)
-    }
-    fn floor(&mut self, a: Value) -> Value {
-        self.builder.ins().floor(a)
-    }
-    fn ceil(&mut self, a: Value) -> Value {
-        self.builder.ins().ceil(a)
-    }
-    fn trunc(&mut self, a: Value) -> Value {
-        self.builder.ins().trunc(a)
-    }
-    fn nearest(&mut self, a: Value) -> Value {
-        self.builder.ins().nearest(a)
+        Vector::Value(self.builder.ins().bitselect(less, a, b))
     }
 
-    fn lt(&mut self, a: Value, b: Value) -> Value {
-        self.compare(FloatCC::LessThan, a, b)
+    fn lt(&mut self, a: Vector, b: Vector) -> Vector {
+        self.comparison(FloatCC::LessThan, a, b)
     }
-    fn le(&mut self, a: Value, b: Value) -> Value {
-        self.compare(FloatCC::LessThanOrEqual, a, b)
+    fn le(&mut self, a: Vector, b: Vector) -> Vector {
+        self.comparison(FloatCC::LessThanOrEqual, a, b)
     }
-    fn eq(&mut self, a: Value, b: Value) -> Value {
-        self.compare(FloatCC::Equal, a, b)
+    fn eq(&mut self, a: Vector, b: Vector) -> Vector {
+        self.comparison(FloatCC::Equal, a, b)
     }
-    fn and(&mut self, a: Value, b: Value) -> Value {
-        self.builder.ins().band(a, b)
-    }
-    fn or(&mut self, a: Value, b: Value) -> Value {
-        self.builder.ins().bor(a, b)
-    }
-    fn xor(&mut self, a: Value, b: Value) -> Value {
-        self.builder.ins().bxor(a, b)
-    }
-    fn select(&mut self, mask: Value, a: Value, b: Value) -> Value {
-        self.builder.ins().bitselect(mask, a, b)
+    fn select(&mut self, mask: Vector, a: Vector, b: Vector) -> Vector {
+        let mask = self.value(mask);
+        let (a, b) = self.values(a, b);
+        Vector::Value(self.builder.ins().bitselect(mask, a, b))
     }
 
-    fn int_add(&mut self, a: Value, b: Value) -> Value {
-        let ((ty, a), (_, b)) = (self.integers(a), self.integers(b));
-        let sum = self.builder.ins().iadd(a, b);
-        self.cast(ty, sum)
-    }
-    fn int_sub(&mut self, a: Value, b: Value) -> Value {
-        let ((ty, a), (_, b)) = (self.integers(a), self.integers(b));
-        let difference = self.builder.ins().isub(a, b);
-        self.cast(ty, difference)
-    }
-    fn shift_left(&mut self, a: Value, by: u8) -> Value {
-        let (ty, a) = self.integers(a);
-        let shifted = self.builder.ins().ishl_imm_u(a, i64::from(by));
-        self.cast(ty, shifted)
-    }
-    fn shift_right(&mut self, a: Value, by: u8) -> Value {
-        let (ty, a) = self.integers(a);
-        let shifted = self.builder.ins().ushr_imm_u(a, i64::from(by));
-        self.cast(ty, shifted)
-    }
-
-    fn widen(&mut self, a: Value) -> [Value; 2] {
+    fn widen(&mut self, a: Vector) -> [Vector; 2] {
+        let a = self.value(a);
         let low = self.builder.ins().fvpromote_low(a);
         let integers = self.cast(I64X2, a);
         // Lane 1 of two 64-bit lanes holds f32 lanes 2 and 3.
         let upper = self.builder.ins().extractlane(integers, 1);
         let moved = self.builder.ins().scalar_to_vector(I64X2, upper);
         let moved = self.cast(F32X4, moved);
-        [low, self.builder.ins().fvpromote_low(moved)]
+        [low, self.builder.ins().fvpromote_low(moved)].map(Vector::Value)
     }
-    fn narrow(&mut self, [low, high]: [Value; 2]) -> Value {
+    fn narrow(&mut self, [low, high]: [Vector; 2]) -> Vector {
+        let (low, high) = self.values(low, high);
         let low = self.builder.ins().fvdemote(low);
         let high = self.builder.ins().fvdemote(high);
         // Both have their two lanes in front: interleave them as 64-bit lanes.
-        let low = self.cast(cranelift_codegen::ir::types::I8X16, low);
-        let high = self.cast(cranelift_codegen::ir::types::I8X16, high);
+        let (low, high) = (self.cast(I8X16, low), self.cast(I8X16, high));
         let order: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23];
         let mask = self.builder.func.dfg.immediates.push(ConstantData::from(order.as_slice()));
         let joined = self.builder.ins().shuffle(low, high, mask);
-        self.cast(F32X4, joined)
+        Vector::Value(self.cast(F32X4, joined))
     }
 }

@@ -2,8 +2,8 @@
 
 /// A kernel's entry point, by the ABI that [`call_rounding_up`] uses.
 ///
-/// Inputs, outputs, number of packets, parameters, guard words (reserved: pass null).
-pub type Entry = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, *const u64);
+/// Inputs, outputs, number of packets, parameters, constants, guard words (reserved: null for now).
+pub type Entry = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, *const u8, *const u64);
 
 /// MXCSR: all exceptions masked, subnormals kept, rounding to +∞ or (the default everywhere else) to nearest.
 #[cfg(target_arch = "x86_64")]
@@ -14,7 +14,7 @@ static ROUND_NEAREST: u32 = 0x1f80;
 /// Calls `entry` with the rounding mode set to +∞, and restores the default mode.
 ///
 /// # Safety
-/// `entry` must be a kernel whose inputs, outputs and parameters these pointers satisfy. It must not unwind.
+/// `entry` must be a kernel whose inputs, outputs, parameters and constants these pointers satisfy. It must not unwind.
 #[inline]
 pub unsafe fn call_rounding_up(
     entry: Entry,
@@ -22,6 +22,7 @@ pub unsafe fn call_rounding_up(
     outputs: *mut u8,
     count: usize,
     parameters: *const u8,
+    constants: *const u8,
 ) {
     // SAFETY: the block declares every register that a C function may change, keeps `entry` in a register that the
     // callee preserves, and leaves MXCSR at the default that Rust code assumes. The stack is aligned because
@@ -40,7 +41,8 @@ pub unsafe fn call_rounding_up(
             in("rsi") outputs,
             in("rdx") count,
             in("rcx") parameters,
-            in("r8") 0usize,
+            in("r8") constants,
+            in("r9") 0usize,
             clobber_abi("C"),
         );
     }
@@ -59,13 +61,14 @@ pub unsafe fn call_rounding_up(
             in("x1") outputs,
             in("x2") count,
             in("x3") parameters,
-            in("x4") 0u64,
+            in("x4") constants,
+            in("x5") 0u64,
             clobber_abi("C"),
         );
     }
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     {
-        let _ = (entry, inputs, outputs, count, parameters);
+        let _ = (entry, inputs, outputs, count, parameters, constants);
         unreachable!("no kernel is ever compiled for this processor");
     }
 }

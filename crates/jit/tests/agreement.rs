@@ -35,7 +35,7 @@ impl Random {
 
     fn bounds(&mut self) -> (f32, f32) {
         let (a, b) = (self.end(), self.end());
-        let (lo, hi) = if self.next() % 4 == 0 { (a, a) } else { (a.min(b), a.max(b)) };
+        let (lo, hi) = if self.next().is_multiple_of(4) { (a, a) } else { (a.min(b), a.max(b)) };
         (lo.min(f32::MAX), hi.max(-f32::MAX))
     }
 }

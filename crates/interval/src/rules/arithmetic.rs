@@ -193,18 +193,19 @@ impl<M: Machine> Rule<'_, M> {
     fn quotient(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let zero = self.zero();
         let infinity = self.infinity();
-        // Where b ≤ 0, negate both; then b ≥ 0 unless it straddles 0.
-        let flip = self.m.le(b.value.hi, zero);
+        // Where b reaches further below 0 than above, negate both; then b ≥ 0 unless it straddles 0.
+        let flip = self.m.lt(b.value.hi, b.value.neg_lo);
         let (an, ah, bn, bh) = (a.value.neg_lo, a.value.hi, b.value.neg_lo, b.value.hi);
         let x_neg_lo = self.m.select(flip, ah, an);
         let x_hi = self.m.select(flip, an, ah);
         let y_neg_lo = self.m.select(flip, bh, bn);
         let y_hi = self.m.select(flip, bn, bh);
         let y_lo = self.m.sub(zero, y_neg_lo);
-        // Also where b = [0, 0], which is nowhere defined: its quotients by 0 are no bounds.
         let straddles = self.gt(y_neg_lo, zero);
-        let is_zero = self.m.le(y_hi, zero);
-        let straddles = self.m.or(straddles, is_zero);
+        // b = [0, 0] is nowhere defined; dividing by a little more keeps the bounds in order, and within those over
+        // any larger box, as later steps assume.
+        let least = self.least_positive();
+        let y_hi = self.m.max(y_hi, least);
         let neg_lo_by = self.far_divisor(x_neg_lo, y_lo, y_hi);
         let hi_by = self.far_divisor(x_hi, y_lo, y_hi);
         let neg_lo = self.m.div(x_neg_lo, neg_lo_by);

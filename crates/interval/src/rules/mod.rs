@@ -88,6 +88,10 @@ impl<M: Machine> Rule<'_, M> {
         self.m.lt(b, a)
     }
 
+    fn least_positive(&mut self) -> M::V {
+        self.m.bits(self.format, 1)
+    }
+
     fn not(&mut self, mask: M::V) -> M::V {
         let ones = self.m.bits(self.format, u64::MAX);
         self.m.xor(mask, ones)

@@ -3,7 +3,7 @@
 use super::Rule;
 use super::elementary::wide::by_halves;
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Operand, Sign};
+use crate::enclosure::{Enclosure, Exponent, Fact, Operand, Sign};
 use crate::machine::{Format, Machine};
 
 impl<M: Machine> Rule<'_, M> {
@@ -39,12 +39,18 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(super) fn pow(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
-        if let Some(n) = b.range.integer() {
-            let value = self.integer_power(a, n);
-            // Whatever the exponent is, it has to be defined where the power is.
-            return self.with_facts_of(&Operand { value, range: Interval::ENTIRE }, b);
-        }
-        self.real_power(a, b)
+        let value = match b.exponent {
+            Exponent::Real => return self.real_power(a, b),
+            Exponent::Integer(n) => self.integer_power(a, n),
+            Exponent::LargeInteger => {
+                let infinity = self.infinity();
+                let unknown = Fact::False;
+                let (defined, continuous) = (unknown, unknown);
+                Enclosure { neg_lo: infinity, hi: infinity, defined, continuous, ..a.value }
+            }
+        };
+        // A constant exponent may stand for an expression that is not defined.
+        self.with_facts_of(&Operand::new(value, Interval::ENTIRE), b)
     }
 
     fn integer_power(&mut self, a: &Operand<M::V>, n: i32) -> Enclosure<M::V> {
@@ -58,11 +64,11 @@ impl<M: Machine> Rule<'_, M> {
                 let value = self.integer_power(a, n.saturating_neg());
                 // The range of the power is not known here, but that of a nonzero base has no 0 either.
                 let (nowhere, throughout) = self.nonzero(a);
-                let power = Operand { value, range: Interval::ENTIRE };
-                let one = Operand {
-                    value: Enclosure::total(self.number(-1.0), self.number(1.0)),
-                    range: Interval::ONE,
-                };
+                let power = Operand::new(value, Interval::ENTIRE);
+                let one = Operand::new(
+                    Enclosure::total(self.number(-1.0), self.number(1.0)),
+                    Interval::ONE,
+                );
                 let quotient = self.div(&one, &power);
                 let facts = self.restrict(value, nowhere, throughout);
                 Enclosure { neg_lo: quotient.neg_lo, hi: quotient.hi, ..facts }
@@ -146,8 +152,8 @@ impl<M: Machine> Rule<'_, M> {
                 let unbounded = text.m.eq(ends[1], infinity);
                 hi = text.m.select(unbounded, infinity, hi);
             }
-            let ln = Operand { value: Enclosure::total(neg_lo, hi), range: ln_range };
-            let b = Operand { value: Enclosure::total(ends[2], ends[3]), range: b.range };
+            let ln = Operand::new(Enclosure::total(neg_lo, hi), ln_range);
+            let b = Operand::new(Enclosure::total(ends[2], ends[3]), b.range);
             let exponent = Rule { m: text.m, format: Format::F64 }.mul(&b, &ln);
             text.exp([exponent.neg_lo, exponent.hi])
         });

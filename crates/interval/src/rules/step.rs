@@ -70,10 +70,10 @@ impl<M: Machine> Rule<'_, M> {
     /// a − b·floor(a/b), within [0, b) for b > 0 and (b, 0] for b < 0.
     pub(super) fn modulo(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let entire = Interval::ENTIRE;
-        let quotient = Operand { value: self.div(a, b), range: entire };
-        let cells = Operand { value: self.floor(&quotient), range: entire };
+        let quotient = Operand::new(self.div(a, b), entire);
+        let cells = Operand::new(self.floor(&quotient), entire);
         // Whole cells; unbounded range, so the product is guarded.
-        let multiple = Operand { value: self.mul(b, &cells), range: entire };
+        let multiple = Operand::new(self.mul(b, &cells), entire);
         let direct = self.add(a, &multiple.negated());
         // Where the quotient is finite, the direct bounds and [min(0, b), max(0, b)] both hold: take the tighter.
         // Their intersection is never empty where the function is defined somewhere.

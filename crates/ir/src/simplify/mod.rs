@@ -201,16 +201,20 @@ impl Rewriter<'_> {
         let id = self.graph.apply(op, operands);
         if id.index() == self.known.len() {
             let each = || operands.iter().map(|id| self.known(*id));
-            let enclosed: Vec<_> = each().map(|known| (known.range, known.facts)).collect();
-            let (range, mut facts) = zeroset_interval::fold(op, &enclosed);
-            if op == Op::Pow && self.exact(operands[1]).is_none() {
-                // Folding takes any exponent with a single possible value for a constant; the domain of a power
-                // does not. With a base above 0 there is no difference.
-                let base = self.known(operands[0]).range;
-                if base.lo <= 0.0 {
-                    facts = facts & Facts::NOWHERE;
-                }
-            }
+            let enclosed: Vec<zeroset_interval::Value> = operands
+                .iter()
+                .map(|&id| {
+                    let exponent = match self.graph.node(id) {
+                        Node::Constant(constant) => constant.exponent(),
+                        Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => {
+                            zeroset_interval::Exponent::Real
+                        }
+                    };
+                    let known = self.known(id);
+                    zeroset_interval::Value { bounds: known.range, facts: known.facts, exponent }
+                })
+                .collect();
+            let (range, facts) = zeroset_interval::fold(op, &enclosed);
             let rank = each().map(|known| known.rank).max().unwrap_or(Rank::Constant);
             let opaque = each().any(|known| known.opaque);
             self.note(id, Known { range, facts, rank, opaque });

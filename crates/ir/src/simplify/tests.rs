@@ -210,22 +210,23 @@ fn values_and_domains_are_kept() {
 
 /// The enclosure of a node over a box, with parameters at points.
 fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) -> (Interval, Facts) {
-    let mut all: Vec<(Interval, Facts)> = Vec::with_capacity(graph.len());
+    let mut all: Vec<zeroset_interval::Value> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
         all.push(match node {
-            Node::Variable(axis) => (at[*axis as usize], Facts::TOTAL),
+            Node::Variable(axis) => (at[*axis as usize], Facts::TOTAL).into(),
             Node::Parameter(number) => {
                 let value = values[*number as usize];
-                (Interval { lo: value, hi: value }, Facts::TOTAL)
+                (Interval { lo: value, hi: value }, Facts::TOTAL).into()
             }
-            Node::Constant(constant) => (constant.bounds(), Facts::TOTAL),
+            Node::Constant(constant) => constant.value(),
             Node::Apply(op, operands) => {
                 let operands: Vec<_> = operands.iter().map(|id| all[id.index()]).collect();
-                zeroset_interval::fold(*op, &operands)
+                zeroset_interval::fold(*op, &operands).into()
             }
         });
     }
-    all[root.index()]
+    let zeroset_interval::Value { bounds, facts, .. } = all[root.index()];
+    (bounds, facts)
 }
 
 /// Whether every exponent is a number as it stands. Interval rules take any exponent with a single possible value for

@@ -126,13 +126,13 @@ impl Product {
     /// The `n`-th power, if every exponent stays small and the coefficient exact.
     pub(super) fn raised(&self, n: i64) -> Option<Self> {
         /// Larger exponents are left to nested powers.
-        const EXPONENT_LIMIT: i64 = 1 << 16;
+        const EXPONENT_LIMIT: u64 = 1 << 16;
         let mut result = self.clone();
         result.coefficient = numbers::power(&self.coefficient, n)?;
         for factor in &mut result.factors {
             factor.nonzero |= factor.exponent < 0 || n < 0;
             factor.exponent = factor.exponent.checked_mul(n)?;
-            if factor.exponent.abs() > EXPONENT_LIMIT {
+            if factor.exponent.unsigned_abs() > EXPONENT_LIMIT {
                 return None;
             }
         }

@@ -55,7 +55,7 @@ pub fn check_points(
 fn agrees(value: f32, claim: Claim, tolerance: Option<f64>) -> Result<(), &'static str> {
     match (claim.defined, tolerance) {
         (Defined::Unknown, _) | (Defined::Yes, None) => Ok(()),
-        (Defined::No, _) if value.is_nan() => Ok(()),
+        (Defined::No, _) if !value.is_finite() => Ok(()),
         (Defined::No, _) => Err("a value where there is none"),
         (Defined::Yes, _) if value.is_nan() => Err("no value where there is one"),
         (Defined::Yes, Some(tolerance)) => {

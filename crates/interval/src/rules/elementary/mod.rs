@@ -59,10 +59,7 @@ impl<M: Machine> Rule<'_, M> {
         if a.range.lo > 0.0 {
             return [lo, a.value.hi];
         }
-        let least = self.number(match self.format {
-            Format::F32 => f64::from(f32::from_bits(1)),
-            Format::F64 => f64::from_bits(1),
-        });
+        let least = self.least_positive();
         [self.m.max(lo, least), self.m.max(a.value.hi, least)]
     }
 

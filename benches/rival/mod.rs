@@ -1,0 +1,154 @@
+//! Rivals and timing shared by the benches: three interval functions written by hand in 128-bit intrinsics (glam's
+//! `Vec4` is `__m128`, each operation below one instruction), rounding to nearest (so not rigorous), with the operations that the simplifier leaves.
+
+use glam::Vec4;
+use std::time::Instant;
+use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel};
+
+/// Four intervals as (−lo, hi).
+#[derive(Clone, Copy)]
+pub struct Four {
+    neg_lo: Vec4,
+    hi: Vec4,
+}
+
+impl Four {
+    fn load(packet: &BoxPacket, axis: usize) -> Self {
+        Self {
+            neg_lo: Vec4::from_array(packet.neg_lo[axis]),
+            hi: Vec4::from_array(packet.hi[axis]),
+        }
+    }
+
+    fn add(self, b: Self) -> Self {
+        Self { neg_lo: self.neg_lo + b.neg_lo, hi: self.hi + b.hi }
+    }
+
+    fn sub(self, b: Self) -> Self {
+        Self { neg_lo: self.neg_lo + b.hi, hi: self.hi + b.neg_lo }
+    }
+
+    fn plus(self, c: f32) -> Self {
+        Self { neg_lo: self.neg_lo + Vec4::splat(-c), hi: self.hi + Vec4::splat(c) }
+    }
+
+    /// Times a positive number.
+    fn times(self, c: f32) -> Self {
+        Self { neg_lo: self.neg_lo * Vec4::splat(c), hi: self.hi * Vec4::splat(c) }
+    }
+
+    fn sqr(self) -> Self {
+        let least = self.neg_lo.min(self.hi).min(Vec4::ZERO);
+        let most = self.neg_lo.max(self.hi);
+        Self { neg_lo: least * -least, hi: most * most }
+    }
+
+    /// The product of two nonnegative intervals.
+    fn mul_nonneg(self, b: Self) -> Self {
+        Self { neg_lo: -self.neg_lo * b.neg_lo, hi: self.hi * b.hi }
+    }
+
+    /// Four products suffice where rounding does not depend on the sign.
+    fn mul(self, b: Self) -> Self {
+        let (p, q) = (self.hi * b.hi, self.neg_lo * b.neg_lo);
+        let (r, s) = (self.neg_lo * b.hi, self.hi * b.neg_lo);
+        Self { neg_lo: r.max(s).max(-p.min(q)), hi: p.max(q).max(-r.min(s)) }
+    }
+}
+
+/// A surface with its formula by hand.
+#[derive(Clone, Copy)]
+pub struct Rival<F>(pub F);
+
+impl<F: Fn([Four; 3]) -> Four + Sync> IntervalKernel for Rival<F> {
+    #[inline]
+    fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
+        for (packet, out) in boxes.iter().zip(out) {
+            let value = self.0([0, 1, 2].map(|axis| Four::load(packet, axis)));
+            *out = EnclosurePacket {
+                neg_lo: value.neg_lo.to_array(),
+                hi: value.hi.to_array(),
+                facts: [6; 4],
+            };
+        }
+    }
+}
+
+#[inline]
+pub fn sphere([x, y, z]: [Four; 3]) -> Four {
+    x.sqr().add(y.sqr()).add(z.sqr()).plus(-1.0)
+}
+
+#[inline]
+pub fn mitchell([x, y, z]: [Four; 3]) -> Four {
+    let (x2, yz) = (x.sqr(), y.sqr().add(z.sqr()));
+    let squares = x2.plus(-2.5).sqr().add(yz.plus(-2.5).sqr()).times(4.0);
+    squares.add(x2.mul_nonneg(yz).times(17.0)).plus(-33.0)
+}
+
+#[inline]
+pub fn barth([x, y, z]: [Four; 3]) -> Four {
+    const PHI_2: f32 = 2.618_034;
+    const WEIGHT: f32 = 4.236_068;
+    let (x2, y2, z2) = (x.sqr(), y.sqr(), z.sqr());
+    let a = y2.sub(x2.times(PHI_2));
+    let b = z2.sub(y2.times(PHI_2));
+    let c = x2.sub(z2.times(PHI_2));
+    let product = a.mul(b).mul(c).times(4.0);
+    let ball = x2.add(y2).add(z2).plus(-1.0).sqr().times(WEIGHT);
+    let sum = product.add(ball);
+    Four { neg_lo: sum.hi, hi: sum.neg_lo }
+}
+
+/// The three surfaces: name, formula as typed, half width of the domain.
+pub const SURFACES: [(&str, &str, f64); 3] = [
+    ("sphere", "x^2+y^2+z^2-1", 1.2),
+    ("mitchell", "4*(x^4+(y^2+z^2)^2)+17*x^2*(y^2+z^2)-20*(x^2+y^2+z^2)+17", 2.0),
+    (
+        "barth-sextic",
+        "4*(phi^2*x^2-y^2)*(phi^2*y^2-z^2)*(phi^2*z^2-x^2)-(1+2*phi)*(x^2+y^2+z^2-1)^2",
+        2.0,
+    ),
+];
+
+/// Times both closures in turn and returns the medians of the seconds that each took and of their ratio, with the
+/// quartiles of the ratio.
+pub fn compare(rounds: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) -> Comparison {
+    let time = |f: &mut dyn FnMut()| {
+        let start = Instant::now();
+        f();
+        start.elapsed().as_secs_f64()
+    };
+    (ours(), theirs());
+    let mut samples: Vec<[f64; 3]> = (0..rounds)
+        .map(|round| {
+            // Each goes first in half of the rounds.
+            let (a, b) = if round % 2 == 0 {
+                let a = time(&mut ours);
+                (a, time(&mut theirs))
+            } else {
+                let b = time(&mut theirs);
+                (time(&mut ours), b)
+            };
+            [a, b, a / b]
+        })
+        .collect();
+    let mut quantile = |column: usize, share: f64| {
+        samples.sort_by(|a, b| a[column].total_cmp(&b[column]));
+        samples[((rounds - 1) as f64 * share) as usize][column]
+    };
+    Comparison {
+        ours: quantile(0, 0.5),
+        theirs: quantile(1, 0.5),
+        ratio: quantile(2, 0.5),
+        quartiles: [quantile(2, 0.25), quantile(2, 0.75)],
+    }
+}
+
+/// Medians of a comparison.
+pub struct Comparison {
+    pub ours: f64,
+    pub theirs: f64,
+    pub ratio: f64,
+    pub quartiles: [f64; 2],
+}
