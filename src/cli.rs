@@ -46,7 +46,7 @@ pub fn run() -> ExitCode {
 }
 
 fn dispatch() -> anyhow::Result<ExitCode> {
-    let arguments = Arguments::parse_from(std::env::args_os().map(formula_not_flag));
+    let arguments = Arguments::parse_from(std::env::args_os().flat_map(detached));
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
@@ -60,11 +60,24 @@ fn dispatch() -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Values may begin with `-`, but a formula such as `-hypot(x, y)` would still be read as the flag `-h`. A leading space,
-/// which the language ignores, keeps it a formula.
-fn formula_not_flag(argument: OsString) -> OsString {
-    match argument.to_str() {
-        Some(text) if text.starts_with("-h") && text.len() > 2 => format!(" {text}").into(),
-        _ => argument,
+/// A formula may begin with `-`, and so a flag with its value attached would be taken for one where a formula may stand.
+/// What must be meant as a flag, `-Dname=value` and `-ofile.png`, is split in two.
+fn detached(argument: OsString) -> Vec<OsString> {
+    if let Some(text) = argument.to_str() {
+        let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());
+        let name = |value: &str| {
+            value
+                .split('=')
+                .next()
+                .is_some_and(|name| name.bytes().all(|b| b.is_ascii_alphanumeric()))
+        };
+        let parts = attached("-D")
+            .filter(|value| value.contains('=') && name(value))
+            .map(|value| ("-D", value))
+            .or_else(|| Some(("-o", attached("-o").filter(|value| value.ends_with(".png"))?)));
+        if let Some((flag, value)) = parts {
+            return vec![flag.into(), value.into()];
+        }
     }
+    vec![argument]
 }

@@ -149,6 +149,13 @@ fn values_may_begin_with_a_minus() {
 }
 
 #[test]
+fn flags_may_come_first_and_hold_their_values() {
+    let place = Place::new();
+    place.run(&["render", "-oa.png", "-Dr=2", "--size", "8", "sphere"]).ok();
+    assert_eq!(place.files(), ["a.png"]);
+}
+
+#[test]
 fn definitions_and_time_change_the_surface() {
     let place = Place::new();
     let pixels = |arguments: &[&str]| {
