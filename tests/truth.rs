@@ -1,0 +1,134 @@
+//! Pictures of the whole gallery against exact first roots: no claim about a ray is false, and how far off the paint is.
+
+mod truth_support;
+
+use glam::DVec3;
+use truth_support::{Row, SIDE, Table, Truth, read};
+use zeroset::gallery::example;
+use zeroset::picture::{Settings, render};
+use zeroset::scene::{DomainChoice, bounds, region};
+use zeroset_syntax::{Options, read as read_document};
+use zeroset_trace::{Camera, Frame, GBuffer, MAX_DEPTH, PacketWidth, Projection, Status};
+
+/// The depth of the table.
+const DEPTH: u32 = 12;
+
+/// Rays with a crossing which the reference decided, over all surfaces.
+const CROSSINGS: usize = 95_746;
+
+/// Distances are `f32`: off by a part in 2²⁴. The rest is room for the last digits of the reference's own rays.
+const ROUNDING: f64 = 1e-6;
+
+/// The surface as seen by the reference's camera.
+fn picture(truth: &Truth, max_depth: u32, packet: PacketWidth) -> (Frame, GBuffer) {
+    let view = &truth.view;
+    let example = example(&view.slug).unwrap_or_else(|| panic!("no example {}", view.slug));
+    let document = read_document(example.text, &Options::default())
+        .unwrap_or_else(|errors| panic!("{}: {errors}", view.slug));
+    let (region, _) = region(&document, DomainChoice::Document, None).expect("a domain");
+    let domain = bounds(&region).map(|range| [range.lo, range.hi]);
+    assert_eq!(domain.as_flattened(), view.domain, "{}: another domain", view.slug);
+    let [eye, target, up] = [view.eye, view.target, view.up].map(DVec3::from_array);
+    let projection = Projection::Perspective { fov: view.fov };
+    let camera = Camera::new(eye, target, up, projection).expect("a camera");
+    let (width, height) = (SIDE, SIDE);
+    let settings =
+        Settings { width, height, max_depth, packet, normals: None, ..Settings::default() };
+    let picture = render(&document, &region, &camera, &settings, &|_, _| {})
+        .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
+    (camera.frame(SIDE, SIDE), picture.buffer)
+}
+
+/// Every claim about a ray that its first root contradicts.
+///
+/// A miss claims that there is no root, a distance that there is none before it. Both must hold for roots of any
+/// multiplicity, hence for crossings. The painted point claims nothing, but lies nowhere that is proven empty.
+fn contradictions(truth: &Truth, frame: &Frame, buffer: &GBuffer) -> Vec<String> {
+    let mut found = Vec::new();
+    for (index, pixel) in truth.pixels.iter().enumerate() {
+        let (status, distance) = (buffer.status[index], f64::from(buffer.distance[index]));
+        let drawn = f64::from(buffer.drawn[index]);
+        let lost = status == Status::Miss && pixel.zero.is_finite();
+        let beyond = distance > pixel.zero + ROUNDING * (1.0 + pixel.zero);
+        if drawn < distance || !pixel.open && (lost || beyond) {
+            let (slug, ray) = (&truth.view.slug, frame.ray_of(index));
+            let (i, j) = (index % SIDE, index / SIDE);
+            found.push(format!(
+                "{slug}, column {i}, row {j}: {status:?} from {distance}, painted at {drawn}, \
+                 but {pixel:?} on {ray:?}"
+            ));
+        }
+    }
+    found
+}
+
+fn expect_none(contradictions: &[String]) {
+    let first = contradictions[..contradictions.len().min(20)].join("\n");
+    assert!(contradictions.is_empty(), "{} false claims:\n{first}", contradictions.len());
+}
+
+#[test]
+fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
+    let mut rows = Vec::new();
+    let mut false_claims = Vec::new();
+    for truth in read() {
+        let (frame, buffer) = picture(&truth, DEPTH, PacketWidth::Four);
+        false_claims.extend(contradictions(&truth, &frame, &buffer));
+        rows.push(Row::new(&truth, &buffer, DEPTH));
+    }
+    expect_none(&false_claims);
+    let total = |head| rows.iter().map(|row| row.count(head)).sum::<usize>();
+    assert_eq!((total("cross"), total("lost")), (CROSSINGS, 0));
+
+    let (path, table) = (truth_support::path("truth_table.txt"), Table(&rows).to_string());
+    if std::env::var_os("ZEROSET_BLESS").is_some() {
+        std::fs::write(&path, &table).expect("written");
+    }
+    let expected = std::fs::read_to_string(&path).expect("a table");
+    for (number, (now, before)) in table.lines().zip(expected.lines()).enumerate() {
+        assert_eq!(now, before, "line {} of {}", number + 1, path.display());
+    }
+    assert_eq!(table.lines().count(), expected.lines().count(), "{}", path.display());
+}
+
+/// Wide packets hold rays that are less alike; at the greatest depth, slabs are as thin as `f32` can tell apart.
+#[test]
+fn no_claim_of_wider_packets_or_thinner_slabs_contradicts_an_exact_root() {
+    let cases = [
+        (DEPTH, PacketWidth::Eight),
+        (DEPTH, PacketWidth::Sixteen),
+        (16, PacketWidth::Four),
+        (MAX_DEPTH, PacketWidth::Four),
+    ];
+    let mut false_claims = Vec::new();
+    for truth in read() {
+        for (depth, packet) in cases {
+            let (frame, buffer) = picture(&truth, depth, packet);
+            let found = contradictions(&truth, &frame, &buffer);
+            false_claims.extend(found.iter().map(|claim| format!("{packet:?}, {depth}: {claim}")));
+        }
+    }
+    expect_none(&false_claims);
+}
+
+#[test]
+fn false_claims_are_noticed() {
+    let truths = read();
+    let sphere = truths.iter().find(|truth| truth.view.slug == "sphere").expect("a sphere");
+    let (frame, right) = picture(sphere, DEPTH, PacketWidth::Four);
+    let noticed = |buffer: &GBuffer| contradictions(sphere, &frame, buffer).len();
+    assert_eq!(noticed(&right), 0);
+    let roots = sphere.pixels.iter().filter(|pixel| pixel.zero.is_finite()).count();
+    assert_eq!(noticed(&GBuffer::new(SIDE, SIDE, 0)), roots);
+
+    let mut late = right.clone();
+    for (distance, pixel) in late.distance.iter_mut().zip(&sphere.pixels) {
+        *distance = (pixel.zero * (1.0 + 4.0 * ROUNDING)) as f32;
+    }
+    late.drawn.clone_from(&late.distance);
+    assert_eq!(noticed(&late), roots);
+
+    let mut early = right.clone();
+    early.drawn.iter_mut().for_each(|drawn| *drawn -= 1e-3);
+    assert_eq!(noticed(&early), right.counts().undecided);
+}

@@ -1,0 +1,85 @@
+//! The exact first roots of `tests/data/truth`, which were found without this project's code.
+
+mod table;
+
+pub use table::{Row, Table};
+
+use serde::Deserialize;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// Pixels on the side of every picture of the reference.
+pub const SIDE: usize = 64;
+
+/// What is known of one surface.
+pub struct Truth {
+    pub view: View,
+    /// Row by row from the top.
+    pub pixels: Vec<Pixel>,
+}
+
+/// From where a surface is looked at.
+#[derive(Deserialize)]
+pub struct View {
+    pub slug: String,
+    /// Lower and upper bound of x, y and z.
+    pub domain: [f64; 6],
+    pub eye: [f64; 3],
+    pub target: [f64; 3],
+    pub up: [f64; 3],
+    /// Vertical, in degrees.
+    pub fov: f64,
+}
+
+/// What is known of one ray. Distances are from the eye, in world units.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel {
+    /// The first root at which the function changes sign; infinite if there is none.
+    pub crossing: f64,
+    /// The first root of any multiplicity; infinite if there is none.
+    pub zero: f64,
+    /// Whether the reference could not decide this ray.
+    pub open: bool,
+}
+
+/// Bits of `pixels.npy`.
+const CROSSES: u8 = 1;
+const TOUCHES: u8 = 2;
+const OPEN: u8 = 4;
+
+/// A file or directory of the reference.
+pub fn path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+/// Everything that is known, in the order of `index.json`.
+pub fn read() -> Vec<Truth> {
+    let index = File::open(path("truth/index.json")).expect("an index");
+    let views: Vec<View> = serde_json::from_reader(index).expect("a valid index");
+    let kinds: Vec<u8> = array("truth/pixels.npy");
+    assert_eq!(kinds.len(), views.len() * SIDE * SIDE);
+    let mut crossings = array::<f64>("truth/crossing.npy").into_iter();
+    let mut touching = array::<f64>("truth/touching.npy").into_iter();
+    let mut next = |kind: u8| {
+        let crossing = if kind & CROSSES == 0 { Some(f64::INFINITY) } else { crossings.next() };
+        let crossing = crossing.expect("a distance for each crossing");
+        let zero = if kind & TOUCHES == 0 { Some(crossing) } else { touching.next() };
+        let zero = zero.expect("a distance for each touching root");
+        assert!(zero <= crossing, "the first root is no later than the first crossing");
+        Pixel { crossing, zero, open: kind & OPEN != 0 }
+    };
+    let truths = views
+        .into_iter()
+        .zip(kinds.chunks(SIDE * SIDE))
+        .map(|(view, kinds)| Truth { view, pixels: kinds.iter().map(|&k| next(k)).collect() })
+        .collect();
+    assert!(crossings.next().is_none() && touching.next().is_none(), "distances left over");
+    truths
+}
+
+fn array<T: npyz::Deserialize>(name: &str) -> Vec<T> {
+    let file = File::open(path(name)).expect("an array");
+    let array = npyz::NpyFile::new(std::io::BufReader::new(file)).expect("an array");
+    assert_eq!(array.order(), npyz::Order::C);
+    array.into_vec().expect("of this type")
+}
