@@ -4,17 +4,25 @@
 //! - Seeded generators draw adversarial numbers, boxes, points, rays and graphs over every row of
 //!   the table of operations, internal ones included.
 //! - The [`suite`] holds any evaluator against the oracle over the whole table.
+//! - A [`Case`] is a function over a domain with its parameters; [`minimise`] makes a failing one
+//!   smaller.
 //! - [`reproduce`] prints a failing case as a line that `zeroset eval` reads.
 
+mod case;
+mod effort;
+mod minimise;
 pub mod npy;
 mod oracle;
 mod random;
 mod reproduce;
 pub mod suite;
 
+pub use case::{Case, pack_boxes};
+pub use effort::Effort;
+pub use minimise::minimise;
 pub use oracle::{Claim, Defined, Oracle, enclose_at};
 pub use random::{
     Ends, GraphOptions, Ray, Rng, adversarial_f32, point_in_box, random_box, random_constant,
-    random_graph, random_parameters, random_ray,
+    random_domain, random_graph, random_parameters, random_ray, range_within,
 };
 pub use reproduce::{Place, hexadecimal, reproduce};

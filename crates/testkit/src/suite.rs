@@ -3,6 +3,7 @@
 //! An evaluator plugs in as a function that makes a kernel out of a graph. Nothing is assumed of how
 //! it works; what it says is held against the [oracle](crate::Oracle).
 
+mod cases;
 mod gradient;
 mod interval;
 mod point;
@@ -13,6 +14,7 @@ use std::fmt;
 use zeroset_eval::{GradientKernel, IntervalKernel, PointKernel};
 use zeroset_ir::{Graph, NodeId};
 
+pub use cases::{MakeCase, check_interval_cases};
 pub use gradient::check_gradients;
 pub use interval::{check_interval_graphs, check_interval_ops};
 pub use point::check_points;

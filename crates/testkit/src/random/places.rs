@@ -2,6 +2,7 @@
 
 use super::values::{Ends, adversarial_f32, below, from_exponents, uniform, uniform_f64};
 use super::{Rng, values::nudge};
+use zeroset_interval::{Interval, round::f32_up};
 
 /// A box: per axis, the lower and the upper end, in order and never NaN. An infinite end stands for
 /// an unbounded side (as allowed by `ends`), so a lower end is below +∞ and an upper one above −∞.
@@ -40,6 +41,45 @@ fn random_range(rng: &mut Rng, ends: Ends) -> [f32; 2] {
             [a.min(b), a.max(b)]
         }
     }
+}
+
+/// A domain: all of space, or a box as one might type it, whose ends need not be `f32`, or any
+/// [`random_box`].
+pub fn random_domain(rng: &mut Rng) -> [Interval; 3] {
+    match rng.u32(0..4) {
+        0 => [Interval::ENTIRE; 3],
+        1 => {
+            let half = f64::from(rng.u32(1..100)) / 10.0;
+            [Interval { lo: -half, hi: half }; 3]
+        }
+        2 => [(); 3].map(|()| {
+            let middle = uniform_f64(rng) * 8.0 - 4.0;
+            let half = uniform_f64(rng) * 4.0;
+            Interval { lo: middle - half, hi: middle + half }
+        }),
+        _ => random_box(rng, Ends::Infinite)
+            .map(|[lo, hi]| Interval { lo: f64::from(lo), hi: f64::from(hi) }),
+    }
+}
+
+/// A range within `bounds`, rounded outward to `f32`: all of it, or a part anywhere in it, thin ones
+/// included, or `wanted` as far as it lies inside. It always holds real numbers within `bounds`.
+pub fn range_within(rng: &mut Rng, bounds: Interval, wanted: [f32; 2]) -> [f32; 2] {
+    let down = |value: f64| -f32_up::from_f64(-value);
+    let (least, most) = (down(bounds.lo), f32_up::from_f64(bounds.hi));
+    let [lo, hi] = match rng.u32(0..8) {
+        0 => [least, most],
+        1..=4 if bounds.is_bounded() => {
+            let length = bounds.width() * f64::from(from_exponents(rng, -24, -1));
+            let start = bounds.lo + (bounds.width() - length) * uniform_f64(rng);
+            [start as f32, (start + length) as f32]
+        }
+        _ => wanted,
+    };
+    [
+        lo.clamp(least, most).min(down(bounds.hi)),
+        hi.clamp(least, most).max(f32_up::from_f64(bounds.lo)),
+    ]
 }
 
 /// A real point of `region` (ends as in [`random_box`]): mostly at corners, on edges and at zeros,

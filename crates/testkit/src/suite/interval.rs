@@ -3,10 +3,10 @@
 use super::subjects::subjects;
 use super::{Failure, MakeInterval, Tally};
 use crate::{
-    Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, point_in_box, random_box,
-    random_graph, reproduce,
+    Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes, point_in_box,
+    random_box, random_graph, reproduce,
 };
-use zeroset_eval::{BoxPacket, EnclosurePacket, LANES};
+use zeroset_eval::{EnclosurePacket, LANES};
 use zeroset_interval::Facts;
 use zeroset_ir::{Graph, NodeId};
 
@@ -62,7 +62,7 @@ fn check(
     boxes: u32,
 ) -> Result<Tally, Failure> {
     let regions: Vec<_> = (0..boxes).map(|_| random_box(rng, Ends::Infinite)).collect();
-    let packets: Vec<BoxPacket> = regions.chunks(LANES).map(packed).collect();
+    let packets = pack_boxes(&regions);
     let mut enclosures = vec![EnclosurePacket::default(); packets.len()];
     make(graph, root).enclose(&packets, &mut enclosures);
     let oracle = Oracle::new(graph, &[root]);
@@ -88,21 +88,9 @@ fn check(
     Ok(tally)
 }
 
-/// Up to four boxes; lanes without one hold the box around 0.
-fn packed(regions: &[[[f32; 2]; 3]]) -> BoxPacket {
-    let mut packet = BoxPacket::default();
-    for (lane, region) in regions.iter().enumerate() {
-        for (axis, [lo, hi]) in region.iter().enumerate() {
-            packet.neg_lo[axis][lane] = -lo;
-            packet.hi[axis][lane] = *hi;
-        }
-    }
-    packet
-}
-
 /// One lane of a kernel's answer.
 #[derive(Debug)]
-struct Answer {
+pub(super) struct Answer {
     lo: f32,
     hi: f32,
     facts: Facts,
@@ -110,7 +98,7 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(packet: &EnclosurePacket, lane: usize) -> Self {
+    pub(super) fn of(packet: &EnclosurePacket, lane: usize) -> Self {
         Self {
             lo: -packet.neg_lo[lane],
             hi: packet.hi[lane],
@@ -123,7 +111,7 @@ impl Answer {
         self.facts.has(Facts::DEFINED) || self.facts.has(Facts::CONTINUOUS)
     }
 
-    fn well_formed(&self) -> Result<(), &'static str> {
+    pub(super) fn well_formed(&self) -> Result<(), &'static str> {
         let nowhere = self.facts.has(Facts::NOWHERE);
         if self.lo.is_nan() || self.hi.is_nan() {
             Err("a bound is NaN")
@@ -140,7 +128,7 @@ impl Answer {
         }
     }
 
-    fn agrees(&self, claim: Claim) -> Result<(), &'static str> {
+    pub(super) fn agrees(&self, claim: Claim) -> Result<(), &'static str> {
         let meets = f64::from(self.lo) <= claim.hi && claim.lo <= f64::from(self.hi);
         match claim.defined {
             Defined::Yes if self.facts.has(Facts::NOWHERE) => Err("called undefined, against"),

@@ -1,0 +1,153 @@
+//! A function with all that a kernel of it is compiled for and run with: domain and parameters.
+//!
+//! Which kernel, and how it is compiled, is not known here.
+
+use crate::random::{
+    Ends, GraphOptions, Rng, point_in_box, random_box, random_domain, random_graph,
+    random_parameters, range_within,
+};
+use crate::{Place, reproduce};
+use std::fmt;
+use zeroset_eval::{Assumptions, BoxPacket, LANES};
+use zeroset_interval::Interval;
+use zeroset_ir::{Graph, NodeId};
+
+/// A function, what code for it may assume, and the values of its parameters.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The graph as typed.
+    pub graph: Graph,
+    /// The function.
+    pub root: NodeId,
+    /// The domain and the range of each parameter, as the compiler is told.
+    pub assumptions: Assumptions,
+    /// Bounds of each parameter's value when the code runs: within what is assumed.
+    pub parameters: Vec<Interval>,
+}
+
+impl Case {
+    /// A graph drawn by `options` over a random domain, which is all of space, or a box whose ends
+    /// need not be `f32`. Parameters are assumed to have their value, or a range around it, or any.
+    pub fn random(rng: &mut Rng, options: &GraphOptions) -> Self {
+        let (graph, root) = random_graph(rng, options);
+        let domain = random_domain(rng);
+        let values = random_parameters(rng, options.parameters);
+        let parameters: Vec<Interval> =
+            values.into_iter().map(|(lo, hi)| Interval { lo, hi }).collect();
+        let assumed = parameters.iter().map(|value| match rng.u32(0..3) {
+            0 => *value,
+            1 => value.hull(Interval { lo: -4.0, hi: 4.0 }),
+            _ => Interval::ENTIRE,
+        });
+        let assumptions = Assumptions { parameters: assumed.collect(), domain };
+        Self { graph, root, assumptions, parameters }
+    }
+
+    /// A box for this case: its ends are `f32`, so it may stick out of the domain by a rounding.
+    pub fn random_box(&self, rng: &mut Rng) -> [[f32; 2]; 3] {
+        let anywhere = random_box(rng, Ends::Infinite);
+        let mut region = anywhere;
+        for (range, bounds) in region.iter_mut().zip(self.assumptions.domain) {
+            *range = range_within(rng, bounds, *range);
+        }
+        region
+    }
+
+    /// A real point of the domain within `region`.
+    pub fn random_point(&self, rng: &mut Rng, region: &[[f32; 2]; 3]) -> [f64; 3] {
+        let mut point = point_in_box(rng, region);
+        for (value, bounds) in point.iter_mut().zip(self.assumptions.domain) {
+            *value = value.clamp(bounds.lo, bounds.hi);
+        }
+        point
+    }
+
+    /// How many nodes the function needs.
+    pub fn size(&self) -> usize {
+        self.graph.reachable(&[self.root]).into_iter().filter(|needed| *needed).count()
+    }
+
+    /// A line for `zeroset eval` about this case, and what was assumed.
+    pub fn describe(&self, place: &Place) -> String {
+        let values: Vec<(f64, f64)> = self.parameters.iter().map(|v| (v.lo, v.hi)).collect();
+        let line = reproduce(&self.graph, self.root, &values, place);
+        format!("{line}\nunder {}", Assumed(&self.assumptions))
+    }
+}
+
+struct Assumed<'a>(&'a Assumptions);
+
+impl fmt::Display for Assumed<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("domain")?;
+        for range in self.0.domain {
+            write!(f, " [{:?}, {:?}]", range.lo, range.hi)?;
+        }
+        f.write_str(", parameters")?;
+        for range in &self.0.parameters {
+            write!(f, " [{:?}, {:?}]", range.lo, range.hi)?;
+        }
+        Ok(())
+    }
+}
+
+/// Boxes as kernels read them, four to a packet; lanes without one hold the last box again.
+pub fn pack_boxes(regions: &[[[f32; 2]; 3]]) -> Vec<BoxPacket> {
+    let pack = |regions: &[[[f32; 2]; 3]]| {
+        let mut packet = BoxPacket::default();
+        for lane in 0..LANES {
+            for (axis, [lo, hi]) in regions[lane.min(regions.len() - 1)].into_iter().enumerate() {
+                packet.neg_lo[axis][lane] = -lo;
+                packet.hi[axis][lane] = hi;
+            }
+        }
+        packet
+    };
+    regions.chunks(LANES).map(pack).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_lie_in_the_domain_and_points_in_both() {
+        let seed = 0x5eed_0080;
+        println!("seed {seed:#x}");
+        let mut rng = Rng::with_seed(seed);
+        let options = GraphOptions { parameters: 2, ..GraphOptions::default() };
+        let (mut whole, mut inside, mut entire) = (0, 0, 0);
+        for _ in 0..5000 {
+            let case = Case::random(&mut rng, &options);
+            let region = case.random_box(&mut rng);
+            let point = case.random_point(&mut rng, &region);
+            for axis in 0..3 {
+                let (bounds, [lo, hi]) = (case.assumptions.domain[axis], region[axis]);
+                let p = point[axis];
+                assert!(lo <= hi && lo < f32::INFINITY && hi > f32::NEG_INFINITY, "{region:?}");
+                assert!(f64::from(lo) <= p && p <= f64::from(hi) && bounds.contains(p), "{p}");
+                // By a rounding at most.
+                assert!(f64::from(lo.next_up()) > bounds.lo || lo.next_up() == hi.next_up());
+                assert!(f64::from(hi.next_down()) < bounds.hi || hi == lo, "{region:?} {bounds:?}");
+                let reaches = f64::from(lo) <= bounds.lo && f64::from(hi) >= bounds.hi;
+                whole += u32::from(reaches && bounds.is_bounded() && bounds.width() > 0.0);
+                inside += u32::from(f64::from(lo) > bounds.lo && f64::from(hi) < bounds.hi);
+                entire += u32::from(bounds == Interval::ENTIRE);
+            }
+            for (value, assumed) in case.parameters.iter().zip(&case.assumptions.parameters) {
+                assert!(assumed.encloses(*value));
+            }
+        }
+        assert!(whole > 500 && inside > 5000 && entire > 3000, "{whole} {inside} {entire}");
+    }
+
+    #[test]
+    fn lanes_left_over_repeat_the_last_box() {
+        let region = |x: f32| [[x, x + 1.0], [0.0, 0.0], [-1.0, 2.0]];
+        let packets =
+            pack_boxes(&[region(0.0), region(1.0), region(2.0), region(3.0), region(4.0)]);
+        assert_eq!(packets.len(), 2);
+        assert_eq!(packets[0].neg_lo[0], [0.0, -1.0, -2.0, -3.0]);
+        assert_eq!(packets[1].hi[0], [5.0; 4]);
+    }
+}

@@ -1,0 +1,52 @@
+//! How long a random test runs, and from which seed.
+
+use std::env;
+use std::fmt;
+
+/// A seed and a number of inputs, which the environment may override: `ZEROSET_SEED` and
+/// `ZEROSET_CASES`, both decimal or hexadecimal after `0x`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Where the random numbers start. The n-th case starts from `seed + n`.
+    pub seed: u64,
+    /// How many inputs to look at, at least.
+    pub cases: u64,
+}
+
+impl Effort {
+    /// What the environment asks for, else these values; says so on the standard output.
+    ///
+    /// # Panics
+    /// If a variable of the environment is set to something else than a number.
+    pub fn from_environment(seed: u64, cases: u64) -> Self {
+        let or = |name: &str, default| env::var(name).map_or(default, |text| number(name, &text));
+        let effort = Self { seed: or("ZEROSET_SEED", seed), cases: or("ZEROSET_CASES", cases) };
+        println!("{effort}");
+        effort
+    }
+}
+
+impl fmt::Display for Effort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "ZEROSET_SEED={:#x} ZEROSET_CASES={}", self.seed, self.cases)
+    }
+}
+
+fn number(name: &str, text: &str) -> u64 {
+    let parsed = match text.strip_prefix("0x") {
+        Some(digits) => u64::from_str_radix(digits, 16),
+        None => text.parse(),
+    };
+    parsed.unwrap_or_else(|error| panic!("{name}={text}: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_decimal_or_hexadecimal() {
+        assert_eq!(number("N", "100000000"), 100_000_000);
+        assert_eq!(number("N", "0x5eed"), 0x5eed);
+    }
+}

@@ -1,0 +1,112 @@
+//! Interval kernels of whole cases: over a domain, with parameters, as a program compiles them.
+
+use super::interval::Answer;
+use super::{Failure, Tally};
+use crate::{
+    Case, Claim, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, minimise,
+    pack_boxes,
+};
+use zeroset_eval::{EnclosurePacket, IntervalKernel, LANES};
+
+/// Makes an interval kernel of a case, parameters bound; `None` leaves the case out.
+pub type MakeCase<'a> = &'a dyn Fn(&Case) -> Option<Box<dyn IntervalKernel>>;
+
+/// Boxes per kernel and points per box: enough that compiling is a small part of the work.
+const BOXES: usize = 64;
+const POINTS: usize = 6;
+
+/// Checks random cases drawn by `options` until `effort.cases` triples of graph, box and point were
+/// compared at which the function is certainly defined.
+///
+/// At each point the oracle's enclosure of the graph as typed, for some value within each
+/// parameter's bounds, must meet the kernel's; and what the kernel claims of the box must be true.
+///
+/// # Errors
+/// The first contradiction, made smaller, with a line that reproduces it.
+pub fn check_interval_cases(
+    make: MakeCase,
+    effort: Effort,
+    options: &GraphOptions,
+) -> Result<Tally, Failure> {
+    let mut tally = Tally::default();
+    let mut seed = effort.seed;
+    while tally.defined < effort.cases {
+        let mut rng = Rng::with_seed(seed);
+        let case = Case::random(&mut rng, options);
+        if let Some(kernel) = make(&case) {
+            let drawn = check(make, &case, &*kernel, &mut rng);
+            tally.add(drawn.map_err(|failure| {
+                Failure(format!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1 shows it alone"))
+            })?);
+        }
+        seed = seed.wrapping_add(1);
+    }
+    Ok(tally)
+}
+
+fn check(
+    make: MakeCase,
+    case: &Case,
+    kernel: &dyn IntervalKernel,
+    rng: &mut Rng,
+) -> Result<Tally, Failure> {
+    let regions: Vec<_> = (0..BOXES).map(|_| case.random_box(rng)).collect();
+    let packets = pack_boxes(&regions);
+    let mut enclosures = vec![EnclosurePacket::default(); packets.len()];
+    kernel.enclose(&packets, &mut enclosures);
+    let oracle = Oracle::new(&case.graph, &[case.root]);
+    let mut tally = Tally::default();
+    for (index, region) in regions.iter().enumerate() {
+        let answer = Answer::of(&enclosures[index / LANES], index % LANES);
+        for _ in 0..POINTS {
+            let point = case.random_point(rng, region);
+            let values = parameters(case, rng);
+            let claim = oracle.at(point, &values)[0];
+            tally.compared += 1;
+            tally.defined += u64::from(claim.defined == Defined::Yes);
+            if contradicts(&answer, claim).is_some() {
+                return Err(explain(make, case, region, point, &values));
+            }
+        }
+    }
+    Ok(tally)
+}
+
+/// A value within the bounds of each parameter: mostly an end.
+fn parameters(case: &Case, rng: &mut Rng) -> Vec<(f64, f64)> {
+    let drawn = case.parameters.iter().map(|bounds| {
+        let value = match rng.u32(0..3) {
+            0 => bounds.lo,
+            1 => bounds.hi,
+            _ => (bounds.lo / 2.0 + bounds.hi / 2.0).clamp(bounds.lo, bounds.hi),
+        };
+        (value, value)
+    });
+    drawn.collect()
+}
+
+fn contradicts(answer: &Answer, claim: Claim) -> Option<&'static str> {
+    answer.well_formed().and_then(|()| answer.agrees(claim)).err()
+}
+
+/// The contradiction in a case as small as can be.
+fn explain(
+    make: MakeCase,
+    case: &Case,
+    region: &[[f32; 2]; 3],
+    point: [f64; 3],
+    values: &[(f64, f64)],
+) -> Failure {
+    let ask = |case: &Case| {
+        let packets = pack_boxes(&[*region]);
+        let mut out = vec![EnclosurePacket::default(); 1];
+        make(case)?.enclose(&packets, &mut out);
+        let answer = Answer::of(&out[0], 0);
+        let claim = Oracle::new(&case.graph, &[case.root]).at(point, values)[0];
+        contradicts(&answer, claim).map(|what| format!("{what} {claim:?}: {answer:?}"))
+    };
+    let least = minimise(case, &mut |case| ask(case).is_some());
+    let what = ask(&least).unwrap_or_else(|| "it depends on the other lanes".to_owned());
+    let at = point.map(hexadecimal);
+    Failure(format!("at {at:?}, {what}\n{}", least.describe(&Place::Box(*region))))
+}
