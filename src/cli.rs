@@ -23,6 +23,7 @@ mod vector;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// The exit code of a user's error: what was asked for cannot be done as asked.
@@ -65,6 +66,7 @@ fn dispatch() -> anyhow::Result<ExitCode> {
 fn detached(argument: OsString) -> Vec<OsString> {
     if let Some(text) = argument.to_str() {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());
+        let picture = |value: &str| Path::new(value).extension().is_some_and(|e| e == "png");
         let name = |value: &str| {
             value
                 .split('=')
@@ -74,7 +76,7 @@ fn detached(argument: OsString) -> Vec<OsString> {
         let parts = attached("-D")
             .filter(|value| value.contains('=') && name(value))
             .map(|value| ("-D", value))
-            .or_else(|| Some(("-o", attached("-o").filter(|value| value.ends_with(".png"))?)));
+            .or_else(|| Some(("-o", attached("-o").filter(|value| picture(value))?)));
         if let Some((flag, value)) = parts {
             return vec![flag.into(), value.into()];
         }

@@ -7,3 +7,4 @@ pub mod picture;
 pub mod program;
 pub mod scene;
 pub mod work;
+pub mod zeros;

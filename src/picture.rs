@@ -3,11 +3,12 @@
 use crate::program::{Program, ProgramError};
 use crate::scene;
 use crate::work::{Counted, Work};
+use crate::zeros::ZeroKernel;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
+use zeroset_jit::{NativeGradient, NativePoint};
 use zeroset_syntax::{Document, Kind};
 use zeroset_trace::{
     Appearance, Camera, Colour, Frame, GBuffer, Knoll, Light, NormalSource, PacketWidth,
@@ -111,7 +112,7 @@ pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// The kernels of one surface.
 struct Kernels {
-    interval: NativeInterval,
+    zeros: ZeroKernel,
     normals: Option<NormalKernel>,
 }
 
@@ -162,11 +163,11 @@ pub fn render(
     let mut buffer = GBuffer::new(settings.width, settings.height, 0);
     for (index, (surface, kernels)) in document.surfaces.iter().zip(&kernels).enumerate() {
         let (mut layer, done) =
-            method(settings.max_depth).trace(&frame, region, &kernels.interval, &advance);
+            method(settings.max_depth).trace(&frame, region, &kernels.zeros, &advance);
         layer.surface.fill(index as u16);
         work.add_traversal(&done);
         if surface.kind == Kind::Solid {
-            let counted = Counted::new(&kernels.interval);
+            let counted = Counted::new(kernels.zeros.function());
             cap(&mut layer, &frame, region, &counted);
             work.interval += counted.count();
         }
@@ -186,14 +187,8 @@ pub fn render(
         let offset = 2.0 * region.half_extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
         let mut hidden = vec![false; pixels];
         for kernels in &kernels {
-            let done = method(depth).shadows(
-                &mut buffer,
-                &frame,
-                region,
-                &kernels.interval,
-                &light,
-                offset,
-            );
+            let done =
+                method(depth).shadows(&mut buffer, &frame, region, &kernels.zeros, &light, offset);
             work.add_traversal(&done);
             hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
         }
@@ -217,8 +212,8 @@ fn compile(
     surface: usize,
     normals: Option<Normals>,
 ) -> Result<Kernels, ProgramError> {
-    let (interval, normals) = rayon::join(
-        || program.interval_kernel(surface),
+    let (zeros, normals) = rayon::join(
+        || program.zero_kernel(surface),
         || match normals {
             None => Ok(None),
             Some(Normals::Gradient) => {
@@ -229,7 +224,7 @@ fn compile(
             }
         },
     );
-    Ok(Kernels { interval: interval?, normals: normals? })
+    Ok(Kernels { zeros: zeros?, normals: normals? })
 }
 
 impl Kernels {
@@ -239,7 +234,7 @@ impl Kernels {
             Some(NormalKernel::Central(kernel)) => kernel.code_bytes(),
             None => 0,
         };
-        self.interval.code_bytes() + normals
+        self.zeros.code_bytes() + normals
     }
 }
 

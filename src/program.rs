@@ -1,10 +1,11 @@
 //! A document made ready to run: simplified over a domain, parameters bound, kernels compiled as asked for.
 
 use crate::enclosure;
+use crate::zeros::ZeroKernel;
 use thiserror::Error;
 use zeroset_eval::{Assumptions, Binding, Tape};
 use zeroset_interval::{Facts, Interval};
-use zeroset_ir::{Graph, IrError, NodeId, gradient, rewrite, simplify};
+use zeroset_ir::{Graph, IrError, NodeId, clear, gradient, hoist, rewrite, simplify};
 use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
 use zeroset_syntax::Document;
 
@@ -16,10 +17,18 @@ pub struct Program {
     /// Before constants are folded to bounds, so that derivatives simplify as well as the functions.
     symbolic: (Graph, Vec<NodeId>),
     assumptions: Assumptions,
-    binding: Binding,
     /// Nodes as typed.
     nodes_before: usize,
     undefined: Vec<bool>,
+}
+
+/// Steps to run, and the parameters' values as these steps read them.
+#[derive(Clone, Debug)]
+pub struct Routine {
+    /// The steps.
+    pub tape: Tape,
+    /// The values.
+    pub binding: Binding,
 }
 
 /// Why a document cannot be drawn, though it reads well.
@@ -83,7 +92,6 @@ impl Program {
     pub fn unchecked(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
         let parameters: Vec<Interval> =
             document.parameters.iter().map(|parameter| parameter.value.bounds()).collect();
-        let bound: Vec<_> = parameters.iter().map(|bounds| (*bounds, Facts::TOTAL)).collect();
         let typed: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
         let symbolic = rewrite(&document.graph, &typed, &domain, &parameters)?;
         let (graph, roots) = simplify(&symbolic.0, &symbolic.1, &domain, &parameters)?;
@@ -97,7 +105,6 @@ impl Program {
             roots,
             symbolic,
             assumptions,
-            binding: Binding::new(&bound),
             nodes_before: count(&document.graph, &typed),
             undefined,
         })
@@ -113,11 +120,6 @@ impl Program {
         &self.roots
     }
 
-    /// The parameters' values.
-    pub fn binding(&self) -> &Binding {
-        &self.binding
-    }
-
     /// Nodes as typed and after simplification, all surfaces together.
     pub fn nodes(&self) -> (usize, usize) {
         (self.nodes_before, count(&self.graph, &self.roots))
@@ -128,27 +130,42 @@ impl Program {
         self.undefined[surface]
     }
 
-    /// The steps that compute a surface's function.
+    /// What computes a surface's function.
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn tape(&self, surface: usize) -> Tape {
-        Tape::new(&self.graph, &[self.roots[surface]], &self.assumptions)
+    pub fn routine(&self, surface: usize) -> Routine {
+        self.hoisted(&self.graph, &[self.roots[surface]])
     }
 
-    /// The steps that compute a surface's function and its three derivatives.
+    /// What computes a surface's function and its three derivatives.
     ///
     /// # Errors
     /// If the derivatives are too large.
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn gradient_tape(&self, surface: usize) -> Result<Tape, ProgramError> {
+    pub fn gradient_routine(&self, surface: usize) -> Result<Routine, ProgramError> {
         let (mut graph, root) = (self.symbolic.0.clone(), self.symbolic.1[surface]);
         let [x, y, z] = gradient(&mut graph, root);
-        let Assumptions { domain, parameters } = &self.assumptions;
-        let (graph, roots) = simplify(&graph, &[root, x, y, z], domain, parameters)?;
-        Ok(Tape::new(&graph, &roots, &self.assumptions))
+        let (graph, roots) = self.simplified(&graph, &[root, x, y, z])?;
+        Ok(self.hoisted(&graph, &roots))
+    }
+
+    /// The numerator of a surface's cleared form and the node that is 0 at its poles, in a graph of their own, or `None`
+    /// if it has no poles that can be cleared.
+    ///
+    /// # Errors
+    /// If the cleared form is too large.
+    ///
+    /// # Panics
+    /// If there is no such surface.
+    pub fn cleared(&self, surface: usize) -> Result<Option<(Graph, [NodeId; 2])>, ProgramError> {
+        let (mut graph, root) = (self.symbolic.0.clone(), self.symbolic.1[surface]);
+        let Some(cleared) = clear(&mut graph, root) else { return Ok(None) };
+        let typed = [cleared.numerator, cleared.denominator];
+        let (graph, roots) = self.simplified(&graph, &typed)?;
+        Ok(Some((graph, [roots[0], roots[1]])))
     }
 
     /// Native code that encloses a surface's function.
@@ -156,7 +173,25 @@ impl Program {
     /// # Errors
     /// If no code can be made.
     pub fn interval_kernel(&self, surface: usize) -> Result<NativeInterval, ProgramError> {
-        Ok(NativeInterval::compile(&self.tape(surface), &self.binding)?)
+        let Routine { tape, binding } = self.routine(surface);
+        Ok(NativeInterval::compile(&tape, &binding)?)
+    }
+
+    /// Native code that tells where a surface's function may vanish: its enclosures, and near poles those of its cleared
+    /// form.
+    ///
+    /// # Errors
+    /// If no code can be made.
+    pub fn zero_kernel(&self, surface: usize) -> Result<ZeroKernel, ProgramError> {
+        let function = self.interval_kernel(surface)?;
+        let numerator = match self.cleared(surface)? {
+            Some((graph, [numerator, _])) => {
+                let Routine { tape, binding } = self.hoisted(&graph, &[numerator]);
+                Some(NativeInterval::compile(&tape, &binding)?)
+            }
+            None => None,
+        };
+        Ok(ZeroKernel::new(function, numerator))
     }
 
     /// Native code that samples a surface's function.
@@ -164,7 +199,8 @@ impl Program {
     /// # Errors
     /// If no code can be made.
     pub fn point_kernel(&self, surface: usize) -> Result<NativePoint, ProgramError> {
-        Ok(NativePoint::compile(&self.tape(surface), &self.binding)?)
+        let Routine { tape, binding } = self.routine(surface);
+        Ok(NativePoint::compile(&tape, &binding)?)
     }
 
     /// Native code that samples a surface's function and its gradient.
@@ -172,7 +208,40 @@ impl Program {
     /// # Errors
     /// If no code can be made.
     pub fn gradient_kernel(&self, surface: usize) -> Result<NativeGradient, ProgramError> {
-        Ok(NativeGradient::compile(&self.gradient_tape(surface)?, &self.binding)?)
+        let Routine { tape, binding } = self.gradient_routine(surface)?;
+        Ok(NativeGradient::compile(&tape, &binding)?)
+    }
+
+    fn simplified(
+        &self,
+        graph: &Graph,
+        roots: &[NodeId],
+    ) -> Result<(Graph, Vec<NodeId>), ProgramError> {
+        let Assumptions { domain, parameters } = &self.assumptions;
+        Ok(simplify(graph, roots, domain, parameters)?)
+    }
+
+    /// The steps for `roots`, what depends on parameters alone computed beforehand.
+    fn hoisted(&self, graph: &Graph, roots: &[NodeId]) -> Routine {
+        let Assumptions { domain, parameters } = &self.assumptions;
+        let mut known: Vec<_> = parameters.iter().map(|bounds| (*bounds, Facts::TOTAL)).collect();
+        let hoisted = hoist(graph, roots, parameters.len() as u32);
+        let values = hoisted
+            .uniforms
+            .iter()
+            .map(|(_, node)| enclosure::enclose(graph, *node, &self.assumptions));
+        let values: Vec<_> = values.collect();
+        // A value that may be undefined stays where it is: a choice between branches need not reach it.
+        let (graph, roots) = if values.iter().all(|(_, facts)| facts.has(Facts::DEFINED)) {
+            known.extend(values);
+            (&hoisted.graph, &hoisted.roots[..])
+        } else {
+            (graph, roots)
+        };
+        let binding = Binding::new(&known);
+        let parameters = binding.bounds().to_vec();
+        let assumptions = Assumptions { domain: *domain, parameters };
+        Routine { tape: Tape::new(graph, roots, &assumptions), binding }
     }
 }
 
@@ -207,6 +276,16 @@ mod tests {
 
     fn message(formula: &str) -> String {
         program(formula).expect_err("no surface").to_string()
+    }
+
+    #[test]
+    fn what_depends_on_parameters_alone_is_computed_beforehand() {
+        let rolling = program("w = 2\nsin(w)*x + cos(w)*y + z").expect("a surface");
+        let Routine { tape, binding } = rolling.routine(0);
+        assert_eq!((tape.operations(), binding.values().len()), (4, 3));
+        // A value that does not exist is left to the steps, which may not need it.
+        let choice = program("w = -2\nstep(0, x)*sqrt(1+w*y) + sqrt(w+y^2)").expect("a surface");
+        assert_eq!(choice.routine(0).binding.values().len(), 1);
     }
 
     #[test]

@@ -106,7 +106,7 @@ pub fn region(
 pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
     let program = Program::new(document, [Interval { lo: -REACH, hi: REACH }; 3])?;
     let kernels = (0..program.roots().len())
-        .map(|surface| program.interval_kernel(surface))
+        .map(|surface| program.zero_kernel(surface))
         .collect::<Result<Vec<_>, _>>()?;
     let kernels: Vec<&dyn IntervalKernel> =
         kernels.iter().map(|kernel| kernel as &dyn IntervalKernel).collect();

@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
-use zeroset::program::Program;
+use zeroset::program::{Program, Routine};
 use zeroset_eval::{
     BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, PointPacket,
     Reference,
@@ -149,7 +149,10 @@ impl Function {
         if self.interval.is_none() {
             let program = &self.program;
             self.interval = Some(if reference {
-                Box::new(Reference::new(program.tape(0), program.binding().clone()))
+                {
+                    let Routine { tape, binding } = program.routine(0);
+                    Box::new(Reference::new(tape, binding))
+                }
             } else {
                 Box::new(program.interval_kernel(0).map_err(|error| error.to_string())?)
             });
@@ -161,8 +164,9 @@ impl Function {
         if self.gradient.is_none() {
             let program = &self.program;
             self.gradient = Some(if reference {
-                let tape = program.gradient_tape(0).map_err(|error| error.to_string())?;
-                Box::new(Reference::new(tape, program.binding().clone()))
+                let routine = program.gradient_routine(0).map_err(|error| error.to_string())?;
+                let Routine { tape, binding } = routine;
+                Box::new(Reference::new(tape, binding))
             } else {
                 Box::new(program.gradient_kernel(0).map_err(|error| error.to_string())?)
             });

@@ -48,8 +48,12 @@ fn explain(subject: &Subject) -> Result<String> {
         let root = program.roots()[index];
         writeln!(text, "\nread as     {}", surface.echo)?;
         writeln!(text, "simplified  {}", display(program.graph(), root, &names))?;
-        let interval = program.tape(index);
-        let gradient = program.gradient_tape(index)?;
+        let interval = program.routine(index).tape;
+        let gradient = program.gradient_routine(index)?.tape;
+        if let Some((graph, [numerator, denominator])) = program.cleared(index)? {
+            let show = |node| display(&graph, node, &names);
+            writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
+        }
         writeln!(text, "operations  {}", operations(&interval))?;
         let bytes = [
             program.interval_kernel(index)?.code_bytes(),
