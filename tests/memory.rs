@@ -1,0 +1,46 @@
+//! Compiling and dropping kernels leaves no memory behind. Alone in its file, hence in its process:
+//! what other tests hold would count too.
+
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use zeroset::gallery::examples;
+use zeroset::program::Program;
+use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel};
+use zeroset_interval::Interval;
+use zeroset_syntax::{Document, Options, read};
+
+const CYCLES: usize = 1000;
+const ALLOWED_KILOBYTES: i64 = 1024;
+
+/// Resident memory of this process.
+fn resident_kilobytes() -> i64 {
+    let status = fs::read_to_string("/proc/self/status").expect("readable");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a size");
+    line.trim().trim_end_matches("kB").trim().parse().expect("a number")
+}
+
+/// Compiles every kind of kernel of a document, runs one, drops all; returns the bytes of code.
+fn cycle(document: &Document) -> usize {
+    let program = Program::new(document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("simplifies");
+    let interval = program.interval_kernel(0).expect("compiles");
+    let point = program.point_kernel(0).expect("compiles");
+    let gradient = program.gradient_kernel(0).expect("compiles");
+    let mut out = [EnclosurePacket::default()];
+    interval.enclose(&[BoxPacket::default()], &mut out);
+    interval.code_bytes() + point.code_bytes() + gradient.code_bytes()
+}
+
+#[test]
+fn a_thousand_cycles_leave_resident_memory_within_a_megabyte() {
+    let read = |text: &str| read(text, &Options::default()).expect("reads");
+    let documents: Vec<Document> = examples().iter().map(|example| read(example.text)).collect();
+    // First uses fill tables and the allocator's pools.
+    let warm: usize = documents.iter().map(cycle).sum();
+    let before = resident_kilobytes();
+    let code: usize = (0..CYCLES).map(|n| cycle(&documents[n % documents.len()])).sum();
+    let grown = resident_kilobytes() - before;
+    println!("{warm} and {code} bytes of code; {before} kB resident, {grown} kB more at the end");
+    assert!(code > 2 * 1024 * ALLOWED_KILOBYTES as usize, "a leak of the code would not be seen");
+    assert!(grown <= ALLOWED_KILOBYTES, "{grown} kB more than {before} kB");
+}
