@@ -1,4 +1,4 @@
-//! Pictures of the whole gallery against exact first roots: no claim about a ray is false, and how far off the paint is.
+//! Pictures of the whole gallery against exact first roots: no claim is false, and how far off the paint is.
 
 mod truth_support;
 

@@ -187,7 +187,7 @@ impl Display for Table<'_> {
         for kind in &KINDS {
             write!(out, " {:>6}", kind.head)?;
         }
-        writeln!(out, "   median       max  /slab      max")?;
+        writeln!(out, "   median       max  /slab     max")?;
         for row in rows {
             write!(out, "{:width$}", row.slug)?;
             for count in row.counts {
@@ -195,7 +195,7 @@ impl Display for Table<'_> {
             }
             if let Some((median, max)) = row.error() {
                 write!(out, "  {median:7.1e}  {max:8.1e}")?;
-                write!(out, " {:6.2} {:8.2}", median / row.slab, max / row.slab)?;
+                write!(out, " {:6.1} {:7.1}", median / row.slab, max / row.slab)?;
             }
             writeln!(out)?;
         }
