@@ -66,6 +66,9 @@ pub trait Machine {
     /// a where the mask is set, else b.
     fn select(&mut self, mask: Self::V, a: Self::V, b: Self::V) -> Self::V;
 
+    /// a where the sign bit of `sign` is set, else b: −0 and negative NaN select a.
+    fn select_signed(&mut self, sign: Self::V, a: Self::V, b: Self::V) -> Self::V;
+
     /// Lane bits a + b as integers, wrapping.
     fn int_add(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// Lane bits a − b as integers, wrapping.

@@ -192,6 +192,14 @@ impl Machine for Software {
         self.or(chosen, other)
     }
 
+    fn select_signed(&mut self, sign: Lanes, a: Lanes, b: Lanes) -> Lanes {
+        let mask = match sign {
+            Lanes::F32(lanes) => Lanes::F32(lanes.map(|lane| (lane as i32 >> 31) as u32)),
+            Lanes::F64(lanes) => Lanes::F64(lanes.map(|lane| (lane as i64 >> 63) as u64)),
+        };
+        self.select(mask, a, b)
+    }
+
     fn int_add(&mut self, a: Lanes, b: Lanes) -> Lanes {
         integer(a, b, u32::wrapping_add, u64::wrapping_add)
     }

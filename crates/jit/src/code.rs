@@ -13,7 +13,9 @@ pub struct Constant(u128);
 pub struct Code {
     module: ManuallyDrop<JITModule>,
     entry: Entry,
-    constants: Box<[Constant]>,
+    _constants: Box<[Constant]>,
+    /// The address of `constants`.
+    pool: *const Constant,
     /// Size of the machine code in bytes.
     pub bytes: usize,
 }
@@ -24,8 +26,9 @@ impl Code {
     /// # Safety
     /// `entry` must lie in memory that `module` owns, and read no more constants than these.
     pub unsafe fn new(module: JITModule, entry: Entry, constants: Vec<u128>, bytes: usize) -> Self {
-        let constants = constants.into_iter().map(Constant).collect();
-        Self { module: ManuallyDrop::new(module), entry, constants, bytes }
+        let constants: Box<[Constant]> = constants.into_iter().map(Constant).collect();
+        let pool = constants.as_ptr();
+        Self { module: ManuallyDrop::new(module), entry, _constants: constants, pool, bytes }
     }
 
     /// The function. It must not be called after this value is dropped.
@@ -36,10 +39,10 @@ impl Code {
 }
 
 impl Code {
-    /// The pool of constants that the function reads.
+    /// Where the function finds the address of its constants.
     #[inline]
     pub fn constants(&self) -> *const u8 {
-        self.constants.as_ptr().cast()
+        (&raw const self.pool).cast()
     }
 }
 

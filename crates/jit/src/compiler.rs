@@ -207,7 +207,9 @@ fn build(tape: &Tape, kind: Kind) -> Result<(Function, Vec<u128>), Error> {
     builder.ins().brif(count, body, &args(&[inputs, outputs, count]), end, &[]);
     builder.switch_to_block(body);
     let cursor = Cursor { input: carried[0], output: carried[1], parameters };
-    let mut emitter = Emitter::new(&mut builder, constants);
+    // The pool's address is read anew in each round, so that no load from it is moved out of the loop.
+    let pool = builder.ins().load(I64, trusted(), constants, 0);
+    let mut emitter = Emitter::new(&mut builder, pool);
     match kind {
         Kind::Interval => emit_enclosure(&mut emitter, tape, &cursor),
         Kind::Point | Kind::Gradient => emit_values(&mut emitter, tape, &cursor),

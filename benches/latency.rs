@@ -1,0 +1,145 @@
+//! From typed text to native code, warm: the first interval kernel, and all kernels of the default picture.
+//!
+//! `cargo bench --bench latency` prints the median and the worst surface of the gallery against the targets of
+//! 2 ms and 8 ms, then the slowest surfaces with the time of each stage; `-- gyroid` at the end of the command
+//! looks only at surfaces with such a name. A surface's time is the median over
+//! rounds; each round goes through all surfaces, so that a disturbance falls on one round and not on one surface.
+
+use rayon::prelude::*;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+use zeroset::gallery::{Example, examples};
+use zeroset::program::Program;
+use zeroset::scene::{self, DomainChoice};
+use zeroset_jit::{NativeGradient, NativeInterval};
+use zeroset_syntax::{Document, Options, read};
+
+const WARM_UP: usize = 2;
+const ROUNDS: usize = 31;
+const SLOWEST: usize = 10;
+
+/// What is timed, in the order of the columns.
+const NAMES: [&str; 9] =
+    ["first", "all", "parse", "simplify", "tape", "code", "poles", "d tape", "d code"];
+const FIRST: usize = 0;
+const ALL: usize = 1;
+
+fn document(example: &Example) -> Document {
+    read(example.text, &Options::default()).expect(example.slug)
+}
+
+fn program(document: &Document) -> Program {
+    let (region, _) = scene::region(document, DomainChoice::Document, None).expect("a domain");
+    Program::new(document, scene::bounds(&region)).expect("a surface")
+}
+
+/// All that stands between a text and the first question a traverser asks.
+fn first(example: &Example) -> NativeInterval {
+    program(&document(example)).interval_kernel(0).expect(example.slug)
+}
+
+/// All kernels that a picture with normals uses, compiled side by side as a picture does.
+fn all(example: &Example) -> usize {
+    let document = document(example);
+    let program = program(&document);
+    let kernels = (0..document.surfaces.len()).into_par_iter().map(|surface| {
+        rayon::join(
+            || program.zero_kernel(surface).expect(example.slug),
+            || program.gradient_kernel(surface).expect(example.slug),
+        )
+    });
+    kernels.collect::<Vec<_>>().len()
+}
+
+/// The time that `run` takes; its result is dropped outside of it.
+fn time<T>(run: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let result = black_box(run());
+    (result, start.elapsed())
+}
+
+/// One round of one surface; the stages run one after the other, on one thread.
+fn round(example: &Example) -> [Duration; NAMES.len()] {
+    let (_, first) = time(|| first(example));
+    let (_, all) = time(|| all(example));
+    let (document, parse) = time(|| document(example));
+    let (program, simplify) = time(|| program(&document));
+    let (routine, tape) = time(|| program.routine(0));
+    let (kernel, code) = time(|| NativeInterval::compile(&routine.tape, &routine.binding));
+    kernel.expect(example.slug);
+    // The zero kernel compiles the function again; what the poles cost is the difference.
+    let (kernel, zeros) = time(|| program.zero_kernel(0));
+    kernel.expect(example.slug);
+    let poles = zeros.saturating_sub(tape + code);
+    let (routine, gradient_tape) = time(|| program.gradient_routine(0).expect(example.slug));
+    let (kernel, gradient_code) = time(|| NativeGradient::compile(&routine.tape, &routine.binding));
+    kernel.expect(example.slug);
+    [first, all, parse, simplify, tape, code, poles, gradient_tape, gradient_code]
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn main() {
+    // Cargo itself passes `--bench`.
+    let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    let mut examples = examples();
+    examples.retain(|example| filter.as_ref().is_none_or(|part| example.slug.contains(part)));
+    assert!(!examples.is_empty(), "no surface has a name like {filter:?}");
+    for _ in 0..WARM_UP {
+        for example in &examples {
+            round(example);
+        }
+    }
+    let mut rounds: Vec<Vec<[Duration; NAMES.len()]>> = vec![Vec::new(); examples.len()];
+    for _ in 0..ROUNDS {
+        for (example, rounds) in examples.iter().zip(&mut rounds) {
+            rounds.push(round(example));
+        }
+    }
+    // Milliseconds per surface and column.
+    let table: Vec<(Example, [f64; NAMES.len()])> = examples
+        .into_iter()
+        .zip(rounds)
+        .map(|(example, rounds)| {
+            let column = |column: usize| {
+                median(rounds.iter().map(|round| round[column].as_secs_f64() * 1e3).collect())
+            };
+            (example, std::array::from_fn(column))
+        })
+        .collect();
+    println!("{:16}{:>10}{:>10}{:>10}   worst surface", "", "median", "worst", "target");
+    for (name, column, target) in [("first", FIRST, 2.0), ("all", ALL, 8.0)] {
+        let worst = slowest(&table, column)[0];
+        println!(
+            "{:16}{:7.2} ms{:7.2} ms{target:7.0} ms   {}",
+            format!("latency/{name}"),
+            median(table.iter().map(|(_, times)| times[column]).collect()),
+            worst.1[column],
+            worst.0.slug,
+        );
+    }
+    for column in [FIRST, ALL] {
+        println!("\nslowest by '{}', in ms; stages one after the other", NAMES[column]);
+        print!("{:34}", "");
+        NAMES.iter().for_each(|name| print!("{name:>9}"));
+        println!();
+        for (example, times) in slowest(&table, column).iter().take(SLOWEST) {
+            print!("{:34}", example.slug);
+            times.iter().for_each(|time| print!("{time:9.2}"));
+            println!();
+        }
+    }
+}
+
+/// The surfaces from the slowest in a column on.
+fn slowest<const N: usize>(
+    table: &[(Example, [f64; N])],
+    column: usize,
+) -> Vec<(Example, [f64; N])> {
+    let mut sorted = table.to_vec();
+    sorted.sort_by(|a, b| b.1[column].total_cmp(&a.1[column]));
+    sorted
+}
