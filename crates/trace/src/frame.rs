@@ -12,8 +12,8 @@ pub struct Frame {
     forward: DVec3,
     right: DVec3,
     up: DVec3,
-    /// Half the picture's height: on the plane at distance 1, or in world units if parallel.
-    scale: f64,
+    /// Half a pixel's height: on the plane at distance 1, or in world units if parallel.
+    unit: f64,
     parallel: bool,
 }
 
@@ -33,7 +33,7 @@ impl Frame {
             forward,
             right,
             up: right.cross(forward),
-            scale,
+            unit: scale / height as f64,
             parallel,
         }
     }
@@ -70,14 +70,21 @@ impl Frame {
 
     /// The ray through the centre of the pixel in column `i` and row `j`, by the formula of [`Camera::ray`].
     pub fn ray(&self, i: usize, j: usize) -> Ray {
-        let (width, height) = (self.width as f64, self.height as f64);
-        let across = (2.0 * (i as f64 + 0.5) / width - 1.0) * self.scale * (width / height);
-        let upward = (1.0 - 2.0 * (j as f64 + 0.5) / height) * self.scale;
+        let (origin, direction) = self.line(i, j);
+        Ray { origin, direction: direction.normalize() }
+    }
+
+    /// Origin and direction of the same ray, the direction at any length: without the cost of a root and a division.
+    #[inline]
+    pub(crate) fn line(&self, i: usize, j: usize) -> (DVec3, DVec3) {
+        // (2(i+½)/width − 1)·s·width/height and (1 − 2(j+½)/height)·s with s the scale: integers until the last step.
+        let across = (2 * i as i64 + 1 - self.width as i64) as f64 * self.unit;
+        let upward = (self.height as i64 - 1 - 2 * j as i64) as f64 * self.unit;
         let offset = across * self.right + upward * self.up;
         if self.parallel {
-            Ray { origin: self.eye + offset, direction: self.forward }
+            (self.eye + offset, self.forward)
         } else {
-            Ray { origin: self.eye, direction: (self.forward + offset).normalize() }
+            (self.eye, self.forward + offset)
         }
     }
 

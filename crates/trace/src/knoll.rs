@@ -139,8 +139,7 @@ impl Knoll {
                 let segments: [[Segment; 4]; GROUPS] = std::array::from_fn(|group| {
                     std::array::from_fn(|lane| {
                         let (i, j) = place(group, lane);
-                        let ray = frame.ray(i, j);
-                        let (origin, direction) = (ray.origin, ray.direction);
+                        let (origin, direction) = frame.line(i, j);
                         Segment { origin, direction, to: f64::INFINITY }
                     })
                 });
@@ -168,7 +167,8 @@ impl Knoll {
             let outcomes = self.packet(&packet, kernel, work);
             return std::array::from_fn(|group| {
                 std::array::from_fn(|lane| {
-                    let at = |share| packet.distance(share, &segments[group][lane], region);
+                    let segment = &segments[group][lane];
+                    let at = |share| packet.distance(share, group, lane, segment);
                     let Outcome { drawn, suppressed } = outcomes[group][lane];
                     Found { drawn: drawn.map(at), suppressed: suppressed.map(at) }
                 })

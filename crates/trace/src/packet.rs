@@ -4,7 +4,6 @@
 //! given by its share τ of that extent, from 0 where rays enter to 1 where they leave, so one τ is one plane for all
 //! rays of the packet. Everything here is `f32` with explicit slack; all of it encloses the exact rays.
 
-use crate::camera::Ray;
 use crate::region::Region;
 use glam::{BVec4A, DVec3, Vec4};
 use zeroset_eval::BoxPacket;
@@ -117,16 +116,14 @@ impl<const GROUPS: usize> Packet<GROUPS> {
         Some(packet)
     }
 
-    /// The distance from a ray's origin to the plane τ = `share`, no nearer than where the ray enters the region;
-    /// rounded to nearest.
-    pub fn distance(&self, share: f32, segment: &Segment, region: &Region) -> f32 {
+    /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the region if that is
+    /// farther; rounded to nearest.
+    pub fn distance(&self, share: f32, group: usize, lane: usize, segment: &Segment) -> f32 {
         let Planes { k, start, extent, .. } = self.planes;
-        let length = segment.direction.length();
+        let share = share.max(self.groups[group].enter[lane]);
         let plane = start + f64::from(share) * extent;
-        let distance = (plane - segment.origin[k]) / segment.direction[k] * length;
-        let ray = Ray { origin: segment.origin, direction: segment.direction / length };
-        let entry = region.span(&ray).map_or(0.0, |(near, _)| near);
-        distance.max(entry) as f32
+        let steps = (plane - segment.origin[k]) / segment.direction[k];
+        (steps * segment.direction.length()).max(0.0) as f32
     }
 
     /// Boxes around the rays between the planes `from` and `to`, clipped to the region.
