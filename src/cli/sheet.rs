@@ -1,17 +1,18 @@
-//! A contact sheet: small pictures with their names.
+//! A contact sheet: small pictures with their names. The letters are Noto Sans Mono (SIL Open Font License 1.1), as the
+//! crate `noto-sans-mono-bitmap` has drawn them.
 
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 /// Side of a small picture, in pixels.
-const SIDE: u32 = 256;
+const SIDE: u32 = 224;
 /// Space around a small picture.
 const MARGIN: u32 = 8;
 /// Height of the line for the name.
 const LABEL: u32 = 22;
 /// Small pictures in a row.
-const COLUMNS: u32 = 9;
+const COLUMNS: u32 = 13;
 
 const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
 const INK: u8 = 32;
