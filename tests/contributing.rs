@@ -1,0 +1,75 @@
+//! Keeps the worked example of CONTRIBUTING.md true: the files it names are those that name a like operation.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(directory).expect("a directory") {
+        let path = entry.expect("readable").path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// The paths in backquotes in the section on a native function; a bare file name continues the directory before it.
+fn named() -> BTreeSet<String> {
+    let text = std::fs::read_to_string(root().join("CONTRIBUTING.md")).expect("there");
+    let section = text.split("**Natively**").nth(1).expect("the section");
+    let section = section.split("\n## ").next().expect("its text");
+    let mut directory = String::new();
+    let mut paths = BTreeSet::new();
+    for quoted in section.split('`').skip(1).step_by(2) {
+        let is_file = Path::new(quoted).extension().is_some_and(|extension| extension == "rs");
+        if let Some((before, last)) = quoted.rsplit_once('/') {
+            directory = format!("{before}/");
+            if last.is_empty() {
+                continue;
+            }
+        }
+        if is_file {
+            let name = quoted.rsplit('/').next().unwrap_or(quoted);
+            paths.insert(format!("{directory}{name}"));
+        }
+    }
+    paths
+}
+
+#[test]
+fn the_worked_example_names_every_place_and_no_other() {
+    let mut files = Vec::new();
+    sources(&root().join("crates"), &mut files);
+    let arms: BTreeSet<String> = files
+        .into_iter()
+        .filter(|path| {
+            let text = std::fs::read_to_string(path).expect("readable");
+            // An arm, a row or a variant for `atan`, which like `sinh` is odd, increasing and elementary; what only
+            // one test is about does not count.
+            let is_place = |line: &str| {
+                let line = line.trim();
+                let arm =
+                    ["Op::Atan => ", "| Op::Atan", "| Atan ", "(Op::Atan, f64::", "op: Op::Atan,"];
+                line == "Atan,"
+                    || line.starts_with("Op::Atan =>")
+                    || arm.iter().any(|a| line.contains(a))
+            };
+            text.lines().any(is_place)
+        })
+        .map(|path| path.strip_prefix(root()).expect("inside").display().to_string())
+        .collect();
+    assert_eq!(named(), arms);
+}
+
+#[test]
+fn the_composed_example_is_the_row_itself() {
+    let text = std::fs::read_to_string(root().join("CONTRIBUTING.md")).expect("there");
+    let row = text.lines().find(|line| line.starts_with("row(\"sinh\"")).expect("the row");
+    let table = std::fs::read_to_string(root().join("crates/ops/src/composed.rs")).expect("there");
+    assert!(table.contains(row.trim()), "{row}");
+}
