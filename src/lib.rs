@@ -1,4 +1,20 @@
 //! From a typed equation to a picture of its zero set, with a proof for every pixel.
+//!
+//! ```
+//! use zeroset::picture::{Settings, render};
+//! use zeroset::scene::{self, CameraChoice, DomainChoice};
+//!
+//! let document = zeroset_syntax::read("x^2+y^2+z^2 = 1", &Default::default())?;
+//! let (region, _) = scene::region(&document, DomainChoice::Auto, None)?;
+//! let camera = scene::camera(&document, &region, &CameraChoice::default())?;
+//! let settings = Settings { width: 64, height: 64, ..Settings::default() };
+//! let picture = render(&document, &region, &camera, &settings, &|_done, _of| {})?;
+//! assert_eq!(picture.rgb.len(), 3 * 64 * 64);
+//! assert!(picture.buffer.counts().miss > 64 * 64 / 3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The command line and any live view share this library. It knows no arguments, terminals or files.
 
 pub mod domain;
 pub mod enclosure;
