@@ -25,4 +25,4 @@ pub use random::{
     Ends, GraphOptions, Ray, Rng, adversarial_f32, point_in_box, random_box, random_constant,
     random_domain, random_graph, random_parameters, random_ray, range_within,
 };
-pub use reproduce::{Place, hexadecimal, reproduce};
+pub use reproduce::{Place, hexadecimal, reproduce, typed};

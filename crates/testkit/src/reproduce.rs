@@ -57,6 +57,16 @@ pub fn reproduce(graph: &Graph, root: NodeId, parameters: &[(f64, f64)], place: 
     }
 }
 
+/// The function `root` of `graph` as a text that reads back as the same function, or `None` if it
+/// holds something that cannot be typed.
+///
+/// # Panics
+/// If `root` does not belong to `graph`.
+pub fn typed(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> Option<String> {
+    let (formula, notes) = document(graph, root, parameters);
+    notes.is_empty().then_some(formula)
+}
+
 fn joined<const N: usize>(parts: &[String; N]) -> String {
     parts.join(",")
 }
