@@ -93,10 +93,7 @@ impl Builder<'_> {
                 return Err(Error::new(span, ErrorKind::InversePower { name }));
             }
         };
-        let kind = NoteKind::InverseFunction {
-            name: name.clone(),
-            inverse: inverse.to_owned(),
-        };
+        let kind = NoteKind::InverseFunction { name: name.clone(), inverse: inverse.to_owned() };
         self.note(span, kind);
         Ok(Callee::BuiltIn(inverse.to_owned()))
     }
@@ -111,10 +108,7 @@ impl Builder<'_> {
         let counts = self.scope.counts(callee);
         if items.is_empty() || !counts.accept(1) {
             let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
-            let kind = ErrorKind::NeedsArgument {
-                name: name.clone(),
-                count: counts.least(),
-            };
+            let kind = ErrorKind::NeedsArgument { name: name.clone(), count: counts.least() };
             return Err(self.suggest_brackets(Error::new(span, kind), span));
         }
         let mut factors = Vec::new();
@@ -130,13 +124,8 @@ impl Builder<'_> {
             }
         }
         let place = factors[0].span.to(factors[factors.len() - 1].span);
-        let product = product_of(
-            factors
-                .into_iter()
-                .map(|f| (ProductSign::Times, f))
-                .collect(),
-            place,
-        );
+        let product =
+            product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect(), place);
         number_only(&product)?;
         Ok(product)
     }
@@ -176,10 +165,7 @@ impl Builder<'_> {
             };
             return Err(Error::new(span.to(place), kind));
         };
-        Ok(Expr::new(
-            ExprKind::Call(function, arguments),
-            span.to(place),
-        ))
+        Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
     }
 }
 
@@ -195,11 +181,7 @@ fn usage(callee: &Callee) -> Option<String> {
         );
     }
     if let Some(composed) = zeroset_ops::composed(name).next() {
-        return Some(format!(
-            "`{name}({})`: {}",
-            composed.parameters.join(", "),
-            composed.doc
-        ));
+        return Some(format!("`{name}({})`: {}", composed.parameters.join(", "), composed.doc));
     }
     let row = zeroset_ops::native(name)?;
     let operands = ["a", "b", "c"][..row.op.arity()].join(", ");

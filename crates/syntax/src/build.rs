@@ -87,9 +87,7 @@ impl<'a> Builder<'a> {
     /// An expression: a number or a condition.
     pub(crate) fn expression(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
-        self.nested(span, |b| {
-            b.joined(pair, "or", |b, pair| b.joined(pair, "and", Self::negation))
-        })
+        self.nested(span, |b| b.joined(pair, "or", |b, pair| b.joined(pair, "and", Self::negation)))
     }
 
     /// One operand, or several joined by `word`.
@@ -120,11 +118,7 @@ impl<'a> Builder<'a> {
             (kind, _) => vec![Expr::new(kind, first.span)],
         };
         all.extend(operands);
-        let kind = if word == "and" {
-            ExprKind::And(all)
-        } else {
-            ExprKind::Or(all)
-        };
+        let kind = if word == "and" { ExprKind::And(all) } else { ExprKind::Or(all) };
         Ok(Expr::new(kind, span))
     }
 
@@ -211,10 +205,7 @@ impl<'a> Builder<'a> {
         signs: &[(SumSign, Span)],
         build: impl FnOnce(&mut Self) -> Fallible<Expr>,
     ) -> Fallible<Expr> {
-        let minus = signs
-            .iter()
-            .filter(|(sign, _)| *sign == SumSign::Minus)
-            .count();
+        let minus = signs.iter().filter(|(sign, _)| *sign == SumSign::Minus).count();
         if let Some((_, span)) = signs.first() {
             self.room(*span, minus)?;
         }
@@ -243,11 +234,7 @@ impl<'a> Builder<'a> {
             match child.as_rule() {
                 Rule::factor_sign => {
                     let over = child.into_inner().any(|sign| sign.as_rule() == Rule::over);
-                    joint = Some(if over {
-                        ProductSign::Over
-                    } else {
-                        ProductSign::Times
-                    });
+                    joint = Some(if over { ProductSign::Over } else { ProductSign::Times });
                 }
                 Rule::sign => signs.push((sign(&child), self.span(&child))),
                 _ => {
@@ -283,11 +270,7 @@ impl<'a> Builder<'a> {
         // Long factors would hide what the remark is about.
         const LONGEST: usize = 24;
         let short = |text: String| {
-            if text.chars().count() > LONGEST {
-                "…".to_owned()
-            } else {
-                text
-            }
+            if text.chars().count() > LONGEST { "…".to_owned() } else { text }
         };
         let product = |factors: &mut dyn Iterator<Item = &Expr>| {
             let factors: Vec<String> = factors.map(factor_text).collect();
@@ -338,19 +321,11 @@ pub(crate) fn sum_of(first: Expr, mut more: Vec<(SumSign, Expr)>, span: Span) ->
 }
 
 pub(crate) fn sign(pair: &Pair<'_>) -> SumSign {
-    if pair.as_str() == "+" {
-        SumSign::Plus
-    } else {
-        SumSign::Minus
-    }
+    if pair.as_str() == "+" { SumSign::Plus } else { SumSign::Minus }
 }
 
 pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
-    let inner = pair
-        .clone()
-        .into_inner()
-        .next()
-        .map(|inner| inner.as_rule());
+    let inner = pair.clone().into_inner().next().map(|inner| inner.as_rule());
     match inner {
         Some(Rule::unequal) => Relation::Unequal,
         Some(Rule::less) => Relation::Less,

@@ -55,9 +55,7 @@ pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
         .map_err(|error| diagnose(text, piece, LineKind::Formula, &error))?;
     let scope = Scope::default();
     let mut builder = Builder::new(text, piece.span.start, &scope, &[], limits);
-    let expression = pairs
-        .flatten()
-        .find(|pair| pair.as_rule() == Rule::expression);
+    let expression = pairs.flatten().find(|pair| pair.as_rule() == Rule::expression);
     let expr = builder.value(expression.expect("a constant has an expression"))?;
     evaluate(&expr, limits)
 }
@@ -119,10 +117,8 @@ fn apply(
     operands: &Operands,
     values: &[Option<(Constant, Facts)>],
 ) -> Option<(Constant, Facts)> {
-    let known: Option<Vec<&(Constant, Facts)>> = operands
-        .iter()
-        .map(|id| values[id.index()].as_ref())
-        .collect();
+    let known: Option<Vec<&(Constant, Facts)>> =
+        operands.iter().map(|id| values[id.index()].as_ref()).collect();
     let known = known?;
     let all_total = known.iter().all(|(_, facts)| facts.has(Facts::TOTAL));
     let exact: Option<Vec<&BigRational>> =
@@ -130,10 +126,8 @@ fn apply(
     if let (true, Some(value)) = (all_total, exact.and_then(|exact| exactly(op, &exact))) {
         return Some((Constant::rational(value), Facts::TOTAL));
     }
-    let boxes: Vec<(Interval, Facts)> = known
-        .iter()
-        .map(|(constant, facts)| (constant.bounds(), *facts))
-        .collect();
+    let boxes: Vec<(Interval, Facts)> =
+        known.iter().map(|(constant, facts)| (constant.bounds(), *facts)).collect();
     let (bounds, facts) = fold(op, &boxes);
     Some((Constant::enclosed(bounds), facts))
 }
@@ -152,11 +146,7 @@ fn exactly(op: Op, operands: &[&BigRational]) -> Option<BigRational> {
                 return None;
             }
             let power = num_traits::pow((*a).clone(), exponent.unsigned_abs() as usize);
-            Some(if exponent < 0 {
-                BigRational::one() / power
-            } else {
-                power
-            })
+            Some(if exponent < 0 { BigRational::one() / power } else { power })
         }
         _ => None,
     }
@@ -193,10 +183,7 @@ mod tests {
             ("2^0.5", std::f64::consts::SQRT_2),
         ] {
             let bounds = constant(text).expect(text).bounds();
-            assert!(
-                bounds.lo <= value && value <= bounds.hi,
-                "{text}: {bounds:?}"
-            );
+            assert!(bounds.lo <= value && value <= bounds.hi, "{text}: {bounds:?}");
             assert!(bounds.width() < 1e-13, "{text}: {bounds:?}");
         }
     }

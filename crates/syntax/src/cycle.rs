@@ -18,11 +18,8 @@ pub(crate) fn recursion(definitions: &[(&Definition, &Built)]) -> Option<Box<Err
     let uses: Vec<Vec<usize>> = definitions
         .iter()
         .map(|(_, built)| {
-            let mut uses: Vec<usize> = built
-                .used
-                .iter()
-                .filter_map(|name| index.get(name.as_str()).copied())
-                .collect();
+            let mut uses: Vec<usize> =
+                built.used.iter().filter_map(|name| index.get(name.as_str()).copied()).collect();
             uses.sort_unstable();
             uses
         })
@@ -54,9 +51,7 @@ pub(crate) fn recursion(definitions: &[(&Definition, &Built)]) -> Option<Box<Err
                     let first = (0..cycle.len()).min_by_key(|i| cycle[*i]).unwrap_or(0);
                     cycle.rotate_left(first);
                     let name = |index: &usize| definitions[*index].0.name.text.clone();
-                    let kind = ErrorKind::Recursion {
-                        cycle: cycle.iter().map(name).collect(),
-                    };
+                    let kind = ErrorKind::Recursion { cycle: cycle.iter().map(name).collect() };
                     return Some(Error::new(definitions[cycle[0]].0.name.span, kind));
                 }
                 _ => {}

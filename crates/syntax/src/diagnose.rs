@@ -95,18 +95,10 @@ pub(crate) fn diagnose(
     if is_sign(found) && matches!(before.kind, TokenKind::Open(_) | TokenKind::Bar) {
         return Error::new(found.span, ErrorKind::MissingBefore { sign });
     }
-    if matches!(
-        (before.kind, found.kind),
-        (TokenKind::Open(_), TokenKind::Close(_))
-    ) {
+    if matches!((before.kind, found.kind), (TokenKind::Open(_), TokenKind::Close(_))) {
         return Error::new(both, ErrorKind::EmptyBrackets);
     }
-    Error::new(
-        found.span,
-        ErrorKind::Unexpected {
-            found: short(&sign),
-        },
-    )
+    Error::new(found.span, ErrorKind::Unexpected { found: short(&sign) })
 }
 
 /// A sign of other languages, and what is written here.

@@ -123,10 +123,7 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 /// What is wrong with the text: at least one error, at most one for each statement. `domain`, `view` and `color`
 /// lines are checked by the grammar only.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
-    let options = Options {
-        limits: *limits,
-        ..Options::default()
-    };
+    let options = Options { limits: *limits, ..Options::default() };
     let mut reader = Reader::new(text, &options);
     let built = reader.statements().map_err(Errors::new)?;
     Ok(built.into_iter().map(|built| built.statement).collect())
@@ -182,11 +179,7 @@ impl<'a> Reader<'a> {
                 break;
             }
         }
-        if self.errors.is_empty() {
-            Ok(built)
-        } else {
-            Err(std::mem::take(&mut self.errors))
-        }
+        if self.errors.is_empty() { Ok(built) } else { Err(std::mem::take(&mut self.errors)) }
     }
 
     fn read(mut self) -> Result<Document, Vec<Error>> {
@@ -206,10 +199,7 @@ impl<'a> Reader<'a> {
             if let Some(before) = last.insert(&definition.name.text, index) {
                 let earlier = &definitions[before].0.name;
                 let name = earlier.text.clone();
-                self.notes.push(Note {
-                    span: earlier.span,
-                    kind: NoteKind::Redefined { name },
-                });
+                self.notes.push(Note { span: earlier.span, kind: NoteKind::Redefined { name } });
             }
         }
         definitions = definitions
@@ -221,19 +211,14 @@ impl<'a> Reader<'a> {
         if let Some(error) = recursion(&definitions) {
             return Err(vec![*error]);
         }
-        let used: FxHashSet<&str> = built
-            .iter()
-            .flat_map(|b| b.used.iter().map(String::as_str))
-            .collect();
+        let used: FxHashSet<&str> =
+            built.iter().flat_map(|b| b.used.iter().map(String::as_str)).collect();
         let overrides = self.overrides(&definitions, &used);
         let (names, parameters) = self.parameters(&definitions, &overrides, &drawings);
         if !self.errors.is_empty() {
             return Err(self.errors);
         }
-        let time = parameters
-            .iter()
-            .find(|p| p.kind == ParameterKind::Time)
-            .map(|p| p.number);
+        let time = parameters.iter().find(|p| p.kind == ParameterKind::Time).map(|p| p.number);
         let mut lowering = Lowering::new(names, time, &self.options.limits);
         let mut surfaces = Vec::new();
         for drawing in &drawings {
@@ -290,16 +275,9 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
         Some(root) => (root, Kind::Equation),
         None => (lowering.solid(expr)?, Kind::Solid),
     };
-    let root = restrictions
-        .iter()
-        .try_fold(root, |root, condition| lowering.restrict(root, condition))?;
-    Ok(Surface {
-        root,
-        kind,
-        span: built.span,
-        echo: echo(expr, &built.statement),
-        color: None,
-    })
+    let root =
+        restrictions.iter().try_fold(root, |root, condition| lowering.restrict(root, condition))?;
+    Ok(Surface { root, kind, span: built.span, echo: echo(expr, &built.statement), color: None })
 }
 
 /// How a drawing was read; a plain formula shows the `= 0` it implies.
@@ -323,20 +301,13 @@ fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, No
     use crate::ast::Value;
     use zeroset_ir::Axis;
     for (definition, built) in definitions.iter().rev() {
-        let parameters: Vec<&str> = definition
-            .parameters
-            .iter()
-            .flatten()
-            .map(|name| name.text.as_str())
-            .collect();
+        let parameters: Vec<&str> =
+            definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
         let span = definition.name.span;
         let coordinate = |axis| Expr::new(ExprKind::Name(Value::Coordinate(axis)), span);
         let function = Function::Defined(definition.name.text.clone());
-        let arguments: Vec<Expr> = Axis::ALL
-            .iter()
-            .take(parameters.len())
-            .map(|axis| coordinate(*axis))
-            .collect();
+        let arguments: Vec<Expr> =
+            Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
         let call = Expr::new(ExprKind::Call(function, arguments), span);
         let expr = match parameters.as_slice() {
             ["x", "y", "z"] => {
@@ -348,21 +319,11 @@ fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, No
             }
             _ => continue,
         };
-        let statement = Statement::Draw {
-            expr: Expr::new(expr, span),
-            restrictions: Vec::new(),
-        };
+        let statement = Statement::Draw { expr: Expr::new(expr, span), restrictions: Vec::new() };
         let drawn = statement.to_string();
-        let note = Note {
-            span,
-            kind: NoteKind::DrawsFunction { drawn },
-        };
-        let built = Built {
-            statement,
-            span: built.span,
-            notes: Vec::new(),
-            used: FxHashSet::default(),
-        };
+        let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };
+        let built =
+            Built { statement, span: built.span, notes: Vec::new(), used: FxHashSet::default() };
         return Ok((built, note));
     }
     let Some((definition, _)) = definitions.last() else {

@@ -106,11 +106,7 @@ pub enum ErrorKind {
     #[error("there is no formula here")]
     Empty,
     #[error("nothing is drawn: there are only definitions")]
-    NothingToDraw {
-        last: String,
-        is_number: bool,
-        parameters: Option<usize>,
-    },
+    NothingToDraw { last: String, is_number: bool, parameters: Option<usize> },
 
     // ---- characters and brackets
     #[error("`{character}` has no meaning in a formula")]
@@ -174,12 +170,7 @@ pub enum ErrorKind {
     #[error("`{name}` is a function and needs {}", plural(*.count))]
     NeedsArgument { name: String, count: usize },
     #[error("`{name}` takes {expected}, not {given}")]
-    WrongCount {
-        name: String,
-        expected: String,
-        given: usize,
-        usage: Option<String>,
-    },
+    WrongCount { name: String, expected: String, given: usize, usage: Option<String> },
     #[error("`{name}^-1` could mean the inverse or the reciprocal")]
     InversePower { name: String },
     #[error("`{name}` cannot be given another meaning")]
@@ -270,11 +261,8 @@ fn recursion(cycle: &[String]) -> String {
     match cycle {
         [only] => format!("`{only}` is defined by itself"),
         [first, rest @ ..] => {
-            let mut others: Vec<String> = rest
-                .iter()
-                .chain([first])
-                .map(|name| format!("`{name}`"))
-                .collect();
+            let mut others: Vec<String> =
+                rest.iter().chain([first]).map(|name| format!("`{name}`")).collect();
             if others.len() > LONGEST_CYCLE {
                 others.drain(LONGEST_CYCLE - 2..others.len() - 1);
                 others.insert(LONGEST_CYCLE - 2, "…".to_owned());
@@ -293,12 +281,7 @@ pub(crate) type Fallible<T> = Result<T, Box<Error>>;
 
 impl Error {
     pub(crate) fn new(span: Span, kind: ErrorKind) -> Box<Self> {
-        Box::new(Self {
-            span,
-            kind,
-            suggestion: None,
-            origin: Origin::Document,
-        })
+        Box::new(Self { span, kind, suggestion: None, origin: Origin::Document })
     }
 
     /// The same error with a replacement for `span`.
@@ -307,10 +290,7 @@ impl Error {
         span: Span,
         replacement: impl Into<String>,
     ) -> Box<Self> {
-        self.suggestion = Some(Suggestion {
-            span,
-            replacement: replacement.into(),
-        });
+        self.suggestion = Some(Suggestion { span, replacement: replacement.into() });
         self
     }
 

@@ -128,34 +128,18 @@ impl Error {
                 format!("did you mean `{}`?", meant?.replacement)
             }
             ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`".to_owned(),
-            ErrorKind::NothingToDraw {
-                last,
-                parameters: Some(count),
-                ..
-            } => {
-                let arguments = ["x", "y", "z"]
-                    .iter()
-                    .cycle()
-                    .take(*count)
-                    .copied()
-                    .collect::<Vec<_>>();
+            ErrorKind::NothingToDraw { last, parameters: Some(count), .. } => {
+                let arguments =
+                    ["x", "y", "z"].iter().cycle().take(*count).copied().collect::<Vec<_>>();
                 format!(
                     "to draw where `{last}` is 0, add a line such as `{last}({}) = 0`",
                     arguments.join(", ")
                 )
             }
-            ErrorKind::NothingToDraw {
-                last,
-                is_number: true,
-                ..
-            } => {
+            ErrorKind::NothingToDraw { last, is_number: true, .. } => {
                 format!("add a line that uses `{last}`, such as `x^2 + y^2 + z^2 = {last}^2`")
             }
-            ErrorKind::NothingToDraw {
-                last,
-                is_number: false,
-                ..
-            } => {
+            ErrorKind::NothingToDraw { last, is_number: false, .. } => {
                 format!("to draw where `{last}` is 0, add a line that is just `{last}`")
             }
             ErrorKind::UnexpectedCharacter { character } => {
@@ -243,10 +227,9 @@ impl Error {
     /// The text that the error points at, with the suggestion put in.
     fn corrected(&self, text: &str, meant: &Suggestion) -> String {
         let whole = self.span.to(meant.span);
-        let (Some(before), Some(after)) = (
-            text.get(whole.start..meant.span.start),
-            text.get(meant.span.end..whole.end),
-        ) else {
+        let (Some(before), Some(after)) =
+            (text.get(whole.start..meant.span.start), text.get(meant.span.end..whole.end))
+        else {
             return meant.replacement.clone();
         };
         let corrected = format!("{before}{}{after}", meant.replacement);

@@ -16,11 +16,6 @@ pub struct Limits {
 impl Default for Limits {
     /// One mebibyte, 100,000 symbols, 200 levels, 65,536 nodes.
     fn default() -> Self {
-        Self {
-            bytes: 1 << 20,
-            symbols: 100_000,
-            depth: 200,
-            nodes: 1 << 16,
-        }
+        Self { bytes: 1 << 20, symbols: 100_000, depth: 200, nodes: 1 << 16 }
     }
 }

@@ -80,11 +80,8 @@ impl<'a> Lowering<'a> {
 
     /// `left − right`, without the subtraction where one side is the number 0.
     fn difference(&mut self, left: &'a Expr, right: &'a Expr) -> Fallible<NodeId> {
-        let zero = |expr: &Expr| {
-            expr.number()
-                .and_then(Constant::decimal)
-                .is_some_and(|c| c.is_zero())
-        };
+        let zero =
+            |expr: &Expr| expr.number().and_then(Constant::decimal).is_some_and(|c| c.is_zero());
         if zero(right) {
             return self.value(left);
         }
@@ -131,12 +128,7 @@ impl<'a> Lowering<'a> {
                 }
                 Ok(all.expect("a comparison has two sides"))
             }
-            _ => Err(Error::new(
-                expr.span,
-                ErrorKind::ValueAsCondition {
-                    word: "and".to_owned(),
-                },
-            )),
+            _ => Err(Error::new(expr.span, ErrorKind::ValueAsCondition { word: "and".to_owned() })),
         }
     }
 
@@ -150,17 +142,15 @@ impl<'a> Lowering<'a> {
 
     /// `op` over all `nodes`, from the left.
     fn fold(&mut self, op: Op, nodes: &[NodeId]) -> NodeId {
-        nodes[1..]
-            .iter()
-            .fold(nodes[0], |all, node| self.graph.apply(op, &[all, *node]))
+        nodes[1..].iter().fold(nodes[0], |all, node| self.graph.apply(op, &[all, *node]))
     }
 
     /// `root`, defined only where `condition` holds.
     pub(crate) fn restrict(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
         match &condition.kind {
-            ExprKind::And(items) => items
-                .iter()
-                .try_fold(root, |root, item| self.restrict(root, item)),
+            ExprKind::And(items) => {
+                items.iter().try_fold(root, |root, item| self.restrict(root, item))
+            }
             ExprKind::Compare(first, rest) => {
                 let mut left: &Expr = first;
                 let mut root = root;
@@ -183,17 +173,10 @@ impl<'a> Lowering<'a> {
             }
             ExprKind::Or(_) | ExprKind::Not(_) => {
                 let (bound, strict) = self.margin(condition, false)?;
-                let op = if strict == Some(true) {
-                    Op::WherePositive
-                } else {
-                    Op::WhereNonneg
-                };
+                let op = if strict == Some(true) { Op::WherePositive } else { Op::WhereNonneg };
                 Ok(self.graph.apply(op, &[root, bound]))
             }
-            _ => Err(Error::new(
-                condition.span,
-                ErrorKind::RestrictionNotCondition,
-            )),
+            _ => Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
         }
     }
 
@@ -205,10 +188,8 @@ impl<'a> Lowering<'a> {
             ExprKind::And(items) | ExprKind::Or(items) => {
                 let is_and = matches!(condition.kind, ExprKind::And(_));
                 let op = if is_and == negated { Op::Max } else { Op::Min };
-                let parts: Fallible<Vec<_>> = items
-                    .iter()
-                    .map(|item| self.margin(item, negated))
-                    .collect();
+                let parts: Fallible<Vec<_>> =
+                    items.iter().map(|item| self.margin(item, negated)).collect();
                 (parts?, op)
             }
             ExprKind::Compare(first, rest) => {
@@ -239,10 +220,7 @@ impl<'a> Lowering<'a> {
                 (parts, if negated { Op::Max } else { Op::Min })
             }
             _ => {
-                return Err(Error::new(
-                    condition.span,
-                    ErrorKind::RestrictionNotCondition,
-                ));
+                return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition));
             }
         };
         let strict = items[0].1;
@@ -368,18 +346,14 @@ impl<'a> Lowering<'a> {
                     }
                     Some((key, Meaning::Definition(definition))) => {
                         let (key, definition) = (*key, *definition);
-                        let node = self
-                            .number(&definition.body, &[])
-                            .map_err(|e| at_use(e, span))?;
+                        let node =
+                            self.number(&definition.body, &[]).map_err(|e| at_use(e, span))?;
                         self.values.insert(key, node);
                         Ok(node)
                     }
                     None => {
                         let name = name.clone();
-                        Err(Error::new(
-                            span,
-                            ErrorKind::UnknownName { name, letter: None },
-                        ))
+                        Err(Error::new(span, ErrorKind::UnknownName { name, letter: None }))
                     }
                 }
             }
@@ -397,10 +371,8 @@ impl<'a> Lowering<'a> {
             Function::Native(op) => Ok(self.graph.apply(*op, &arguments)),
             Function::Length => {
                 let two = self.graph.integer(2);
-                let squares: Vec<NodeId> = arguments
-                    .iter()
-                    .map(|node| self.graph.apply(Op::Pow, &[*node, two]))
-                    .collect();
+                let squares: Vec<NodeId> =
+                    arguments.iter().map(|node| self.graph.apply(Op::Pow, &[*node, two])).collect();
                 let sum = self.fold(Op::Add, &squares);
                 Ok(self.graph.apply(Op::Sqrt, &[sum]))
             }
@@ -413,9 +385,8 @@ impl<'a> Lowering<'a> {
                 let composed = &zeroset_ops::COMPOSED[*index];
                 let names = composed.parameters.iter().copied();
                 let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
-                let node = self
-                    .number(prelude::body(*index), &locals)
-                    .map_err(|e| at_use(e, span))?;
+                let node =
+                    self.number(prelude::body(*index), &locals).map_err(|e| at_use(e, span))?;
                 self.expanded.insert(key, node);
                 Ok(node)
             }
@@ -429,15 +400,9 @@ impl<'a> Lowering<'a> {
                     return Err(Error::new(span, ErrorKind::UnknownFunction { name }));
                 };
                 let definition: &'a Definition = definition;
-                let names = definition
-                    .parameters
-                    .iter()
-                    .flatten()
-                    .map(|name| name.text.as_str());
+                let names = definition.parameters.iter().flatten().map(|name| name.text.as_str());
                 let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
-                let node = self
-                    .number(&definition.body, &locals)
-                    .map_err(|e| at_use(e, span))?;
+                let node = self.number(&definition.body, &locals).map_err(|e| at_use(e, span))?;
                 self.expanded.insert(key, node);
                 Ok(node)
             }
@@ -462,9 +427,8 @@ impl<'a> Lowering<'a> {
             3 => self.graph.apply(Op::Cbrt, &[radicand]),
             n => {
                 let exponent = i64::try_from(n).ok().and_then(|n| Constant::ratio(1, n));
-                let exponent = self
-                    .graph
-                    .constant(exponent.unwrap_or_else(|| Constant::integer(0)));
+                let exponent =
+                    self.graph.constant(exponent.unwrap_or_else(|| Constant::integer(0)));
                 if n % 2 == 0 {
                     self.graph.apply(Op::Pow, &[radicand, exponent])
                 } else {
@@ -475,20 +439,13 @@ impl<'a> Lowering<'a> {
                 }
             }
         };
-        Ok(if n < 0 {
-            self.graph.apply(Op::Div, &[one, positive])
-        } else {
-            positive
-        })
+        Ok(if n < 0 { self.graph.apply(Op::Div, &[one, positive]) } else { positive })
     }
 }
 
 /// Errors of size inside a definition are shown where it is used: that is what can be changed.
 fn at_use(mut error: Box<Error>, span: Span) -> Box<Error> {
-    if matches!(
-        error.kind,
-        ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }
-    ) {
+    if matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;
     }
     error

@@ -24,10 +24,7 @@ pub enum NoteKind {
     #[error("`{name}` is read as the product `{product}`")]
     ProductOfNames { name: String, product: String },
     #[error("`{name}` is {meaning}")]
-    ConstantUsed {
-        name: &'static str,
-        meaning: &'static str,
-    },
+    ConstantUsed { name: &'static str, meaning: &'static str },
     #[error(
         "a power with the exponent {exponent} is for values >= 0; `{other}` takes negative ones as well"
     )]

@@ -119,19 +119,14 @@ impl<'a> Reader<'a> {
             if !is_slider {
                 if let (Some(_), Some((low, high))) = (&definition.parameters, &definition.range) {
                     let span = low.span.to(high.span);
-                    self.errors
-                        .push(*Error::new(span, ErrorKind::RangeOutsideDefinition));
+                    self.errors.push(*Error::new(span, ErrorKind::RangeOutsideDefinition));
                 }
                 names.insert(name, Meaning::Definition(definition));
                 continue;
             }
             match slider(definition, given, &self.options.limits) {
                 Ok(mut slider) => {
-                    let kind = if is_time {
-                        ParameterKind::Time
-                    } else {
-                        ParameterKind::Slider
-                    };
+                    let kind = if is_time { ParameterKind::Time } else { ParameterKind::Slider };
                     if let (true, Some(time)) =
                         (is_time, self.options.time.and_then(Interval::point))
                     {
@@ -152,11 +147,7 @@ impl<'a> Reader<'a> {
                 continue;
             };
             if name != "t" && !names.contains_key(name) {
-                let slider = Slider {
-                    value: value.clone(),
-                    range: None,
-                    span: None,
-                };
+                let slider = Slider { value: value.clone(), range: None, span: None };
                 let number = add(name, ParameterKind::Slider, slider);
                 names.insert(name, Meaning::Parameter(number));
             }
@@ -171,11 +162,7 @@ impl<'a> Reader<'a> {
                 .map(Constant::enclosed)
                 .or_else(|| overrides.get("t").cloned())
                 .unwrap_or_else(|| Constant::integer(0));
-            let slider = Slider {
-                value,
-                range: None,
-                span: None,
-            };
+            let slider = Slider { value, range: None, span: None };
             add("t", ParameterKind::Time, slider);
         }
         (names, parameters)
@@ -193,10 +180,7 @@ fn slider(definition: &Definition, given: Option<Constant>, limits: &Limits) -> 
         None => None,
         Some((low, high)) => {
             let span = low.span.to(high.span);
-            let (low, high) = (
-                constant::evaluate(low, limits)?,
-                constant::evaluate(high, limits)?,
-            );
+            let (low, high) = (constant::evaluate(low, limits)?, constant::evaluate(high, limits)?);
             if low.bounds().lo >= high.bounds().hi {
                 return Err(Error::new(span, ErrorKind::EmptyRange));
             }
@@ -208,9 +192,5 @@ fn slider(definition: &Definition, given: Option<Constant>, limits: &Limits) -> 
             Some((low, high))
         }
     };
-    Ok(Slider {
-        value,
-        range,
-        span: Some(definition.name.span),
-    })
+    Ok(Slider { value, range, span: Some(definition.name.span) })
 }

@@ -16,19 +16,12 @@ static BODIES: LazyLock<Vec<Expr>> = LazyLock::new(|| {
     COMPOSED
         .iter()
         .map(|composed| {
-            let name = |text: &&str| Name {
-                text: (*text).to_owned(),
-                span: Span::default(),
-            };
+            let name = |text: &&str| Name { text: (*text).to_owned(), span: Span::default() };
             let locals: Vec<Name> = composed.parameters.iter().map(name).collect();
             let mut builder = Builder::new(composed.body, 0, &scope, &locals, &limits);
             let body = Zeroset::parse(Rule::line, composed.body)
                 .ok()
-                .and_then(|pairs| {
-                    pairs
-                        .flatten()
-                        .find(|pair| pair.as_rule() == Rule::expression)
-                })
+                .and_then(|pairs| pairs.flatten().find(|pair| pair.as_rule() == Rule::expression))
                 .and_then(|pair| builder.value(pair).ok());
             body.unwrap_or_else(|| panic!("the body of `{}` must parse", composed.name))
         })
@@ -45,11 +38,7 @@ mod tests {
     #[test]
     fn every_body_parses() {
         for (index, composed) in zeroset_ops::COMPOSED.iter().enumerate() {
-            assert!(
-                !super::body(index).to_string().is_empty(),
-                "{}",
-                composed.name
-            );
+            assert!(!super::body(index).to_string().is_empty(), "{}", composed.name);
         }
     }
 }

@@ -33,11 +33,7 @@ fn tightness(expr: &Expr) -> Tightness {
 
 /// Writes `expr`, in brackets unless it is at least as tight as `needed`.
 fn write(f: &mut fmt::Formatter<'_>, expr: &Expr, needed: Tightness) -> fmt::Result {
-    if tightness(expr) >= needed {
-        write!(f, "{expr}")
-    } else {
-        write!(f, "({expr})")
-    }
+    if tightness(expr) >= needed { write!(f, "{expr}") } else { write!(f, "({expr})") }
 }
 
 fn list(f: &mut fmt::Formatter<'_>, items: &[Expr], joint: &str, needed: Tightness) -> fmt::Result {
@@ -52,11 +48,7 @@ fn list(f: &mut fmt::Formatter<'_>, items: &[Expr], joint: &str, needed: Tightne
 
 /// An expression as it stands in a product: in brackets if it is looser than a power.
 pub(crate) fn factor_text(expr: &Expr) -> String {
-    if tightness(expr) >= Tightness::Power {
-        expr.to_string()
-    } else {
-        format!("({expr})")
-    }
+    if tightness(expr) >= Tightness::Power { expr.to_string() } else { format!("({expr})") }
 }
 
 impl fmt::Display for Expr {

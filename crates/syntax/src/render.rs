@@ -14,10 +14,8 @@ impl Errors {
     /// All errors as text with carets. `source_name` is the file's name, if there is one; `text` is what was read.
     /// Without `color` the result is plain text.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
-        let rendered: Vec<String> = self
-            .iter()
-            .map(|error| error.render(source_name, text, color))
-            .collect();
+        let rendered: Vec<String> =
+            self.iter().map(|error| error.render(source_name, text, color)).collect();
         rendered.join("\n\n")
     }
 }
@@ -65,11 +63,7 @@ impl Note {
 }
 
 fn renderer(color: bool) -> Renderer {
-    let renderer = if color {
-        Renderer::styled()
-    } else {
-        Renderer::plain()
-    };
+    let renderer = if color { Renderer::styled() } else { Renderer::plain() };
     renderer.term_width(WIDTH)
 }
 
@@ -95,11 +89,7 @@ impl<'a> Window<'a> {
         };
         let start = line_start.max(floor(place.saturating_sub(CONTEXT)));
         let stop = line_end.min(floor((place + CONTEXT).min(text.len())));
-        Self {
-            shown: &text[start..stop],
-            start,
-            line,
-        }
+        Self { shown: &text[start..stop], start, line }
     }
 
     fn span(&self, span: Span) -> std::ops::Range<usize> {
@@ -108,8 +98,6 @@ impl<'a> Window<'a> {
     }
 
     fn snippet<A: Clone>(&self, source_name: Option<&'a str>) -> Snippet<'a, A> {
-        Snippet::source(self.shown)
-            .line_start(self.line)
-            .path(source_name)
+        Snippet::source(self.shown).line_start(self.line).path(source_name)
     }
 }

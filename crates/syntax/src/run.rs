@@ -129,10 +129,7 @@ impl Builder<'_> {
                     "phi" => "the golden ratio, (1 + sqrt(5))/2 = 1.6180339…",
                     _ => return,
                 };
-                let kind = NoteKind::ConstantUsed {
-                    name: constant.name(),
-                    meaning,
-                };
+                let kind = NoteKind::ConstantUsed { name: constant.name(), meaning };
                 if !self.notes.iter().any(|note| note.kind == kind) {
                     self.note(span, kind);
                 }
@@ -235,25 +232,11 @@ impl Builder<'_> {
             return;
         }
         let base = base.to_string();
-        let base = if base.chars().count() > 24 {
-            "…".to_owned()
-        } else {
-            base
-        };
-        let root = if bottom == 3 {
-            format!("cbrt({base})")
-        } else {
-            format!("root({base}, {bottom})")
-        };
-        let other = if top == 1 {
-            root
-        } else {
-            format!("{root}^{top}")
-        };
-        let kind = NoteKind::OddRoot {
-            exponent: format!("{top}/{bottom}"),
-            other,
-        };
+        let base = if base.chars().count() > 24 { "…".to_owned() } else { base };
+        let root =
+            if bottom == 3 { format!("cbrt({base})") } else { format!("root({base}, {bottom})") };
+        let other = if top == 1 { root } else { format!("{root}^{top}") };
+        let kind = NoteKind::OddRoot { exponent: format!("{top}/{bottom}"), other };
         self.note(exponent.span, kind);
     }
 
@@ -283,10 +266,7 @@ impl Builder<'_> {
                 }
                 let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };
                 let place = span.to(inner.span);
-                Ok(Expr::new(
-                    ExprKind::Call(Function::Native(op), vec![inner]),
-                    place,
-                ))
+                Ok(Expr::new(ExprKind::Call(Function::Native(op), vec![inner]), place))
             }),
             Some(Item::Caret(_, span) | Item::Superscript(_, span)) => {
                 let sign = "^".to_owned();
@@ -333,10 +313,7 @@ impl Builder<'_> {
             Rule::bars => {
                 let inner = pair.into_inner().next().expect("bars hold an expression");
                 let inner = b.value(inner)?;
-                Ok(Expr::new(
-                    ExprKind::Call(Function::Native(Op::Abs), vec![inner]),
-                    span,
-                ))
+                Ok(Expr::new(ExprKind::Call(Function::Native(Op::Abs), vec![inner]), span))
             }
             Rule::fraction => {
                 let mut parts = Vec::new();
@@ -360,10 +337,7 @@ impl Builder<'_> {
         let mut radicand = None;
         for child in pair.into_inner() {
             if child.as_rule() == Rule::index {
-                let inner = child
-                    .into_inner()
-                    .next()
-                    .expect("an index holds an expression");
+                let inner = child.into_inner().next().expect("an index holds an expression");
                 index = Some(self.value(inner)?);
             } else {
                 radicand = Some(self.closed(child)?);

@@ -44,10 +44,7 @@ pub(crate) struct Piece {
 /// Splits `text` into statements, and checks length, depth, characters and brackets.
 pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
     if text.len() > limits.bytes {
-        let kind = ErrorKind::TooLong {
-            bytes: text.len(),
-            limit: limits.bytes,
-        };
+        let kind = ErrorKind::TooLong { bytes: text.len(), limit: limits.bytes };
         return Err(Error::new(Span::at(0), kind));
     }
     let tokens = tokens(text, limits.symbols)?;
@@ -66,10 +63,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
             .copied()
             .collect();
         bars(text, &tokens)?;
-        pieces.push(Piece {
-            span: first.span.to(last.span),
-            tokens,
-        });
+        pieces.push(Piece { span: first.span.to(last.span), tokens });
     }
     Ok(pieces)
 }
@@ -88,10 +82,7 @@ fn tokens(text: &str, limit: usize) -> Fallible<Vec<Token>> {
             '\n' | '\r' | ';' => (Some(TokenKind::Break), 1),
             ' ' | '\t' | '\u{A0}' | '\u{2009}' | '\u{202F}' | '\u{3000}' | '\u{2062}'
             | '\u{FEFF}' => (None, character.len_utf8()),
-            '#' => comment(
-                rest,
-                statement_start(&tokens).map(|t| &text[t.span.range()]),
-            ),
+            '#' => comment(rest, statement_start(&tokens).map(|t| &text[t.span.range()])),
             '0'..='9' | '.' => number(rest),
             '\\' => command(rest),
             '(' | '[' | '{' => (Some(TokenKind::Open(character)), 1),
@@ -131,9 +122,7 @@ fn statement_start(tokens: &[Token]) -> Option<&Token> {
 /// A comment, or the value of a `color` line.
 fn comment(rest: &str, keyword: Option<&str>) -> (Option<TokenKind>, usize) {
     let is_color = matches!(keyword, Some("color" | "colour"));
-    let digits = rest[1..]
-        .find(|c: char| !c.is_ascii_hexdigit())
-        .unwrap_or(rest.len() - 1);
+    let digits = rest[1..].find(|c: char| !c.is_ascii_hexdigit()).unwrap_or(rest.len() - 1);
     if is_color && digits > 0 {
         return (Some(TokenKind::Word), 1 + digits);
     }
@@ -172,9 +161,7 @@ fn number(rest: &str) -> (Option<TokenKind>, usize) {
 }
 
 fn command(rest: &str) -> (Option<TokenKind>, usize) {
-    let letters = rest[1..]
-        .find(|c: char| !c.is_ascii_alphabetic())
-        .unwrap_or(rest.len() - 1);
+    let letters = rest[1..].find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len() - 1);
     match &rest[1..=letters] {
         "" if rest[1..].starts_with([',', ';', ':', '!', ' ']) => (None, 2),
         "" => (Some(TokenKind::Unknown('\\')), 1),
@@ -193,9 +180,7 @@ const SIGNS: &[&str] = &[
 
 fn sign(rest: &str, character: char) -> (Option<TokenKind>, usize) {
     if "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺".contains(character) {
-        let end = rest
-            .find(|c| !"⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺".contains(c))
-            .unwrap_or(rest.len());
+        let end = rest.find(|c| !"⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺".contains(c)).unwrap_or(rest.len());
         return (Some(TokenKind::Sign), end);
     }
     match SIGNS.iter().find(|sign| rest.starts_with(**sign)) {
@@ -222,10 +207,7 @@ fn brackets(tokens: &[Token], limit: usize) -> Fallible<Vec<usize>> {
                         .suggest(token.span, ""));
                 };
                 if close != closer(bracket) {
-                    let kind = ErrorKind::Mismatched {
-                        open: bracket,
-                        close,
-                    };
+                    let kind = ErrorKind::Mismatched { open: bracket, close };
                     return Err(
                         Error::new(span.to(token.span), kind).suggest(token.span, closer(bracket))
                     );
@@ -247,15 +229,9 @@ fn brackets(tokens: &[Token], limit: usize) -> Fallible<Vec<usize>> {
             let error = Error::new(span, kind);
             // Where one bracket is missing, the end of its line is a fair guess.
             let behind = tokens.partition_point(|token| token.span.start < span.end);
-            let line = tokens[behind..]
-                .iter()
-                .take_while(|token| token.kind != TokenKind::Break);
+            let line = tokens[behind..].iter().take_while(|token| token.kind != TokenKind::Break);
             let end = line.last().map_or(span.end, |token| token.span.end);
-            Err(if open.len() == 1 {
-                error.suggest(Span::at(end), closer(bracket))
-            } else {
-                error
-            })
+            Err(if open.len() == 1 { error.suggest(Span::at(end), closer(bracket)) } else { error })
         }
         None => Ok(breaks),
     }
@@ -331,14 +307,8 @@ fn bars(text: &str, tokens: &[Token]) -> Fallible<()> {
         /// The last closed pair, if an operand followed it directly.
         loose: Option<Span>,
     }
-    let fresh = || Level {
-        open: None,
-        loose: None,
-    };
-    let count = tokens
-        .iter()
-        .filter(|token| token.kind == TokenKind::Bar)
-        .count();
+    let fresh = || Level { open: None, loose: None };
+    let count = tokens.iter().filter(|token| token.kind == TokenKind::Bar).count();
     let mut levels = vec![fresh()];
     for (index, token) in tokens.iter().enumerate() {
         match token.kind {
@@ -405,9 +375,7 @@ mod tests {
 
     #[test]
     fn bars_pair_in_one_way_or_not_at_all() {
-        for text in [
-            "|x|", "|x|+|y|", "|x||y|", "2|x|y", "|x|-y|z|", "(|x|)|y|", "|(|x|)|",
-        ] {
+        for text in ["|x|", "|x|+|y|", "|x||y|", "2|x|y", "|x|-y|z|", "(|x|)|y|", "|(|x|)|"] {
             assert_eq!(kind(text), None, "{text}");
         }
         for text in ["|x|y|z|", "|x| 2|y|", "|x| y + 2 |z|"] {

@@ -122,16 +122,13 @@ pub(crate) fn scene_line(
     limits: &Limits,
 ) -> Fallible<Scene> {
     let start = line.span.start;
-    let mut reader = Reader {
-        builder: Builder::new(text, start, scope, &[], limits),
-        limits,
-    };
+    let mut reader = Reader { builder: Builder::new(text, start, scope, &[], limits), limits };
     match line.kind {
         LineKind::Domain => reader.domain(line.pair, line.span).map(Scene::Domain),
         LineKind::View => reader.view(line.pair).map(Scene::View),
-        LineKind::Color | LineKind::Formula => reader
-            .color(line.pair)
-            .map(|color| Scene::Color(start, color)),
+        LineKind::Color | LineKind::Formula => {
+            reader.color(line.pair).map(|color| Scene::Color(start, color))
+        }
     }
 }
 
@@ -170,9 +167,8 @@ impl Reader<'_> {
                         "y" => Axis::Y,
                         _ => Axis::Z,
                     };
-                    let bounds = inner
-                        .find(|p| p.as_rule() == Rule::bounds)
-                        .expect("an axis has bounds");
+                    let bounds =
+                        inner.find(|p| p.as_rule() == Rule::bounds).expect("an axis has bounds");
                     let bounds = self.bounds(bounds)?;
                     if axes[axis as usize].replace(bounds).is_some() {
                         let axis = name.chars().next().unwrap_or('x');
@@ -283,12 +279,10 @@ impl Reader<'_> {
             return Ok(Color { rgb: *rgb });
         }
         let error = Error::new(span, ErrorKind::BadColor);
-        Err(
-            match nearest(&name, COLORS.iter().map(|(known, _)| *known)) {
-                Some(meant) => error.suggest(span, meant),
-                None => error,
-            },
-        )
+        Err(match nearest(&name, COLORS.iter().map(|(known, _)| *known)) {
+            Some(meant) => error.suggest(span, meant),
+            None => error,
+        })
     }
 }
 

@@ -53,10 +53,7 @@ pub(crate) enum Callee {
 impl Scope {
     /// The scope of the language's own prelude.
     pub(crate) fn prelude() -> Self {
-        Self {
-            internal: true,
-            ..Self::default()
-        }
+        Self { internal: true, ..Self::default() }
     }
 
     /// Defines a value (`None`) or a function of so many parameters; a later definition replaces an earlier one.
@@ -77,9 +74,7 @@ impl Scope {
         }
         let mut buffer = [0; 4];
         if name.len() <= LONGEST_PRODUCT
-            && name
-                .chars()
-                .all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
+            && name.chars().all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
         {
             return Meaning::Product;
         }
@@ -113,10 +108,7 @@ impl Scope {
     /// The numbers of arguments that a function takes.
     pub(crate) fn counts(&self, callee: &Callee) -> Arities {
         match callee {
-            Callee::Defined(_, count) => Arities {
-                counts: vec![*count],
-                or_more: false,
-            },
+            Callee::Defined(_, count) => Arities { counts: vec![*count], or_more: false },
             Callee::BuiltIn(name) => arities(name, self.internal),
         }
     }
@@ -158,11 +150,7 @@ impl Scope {
         if !functions {
             candidates.extend(["x", "y", "z", "t"]);
             candidates.extend(locals.iter().map(|local| local.text.as_str()));
-            candidates.extend(
-                NamedConstant::ALL
-                    .iter()
-                    .map(|constant| shorter(constant.name())),
-            );
+            candidates.extend(NamedConstant::ALL.iter().map(|constant| shorter(constant.name())));
         }
         nearest(name, candidates.into_iter())
     }
@@ -242,9 +230,7 @@ fn is_called(own: &str, aliases: &[&str], name: &str) -> bool {
 /// The native operation called `name`.
 fn operation(name: &str, internal: bool) -> Option<Op> {
     let row = native(name).or_else(|| {
-        TABLE
-            .iter()
-            .find(|row| internal && row.notation == Notation::Internal && row.name == name)
+        TABLE.iter().find(|row| internal && row.notation == Notation::Internal && row.name == name)
     });
     row.map(|row| row.op)
 }
@@ -256,10 +242,7 @@ pub(crate) fn is_variadic(op: Op) -> bool {
 
 fn arities(name: &str, internal: bool) -> Arities {
     if is_root(name) {
-        return Arities {
-            counts: vec![2],
-            or_more: false,
-        };
+        return Arities { counts: vec![2], or_more: false };
     }
     let op = operation(name, internal);
     let mut counts: Vec<usize> = op.iter().map(|op| op.arity()).collect();

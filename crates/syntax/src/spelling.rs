@@ -6,11 +6,7 @@ pub(crate) fn superscript(text: &str) -> String {
         .filter_map(|c| match c {
             '⁻' => Some('-'),
             '⁺' => None,
-            _ => "⁰¹²³⁴⁵⁶⁷⁸⁹"
-                .chars()
-                .zip('0'..='9')
-                .find(|(s, _)| *s == c)
-                .map(|(_, d)| d),
+            _ => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..='9').find(|(s, _)| *s == c).map(|(_, d)| d),
         })
         .collect()
 }

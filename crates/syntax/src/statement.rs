@@ -66,11 +66,7 @@ pub(crate) fn lines<'i>(text: &'i str, limits: &Limits) -> Result<Vec<Line<'i>>,
             break;
         }
     }
-    if errors.is_empty() {
-        Ok(lines)
-    } else {
-        Err(errors)
-    }
+    if errors.is_empty() { Ok(lines) } else { Err(errors) }
 }
 
 fn line<'i>(text: &'i str, piece: &Piece) -> Fallible<Line<'i>> {
@@ -85,17 +81,8 @@ fn line<'i>(text: &'i str, piece: &Piece) -> Fallible<Line<'i>> {
     let mut pairs =
         Zeroset::parse(rule, source).map_err(|error| diagnose(text, piece, kind, &error))?;
     let pair = pairs.next().expect("a statement is one pair");
-    let head = if kind == LineKind::Formula {
-        head(&pair, piece.span.start)
-    } else {
-        None
-    };
-    Ok(Line {
-        kind,
-        pair,
-        span: piece.span,
-        head,
-    })
+    let head = if kind == LineKind::Formula { head(&pair, piece.span.start) } else { None };
+    Ok(Line { kind, pair, span: piece.span, head })
 }
 
 fn line_kind(text: &str, piece: &Piece) -> LineKind {
@@ -143,10 +130,7 @@ fn name_of(power: Pair<'_>, base: usize) -> Option<Name> {
 
 /// The left side of a statement, if it has the form of a definition.
 fn head(line: &Pair<'_>, base: usize) -> Option<Head> {
-    let expression = line
-        .clone()
-        .into_inner()
-        .find(|p| p.as_rule() == Rule::expression)?;
+    let expression = line.clone().into_inner().find(|p| p.as_rule() == Rule::expression)?;
     let negation = only(only(expression, Rule::conjunction)?, Rule::negation)?;
     let mut chain = only(negation, Rule::chain)?.into_inner();
     let left = chain.next()?;
@@ -196,17 +180,11 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
         };
         let parameters = head.parameters.as_deref().unwrap_or_default();
         let known = |name: &Name| {
-            matches!(
-                scope.meaning(&name.text, &[]),
-                Meaning::Value(_) | Meaning::Product
-            )
+            matches!(scope.meaning(&name.text, &[]), Meaning::Value(_) | Meaning::Product)
         };
         if parameters.iter().all(known) {
             let name = head.name.text.clone();
-            notes.push(Note {
-                span: head.name.span,
-                kind: NoteKind::BuiltInOnTheLeft { name },
-            });
+            notes.push(Note { span: head.name.span, kind: NoteKind::BuiltInOnTheLeft { name } });
             line.head = None;
         } else {
             scope.define(&head.name.text, Some(parameters.len()));
@@ -264,10 +242,7 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
                 for condition in child.into_inner().flat_map(Pair::into_inner) {
                     let condition = builder.expression(condition)?;
                     if !condition.is_condition() {
-                        return Err(Error::new(
-                            condition.span,
-                            ErrorKind::RestrictionNotCondition,
-                        ));
+                        return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition));
                     }
                     restrictions.push(condition);
                 }
@@ -281,10 +256,7 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
             return Err(Error::new(span, ErrorKind::RestrictedDefinition));
         }
         let definition = define(&mut builder, head, expression)?;
-        Statement::Define(Definition {
-            range: range.map(|(ends, _)| ends),
-            ..definition
-        })
+        Statement::Define(Definition { range: range.map(|(ends, _)| ends), ..definition })
     } else {
         if let Some((_, span)) = range {
             return Err(Error::new(span, ErrorKind::RangeOutsideDefinition));
@@ -292,12 +264,7 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         let expr = builder.expression(expression)?;
         Statement::Draw { expr, restrictions }
     };
-    Ok(Built {
-        statement,
-        span: line.span,
-        notes: builder.notes,
-        used: builder.used,
-    })
+    Ok(Built { statement, span: line.span, notes: builder.notes, used: builder.used })
 }
 
 /// The definition `head = …`, whose left side is not built, for it names what does not exist yet.
@@ -306,27 +273,18 @@ fn define(builder: &mut Builder<'_>, head: &Head, expression: Pair<'_>) -> Falli
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MOST_PARAMETERS {
         let limit = MOST_PARAMETERS;
-        return Err(Error::new(
-            name.span,
-            ErrorKind::TooManyParameters { limit },
-        ));
+        return Err(Error::new(name.span, ErrorKind::TooManyParameters { limit }));
     }
     for (index, parameter) in parameters.iter().enumerate() {
         if parameters[..index].contains(parameter) {
             let name = parameter.text.clone();
-            return Err(Error::new(
-                parameter.span,
-                ErrorKind::DuplicateParameter { name },
-            ));
+            return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
         }
     }
     let built_in = Scope::default().meaning(&name.text, &[]);
     if head.parameters.is_none() && matches!(built_in, Meaning::Function(_)) {
         let name_text = name.text.clone();
-        return Err(Error::new(
-            name.span,
-            ErrorKind::Reserved { name: name_text },
-        ));
+        return Err(Error::new(name.span, ErrorKind::Reserved { name: name_text }));
     }
     let span = builder.span(&expression);
     let sides: Vec<Pair<'_>> = expression
@@ -351,12 +309,7 @@ fn define(builder: &mut Builder<'_>, head: &Head, expression: Pair<'_>) -> Falli
     if body.is_condition() {
         return Err(Error::new(body.span, ErrorKind::DefinitionIsCondition));
     }
-    Ok(Definition {
-        name: name.clone(),
-        parameters: head.parameters.clone(),
-        body,
-        range: None,
-    })
+    Ok(Definition { name: name.clone(), parameters: head.parameters.clone(), body, range: None })
 }
 
 /// Whether an expression is a number with or without a sign: the right side of a slider.

@@ -24,10 +24,7 @@ impl Builder<'_> {
         let kind = if followed_by_brackets || typed.starts_with('\\') {
             ErrorKind::UnknownFunction { name: short(name) }
         } else {
-            ErrorKind::UnknownName {
-                name: short(name),
-                letter: self.missing_letter(name),
-            }
+            ErrorKind::UnknownName { name: short(name), letter: self.missing_letter(name) }
         };
         let error = Error::new(span, kind);
         let nearest = || self.scope.nearest(name, self.locals, followed_by_brackets);
@@ -74,9 +71,7 @@ impl Builder<'_> {
         if !(2..=LONGEST).contains(&letters.len()) || !name.contains(['x', 'y', 'z']) {
             return None;
         }
-        let mut missing = letters
-            .iter()
-            .filter(|letter| !self.is_value(&letter.to_string()));
+        let mut missing = letters.iter().filter(|letter| !self.is_value(&letter.to_string()));
         let letter = missing.next().filter(|letter| letter.is_alphabetic())?;
         missing.all(|other| other == letter).then_some(*letter)
     }

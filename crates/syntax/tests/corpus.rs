@@ -107,11 +107,7 @@ fn describe(row: &Row, document: &Document) -> String {
         if let Some(preset) = view.preset {
             write!(out, " {preset:?}").unwrap();
         }
-        for (key, value) in [
-            ("eye", &view.eye),
-            ("target", &view.target),
-            ("up", &view.up),
-        ] {
+        for (key, value) in [("eye", &view.eye), ("target", &view.target), ("up", &view.up)] {
             if let Some(value) = value {
                 write!(out, " {key} {}", vector(value)).unwrap();
             }
@@ -124,34 +120,19 @@ fn describe(row: &Row, document: &Document) -> String {
         out.push('\n');
     }
     for note in &document.notes {
-        writeln!(
-            out,
-            "note {}..{}: {}",
-            note.span.start,
-            note.span.end,
-            note.message()
-        )
-        .unwrap();
+        writeln!(out, "note {}..{}: {}", note.span.start, note.span.end, note.message()).unwrap();
     }
     out
 }
 
 fn actual(row: &Row) -> String {
     let text = row.input.join("\n");
-    let options = Options {
-        overrides: &row.overrides,
-        time: row.time,
-        ..Options::default()
-    };
+    let options = Options { overrides: &row.overrides, time: row.time, ..Options::default() };
     match read(&text, &options) {
         Ok(document) => describe(row, &document),
         Err(errors) => {
             let mut rendered = String::new();
-            for line in errors
-                .render(None, &text, false)
-                .lines()
-                .filter(|line| !line.is_empty())
-            {
+            for line in errors.render(None, &text, false).lines().filter(|line| !line.is_empty()) {
                 rendered.push_str(line.trim_end());
                 rendered.push('\n');
             }
@@ -167,9 +148,8 @@ fn rows(text: &str) -> Vec<Result<Row, String>> {
     for (index, line) in text.lines().enumerate() {
         let is_input = line.starts_with('>');
         let is_comment = line.starts_with("# ") || line.is_empty();
-        let ends_row = row
-            .as_ref()
-            .is_some_and(|row| is_comment || (is_input && !row.expected.is_empty()));
+        let ends_row =
+            row.as_ref().is_some_and(|row| is_comment || (is_input && !row.expected.is_empty()));
         if ends_row {
             parts.extend(row.take().map(Ok));
         }
@@ -177,13 +157,9 @@ fn rows(text: &str) -> Vec<Result<Row, String>> {
             parts.push(Err(line.to_owned()));
             continue;
         }
-        let row = row.get_or_insert_with(|| Row {
-            line: index + 1,
-            ..Row::default()
-        });
+        let row = row.get_or_insert_with(|| Row { line: index + 1, ..Row::default() });
         if let Some(input) = line.strip_prefix('>') {
-            row.input
-                .push(input.strip_prefix(' ').unwrap_or(input).to_owned());
+            row.input.push(input.strip_prefix(' ').unwrap_or(input).to_owned());
         } else if let Some(given) = line.strip_prefix("with -D ") {
             let (name, value) = given.split_once('=').expect("a name and a value");
             row.overrides.push((name.to_owned(), value.to_owned()));
@@ -251,12 +227,7 @@ fn every_row_reads_as_the_corpus_says() {
         }
     }
     assert!(count >= 200, "only {count} rows");
-    assert!(
-        wrong.is_empty(),
-        "{} of {count} rows:\n\n{}",
-        wrong.len(),
-        wrong.join("\n")
-    );
+    assert!(wrong.is_empty(), "{} of {count} rows:\n\n{}", wrong.len(), wrong.join("\n"));
 }
 
 #[test]

@@ -17,10 +17,7 @@ fn every_example_reads() {
         let document = read(&text, &Options::default())
             .unwrap_or_else(|errors| panic!("{}", errors.render(Some(&name), &text, false)));
         assert_eq!(document.surfaces.len(), 1, "{name}");
-        assert!(
-            document.title.is_some() && document.domain.is_some(),
-            "{name}"
-        );
+        assert!(document.title.is_some() && document.domain.is_some(), "{name}");
     }
     assert!(count >= 65, "{count} examples");
 }

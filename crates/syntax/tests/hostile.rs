@@ -27,10 +27,7 @@ fn error(text: String) -> ErrorKind {
 fn accepted(text: String) -> usize {
     on_a_small_stack(move || {
         let document: Result<_, Errors> = read(&text, &Options::default());
-        document.map_or_else(
-            |e| panic!("{}", e.render(None, &text, false)),
-            |d| d.graph.len(),
-        )
+        document.map_or_else(|e| panic!("{}", e.render(None, &text, false)), |d| d.graph.len())
     })
 }
 
@@ -41,11 +38,7 @@ fn is_too_deep(text: String) -> bool {
 #[test]
 fn nesting_is_bounded() {
     assert!(is_too_deep("(".repeat(100_000)));
-    assert!(is_too_deep(format!(
-        "{}x{}",
-        "(".repeat(20_000),
-        ")".repeat(20_000)
-    )));
+    assert!(is_too_deep(format!("{}x{}", "(".repeat(20_000), ")".repeat(20_000))));
     assert!(is_too_deep(format!("{}x", "-".repeat(20_000))));
     assert!(is_too_deep(format!("x{}", "^x".repeat(20_000))));
     assert!(is_too_deep(format!("x{}", "^-x".repeat(20_000))));
@@ -80,20 +73,14 @@ fn allowed_nesting_fits_the_stack() {
                 } else {
                     let errors = read.unwrap_err();
                     assert!(
-                        errors
-                            .iter()
-                            .all(|e| matches!(e.kind, ErrorKind::TooDeep { .. })),
+                        errors.iter().all(|e| matches!(e.kind, ErrorKind::TooDeep { .. })),
                         "{errors}"
                     );
                 }
             });
         }
     }
-    accepted(format!(
-        "{}x{}",
-        "(".repeat(depth / 2),
-        ")".repeat(depth / 2)
-    ));
+    accepted(format!("{}x{}", "(".repeat(depth / 2), ")".repeat(depth / 2)));
     accepted(format!("x{}", "^x".repeat(depth)));
     accepted(format!("{}x", "-".repeat(depth)));
 }
@@ -101,39 +88,15 @@ fn allowed_nesting_fits_the_stack() {
 #[test]
 fn length_is_bounded() {
     let long = 1_000_000;
-    assert!(matches!(
-        error("x+".repeat(long)),
-        ErrorKind::TooLong { .. }
-    ));
-    assert!(matches!(
-        error("x+".repeat(long / 2)),
-        ErrorKind::TooManySymbols { .. }
-    ));
-    assert!(matches!(
-        error("2".repeat(long) + "q"),
-        ErrorKind::UnknownName { .. }
-    ));
-    assert!(matches!(
-        error("q".repeat(long)),
-        ErrorKind::UnknownName { .. }
-    ));
-    assert!(matches!(
-        error("x".repeat(long)),
-        ErrorKind::UnknownName { .. }
-    ));
-    assert!(matches!(
-        error("é".repeat(long / 2)),
-        ErrorKind::UnknownName { .. }
-    ));
-    assert!(matches!(
-        error("x2".repeat(long / 2)),
-        ErrorKind::UnknownName { .. }
-    ));
+    assert!(matches!(error("x+".repeat(long)), ErrorKind::TooLong { .. }));
+    assert!(matches!(error("x+".repeat(long / 2)), ErrorKind::TooManySymbols { .. }));
+    assert!(matches!(error("2".repeat(long) + "q"), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error("q".repeat(long)), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error("x".repeat(long)), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error("é".repeat(long / 2)), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error("x2".repeat(long / 2)), ErrorKind::UnknownName { .. }));
     assert!(matches!(error(" ".repeat(long)), ErrorKind::Empty));
-    assert!(matches!(
-        error("\n".repeat(long)),
-        ErrorKind::TooManySymbols { .. }
-    ));
+    assert!(matches!(error("\n".repeat(long)), ErrorKind::TooManySymbols { .. }));
     assert!(matches!(error("#".repeat(long)), ErrorKind::Empty));
     assert!(matches!(
         error(")".repeat(long)),
@@ -152,10 +115,7 @@ fn length_is_bounded() {
 #[test]
 fn bars_are_read_in_one_pass() {
     assert!(matches!(error("|".repeat(50_000)), ErrorKind::NestedBars));
-    assert!(matches!(
-        error("|x".repeat(50_000)),
-        ErrorKind::AmbiguousBars
-    ));
+    assert!(matches!(error("|x".repeat(50_000)), ErrorKind::AmbiguousBars));
     accepted(format!("|x|{}", "+|x|".repeat(10_000)));
     accepted("|x|".repeat(10_000));
 }
@@ -173,10 +133,7 @@ fn expansion_is_bounded() {
     }
     accepted(chain + "a59\n");
     accepted(doubling + "f59(x)\n");
-    assert!(matches!(
-        error(tree + "g59(x)\n"),
-        ErrorKind::TooLarge { .. }
-    ));
+    assert!(matches!(error(tree + "g59(x)\n"), ErrorKind::TooLarge { .. }));
 
     let mut long = String::from("a0 = x\n");
     for i in 1..5000 {

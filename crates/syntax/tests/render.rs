@@ -3,9 +3,7 @@
 use zeroset_syntax::{Options, read};
 
 fn rendered(name: Option<&str>, text: &str, color: bool) -> String {
-    read(text, &Options::default())
-        .expect_err("an error")
-        .render(name, text, color)
+    read(text, &Options::default()).expect_err("an error").render(name, text, color)
 }
 
 #[test]
@@ -28,10 +26,7 @@ fn the_caret_stands_under_the_place_in_a_long_line() {
         let text = format!("{}foo{}", "y + ".repeat(terms), " + z".repeat(terms));
         let rendered = rendered(None, &text, false);
         let lines: Vec<&str> = rendered.lines().collect();
-        let caret = lines
-            .iter()
-            .position(|line| line.contains("^^^"))
-            .expect("a caret");
+        let caret = lines.iter().position(|line| line.contains("^^^")).expect("a caret");
         let column = lines[caret].find("^^^").expect("a caret");
         assert_eq!(&lines[caret - 1][column..column + 3], "foo", "{rendered}");
         assert!(lines.iter().all(|line| line.len() < 150), "{rendered}");

@@ -65,10 +65,7 @@ fn leaf() -> impl Strategy<Value = Expr> {
 /// Every function that a user can call, with a number of arguments that it takes.
 fn functions() -> Vec<(Function, usize)> {
     let callable = |row: &&zeroset_ops::Row| {
-        matches!(
-            row.notation,
-            Notation::Function | Notation::Infix { callable: true, .. }
-        )
+        matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
     };
     let mut all: Vec<(Function, usize)> = TABLE
         .iter()
@@ -93,9 +90,7 @@ fn number() -> impl Strategy<Value = Expr> {
         let joint = prop::sample::select(vec![ProductSign::Times, ProductSign::Over]);
         let function = prop::sample::select(functions());
         prop_oneof![
-            inner
-                .clone()
-                .prop_map(|e| expr(ExprKind::Negate(Box::new(e)))),
+            inner.clone().prop_map(|e| expr(ExprKind::Negate(Box::new(e)))),
             (inner.clone(), vec((sign, inner.clone()), 1..4))
                 .prop_map(|(first, rest)| sum(first, rest)),
             (inner.clone(), vec((joint, inner.clone()), 1..4))
@@ -130,11 +125,7 @@ fn condition() -> impl Strategy<Value = Expr> {
                     (kind, _) => vec![expr(kind)],
                 };
                 all.extend(items);
-                expr(if is_and {
-                    ExprKind::And(all)
-                } else {
-                    ExprKind::Or(all)
-                })
+                expr(if is_and { ExprKind::And(all) } else { ExprKind::Or(all) })
             }
         };
         prop_oneof![
@@ -152,10 +143,7 @@ fn statement() -> impl Strategy<Value = Statement> {
             !matches!(left.kind, ExprKind::Name(Value::Constant(_) | Value::Time))
         })
         .prop_map(|(left, right)| {
-            expr(ExprKind::Compare(
-                Box::new(left),
-                vec![(Relation::Equal, right)],
-            ))
+            expr(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]))
         });
     let drawn = prop_oneof![number(), equation, condition()];
     (drawn, vec(condition(), 0..3))

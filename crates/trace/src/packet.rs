@@ -18,19 +18,12 @@ pub(crate) struct Segment {
     pub to: f64,
 }
 
-/// A packet's axes and the rays in groups of four lanes.
+/// Rays in groups of four lanes, and what they share.
 #[derive(Clone, Debug)]
 pub(crate) struct Packet<const GROUPS: usize> {
-    /// The axis of slabs and the two others.
-    axes: [usize; 3],
-    /// The coordinate on K at τ = 0, and its change up to τ = 1.
-    start: f32,
-    extent: f32,
-    /// What K coordinates may be off by.
-    slack: f32,
-    /// Per axis, the region's bounds as (−lo, hi), rounded outward.
-    bounds: [(f32, f32); 3],
     planes: Planes,
+    /// Per axis, the region's bounds as (−lo, hi), rounded outward, in all lanes.
+    bounds: [[Vec4; 2]; 3],
     pub groups: [Group; GROUPS],
 }
 
@@ -47,7 +40,8 @@ struct Planes {
 /// Four rays.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Group {
-    sides: [Side; 2],
+    /// By axis.
+    sides: [Side; 3],
     /// The ray is within the region only between these τ.
     pub enter: Vec4,
     pub leave: Vec4,
@@ -65,7 +59,10 @@ struct Side {
 /// product with τ and the sum; 2⁻²¹ of |start| + |extent| is twice what these add up to.
 const COORDINATE_ERROR: f32 = 1.0 / 2_097_152.0;
 /// What the ends of the range of τ are moved out by: above the error of a quotient that lies within [−1, 2].
-const SHARE_ERROR: f32 = 1.0 / 1_048_576.0;
+const SHARE_ERROR: f64 = 1.0 / 1_048_576.0;
+/// Relative error of what is computed in `f64` from coordinates of a ray's origin, which may be far away: eight
+/// operations of half a unit in the last place each.
+const DOUBLE_ERROR: f64 = 4.0 * f64::EPSILON;
 /// A ray belongs into a packet if K is no slower on it than this part of its fastest axis.
 const LEAST_SHARE: f64 = 0.25;
 
@@ -84,34 +81,30 @@ fn fastest_axis(direction: DVec3) -> usize {
 impl<const GROUPS: usize> Packet<GROUPS> {
     /// The packet of these rays, four to a group, advancing on the first one's fastest axis. `None` if the rays do not
     /// all advance together: they then need packets of their own.
+    #[inline]
     pub fn new(segments: &[[Segment; 4]; GROUPS], region: &Region) -> Option<Self> {
         let first = segments[0][0].direction;
         let k = fastest_axis(first);
-        let axes = [k, (k + 1) % 3, (k + 2) % 3];
         let forward = first[k] > 0.0;
-        let coherent = |s: &Segment| {
-            let d = s.direction;
-            (d[k] > 0.0) == forward && d[k].abs() >= LEAST_SHARE * d.abs().max_element()
-        };
-        if !segments.iter().flatten().all(coherent) {
-            return None;
+        for segment in segments.iter().flatten() {
+            let d = segment.direction;
+            // So put that a direction which is not a number is refused as well.
+            let fast = d[k].abs() >= LEAST_SHARE * d.abs().max_element();
+            if !fast || (d[k] > 0.0) != forward {
+                return None;
+            }
         }
         let (low, high) = (region.low()[k], region.high()[k]);
         let (start, end) = if forward { (low, high) } else { (high, low) };
-        let (near, extent) = (start as f32, (end - start) as f32);
         let planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
-        let bounds = [0, 1, 2].map(|axis| (above(-region.low()[axis]), above(region.high()[axis])));
-        let mut packet = Self {
-            axes,
-            start: near,
-            extent,
-            slack: COORDINATE_ERROR * (near.abs() + extent.abs()),
-            bounds,
-            planes,
-            groups: [Group::default(); GROUPS],
-        };
+        let mut bounds = [[Vec4::ZERO; 2]; 3];
+        for (axis, bounds) in bounds.iter_mut().enumerate() {
+            bounds[0] = Vec4::splat(above(-region.low()[axis]));
+            bounds[1] = Vec4::splat(above(region.high()[axis]));
+        }
+        let mut packet = Self { planes, bounds, groups: [Group::default(); GROUPS] };
         for (group, segments) in packet.groups.iter_mut().zip(segments) {
-            *group = Group::new(segments, &planes, axes, &bounds, region);
+            group.follow(segments, &planes, &bounds, region);
         }
         Some(packet)
     }
@@ -126,96 +119,105 @@ impl<const GROUPS: usize> Packet<GROUPS> {
         (steps * segment.direction.length()).max(0.0) as f32
     }
 
-    /// Boxes around the rays between the planes `from` and `to`, clipped to the region.
+    /// Boxes around the rays between each two of three planes in order, clipped to the region.
     #[inline]
-    pub fn boxes(&self, from: f32, to: f32, out: &mut [BoxPacket; GROUPS]) {
-        let (a, b) = (self.start + from * self.extent, self.start + to * self.extent);
-        let [k, u, v] = self.axes;
-        let neg_lo = ((-a).max(-b) + self.slack).min(self.bounds[k].0);
-        let hi = (a.max(b) + self.slack).min(self.bounds[k].1);
-        for (group, out) in self.groups.iter().zip(out) {
-            out.neg_lo[k] = [neg_lo; 4];
-            out.hi[k] = [hi; 4];
-            for (side, axis) in group.sides.iter().zip([u, v]) {
-                let (a, b) = (side.at(from), side.at(to));
-                let bounds = self.bounds[axis];
-                let neg_lo = side.slack - a.min(b);
-                let hi = side.slack + a.max(b);
-                out.neg_lo[axis] = neg_lo.min(Vec4::splat(bounds.0)).to_array();
-                out.hi[axis] = hi.min(Vec4::splat(bounds.1)).to_array();
+    pub fn boxes(&self, planes: [f32; 3], out: &mut [[BoxPacket; GROUPS]; 2]) {
+        for (g, group) in self.groups.iter().enumerate() {
+            for axis in 0..3 {
+                let side = &group.sides[axis];
+                let [neg_lo, hi] = self.bounds[axis];
+                let at = planes.map(|plane| side.at(plane));
+                for half in 0..2 {
+                    let (a, b) = (at[half], at[half + 1]);
+                    let out = &mut out[half][g];
+                    out.neg_lo[axis] = (side.slack - a.min(b)).min(neg_lo).to_array();
+                    out.hi[axis] = (side.slack + a.max(b)).min(hi).to_array();
+                }
             }
         }
     }
 }
 
 impl Group {
-    fn new(
+    #[inline]
+    fn follow(
+        &mut self,
         segments: &[Segment; 4],
         planes: &Planes,
-        axes: [usize; 3],
-        bounds: &[(f32, f32); 3],
+        bounds: &[[Vec4; 2]; 3],
         region: &Region,
-    ) -> Self {
-        let mut group = Self { enter: Vec4::ZERO, leave: Vec4::ONE, ..Self::default() };
-        // τ = (origin_k + t · d_k − start) / extent grows with t.
-        let mut from = [0.0_f32; 4];
-        let mut to = [1.0_f32; 4];
-        let mut clip = [[0.0_f32; 4]; 2];
-        let mut sides = [[[0.0_f32; 4]; 2]; 2];
+    ) {
+        let Planes { k, start, extent, inverse } = *planes;
+        // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way from there to τ = 1.
+        let (mut from, mut to) = ([0.0_f32; 4], [1.0_f32; 4]);
+        let (mut t0, mut dt) = ([0.0_f64; 4], [0.0_f64; 4]);
         for (lane, segment) in segments.iter().enumerate() {
-            let Segment { origin, direction, to: last } = *segment;
-            // Whatever is computed here in f64 is off by far less than the slack.
-            let first = planes.start - origin[planes.k];
-            let per_k = 1.0 / direction[planes.k];
-            from[lane] = (-first * planes.inverse) as f32;
-            if last.is_finite() {
-                to[lane] = ((last * direction[planes.k] - first) * planes.inverse) as f32;
-            }
-            let (t0, dt) = (first * per_k, planes.extent * per_k);
-            for (side, axis) in sides.iter_mut().zip([axes[1], axes[2]]) {
-                side[0][lane] = (origin[axis] + t0 * direction[axis]) as f32;
-                side[1][lane] = (dt * direction[axis]) as f32;
-            }
-            if let Some(half) = region.clip() {
-                // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0.
-                let scale = 1.0 / half.normal.abs().max_element();
-                let at = origin + t0 * direction;
-                clip[0][lane] = ((half.offset - half.normal.dot(at)) * scale) as f32;
-                clip[1][lane] = (-half.normal.dot(direction) * dt * scale) as f32;
+            let (origin, direction) = (segment.origin[k], segment.direction[k]);
+            let first = start - origin;
+            let per_k = 1.0 / direction;
+            (t0[lane], dt[lane]) = (first * per_k, extent * per_k);
+            let error = SHARE_ERROR + DOUBLE_ERROR * (origin * inverse).abs();
+            from[lane] = (-first * inverse - error) as f32;
+            if segment.to.is_finite() {
+                to[lane] = ((segment.to * direction - first) * inverse + error) as f32;
             }
         }
-        group.enter = group.enter.max(Vec4::from_array(from) - SHARE_ERROR);
-        group.leave = group.leave.min(Vec4::from_array(to) + SHARE_ERROR);
-        for (index, ([start, extent], axis)) in
-            sides.into_iter().zip([axes[1], axes[2]]).enumerate()
-        {
-            let side = Side::new(Vec4::from_array(start), Vec4::from_array(extent));
-            group.sides[index] = side;
-            let (neg_lo, hi) = bounds[axis];
-            group.cut(side.start + (side.slack + neg_lo), side.extent);
-            group.cut((side.slack + hi) - side.start, -side.extent);
+        self.enter = Vec4::from_array(from).max(Vec4::splat(-SHARE_ERROR as f32));
+        self.leave = Vec4::from_array(to).min(Vec4::splat(1.0 + SHARE_ERROR as f32));
+        for axis in 0..3 {
+            let (mut starts, mut extents, mut reach) = ([0.0_f32; 4], [0.0_f32; 4], [0.0_f32; 4]);
+            for lane in 0..4 {
+                let Segment { origin, direction, .. } = &segments[lane];
+                let step = t0[lane] * direction[axis];
+                starts[lane] = (origin[axis] + step) as f32;
+                extents[lane] = (dt[lane] * direction[axis]) as f32;
+                reach[lane] = (DOUBLE_ERROR * (origin[axis].abs() + step.abs())) as f32;
+            }
+            let (start, extent) = (Vec4::from_array(starts), Vec4::from_array(extents));
+            let size = COORDINATE_ERROR * (start.abs() + extent.abs());
+            let slack = size + (2.0 * Vec4::from_array(reach) + Vec4::splat(f32::MIN_POSITIVE));
+            self.sides[axis] = Side { start, extent, slack };
+            if axis != k {
+                let [neg_lo, hi] = bounds[axis];
+                self.cut(start + (slack + neg_lo), extent);
+                self.cut((slack + hi) - start, -extent);
+            }
         }
-        if let Some(half) = region.clip() {
-            let [room, change] = clip.map(Vec4::from_array);
-            // Room is a difference of terms as large as the region's coordinates.
-            let reach = region.low().abs().max(region.high().abs()).max_element();
-            let scale = 1.0 / half.normal.abs().max_element();
-            let terms = (3.0 * reach + half.offset.abs() * scale) as f32;
-            let slack = COORDINATE_ERROR * (room.abs() + change.abs() + Vec4::splat(terms));
-            group.cut(room + slack, change);
+        self.clip(segments, &t0, &dt, region);
+    }
+
+    /// Keeps only τ in the region's half-space.
+    #[inline]
+    fn clip(&mut self, segments: &[Segment; 4], t0: &[f64; 4], dt: &[f64; 4], region: &Region) {
+        let Some(half) = region.clip() else { return };
+        // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0.
+        let scale = 1.0 / half.normal.abs().max_element();
+        let (mut room, mut change) = ([0.0_f32; 4], [0.0_f32; 4]);
+        for (lane, Segment { origin, direction, .. }) in segments.iter().enumerate() {
+            let at = *origin + t0[lane] * *direction;
+            room[lane] = ((half.offset - half.normal.dot(at)) * scale) as f32;
+            change[lane] = (-half.normal.dot(*direction) * dt[lane] * scale) as f32;
         }
-        group
+        let (room, change) = (Vec4::from_array(room), Vec4::from_array(change));
+        // Room is a difference of terms as large as the coordinates.
+        let reach = region.low().abs().max(region.high().abs()).max_element();
+        let terms = (3.0 * reach + half.offset.abs() * scale) as f32;
+        let slack = COORDINATE_ERROR * (room.abs() + change.abs() + Vec4::splat(terms));
+        let sides = self.sides[0].slack + self.sides[1].slack + self.sides[2].slack;
+        self.cut(room + (slack + sides), change);
     }
 
     /// Keeps only τ with `room + τ · change ≥ 0`.
+    #[inline]
     fn cut(&mut self, room: Vec4, change: Vec4) {
         let crossing = -room / change;
+        let slack = SHARE_ERROR as f32;
         // NaN only for 0/0: such a ray stays. Comparisons with NaN are false.
         let rising = change.cmpgt(Vec4::ZERO);
         let falling = change.cmplt(Vec4::ZERO);
         let never = change.cmpeq(Vec4::ZERO) & room.cmplt(Vec4::ZERO);
-        let enter = Vec4::select(rising, crossing - SHARE_ERROR, self.enter);
-        let leave = Vec4::select(falling, crossing + SHARE_ERROR, self.leave);
+        let enter = Vec4::select(rising, crossing - slack, self.enter);
+        let leave = Vec4::select(falling, crossing + slack, self.leave);
         self.enter = self.enter.max(enter);
         self.leave = Vec4::select(never, Vec4::NEG_ONE, self.leave.min(leave));
     }
@@ -233,12 +235,6 @@ impl Group {
 }
 
 impl Side {
-    fn new(start: Vec4, extent: Vec4) -> Self {
-        let slack =
-            COORDINATE_ERROR * (start.abs() + extent.abs()) + Vec4::splat(f32::MIN_POSITIVE);
-        Self { start, extent, slack }
-    }
-
     #[inline]
     fn at(&self, share: f32) -> Vec4 {
         self.start + share * self.extent
