@@ -246,3 +246,6 @@ pub(crate) fn above(value: f64) -> f32 {
     let nearest = value as f32;
     if f64::from(nearest) < value { nearest.next_up() } else { nearest }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,160 @@
+//! Boxes and ranges of τ against exact points of exact rays.
+
+use super::*;
+use crate::region::HalfSpace;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    /// Uniform in [−1, 1].
+    fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self, scale: f64) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit()) * scale
+    }
+
+    /// A power of ten between 10^−3 and 10^`most`.
+    fn scale(&mut self, most: i32) -> f64 {
+        10_f64.powi((self.next() % (most + 4) as u64) as i32 - 3)
+    }
+}
+
+fn exact(value: f64) -> BigRational {
+    BigRational::from_float(value).expect("finite")
+}
+
+/// A region, four rays that meet it, perhaps a clipping plane, of all sizes and from near and very far.
+fn scene(random: &mut Random) -> (Region, [Segment; 4]) {
+    let size = random.scale(3);
+    let away = size * random.scale(2);
+    let centre = random.vector(away);
+    let half = DVec3::new(random.unit(), random.unit(), random.unit()).abs() * size
+        + DVec3::splat(size * 0.01);
+    let mut region = Region::new(centre - half, centre + half).expect("a box");
+    if random.next().is_multiple_of(3) {
+        let normal = random.vector(1.0) + DVec3::splat(0.01);
+        let offset = normal.dot(centre + half * random.unit() * 0.5);
+        region = region.with_clip(HalfSpace { normal, offset }).expect("a plane");
+    }
+    let away = size * random.scale(7);
+    let origin = centre + random.vector(away);
+    let target = centre + half * random.vector(1.0);
+    let spread = match random.next() % 3 {
+        0 => 0.0,
+        1 => 1e-3,
+        _ => 0.3,
+    };
+    let segments = std::array::from_fn(|_| {
+        let aim = target + half * random.vector(spread);
+        let direction = (aim - origin) * random.scale(2);
+        let to = if random.next().is_multiple_of(4) { 0.9 } else { f64::INFINITY };
+        Segment { origin, direction, to }
+    });
+    (region, segments)
+}
+
+/// Whether a point is in the region, exactly.
+fn inside(region: &Region, point: &[BigRational; 3]) -> bool {
+    let in_box = (0..3).all(|axis| {
+        exact(region.low()[axis]) <= point[axis] && point[axis] <= exact(region.high()[axis])
+    });
+    let kept = region.clip().is_none_or(|half| {
+        let dot: BigRational = (0..3).map(|axis| exact(half.normal[axis]) * &point[axis]).sum();
+        dot <= exact(half.offset)
+    });
+    in_box && kept
+}
+
+#[test]
+fn points_of_rays_lie_in_their_boxes_and_ranges() {
+    let seed = 0x5eed_7001;
+    println!("seed {seed:#x}");
+    let mut random = Random(seed);
+    let mut checked = 0_u32;
+    let mut refused = 0_u32;
+    for _ in 0..6_000 {
+        let (region, segments) = scene(&mut random);
+        let Some(packet) = Packet::<1>::new(&[segments], &region) else {
+            refused += 1;
+            continue;
+        };
+        let Planes { k, start, extent, .. } = packet.planes;
+        for _ in 0..6 {
+            let level = random.next() % 16;
+            let count = 1_u64 << (level + 1);
+            let index = random.next() % count & !1;
+            let at = |i: u64| (i as f64 / count as f64) as f32;
+            let planes = [at(index), at(index + 1), at(index + 2)];
+            let mut boxes = [[BoxPacket::default(); 1]; 2];
+            packet.boxes(planes, &mut boxes);
+            for half in 0..2 {
+                // A place within the slab: an end, or anywhere between.
+                let share = match random.next() % 4 {
+                    0 => exact(f64::from(planes[half])),
+                    1 => exact(f64::from(planes[half + 1])),
+                    _ => {
+                        let part =
+                            BigRational::new((random.next() % 1000).into(), BigInt::from(1000));
+                        let width = exact(f64::from(planes[half + 1] - planes[half]));
+                        exact(f64::from(planes[half])) + part * width
+                    }
+                };
+                for (lane, segment) in segments.iter().enumerate() {
+                    // extent is the rounded end − start: a plane anywhere near stands for the same slab's contents as
+                    // long as it lies between the exact end planes.
+                    let plane = exact(start) + &share * exact(extent);
+                    let t = (&plane - exact(segment.origin[k])) / exact(segment.direction[k]);
+                    let point: [BigRational; 3] = std::array::from_fn(|axis| {
+                        exact(segment.origin[axis]) + &t * exact(segment.direction[axis])
+                    });
+                    let reached =
+                        t >= exact(0.0) && (segment.to.is_infinite() || t <= exact(segment.to));
+                    if !reached || !inside(&region, &point) {
+                        continue;
+                    }
+                    checked += 1;
+                    let meets = packet.groups[0].meets(planes[half], planes[half + 1]);
+                    assert!(
+                        meets.bitmask() >> lane & 1 == 1,
+                        "out of range: {segment:?} {region:?} {planes:?}"
+                    );
+                    assert!(packet.groups[0].outside().bitmask() >> lane & 1 == 0, "{segment:?}");
+                    for axis in 0..3 {
+                        let lo = exact(-f64::from(boxes[half][0].neg_lo[axis][lane]));
+                        let hi = exact(f64::from(boxes[half][0].hi[axis][lane]));
+                        assert!(
+                            lo <= point[axis] && point[axis] <= hi,
+                            "axis {axis} of {segment:?} in {region:?} at {planes:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+    println!("{checked} points checked, {refused} packets refused");
+    assert!(checked > 20_000, "{checked}");
+}
+
+#[test]
+fn rays_that_do_not_advance_together_are_refused() {
+    let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("a box");
+    let ray = |direction: DVec3| Segment { origin: DVec3::ZERO, direction, to: f64::INFINITY };
+    let packet = |other| {
+        Packet::<1>::new(&[[ray(DVec3::X), ray(DVec3::X), ray(DVec3::X), ray(other)]], &region)
+    };
+    assert!(packet(DVec3::new(1.0, 0.5, 0.0)).is_some());
+    assert!(packet(DVec3::NEG_X).is_none());
+    assert!(packet(DVec3::new(0.1, 1.0, 0.0)).is_none());
+    assert!(packet(DVec3::NAN).is_none());
+}
