@@ -82,4 +82,18 @@ pub trait Machine {
     fn widen(&mut self, a: Self::V) -> [Self::V; 2];
     /// The inverse of [`Machine::widen`], rounded up.
     fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;
+
+    /// Applies `text` to each row of inputs, all `F64`; native code does so in a loop, so that it is emitted once (a
+    /// kernel with nine cosines compiles in half the time, and runs a sixth faster). What `text` computes must not be
+    /// used but through its results.
+    fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
+        &mut self,
+        inputs: [[Self::V; IN]; ROWS],
+        mut text: impl FnMut(&mut Self, [Self::V; IN]) -> [Self::V; OUT],
+    ) -> [[Self::V; OUT]; ROWS]
+    where
+        Self: Sized,
+    {
+        inputs.map(|row| text(self, row))
+    }
 }

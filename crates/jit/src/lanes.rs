@@ -1,12 +1,18 @@
 //! The machine that emits: lane operations as Cranelift instructions.
 
-use cranelift_codegen::ir::condcodes::FloatCC;
+use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::immediates::V128Imm;
-use cranelift_codegen::ir::types::{F32X4, F64X2, I8X16, I32X4, I64X2};
-use cranelift_codegen::ir::{ConstantData, Endianness, InstBuilder, MemFlagsData, Type, Value};
+use cranelift_codegen::ir::types::{F32X4, F64X2, I8X16, I32X4, I64, I64X2};
+use cranelift_codegen::ir::{
+    ConstantData, Endianness, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Type, Value,
+};
 use cranelift_frontend::FunctionBuilder;
 use std::collections::HashMap;
 use zeroset_interval::{Format, Machine};
+
+/// Bytes of a vector, and the binary logarithm of that.
+const VECTOR: usize = 16;
+const VECTOR_ALIGNMENT: u8 = 4;
 
 /// A vector while code is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -297,5 +303,49 @@ impl Machine for Emitter<'_, '_> {
         let mask = self.builder.func.dfg.immediates.push(ConstantData::from(order.as_slice()));
         let joined = self.builder.ins().shuffle(low, high, mask);
         Vector::Value(self.cast(F32X4, joined))
+    }
+
+    fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
+        &mut self,
+        inputs: [[Vector; IN]; ROWS],
+        mut text: impl FnMut(&mut Self, [Vector; IN]) -> [Vector; OUT],
+    ) -> [[Vector; OUT]; ROWS] {
+        // A table on the stack: per row, the inputs and then the outputs.
+        let at = |column: usize| (VECTOR * column) as i32;
+        let width = VECTOR * (IN + OUT);
+        let size = (width * ROWS) as u32;
+        let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, size, VECTOR_ALIGNMENT);
+        let slot = self.builder.create_sized_stack_slot(slot);
+        for (row, inputs) in inputs.into_iter().enumerate() {
+            for (column, input) in inputs.into_iter().enumerate() {
+                let value = self.value(input);
+                self.builder.ins().stack_store(I64, value, slot, (row * width) as i32 + at(column));
+            }
+        }
+        let (body, end) = (self.builder.create_block(), self.builder.create_block());
+        let row = self.builder.append_block_param(body, I64);
+        let first = self.builder.ins().stack_addr(I64, slot, 0);
+        let last = self.builder.ins().stack_addr(I64, slot, (width * (ROWS - 1)) as i32);
+        self.builder.ins().jump(body, &[first.into()]);
+        self.builder.switch_to_block(body);
+        let flags = MemFlagsData::trusted();
+        let inputs = std::array::from_fn(|column| {
+            Vector::Value(self.builder.ins().load(F64X2, flags, row, at(column)))
+        });
+        let outputs = text(self, inputs);
+        for (column, output) in outputs.into_iter().enumerate() {
+            let value = self.value(output);
+            self.builder.ins().store(flags, value, row, at(IN + column));
+        }
+        let more = self.builder.ins().icmp(IntCC::NotEqual, row, last);
+        let next = self.builder.ins().iadd_imm_s(row, width as i64);
+        self.builder.ins().brif(more, body, &[next.into()], end, &[]);
+        self.builder.switch_to_block(end);
+        std::array::from_fn(|row| {
+            std::array::from_fn(|column| {
+                let offset = (row * width) as i32 + at(IN + column);
+                Vector::Value(self.builder.ins().stack_load(I64, F64X2, slot, offset))
+            })
+        })
     }
 }

@@ -93,7 +93,7 @@ fn points_of_rays_lie_in_their_boxes_and_ranges() {
         for _ in 0..6 {
             let level = random.next() % 16;
             let count = 1_u64 << (level + 1);
-            let index = random.next() % count & !1;
+            let index = (random.next() % count) & !1;
             let at = |i: u64| (i as f64 / count as f64) as f32;
             let planes = [at(index), at(index + 1), at(index + 2)];
             let mut boxes = [[BoxPacket::default(); 1]; 2];
@@ -130,11 +130,11 @@ fn points_of_rays_lie_in_their_boxes_and_ranges() {
                         "out of range: {segment:?} {region:?} {planes:?}"
                     );
                     assert!(packet.groups[0].outside().bitmask() >> lane & 1 == 0, "{segment:?}");
-                    for axis in 0..3 {
+                    for (axis, point) in point.iter().enumerate() {
                         let lo = exact(-f64::from(boxes[half][0].neg_lo[axis][lane]));
                         let hi = exact(f64::from(boxes[half][0].hi[axis][lane]));
                         assert!(
-                            lo <= point[axis] && point[axis] <= hi,
+                            lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
                         );
                     }

@@ -6,7 +6,7 @@ use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
-use wide::{ANGLE_LIMIT, Text, by_halves};
+use wide::{ANGLE_LIMIT, Text, at_ends, by_halves};
 
 impl<M: Machine> Rule<'_, M> {
     /// Bounds of an increasing function from its approximations at both ends.
@@ -15,12 +15,9 @@ impl<M: Machine> Rule<'_, M> {
         a: &Operand<M::V>,
         mut f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V,
     ) -> Enclosure<M::V> {
-        let ends = [a.value.neg_lo, a.value.hi];
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [neg_lo, hi]| {
-            let lo = text.m.neg(neg_lo);
-            let (at_lo, at_hi) = (f(text, lo), f(text, hi));
-            [text.above_negated(at_lo), text.above(at_hi)]
-        });
+        let combine = |text: &mut Text<'_, M>, lo, hi| [text.above_negated(lo), text.above(hi)];
+        let (neg_lo, hi) = (a.value.neg_lo, a.value.hi);
+        let [neg_lo, hi] = at_ends(self.m, self.format, neg_lo, hi, &mut f, combine);
         Enclosure { neg_lo, hi, ..a.value }
     }
 
@@ -123,17 +120,17 @@ impl<M: Machine> Rule<'_, M> {
         trough: f64,
     ) -> Enclosure<M::V> {
         let one = self.number(1.0);
-        let ends = [a.value.neg_lo, a.value.hi];
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [neg_lo, hi]| {
-            let lo = text.m.neg(neg_lo);
-            let (at_lo, at_hi) = (f(text, lo), f(text, hi));
+        let combine = |text: &mut Text<'_, M>, at_lo, at_hi| {
             let (least, most) = (text.m.min(at_lo, at_hi), text.m.max(at_lo, at_hi));
             [text.above_negated(least), text.above(most)]
-        });
+        };
+        let (neg_lo, hi) = (a.value.neg_lo, a.value.hi);
+        let [neg_lo, hi] = at_ends(self.m, self.format, neg_lo, hi, f, combine);
         let mut neg_lo = self.m.min(neg_lo, one);
         let mut hi = self.m.min(hi, one);
-        let has_peak = self.has_turn(a, 1.0, peak);
-        let has_trough = self.has_turn(a, 1.0, trough);
+        let turns = self.turns_of(a, 1.0);
+        let has_peak = self.has_turn(turns, peak);
+        let has_trough = self.has_turn(turns, trough);
         hi = self.m.select(has_peak, one, hi);
         neg_lo = self.m.select(has_trough, one, neg_lo);
         if let Some(near) = self.within_angle_limit(a) {
@@ -146,7 +143,8 @@ impl<M: Machine> Rule<'_, M> {
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let value = self.increasing(a, |text, x| text.tan(x));
         // Poles at a quarter turn and every half turn after it.
-        let pole = self.has_turn(a, 2.0, 0.5);
+        let turns = self.turns_of(a, 2.0);
+        let pole = self.has_turn(turns, 0.5);
         let mut free = self.not(pole);
         if let Some(near) = self.within_angle_limit(a) {
             free = self.m.and(free, near);
@@ -157,10 +155,10 @@ impl<M: Machine> Rule<'_, M> {
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, Fact::False, Fact::Lanes(free))
     }
 
-    /// Lanes where the angle may pass `(j + offset) / per_turn` full turns for some integer j: set wherever it does.
-    fn has_turn(&mut self, a: &Operand<M::V>, per_turn: f64, offset: f64) -> M::V {
+    /// Lanes where the angle, given by [`Self::turns_of`], may pass j + `offset` for some integer j: set wherever it
+    /// does.
+    fn has_turn(&mut self, [neg_lo, hi]: [M::V; 2], offset: f64) -> M::V {
         // floor(hi − offset) ≥ ceil(lo − offset), both ends rounded outward.
-        let (hi, neg_lo) = (self.turns(a.value.hi, per_turn), self.turns(a.value.neg_lo, per_turn));
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
         let last = self.m.floor(last);
@@ -168,6 +166,11 @@ impl<M: Machine> Rule<'_, M> {
         let neg_first = self.m.floor(neg_first);
         let count = self.m.add(last, neg_first);
         self.m.le(zero, count)
+    }
+
+    /// Upper bounds of −lo and hi in units of 1/`per_turn` turns.
+    fn turns_of(&mut self, a: &Operand<M::V>, per_turn: f64) -> [M::V; 2] {
+        [self.turns(a.value.neg_lo, per_turn), self.turns(a.value.hi, per_turn)]
     }
 
     /// An upper bound of `per_turn` · a / 2π.

@@ -24,8 +24,37 @@ pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
         Format::F64 => text(&mut Text { m, target: format }, inputs),
         Format::F32 => {
             let halves = inputs.map(|input| m.widen(input));
-            let low = text(&mut Text { m, target: format }, halves.map(|half| half[0]));
-            let high = text(&mut Text { m, target: format }, halves.map(|half| half[1]));
+            let rows = [halves.map(|half| half[0]), halves.map(|half| half[1])];
+            let [low, high] = m.repeat(rows, |m, row| text(&mut Text { m, target: format }, row));
+            std::array::from_fn(|i| m.narrow([low[i], high[i]]))
+        }
+    }
+}
+
+/// Applies `text` to the halves of lo and hi one after the other, then `combine` to what comes of both ends of a half.
+pub(crate) fn at_ends<M: Machine>(
+    m: &mut M,
+    format: Format,
+    neg_lo: M::V,
+    hi: M::V,
+    mut f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V,
+    mut combine: impl FnMut(&mut Text<'_, M>, M::V, M::V) -> [M::V; 2],
+) -> [M::V; 2] {
+    match format {
+        Format::F64 => {
+            let mut text = Text { m, target: format };
+            let lo = text.m.neg(neg_lo);
+            let (at_lo, at_hi) = (f(&mut text, lo), f(&mut text, hi));
+            combine(&mut text, at_lo, at_hi)
+        }
+        Format::F32 => {
+            let lo = m.neg(neg_lo);
+            let ([l0, l1], [h0, h1]) = (m.widen(lo), m.widen(hi));
+            let values = m
+                .repeat([[l0], [l1], [h0], [h1]], |m, [x]| [f(&mut Text { m, target: format }, x)]);
+            let [[l0], [l1], [h0], [h1]] = values;
+            let low = combine(&mut Text { m, target: format }, l0, h0);
+            let high = combine(&mut Text { m, target: format }, l1, h1);
             std::array::from_fn(|i| m.narrow([low[i], high[i]]))
         }
     }
