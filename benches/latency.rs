@@ -124,11 +124,15 @@ fn main() {
     for column in [FIRST, ALL] {
         println!("\nslowest by '{}', in ms; stages one after the other", NAMES[column]);
         print!("{:34}", "");
-        NAMES.iter().for_each(|name| print!("{name:>9}"));
+        for name in NAMES {
+            print!("{name:>9}");
+        }
         println!();
         for (example, times) in slowest(&table, column).iter().take(SLOWEST) {
             print!("{:34}", example.slug);
-            times.iter().for_each(|time| print!("{time:9.2}"));
+            for time in times {
+                print!("{time:9.2}");
+            }
             println!();
         }
     }

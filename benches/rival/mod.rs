@@ -119,7 +119,8 @@ pub fn compare(rounds: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) 
         f();
         start.elapsed().as_secs_f64()
     };
-    (ours(), theirs());
+    ours();
+    theirs();
     let mut samples: Vec<[f64; 3]> = (0..rounds)
         .map(|round| {
             // Each goes first in half of the rounds.

@@ -49,6 +49,15 @@ pub enum PacketWidth {
 /// Pixels on the side of a tile: the unit of work that threads share and that may be cancelled.
 const TILE: usize = 32;
 
+/// Where rays start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Start {
+    /// The first slab in which the function may vanish counts.
+    Anywhere,
+    /// On a surface, which does not count: slabs do only after an empty one.
+    OnSurface,
+}
+
 /// What became of one ray, as distances from its origin.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
@@ -145,7 +154,7 @@ impl Knoll {
                         (segment.origin, segment.direction) = frame.line(i, j);
                     }
                 }
-                let outcomes = self.rays(&segments, region, kernel, &mut work);
+                let outcomes = self.rays(&segments, region, kernel, Start::Anywhere, &mut work);
                 for (group, outcomes) in outcomes.iter().enumerate() {
                     for (lane, outcome) in outcomes.iter().enumerate() {
                         let (i, j) = place(group, lane);
@@ -163,10 +172,11 @@ impl Knoll {
         segments: &[[Segment; 4]; GROUPS],
         region: &Region,
         kernel: &K,
+        start: Start,
         work: &mut Work,
     ) -> [[Found; 4]; GROUPS] {
         if let Some(packet) = Packet::new(segments, region) {
-            let outcomes = self.packet(&packet, kernel, work);
+            let outcomes = self.packet(&packet, kernel, start, work);
             let mut found = [[Found::default(); 4]; GROUPS];
             for group in 0..GROUPS {
                 for lane in 0..4 {
@@ -184,7 +194,7 @@ impl Knoll {
         let unknown = Found { drawn: None, suppressed: Some(0.0) };
         segments.map(|group| {
             group.map(|one| match Packet::<1>::new(&[[one; 4]], region) {
-                Some(_) => self.rays(&[[one; 4]], region, kernel, work)[0][0],
+                Some(_) => self.rays(&[[one; 4]], region, kernel, start, work)[0][0],
                 None => unknown,
             })
         })
@@ -194,11 +204,16 @@ impl Knoll {
         self,
         packet: &Packet<GROUPS>,
         kernel: &K,
+        start: Start,
         work: &mut Work,
     ) -> [[Outcome; 4]; GROUPS] {
         let mut outcomes = [[Outcome::default(); 4]; GROUPS];
         let mut alive: [u32; GROUPS] =
             std::array::from_fn(|group| !packet.groups[group].outside().bitmask() & 0b1111);
+        let mut leaving = match start {
+            Start::Anywhere => [0; GROUPS],
+            Start::OnSurface => alive,
+        };
         let mut pair = Pair::default();
         // What was found in the second half of the slab being searched, per level.
         let mut second = [Slab::<GROUPS>::default(); MAX_DEPTH as usize];
@@ -222,6 +237,14 @@ impl Knoll {
             } else {
                 second[level as usize]
             };
+            if start == Start::OnSurface {
+                // Until a lane has come through an empty slab, it is still at the surface that it started from.
+                for (leaving, (asked, found)) in
+                    leaving.iter_mut().zip(slab.active.iter().zip(&slab.vanishing))
+                {
+                    *leaving &= !(asked & !found);
+                }
+            }
             let mut vanishing = 0;
             for (found, alive) in slab.vanishing.iter_mut().zip(&alive) {
                 *found &= alive;
@@ -234,6 +257,7 @@ impl Knoll {
                     continue;
                 }
                 for group in 0..GROUPS {
+                    slab.vanishing[group] &= !leaving[group];
                     alive[group] &= !self.record(&slab, group, from, &mut outcomes[group]);
                 }
                 if alive.iter().all(|&lanes| lanes == 0) {
@@ -286,7 +310,8 @@ impl Knoll {
     }
 
     /// Finds which painted points of `buffer` do not see the light, at this traverser's depth. A ray starts
-    /// `offset` away from its point (in world units), so that the surface does not shade itself.
+    /// `offset` away from its point (in world units), and what it meets before it is clear of that surface does not
+    /// count: otherwise a surface would shade itself wherever enclosures are wide.
     pub fn shadows<K: IntervalKernel + ?Sized>(
         self,
         buffer: &mut GBuffer,
@@ -314,7 +339,8 @@ impl Knoll {
                         Segment { origin, direction: way, to: distance }
                     };
                     let segments = [std::array::from_fn(segment)];
-                    let [outcomes] = self.rays(&segments, region, kernel, &mut work);
+                    let [outcomes] =
+                        self.rays(&segments, region, kernel, Start::OnSurface, &mut work);
                     let hidden = outcomes.map(|outcome| outcome.drawn.is_some());
                     found.extend(four.iter().copied().zip(hidden));
                 }
@@ -335,6 +361,8 @@ impl Knoll {
 /// What is known of one slab: lanes by group.
 #[derive(Clone, Copy, Debug)]
 struct Slab<const GROUPS: usize> {
+    /// The lanes that asked.
+    active: [u32; GROUPS],
     /// The function may vanish there.
     vanishing: [u32; GROUPS],
     /// Its enclosure there is unbounded.
@@ -343,7 +371,7 @@ struct Slab<const GROUPS: usize> {
 
 impl<const GROUPS: usize> Default for Slab<GROUPS> {
     fn default() -> Self {
-        Self { vanishing: [0; GROUPS], unbounded: [0; GROUPS] }
+        Self { active: [0; GROUPS], vanishing: [0; GROUPS], unbounded: [0; GROUPS] }
     }
 }
 
@@ -411,6 +439,7 @@ impl<const GROUPS: usize> Pair<GROUPS> {
         work.interval_calls += 1;
         work.interval_lanes += u64::from(first + second);
         for (half, slab) in slabs.iter_mut().enumerate() {
+            slab.active = self.active[half];
             for group in 0..GROUPS {
                 let (vanishing, unbounded) = judge(&self.values[half][group]);
                 slab.vanishing[group] = vanishing & self.active[half][group];
