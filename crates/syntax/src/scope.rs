@@ -156,7 +156,8 @@ impl Scope {
     }
 }
 
-/// The candidate most like `name`: few edits for its length, the first in the alphabet where several tie.
+/// The candidate most like `name`: few edits for its length, then the nearest in length, so that a swapped pair of
+/// letters counts before a lost one, then the first in the alphabet.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     // Comparing costs the product of the lengths, so names that no candidate can be near are not compared.
     const LONGEST: usize = 24;
@@ -175,11 +176,14 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
         .filter(|candidate| *candidate != name)
         .map(|candidate| {
             let edits = strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
-            (edits, candidate)
+            let length = candidate.chars().count().abs_diff(lower.chars().count());
+            (edits, length, candidate)
         })
-        .filter(|(edits, candidate)| *edits <= allowed && *edits < candidate.chars().count().max(1))
+        .filter(|(edits, _, candidate)| {
+            *edits <= allowed && *edits < candidate.chars().count().max(1)
+        })
         .min()
-        .map(|(_, candidate)| candidate.to_owned())
+        .map(|(_, _, candidate)| candidate.to_owned())
 }
 
 /// The numbers of arguments that a function takes.
