@@ -19,6 +19,8 @@
 pub mod domain;
 pub mod enclosure;
 pub mod gallery;
+pub mod live;
+pub mod model;
 pub mod picture;
 pub mod program;
 pub mod scene;

@@ -1,19 +1,13 @@
 //! From a document to a picture: simplify, compile, trace, shade, and account for all of it.
 
-use crate::program::{Program, ProgramError};
-use crate::scene;
-use crate::work::{Counted, Work};
-use crate::zeros::ZeroKernel;
+use crate::model::Model;
+use crate::program::ProgramError;
+use crate::work::Work;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-use zeroset_jit::{NativeGradient, NativePoint};
-use zeroset_syntax::{Document, Kind};
-use zeroset_trace::{
-    Appearance, Camera, Colour, Frame, GBuffer, Knoll, Light, NormalSource, PacketWidth,
-    PixelCounts, Region, SurfaceColours, UndecidedStyle, cap, normals, shade,
-};
+use std::time::Duration;
+use zeroset_syntax::Document;
+use zeroset_trace::{Camera, Colour, GBuffer, PacketWidth, PixelCounts, Region, UndecidedStyle};
 
 /// How a picture is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,17 +104,6 @@ pub struct Times {
 /// Told how many of how many pixels are done, from several threads.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// The kernels of one surface.
-struct Kernels {
-    zeros: ZeroKernel,
-    normals: Option<NormalKernel>,
-}
-
-enum NormalKernel {
-    Gradient(NativeGradient),
-    Central(NativePoint),
-}
-
 /// Renders all surfaces of `document` in `region` as seen by `camera`.
 ///
 /// # Errors
@@ -132,174 +115,13 @@ pub fn render(
     settings: &Settings,
     progress: Progress<'_>,
 ) -> Result<Picture, ProgramError> {
-    let mut watch = Stopwatch::start();
-    let mut times = Times::default();
-
-    let program = Program::new(document, scene::bounds(region))?;
-    times.simplify = watch.lap();
-
-    let surfaces = document.surfaces.len();
-    let kernels = (0..surfaces)
-        .into_par_iter()
-        .map(|surface| compile(&program, surface, settings.normals))
-        .collect::<Result<Vec<_>, _>>()?;
-    let code_bytes = kernels.iter().map(Kernels::code_bytes).sum();
-    times.compile = watch.lap();
-
-    let frame = camera.frame(settings.width, settings.height);
-    let light = match settings.light {
-        Some(place) => Light::Positional(place),
-        None => Light::above_left(&frame),
-    };
-    let mut work = Work::default();
-    let pixels = settings.width * settings.height;
+    let model = Model::new(document, region, settings.normals)?;
+    let pixels = settings.width * settings.height * document.surfaces.len();
     let done = AtomicUsize::new(0);
     let advance = |pixels_done: usize| {
         let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
-        progress(done, pixels * surfaces);
+        progress(done, pixels);
         true
     };
-    let method = |depth| Knoll { depth, width: settings.packet, ..Knoll::default() };
-    let mut buffer = GBuffer::new(settings.width, settings.height, 0);
-    for (index, (surface, kernels)) in document.surfaces.iter().zip(&kernels).enumerate() {
-        let (mut layer, done) =
-            method(settings.max_depth).trace(&frame, region, &kernels.zeros, &advance);
-        layer.surface.fill(index as u16);
-        work.add_traversal(&done);
-        if surface.kind == Kind::Solid {
-            let counted = Counted::new(kernels.zeros.function());
-            cap(&mut layer, &frame, region, &counted);
-            work.interval += counted.count();
-        }
-        times.trace += watch.lap();
-        fill_normals(&mut layer, &frame, region, kernels, &mut work);
-        // One layer at a time, so that many surfaces take no more memory than one.
-        if index == 0 {
-            buffer = layer;
-        } else {
-            buffer.merge(&layer);
-        }
-        times.shade += watch.lap();
-    }
-
-    if let Some(depth) = settings.shadow_depth {
-        // A slab of the last depth may lie on either side of the surface that it holds.
-        let offset = 2.0 * region.half_extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
-        let mut hidden = vec![false; pixels];
-        for kernels in &kernels {
-            let done =
-                method(depth).shadows(&mut buffer, &frame, region, &kernels.zeros, &light, offset);
-            work.add_traversal(&done);
-            hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
-        }
-        buffer.shadow = hidden;
-        times.trace += watch.lap();
-    }
-
-    let rgb = match settings.normals {
-        Some(_) => shade(&buffer, &frame, &appearance(document, settings, light)),
-        None => Vec::new(),
-    };
-    times.shade += watch.lap();
-    let statistics =
-        Statistics { times, pixels: buffer.counts(), work, code_bytes, nodes: program.nodes() };
-    let undefined = (0..surfaces).any(|surface| program.is_undefined(surface));
-    Ok(Picture { buffer, rgb, statistics, undefined })
-}
-
-fn compile(
-    program: &Program,
-    surface: usize,
-    normals: Option<Normals>,
-) -> Result<Kernels, ProgramError> {
-    let (zeros, normals) = rayon::join(
-        || program.zero_kernel(surface),
-        || match normals {
-            None => Ok(None),
-            Some(Normals::Gradient) => {
-                program.gradient_kernel(surface).map(|k| Some(NormalKernel::Gradient(k)))
-            }
-            Some(Normals::Central) => {
-                program.point_kernel(surface).map(|k| Some(NormalKernel::Central(k)))
-            }
-        },
-    );
-    Ok(Kernels { zeros: zeros?, normals: normals? })
-}
-
-impl Kernels {
-    fn code_bytes(&self) -> usize {
-        let normals = match &self.normals {
-            Some(NormalKernel::Gradient(kernel)) => kernel.code_bytes(),
-            Some(NormalKernel::Central(kernel)) => kernel.code_bytes(),
-            None => 0,
-        };
-        self.zeros.code_bytes() + normals
-    }
-}
-
-/// Shadow rays start this many of their own slabs away from the surface, so that it does not shade itself.
-const SHADOW_OFFSET_SLABS: f64 = 2.0;
-
-/// Reach of central differences, as a share of the domain's largest extent.
-const STEP: f64 = 1e-3;
-
-fn fill_normals(
-    layer: &mut GBuffer,
-    frame: &Frame,
-    region: &Region,
-    kernels: &Kernels,
-    work: &mut Work,
-) {
-    let step = 2.0 * region.half_extent() * STEP;
-    match &kernels.normals {
-        Some(NormalKernel::Gradient(kernel)) => {
-            let counted = Counted::new(kernel);
-            normals(layer, frame, NormalSource::Gradient(&counted), step);
-            work.gradient += counted.count();
-        }
-        Some(NormalKernel::Central(kernel)) => {
-            let counted = Counted::new(kernel);
-            normals(layer, frame, NormalSource::Central(&counted), step);
-            work.point += counted.count();
-        }
-        None => {}
-    }
-}
-
-fn appearance(document: &Document, settings: &Settings, light: Light) -> Appearance {
-    let plain = Appearance::new(light);
-    let surfaces = document.surfaces.iter().enumerate().map(|(index, surface)| {
-        match surface.color {
-            // One colour typed serves both sides; the side where f < 0 is darker.
-            Some(color) => {
-                let positive = Colour::from_srgb(color.rgb);
-                SurfaceColours { positive, negative: positive.lit(0.45, 0.0) }
-            }
-            None => SurfaceColours::default_for(index),
-        }
-    });
-    Appearance {
-        surfaces: surfaces.collect(),
-        background: settings.background.unwrap_or(plain.background),
-        ambient: settings.ambient,
-        undecided: settings.undecided,
-        ..plain
-    }
-}
-
-/// Measures one stage after another.
-struct Stopwatch(Instant);
-
-impl Stopwatch {
-    fn start() -> Self {
-        Self(Instant::now())
-    }
-
-    fn lap(&mut self) -> Duration {
-        let now = Instant::now();
-        let lap = now - self.0;
-        self.0 = now;
-        lap
-    }
+    Ok(model.trace(camera, settings, &advance))
 }

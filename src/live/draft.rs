@@ -1,0 +1,135 @@
+//! How a line that is entered changes a document's text. Knows statements and lines, but not what they mean.
+
+use std::ops::Range;
+use zeroset_syntax::ast::Statement;
+use zeroset_syntax::{Limits, parse};
+
+/// The text after `line` has been entered into it: a definition takes the place of the one with the same name; a drawing
+/// takes the place of all others, or joins them if `adding`; a `domain`, `view` or `color` line takes the place of the
+/// one before. Text or line may be wrong; reading the result tells where. A text that is wrong itself is given up.
+pub fn entered(text: &str, line: &str, adding: bool) -> String {
+    let limits = Limits::default();
+    let line = line.trim();
+    let base = text.trim_end();
+    if base.is_empty() || parse(base, &limits).is_err() {
+        return line.to_owned();
+    }
+    let joined = format!("{base}\n{line}");
+    if let Some(word) = scene_word(line) {
+        let kept: Vec<&str> =
+            base.lines().filter(|other| scene_word(other) != Some(word)).collect();
+        let (kept, new) = (kept.join("\n"), line);
+        // A colour is that of the drawings below it.
+        return if word == "color" {
+            let (comment, rest) = kept.split_at(heading(&kept));
+            format!("{comment}{new}\n{rest}")
+        } else {
+            format!("{kept}\n{new}")
+        };
+    }
+    let Ok(statements) = parse(&joined, &limits) else {
+        return joined;
+    };
+    let start = base.len() + 1;
+    let (old, new): (Vec<_>, Vec<_>) =
+        statements.iter().map(|one| (extent(one), one)).partition(|(span, _)| span.start < start);
+    let draws = new.iter().any(|(_, one)| matches!(one, Statement::Draw { .. }));
+    let replaced = |one: &Statement| {
+        match one {
+        Statement::Draw { .. } => draws && !adding,
+        Statement::Define(definition) => new.iter().any(|(_, one)| {
+            matches!(one, Statement::Define(other) if other.name.text == definition.name.text)
+        }),
+    }
+    };
+    let mut kept = joined.clone();
+    for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
+        kept.replace_range(piece(&joined, span), "");
+    }
+    kept.trim_start_matches('\n').to_owned()
+}
+
+/// The first word of a line that is about the scene rather than a formula.
+fn scene_word(line: &str) -> Option<&'static str> {
+    let word = line.split_whitespace().next()?;
+    // `domain = 2` would define a value of that name.
+    let defines = line.trim_start()[word.len()..].trim_start().starts_with(['=', '(']);
+    ["domain", "view", "color"].into_iter().find(|other| *other == word && !defines)
+}
+
+/// Bytes of the comment that a text starts with.
+fn heading(text: &str) -> usize {
+    text.split_inclusive('\n').take_while(|line| line.starts_with('#')).map(str::len).sum()
+}
+
+fn extent(statement: &Statement) -> Range<usize> {
+    let (first, mut end) = match statement {
+        Statement::Draw { expr, .. } => (expr.span, expr.span.end),
+        Statement::Define(definition) => (definition.name.span, definition.body.span.end),
+    };
+    match statement {
+        Statement::Draw { restrictions, .. } => {
+            end = restrictions.iter().map(|one| one.span.end).fold(end, usize::max);
+        }
+        Statement::Define(definition) => {
+            end = definition.range.iter().map(|range| range.1.span.end).fold(end, usize::max);
+        }
+    }
+    first.start..end
+}
+
+/// The whole piece of `text` around a statement, with the break or comment that ends it.
+fn piece(text: &str, span: &Range<usize>) -> Range<usize> {
+    let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
+    let rest = &text[span.end..];
+    let end = rest.find(['\n', ';', '#']).map_or(rest.len(), |at| {
+        if rest[at..].starts_with('#') {
+            rest[at..].find('\n').map_or(rest.len(), |line| at + line + 1)
+        } else {
+            at + 1
+        }
+    });
+    start..span.end + end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawings_replace_drawings_and_definitions_their_namesakes() {
+        for (text, line, expected) in [
+            ("", " x+y ", "x+y"),
+            ("x+y", "x-y", "x-y"),
+            ("r = 2\nx^2+y^2 = r", "z = r", "r = 2\nz = r"),
+            ("r = 2\nx^2+y^2 = r", "r = 3", "x^2+y^2 = r\nr = 3"),
+            ("r = 2 in [0, 5]\nx = r", "r = 3 in [1, 9]", "x = r\nr = 3 in [1, 9]"),
+            ("x = 1; y = 2; r = 3", "z = r", " r = 3\nz = r"),
+            ("x = 1 # one; two\ny = 3", "z", "z"),
+            ("x = 1 {y > 0,\n z > 0}\nr = 1", "z = r", "r = 1\nz = r"),
+            ("# Title\nx", "y", "# Title\ny"),
+            ("g(a) = a\nz = g(x)", "g(a) = 2a", "z = g(x)\ng(a) = 2a"),
+        ] {
+            assert_eq!(entered(text, line, false), expected, "{text:?} and {line:?}");
+        }
+    }
+
+    #[test]
+    fn a_drawing_may_join_the_others() {
+        assert_eq!(entered("x = 1", "y = 1", true), "x = 1\ny = 1");
+        assert_eq!(entered("r = 1\nx = r", "r = 2", true), "x = r\nr = 2");
+    }
+
+    #[test]
+    fn lines_about_the_scene_replace_their_like() {
+        assert_eq!(entered("domain 2\nx+y", "domain 3", false), "x+y\ndomain 3");
+        assert_eq!(entered("# A\nx+y", "color red", false), "# A\ncolor red\nx+y");
+        assert_eq!(entered("color red\nx+y", "color blue", false), "color blue\nx+y");
+    }
+
+    #[test]
+    fn what_is_wrong_is_kept_for_the_reader_to_see_but_not_built_upon() {
+        assert_eq!(entered("x+y", "x+", false), "x+y\nx+");
+        assert_eq!(entered("x+(", "x*y", false), "x*y");
+    }
+}

@@ -1,0 +1,31 @@
+//! The live picture: a document that is typed, changed and reloaded while its picture follows.
+//!
+//! [`Live`] holds the document and the settings; a thread of its own turns the latest wish into a coarse and then a fine
+//! picture, and drops what is no longer wanted. Nothing here knows a terminal, a window or a file: callers hand over text
+//! and sizes, and take pictures and messages.
+//!
+//! ```
+//! use std::time::Duration;
+//! use zeroset::live::{Live, Start};
+//!
+//! let live = Live::new(Start::default());
+//! live.resize(64, 64);
+//! live.enter("x^2+y^2+z^2 = 1")?;
+//! assert!(live.wait(Duration::from_mins(1)));
+//! let frame = live.view().frame.expect("a picture");
+//! assert_eq!(frame.picture.rgb.len(), 3 * 64 * 64);
+//! # Ok::<(), zeroset::live::Refusal>(())
+//! ```
+
+mod command;
+mod draft;
+mod orbit;
+mod pipeline;
+mod session;
+mod status;
+
+pub use command::{COMMANDS, Command, Line, Row, line};
+pub use draft::entered;
+pub use orbit::Orbit;
+pub use pipeline::{Fault, Frame, View, Wish};
+pub use session::{Live, Refusal, Reply, Start};

@@ -1,0 +1,398 @@
+//! From the latest wish to pictures, on a thread of its own: read, compile, a coarse picture, a fine one.
+//!
+//! A new wish ends the work for the old one between tiles. What an older stage made is kept as long as nothing that it
+//! depends on has changed. Pictures and what they were made with are shared by counting, so that the last frame to use a
+//! kernel frees it.
+
+use super::orbit::Orbit;
+use crate::domain::AutoDomain;
+use crate::model::Model;
+use crate::picture::{Picture, Settings};
+use crate::scene::{self, CameraChoice, DomainChoice, SceneError};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use zeroset_syntax::{Document, Errors, Options};
+use zeroset_trace::{Camera, HalfSpace};
+
+/// Everything that a picture depends on.
+#[derive(Clone, Debug)]
+pub struct Wish {
+    /// What the text is called in messages.
+    pub name: String,
+    /// The document.
+    pub text: Arc<str>,
+    /// Names with values that replace those of the text.
+    pub overrides: Vec<(String, String)>,
+    /// The time, whatever the text says.
+    pub time: Option<f64>,
+    /// Where to look.
+    pub domain: DomainChoice,
+    /// What to cut away.
+    pub clip: Option<HalfSpace>,
+    /// From where to look, until somebody turns the view.
+    pub choice: CameraChoice,
+    /// From where to look, if somebody did.
+    pub orbit: Option<Orbit>,
+    /// The size of the fine picture and how it is made.
+    pub settings: Settings,
+}
+
+/// A finished picture, and all that it was made with.
+pub struct Frame {
+    /// Number of the wish, counted from 1.
+    pub revision: u64,
+    /// What it asked for.
+    pub wish: Arc<Wish>,
+    /// The document as read.
+    pub document: Arc<Document>,
+    /// Its surfaces, compiled.
+    pub model: Arc<Model>,
+    /// What was found if the domain was searched for.
+    pub searched: Option<AutoDomain>,
+    /// From where it was taken.
+    pub camera: Camera,
+    /// The picture; a coarse one has fewer pixels than were wished for.
+    pub picture: Picture,
+    /// Whether a finer one is still to come.
+    pub coarse: bool,
+    /// Time taken by reading, if it was done for this wish; the other stages' times are in the picture.
+    pub parse: Duration,
+    /// Time from the wish to this picture.
+    pub latency: Duration,
+}
+
+/// Why there is no picture of the latest wish.
+#[derive(Debug)]
+pub struct Fault {
+    /// Number of the wish.
+    pub revision: u64,
+    /// What it asked for.
+    pub wish: Arc<Wish>,
+    reason: Reason,
+}
+
+#[derive(Debug)]
+enum Reason {
+    Text(Errors),
+    Scene(SceneError),
+    Bug,
+}
+
+impl Fault {
+    /// What is wrong, on one line.
+    pub fn message(&self) -> String {
+        match &self.reason {
+            Reason::Text(errors) => {
+                errors.iter().next().map(|error| error.message()).unwrap_or_default()
+            }
+            Reason::Scene(error) => error.to_string(),
+            Reason::Bug => "internal error: this is a bug in zeroset, not in your formula".into(),
+        }
+    }
+
+    /// What is wrong, with carets under the text where it is the text's fault.
+    pub fn render(&self, color: bool) -> String {
+        match &self.reason {
+            Reason::Text(errors) => errors.render(Some(&self.wish.name), &self.wish.text, color),
+            Reason::Scene(_) | Reason::Bug => format!("error: {}", self.message()),
+        }
+    }
+}
+
+/// What can be seen now.
+#[derive(Clone, Default)]
+pub struct View {
+    /// The last good picture.
+    pub frame: Option<Arc<Frame>>,
+    /// What is wrong with the latest wish, if something is.
+    pub fault: Option<Arc<Fault>>,
+    /// The latest wish of which no more is to come.
+    pub settled: u64,
+}
+
+/// The thread that makes pictures.
+pub(super) struct Pipeline {
+    shared: Arc<Shared>,
+    worker: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+struct State {
+    wish: Arc<Wish>,
+    revision: u64,
+    wished: Instant,
+    view: View,
+    stop: bool,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Every write leaves the state whole, so a panic elsewhere does not spoil it.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Pipeline {
+    /// Starts the thread; nothing is done before the first wish.
+    pub fn new(wish: Wish) -> Self {
+        let state = State {
+            wish: Arc::new(wish),
+            revision: 0,
+            wished: Instant::now(),
+            view: View::default(),
+            stop: false,
+        };
+        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
+        let worker = Worker { shared: Arc::clone(&shared), read: None, built: None, pixel: None };
+        Self { shared, worker: Some(std::thread::spawn(move || worker.run())) }
+    }
+
+    /// Asks for a picture in place of all asked for before, and returns the wish's number.
+    pub fn wish(&self, wish: Wish) -> u64 {
+        let mut state = self.shared.lock();
+        state.wish = Arc::new(wish);
+        state.revision += 1;
+        state.wished = Instant::now();
+        self.shared.changed.notify_all();
+        state.revision
+    }
+
+    /// What can be seen now.
+    pub fn view(&self) -> View {
+        self.shared.lock().view.clone()
+    }
+
+    /// Waits until `done` holds of what can be seen and of the latest wish's number, and tells whether it came to that in
+    /// time.
+    pub fn wait(&self, timeout: Duration, done: impl Fn(&View, u64) -> bool) -> bool {
+        let state = self.shared.lock();
+        let waiting = |state: &mut State| !done(&state.view, state.revision);
+        let waited = self.shared.changed.wait_timeout_while(state, timeout, waiting);
+        !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
+    }
+}
+
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        self.shared.lock().stop = true;
+        self.shared.changed.notify_all();
+        if let Some(worker) = self.worker.take() {
+            // A panic has been reported where it happened.
+            let _ = worker.join();
+        }
+    }
+}
+
+/// A coarse picture should take no longer than this.
+const COARSE: Duration = Duration::from_millis(20);
+
+/// If the fine picture is expected to take no longer than this, there is no coarse one.
+const PROMPT: Duration = Duration::from_millis(30);
+
+/// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface whose cost is unknown.
+const COARSEST: usize = 8;
+
+/// Halvings along the ray that a coarse picture keeps at least.
+const LEAST_DEPTH: u32 = 6;
+
+struct Worker {
+    shared: Arc<Shared>,
+    read: Option<Read>,
+    built: Option<Built>,
+    /// Time per pixel of the present model's last picture.
+    pixel: Option<Duration>,
+}
+
+/// A document, and the wish for which it was read.
+struct Read {
+    wish: Arc<Wish>,
+    document: Arc<Document>,
+}
+
+/// A model, and what it was made for.
+struct Built {
+    wish: Arc<Wish>,
+    document: Arc<Document>,
+    model: Arc<Model>,
+    searched: Option<AutoDomain>,
+}
+
+/// A wish being worked on.
+struct Job {
+    wish: Arc<Wish>,
+    revision: u64,
+    wished: Instant,
+}
+
+impl Worker {
+    fn run(mut self) {
+        let mut done = 0;
+        while let Some(job) = self.next(done) {
+            done = job.revision;
+            let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
+            let reason = served.unwrap_or_else(|_| {
+                // Whatever was half made is not to be trusted.
+                (self.read, self.built) = (None, None);
+                Err(Reason::Bug)
+            });
+            let mut state = self.shared.lock();
+            if let Err(reason) = reason {
+                let fault = Fault { revision: job.revision, wish: job.wish, reason };
+                state.view.fault = Some(Arc::new(fault));
+            }
+            if state.revision == done {
+                state.view.settled = done;
+            }
+            self.shared.changed.notify_all();
+        }
+    }
+
+    /// Waits for a wish after the one with this number; `None` at the end.
+    fn next(&self, done: u64) -> Option<Job> {
+        let waiting = |state: &mut State| !state.stop && state.revision == done;
+        let state = self.shared.changed.wait_while(self.shared.lock(), waiting);
+        let state = state.unwrap_or_else(PoisonError::into_inner);
+        let State { wish, revision, wished, .. } = &*state;
+        let job = Job { wish: Arc::clone(wish), revision: *revision, wished: *wished };
+        (!state.stop).then_some(job)
+    }
+
+    /// Makes the pictures of one wish, or leaves off when there is a newer one.
+    fn serve(&mut self, job: &Job) -> Result<(), Reason> {
+        let started = Instant::now();
+        let document = self.document(&job.wish).map_err(Reason::Text)?;
+        let parse = started.elapsed();
+        if !self.wanted(job) {
+            return Ok(());
+        }
+        let scene = |error: SceneError| Reason::Scene(error);
+        let (model, searched) = self.model(&job.wish, &document).map_err(scene)?;
+        let region = model.region();
+        let camera = match &job.wish.orbit {
+            Some(orbit) => orbit.camera(region),
+            None => scene::camera(&document, region, &job.wish.choice),
+        };
+        let camera = camera.map_err(|error| scene(error.into()))?;
+        let full = &job.wish.settings;
+        let mut divisor = self.divisor(full);
+        loop {
+            let coarse = divisor > 1;
+            let settings = coarser(full, divisor);
+            let started = Instant::now();
+            // A coarse picture is worth finishing while only the camera moves: it is what is seen of the movement.
+            let advance = |_| if coarse { self.wanted_coarsely(job) } else { self.wanted(job) };
+            let picture = model.trace(&camera, &settings, &advance);
+            if !advance(0) {
+                return Ok(());
+            }
+            let pixels = settings.width * settings.height;
+            self.pixel = Some(started.elapsed() / pixels as u32);
+            let frame = Frame {
+                revision: job.revision,
+                wish: Arc::clone(&job.wish),
+                document: Arc::clone(&document),
+                model: Arc::clone(&model),
+                searched,
+                camera,
+                picture,
+                coarse,
+                parse,
+                latency: job.wished.elapsed(),
+            };
+            self.publish(frame);
+            if !coarse {
+                return Ok(());
+            }
+            divisor = 1;
+        }
+    }
+
+    fn publish(&self, frame: Frame) {
+        let mut state = self.shared.lock();
+        let before = state.view.frame.replace(Arc::new(frame));
+        state.view.fault = None;
+        self.shared.changed.notify_all();
+        drop(state);
+        // The last user of a model frees its code; that need not be done under the lock.
+        drop(before);
+    }
+
+    fn wanted(&self, job: &Job) -> bool {
+        let state = self.shared.lock();
+        !state.stop && state.revision == job.revision
+    }
+
+    fn wanted_coarsely(&self, job: &Job) -> bool {
+        let state = self.shared.lock();
+        !state.stop && (state.revision == job.revision || same_text(&state.wish, &job.wish))
+    }
+
+    fn document(&mut self, wish: &Arc<Wish>) -> Result<Arc<Document>, Errors> {
+        if let Some(Read { wish: old, document }) = &self.read
+            && same_text(old, wish)
+        {
+            return Ok(Arc::clone(document));
+        }
+        let options = Options { overrides: &wish.overrides, time: wish.time, ..Options::default() };
+        let document = Arc::new(zeroset_syntax::read(&wish.text, &options)?);
+        self.read = Some(Read { wish: Arc::clone(wish), document: Arc::clone(&document) });
+        Ok(document)
+    }
+
+    fn model(
+        &mut self,
+        wish: &Arc<Wish>,
+        document: &Arc<Document>,
+    ) -> Result<(Arc<Model>, Option<AutoDomain>), SceneError> {
+        if let Some(built) = &self.built
+            && Arc::ptr_eq(&built.document, document)
+            && (built.wish.domain, built.wish.clip) == (wish.domain, wish.clip)
+            && built.wish.settings.normals == wish.settings.normals
+        {
+            return Ok((Arc::clone(&built.model), built.searched));
+        }
+        let (region, searched) = scene::region(document, wish.domain, wish.clip)?;
+        let model = Arc::new(Model::new(document, &region, wish.settings.normals)?);
+        self.pixel = None;
+        self.built = Some(Built {
+            wish: Arc::clone(wish),
+            document: Arc::clone(document),
+            model: Arc::clone(&model),
+            searched,
+        });
+        Ok((model, searched))
+    }
+
+    /// How many times fewer columns and rows the first picture should have.
+    fn divisor(&self, full: &Settings) -> usize {
+        let Some(pixel) = self.pixel else { return COARSEST };
+        let expected = pixel * (full.width * full.height) as u32;
+        if expected <= PROMPT {
+            return 1;
+        }
+        let affordable = |divisor: &usize| expected / (divisor * divisor) as u32 <= COARSE;
+        [2, 4].into_iter().find(affordable).unwrap_or(COARSEST)
+    }
+}
+
+fn same_text(one: &Wish, other: &Wish) -> bool {
+    one.text == other.text && one.overrides == other.overrides && one.time == other.time
+}
+
+/// The same picture with fewer columns and rows, and slabs coarser to match.
+fn coarser(full: &Settings, divisor: usize) -> Settings {
+    let depth = full.max_depth.saturating_sub(divisor.ilog2()).max(LEAST_DEPTH);
+    Settings {
+        width: full.width.div_ceil(divisor),
+        height: full.height.div_ceil(divisor),
+        max_depth: depth.min(full.max_depth),
+        shadow_depth: if divisor > 1 { None } else { full.shadow_depth },
+        ..full.clone()
+    }
+}

@@ -1,0 +1,433 @@
+//! One document and its picture, as all who type, drag and look share them.
+
+use super::command::{self, COMMANDS, Command, Line};
+use super::draft::entered;
+use super::orbit::Orbit;
+use super::pipeline::{Pipeline, View, Wish};
+use crate::picture::Settings;
+use crate::scene::{CameraChoice, DomainChoice};
+use std::fmt::Write as _;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use zeroset_syntax::ast::Statement;
+use zeroset_syntax::{ErrorKind, Errors, Limits, Options, language_names, parse};
+use zeroset_trace::{HalfSpace, MAX_DEPTH, Region, UndecidedStyle};
+
+/// What to begin with.
+#[derive(Clone, Debug, Default)]
+pub struct Start {
+    /// What the text is called in messages.
+    pub name: String,
+    /// The document; empty if there is none yet.
+    pub text: String,
+    /// Names with values that replace those of the text.
+    pub overrides: Vec<(String, String)>,
+    /// The time, whatever the text says.
+    pub time: Option<f64>,
+    /// Where to look.
+    pub domain: DomainChoice,
+    /// What to cut away.
+    pub clip: Option<HalfSpace>,
+    /// From where to look.
+    pub choice: CameraChoice,
+    /// How pictures are made.
+    pub settings: Settings,
+}
+
+/// A document that is typed and turned, and its picture.
+///
+/// All methods may be called from any thread.
+pub struct Live {
+    desk: Mutex<Desk>,
+    pipeline: Pipeline,
+}
+
+struct Desk {
+    /// The wish for the document as entered.
+    wish: Wish,
+    /// The text last wished for, with what is being typed.
+    shown: Arc<str>,
+    revision: u64,
+}
+
+/// What a line that was entered leads to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reply {
+    /// It is done.
+    Done,
+    /// It is done, and this is to be shown.
+    Say(String),
+    /// The caller is to find this text and hand it to [`Live::load`].
+    Load(String),
+    /// The caller is to write [`Live::text`] to this file, or to where it came from.
+    Save(Option<String>),
+    /// The caller is to write the picture to this file, or to one with a new name.
+    Png(Option<String>),
+    /// The caller is to show how the document was read and compiled.
+    Explain,
+    /// The caller is to end.
+    Quit,
+}
+
+/// Why a line was not entered. Nothing has changed then.
+#[derive(Debug)]
+pub enum Refusal {
+    /// The document would be wrong.
+    Text {
+        /// What it would be.
+        text: String,
+        /// What is wrong with it.
+        errors: Errors,
+    },
+    /// The command is wrong.
+    Command(String),
+}
+
+impl Refusal {
+    /// What is wrong, with carets under a text.
+    pub fn render(&self, color: bool) -> String {
+        match self {
+            Self::Text { text, errors } => errors.render(None, text, color),
+            Self::Command(message) => format!("error: {message}"),
+        }
+    }
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Text { errors, .. } => write!(f, "{errors}"),
+            Self::Command(message) => f.write_str(message),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl Live {
+    /// Starts to make pictures of a document.
+    pub fn new(start: Start) -> Self {
+        let Start { name, text, overrides, time, domain, clip, choice, settings } = start;
+        let text: Arc<str> = text.into();
+        let wish =
+            Wish { name, text, overrides, time, domain, clip, choice, orbit: None, settings };
+        let desk = Desk { shown: Arc::clone(&wish.text), wish: wish.clone(), revision: 0 };
+        let live = Self { desk: Mutex::new(desk), pipeline: Pipeline::new(wish) };
+        live.change(|_| {});
+        live
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Desk> {
+        // Every write leaves the desk whole, so a panic elsewhere does not spoil it.
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What can be seen now.
+    pub fn view(&self) -> View {
+        self.pipeline.view()
+    }
+
+    /// Waits until the fine picture of everything asked for so far, or what is wrong with it, is there, and tells whether
+    /// it came to that in time.
+    pub fn wait(&self, timeout: Duration) -> bool {
+        let revision = self.lock().revision;
+        self.pipeline.wait(timeout, |view, _| view.settled >= revision)
+    }
+
+    /// Waits until something newer than the picture or fault with this number can be seen, and tells whether it came to
+    /// that in time.
+    pub fn wait_for_news(&self, timeout: Duration, seen: u64) -> bool {
+        self.pipeline.wait(timeout, |view, _| {
+            let frame = view.frame.as_ref().map_or(0, |frame| frame.revision);
+            frame.max(view.fault.as_ref().map_or(0, |fault| fault.revision)) > seen
+        })
+    }
+
+    /// The document as entered so far.
+    pub fn text(&self) -> String {
+        self.lock().wish.text.to_string()
+    }
+
+    /// What the document is called.
+    pub fn name(&self) -> String {
+        self.lock().wish.name.clone()
+    }
+
+    /// How pictures are made at present.
+    pub fn settings(&self) -> Settings {
+        self.lock().wish.settings.clone()
+    }
+
+    /// Shows what the document would be if `line`, which is still being typed, were entered. A command shows nothing new.
+    pub fn type_line(&self, line: &str) {
+        let mut desk = self.lock();
+        let shown: Arc<str> = match command::line(line) {
+            Ok(Line::Text(typed)) => entered(&desk.wish.text, typed, false).into(),
+            Ok(Line::Command(Command::Add(typed))) => entered(&desk.wish.text, &typed, true).into(),
+            Ok(Line::Empty | Line::Command(_)) | Err(_) => Arc::clone(&desk.wish.text),
+        };
+        if shown != desk.shown {
+            self.show(&mut desk, shown);
+        }
+    }
+
+    /// Enters a line: a part of the document, or a command.
+    ///
+    /// # Errors
+    /// If the document would be wrong, or the command is.
+    pub fn enter(&self, line: &str) -> Result<Reply, Refusal> {
+        match command::line(line).map_err(Refusal::Command)? {
+            Line::Empty => {
+                self.change(|_| {});
+                Ok(Reply::Done)
+            }
+            Line::Text(line) => self.commit(line, false),
+            Line::Command(command) => self.carry_out(command),
+        }
+    }
+
+    fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
+        let mut desk = self.lock();
+        let text = entered(&desk.wish.text, line, adding);
+        let options =
+            Options { overrides: &desk.wish.overrides, time: desk.wish.time, ..Options::default() };
+        let reply = match zeroset_syntax::read(&text, &options) {
+            Ok(_) => Reply::Done,
+            // A definition may come before the formula that needs it.
+            Err(errors) if errors.iter().all(waits) => {
+                Reply::Say("noted; nothing is drawn yet".to_owned())
+            }
+            Err(errors) => return Err(Refusal::Text { text, errors }),
+        };
+        desk.wish.text = text.into();
+        if reply == Reply::Done {
+            let shown = Arc::clone(&desk.wish.text);
+            self.show(&mut desk, shown);
+        }
+        Ok(reply)
+    }
+
+    fn carry_out(&self, command: Command) -> Result<Reply, Refusal> {
+        let refused = |message: String| Err(Refusal::Command(message));
+        match command {
+            Command::Help(name) => match name {
+                None => Ok(Reply::Say(help())),
+                Some(name) => help_on(&name).map(Reply::Say).map_err(Refusal::Command),
+            },
+            Command::List => Ok(Reply::Say(self.text())),
+            Command::Add(line) => self.commit(&line, true),
+            Command::Set { name, value } if name == "t" => match value.parse::<f64>() {
+                Ok(time) if time.is_finite() => {
+                    self.change(|wish| wish.time = Some(time));
+                    Ok(Reply::Done)
+                }
+                _ => refused(format!("'{value}' is not a finite number")),
+            },
+            Command::Set { name, value } => self.set(&name, &value),
+            Command::Domain(choice) => {
+                if let DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]) = choice
+                    && let Err(error) = Region::new([x0, y0, z0].into(), [x1, y1, z1].into())
+                {
+                    return refused(error.to_string());
+                }
+                self.change(|wish| wish.domain = choice);
+                Ok(Reply::Done)
+            }
+            Command::View(view) => {
+                self.change(|wish| {
+                    let projection = wish.choice.projection;
+                    wish.orbit = None;
+                    wish.choice =
+                        CameraChoice { view: Some(view), projection, ..CameraChoice::default() };
+                });
+                Ok(Reply::Done)
+            }
+            Command::Method(None) => Ok(Reply::Say("knoll (the only one so far)".to_owned())),
+            Command::Method(Some(name)) if name == "knoll" => Ok(Reply::Done),
+            Command::Method(Some(name)) => {
+                refused(format!("there is no method '{name}'; there is: knoll"))
+            }
+            Command::Tolerance(length) => self.tolerance(length),
+            Command::Time(time) => {
+                self.change(|wish| wish.time = Some(time));
+                Ok(Reply::Done)
+            }
+            Command::Load(from) => Ok(Reply::Load(from)),
+            Command::Save(to) => Ok(Reply::Save(to)),
+            Command::Png(to) => Ok(Reply::Png(to)),
+            Command::Explain => Ok(Reply::Explain),
+            Command::Status => Ok(Reply::Say(super::status::describe(&self.view()))),
+            Command::Quit => Ok(Reply::Quit),
+        }
+    }
+
+    /// Gives a name a value in the document; a slider keeps its range if the value lies within.
+    fn set(&self, name: &str, value: &str) -> Result<Reply, Refusal> {
+        let text = self.text();
+        let statements = parse(&text, &Limits::default()).unwrap_or_default();
+        let range = statements.iter().find_map(|one| match one {
+            Statement::Define(definition) if definition.name.text == name => {
+                let (low, high) = definition.range.as_ref()?;
+                let part = |span: zeroset_syntax::Span| text.get(span.start..span.end);
+                Some(format!(" in [{}, {}]", part(low.span)?, part(high.span)?))
+            }
+            Statement::Define(_) | Statement::Draw { .. } => None,
+        });
+        // What was given on the command line would otherwise go on to hide the definition.
+        self.lock().wish.overrides.retain(|(other, _)| other != name);
+        let with_range = range.map(|range| self.commit(&format!("{name} = {value}{range}"), false));
+        match with_range {
+            Some(Ok(reply)) => Ok(reply),
+            Some(Err(_)) | None => self.commit(&format!("{name} = {value}"), false),
+        }
+    }
+
+    fn tolerance(&self, length: Option<f64>) -> Result<Reply, Refusal> {
+        let Some(frame) = self.view().frame else {
+            return Err(Refusal::Command("there is no picture yet".to_owned()));
+        };
+        let extent = 2.0 * frame.model.region().half_extent();
+        if let Some(length) = length {
+            let depth = (extent / length).log2().ceil().clamp(1.0, f64::from(MAX_DEPTH));
+            self.change(|wish| wish.settings.max_depth = depth as u32);
+        }
+        let depth = self.settings().max_depth;
+        let slab = extent * 0.5_f64.powi(depth as i32);
+        Ok(Reply::Say(format!("depth {depth}: slabs of at most {slab:.2e}")))
+    }
+
+    /// Takes `text` for the document. The view stays if `again`: the text is the same document in a newer version.
+    pub fn load(&self, name: &str, text: &str, again: bool) {
+        self.change(|wish| {
+            name.clone_into(&mut wish.name);
+            wish.text = text.into();
+            if !again {
+                wish.orbit = None;
+                wish.choice = CameraChoice::default();
+                wish.domain = DomainChoice::Document;
+                wish.overrides.clear();
+                wish.time = None;
+            }
+        });
+    }
+
+    /// Asks for pictures of this size, in pixels; nothing below 1 is taken.
+    pub fn resize(&self, width: usize, height: usize) {
+        let (width, height) = (width.max(1), height.max(1));
+        let settings = self.settings();
+        if (settings.width, settings.height) != (width, height) {
+            self.change(|wish| {
+                (wish.settings.width, wish.settings.height) = (width, height);
+            });
+        }
+    }
+
+    /// Turns, moves or zooms the view; nothing happens before there is a picture.
+    pub fn turn(&self, turn: impl FnOnce(&mut Orbit)) {
+        let Some(frame) = self.view().frame else { return };
+        self.change(|wish| {
+            // The orbit last wished for, not the one last seen: it may be ahead of the pictures.
+            let orbit = wish
+                .orbit
+                .get_or_insert_with(|| Orbit::from_camera(&frame.camera, frame.model.region()));
+            turn(orbit);
+        });
+    }
+
+    /// Looks again from where the document says.
+    pub fn reset_view(&self) {
+        self.change(|wish| {
+            wish.orbit = None;
+            wish.choice = CameraChoice::default();
+        });
+    }
+
+    /// Marks undecided pixels, or no longer.
+    pub fn toggle_undecided(&self) {
+        self.change(|wish| {
+            wish.settings.undecided = match wish.settings.undecided {
+                UndecidedStyle::Shade | UndecidedStyle::Miss => UndecidedStyle::Hatch,
+                UndecidedStyle::Hatch | UndecidedStyle::Tint => UndecidedStyle::Shade,
+            };
+        });
+    }
+
+    /// Changes the wish and drops what is being typed, unless the change leaves the text alone.
+    fn change(&self, change: impl FnOnce(&mut Wish)) {
+        let mut desk = self.lock();
+        let before = Arc::clone(&desk.wish.text);
+        change(&mut desk.wish);
+        let shown =
+            Arc::clone(if before == desk.wish.text { &desk.shown } else { &desk.wish.text });
+        self.show(&mut desk, shown);
+    }
+
+    fn show(&self, desk: &mut Desk, shown: Arc<str>) {
+        desk.shown = shown;
+        if desk.shown.trim().is_empty() {
+            return;
+        }
+        let wish = Wish { text: Arc::clone(&desk.shown), ..desk.wish.clone() };
+        desk.revision = self.pipeline.wish(wish);
+    }
+}
+
+/// Whether an error only says that there is nothing to draw yet.
+fn waits(error: &zeroset_syntax::Error) -> bool {
+    matches!(error.kind, ErrorKind::NothingToDraw { .. })
+}
+
+fn help() -> String {
+    let mut text =
+        String::from("Type a formula such as x^2+y^2+z^2 = 1, a definition such as r = 2, or:\n");
+    let width = COMMANDS.iter().map(|row| row.usage().len()).max().unwrap_or(0);
+    for row in COMMANDS {
+        let _ = writeln!(text, "  {:width$}  {}", row.usage(), row.doc);
+    }
+    let names: Vec<&str> = zeroset_ops::names().collect();
+    text.push_str("Functions (:help NAME tells more):");
+    let mut column = usize::MAX;
+    for name in names {
+        if column.saturating_add(name.len() + 1) > 96 {
+            text.push_str("\n ");
+            column = 1;
+        }
+        column += name.len() + 1;
+        let _ = write!(text, " {name}");
+    }
+    text
+}
+
+/// What a function or a command is.
+fn help_on(name: &str) -> Result<String, String> {
+    let bare = name.trim_start_matches(':');
+    if let Some(row) = COMMANDS.iter().find(|row| row.name == bare) {
+        return Ok(format!("{}: {}", row.usage(), row.doc));
+    }
+    if let Some(row) = zeroset_ops::native(name) {
+        let aliases = match row.aliases {
+            [] => String::new(),
+            aliases => format!(" (also {})", aliases.join(", ")),
+        };
+        return Ok(format!("{}{aliases}: {}", row.name, row.doc));
+    }
+    let composed: Vec<String> = zeroset_ops::composed(name)
+        .map(|f| format!("{}({}): {}", f.name, f.parameters.join(", "), f.doc))
+        .collect();
+    if !composed.is_empty() {
+        return Ok(composed.join("\n"));
+    }
+    let commands = COMMANDS.iter().map(|row| row.name);
+    let nearest = language_names()
+        .chain(commands)
+        .map(|other| {
+            // Of names equally near, the one that was typed in full and more.
+            (strsim::damerau_levenshtein(other, bare), !bare.starts_with(other), other)
+        })
+        .min()
+        .filter(|(distance, _, other)| *distance <= 2 && other.len() > *distance);
+    Err(match nearest {
+        Some((0, ..)) | None => format!("nothing is known of '{name}'; :help lists everything"),
+        Some((.., other)) => format!("nothing is known of '{name}'; did you mean {other}?"),
+    })
+}

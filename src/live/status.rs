@@ -1,0 +1,125 @@
+//! What a picture shows and what it took, in words and as the command that makes it again.
+
+use super::pipeline::{Frame, View};
+use crate::scene::DomainChoice;
+use glam::DVec3;
+use std::fmt::Write as _;
+use std::time::Duration;
+use zeroset_trace::{Projection, UndecidedStyle};
+
+/// Several lines on what can be seen.
+pub(super) fn describe(view: &View) -> String {
+    let mut text = String::new();
+    if let Some(fault) = &view.fault {
+        let _ = writeln!(text, "error       {}", fault.message());
+    }
+    let Some(frame) = &view.frame else {
+        return text + "there is no picture yet";
+    };
+    for surface in &frame.document.surfaces {
+        let _ = writeln!(text, "surface     {}", surface.echo);
+    }
+    let (region, statistics) = (frame.model.region(), &frame.picture.statistics);
+    let (low, high) = (region.low(), region.high());
+    let found = frame.searched.map_or("", |found| found.finding.describe());
+    let _ = writeln!(
+        text,
+        "domain      x {}..{}, y {}..{}, z {}..{}  {found}",
+        low.x, high.x, low.y, high.y, low.z, high.z
+    );
+    let _ = writeln!(text, "method      knoll, depth {}", frame.wish.settings.max_depth);
+    let pixels = statistics.pixels;
+    let _ = writeln!(
+        text,
+        "pixels      {}x{}: {} misses, {} hits, {} undecided{}",
+        frame.picture.buffer.width,
+        frame.picture.buffer.height,
+        pixels.miss,
+        pixels.hit,
+        pixels.undecided,
+        if frame.coarse { " (coarse)" } else { "" },
+    );
+    let times = &statistics.times;
+    let _ = write!(
+        text,
+        "time        read {}, simplify {}, compile {}, trace {}, shade {}",
+        ms(frame.parse),
+        ms(times.simplify),
+        ms(times.compile),
+        ms(times.trace),
+        ms(times.shade)
+    );
+    text
+}
+
+/// A time in milliseconds, to two digits or so.
+fn ms(time: Duration) -> String {
+    let ms = time.as_secs_f64() * 1e3;
+    if ms < 10.0 { format!("{ms:.1} ms") } else { format!("{ms:.0} ms") }
+}
+
+impl Frame {
+    /// One short line: time, size, method, undecided pixels, compile time.
+    pub fn summary(&self) -> String {
+        let statistics = &self.picture.statistics;
+        let (width, height) = (self.picture.buffer.width, self.picture.buffer.height);
+        let undecided = statistics.pixels.undecided;
+        let times = &statistics.times;
+        format!(
+            "{} · {width}x{height} · knoll {} · {undecided} undecided · compiled in {}",
+            ms(times.trace + times.shade),
+            self.wish.settings.max_depth,
+            ms(times.simplify + times.compile),
+        )
+    }
+
+    /// The command that makes this picture again, at full size, as `output`. `quote` writes a text as one word of a shell.
+    pub fn command(&self, output: &str, quote: impl Fn(&str) -> String) -> String {
+        let wish = &self.wish;
+        let settings = &wish.settings;
+        let point = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
+        let mut command = format!("zeroset render {}", quote(&wish.text));
+        for (name, value) in &wish.overrides {
+            let _ = write!(command, " -D {}", quote(&format!("{name}={value}")));
+        }
+        if let Some(time) = wish.time {
+            let _ = write!(command, " --time {time}");
+        }
+        match wish.domain {
+            DomainChoice::Document => {}
+            DomainChoice::Auto => command.push_str(" --domain auto"),
+            DomainChoice::Bounds(bounds) => {
+                let bounds: Vec<String> = bounds.iter().map(ToString::to_string).collect();
+                let _ = write!(command, " --domain {}", bounds.join(","));
+            }
+        }
+        if let Some(clip) = wish.clip {
+            let _ = write!(command, " --clip {},{}", point(clip.normal), clip.offset);
+        }
+        let camera = &self.camera;
+        let _ = write!(
+            command,
+            " --eye {} --target {} --up {}",
+            point(camera.eye()),
+            point(camera.target()),
+            point(camera.up())
+        );
+        let _ = match camera.projection() {
+            Projection::Perspective { fov } => write!(command, " --fov {fov}"),
+            Projection::Orthographic { height } => write!(command, " --ortho {height}"),
+        };
+        let _ = write!(
+            command,
+            " --size {}x{} --max-depth {}",
+            settings.width, settings.height, settings.max_depth
+        );
+        match settings.undecided {
+            UndecidedStyle::Shade => {}
+            UndecidedStyle::Hatch => command.push_str(" --undecided hatch"),
+            UndecidedStyle::Tint => command.push_str(" --undecided tint"),
+            UndecidedStyle::Miss => command.push_str(" --undecided miss"),
+        }
+        let _ = write!(command, " -o {}", quote(output));
+        command
+    }
+}
