@@ -8,11 +8,11 @@ use crate::frame::Frame;
 use crate::gbuffer::{GBuffer, Status};
 use crate::packet::{Packet, Segment};
 use crate::region::Region;
+use crate::slab::{Pair, Slab};
 use crate::work::Work;
-use glam::{DVec3, Vec4};
+use glam::DVec3;
 use rayon::prelude::*;
-use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel};
-use zeroset_interval::Facts;
+use zeroset_eval::IntervalKernel;
 
 /// Largest depth: slabs of 2⁻²⁰ of the region are near the resolution of `f32`.
 pub const MAX_DEPTH: u32 = 20;
@@ -227,8 +227,7 @@ impl Knoll {
             let mut slab = if index % 2 == 0 {
                 // Both halves of a slab in one call: the second is nearly always needed, and the two overlap in the
                 // processor (two calls would take 1.6 times as long on the sphere).
-                if !pair.prepare(packet, &alive, from, size) && Self::all_left(packet, &alive, from)
-                {
+                if !pair.prepare(packet, &alive, from, size) && packet.all_left(&alive, from) {
                     break;
                 }
                 let [first, other] = pair.enclose(kernel, &mut done);
@@ -275,16 +274,6 @@ impl Knoll {
         }
         *work += done;
         outcomes
-    }
-
-    /// Whether no ray that still looks for a root has a part of the region from τ = `from` on.
-    fn all_left<const GROUPS: usize>(
-        packet: &Packet<GROUPS>,
-        alive: &[u32; GROUPS],
-        from: f32,
-    ) -> bool {
-        let inside = |group: usize| packet.groups[group].meets(from, 2.0).bitmask();
-        (0..GROUPS).all(|group| alive[group] & inside(group) == 0)
     }
 
     /// Notes a slab of the last depth in which lanes of a group may vanish; returns the lanes that are drawn there.
@@ -356,113 +345,6 @@ impl Knoll {
         }
         work
     }
-}
-
-/// What is known of one slab: lanes by group.
-#[derive(Clone, Copy, Debug)]
-struct Slab<const GROUPS: usize> {
-    /// The lanes that asked.
-    active: [u32; GROUPS],
-    /// The function may vanish there.
-    vanishing: [u32; GROUPS],
-    /// Its enclosure there is unbounded.
-    unbounded: [u32; GROUPS],
-}
-
-impl<const GROUPS: usize> Default for Slab<GROUPS> {
-    fn default() -> Self {
-        Self { active: [0; GROUPS], vanishing: [0; GROUPS], unbounded: [0; GROUPS] }
-    }
-}
-
-/// Two neighbouring slabs on their way through the kernel.
-struct Pair<const GROUPS: usize> {
-    /// Lanes that ask for each.
-    active: [[u32; GROUPS]; 2],
-    boxes: [[BoxPacket; GROUPS]; 2],
-    values: [[EnclosurePacket; GROUPS]; 2],
-}
-
-impl<const GROUPS: usize> Default for Pair<GROUPS> {
-    fn default() -> Self {
-        Self {
-            active: [[0; GROUPS]; 2],
-            boxes: [[BoxPacket::default(); GROUPS]; 2],
-            values: [[EnclosurePacket::default(); GROUPS]; 2],
-        }
-    }
-}
-
-impl<const GROUPS: usize> Pair<GROUPS> {
-    /// Takes the slabs of this size from τ = `from` on; returns whether any lane asks for one.
-    #[inline]
-    fn prepare(
-        &mut self,
-        packet: &Packet<GROUPS>,
-        alive: &[u32; GROUPS],
-        from: f32,
-        size: f32,
-    ) -> bool {
-        let planes = [from, from + size, from + 2.0 * size]; // exact
-        let mut any = 0;
-        for half in 0..2 {
-            let lanes = self.active[half].iter_mut().zip(alive).zip(&packet.groups);
-            for ((active, alive), group) in lanes {
-                *active = alive & group.meets(planes[half], planes[half + 1]).bitmask();
-                any |= *active;
-            }
-        }
-        packet.boxes(planes, &mut self.boxes);
-        any != 0
-    }
-
-    /// Asks the kernel for the slabs that any lane wants.
-    #[inline]
-    fn enclose<K: IntervalKernel + ?Sized>(
-        &mut self,
-        kernel: &K,
-        work: &mut Work,
-    ) -> [Slab<GROUPS>; 2] {
-        let lanes = |half: usize| self.active[half].iter().map(|l| l.count_ones()).sum::<u32>();
-        let (first, second) = (lanes(0), lanes(1));
-        let mut slabs = [Slab::default(); 2];
-        let halves = match (first, second) {
-            (0, 0) => return slabs,
-            (_, 0) => 0..1,
-            (0, _) => 1..2,
-            _ => 0..2,
-        };
-        kernel.enclose(
-            self.boxes[halves.clone()].as_flattened(),
-            self.values[halves].as_flattened_mut(),
-        );
-        work.interval_calls += 1;
-        work.interval_lanes += u64::from(first + second);
-        for (half, slab) in slabs.iter_mut().enumerate() {
-            slab.active = self.active[half];
-            for group in 0..GROUPS {
-                let (vanishing, unbounded) = judge(&self.values[half][group]);
-                slab.vanishing[group] = vanishing & self.active[half][group];
-                slab.unbounded[group] = unbounded;
-            }
-        }
-        slabs
-    }
-}
-
-/// The lanes whose enclosure contains 0 and that are not proven undefined, and those whose enclosure is unbounded.
-#[inline]
-fn judge(value: &EnclosurePacket) -> (u32, u32) {
-    let (neg_lo, hi) = (Vec4::from_array(value.neg_lo), Vec4::from_array(value.hi));
-    let mut vanishing = neg_lo.min(hi).cmpge(Vec4::ZERO).bitmask();
-    // Few functions are undefined anywhere: one test for all lanes.
-    let [a, b, c, d] = value.facts;
-    if (a | b | c | d) & Facts::NOWHERE.bits() != 0 {
-        for (lane, facts) in value.facts.iter().enumerate() {
-            vanishing &= !((facts & Facts::NOWHERE.bits()) << lane);
-        }
-    }
-    (vanishing, neg_lo.max(hi).cmpge(Vec4::INFINITY).bitmask())
 }
 
 /// A pixel that is not a miss.

@@ -16,6 +16,7 @@ mod packet;
 mod region;
 mod region_caps;
 mod shade;
+mod slab;
 mod view;
 mod work;
 

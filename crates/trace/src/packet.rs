@@ -119,6 +119,12 @@ impl<const GROUPS: usize> Packet<GROUPS> {
         (steps * segment.direction.length()).max(0.0) as f32
     }
 
+    /// Whether none of the `alive` rays has a part of the region from τ = `from` on.
+    pub fn all_left(&self, alive: &[u32; GROUPS], from: f32) -> bool {
+        let mut lanes = self.groups.iter().zip(alive);
+        lanes.all(|(group, alive)| alive & group.meets(from, 2.0).bitmask() == 0)
+    }
+
     /// Boxes around the rays between each two of three planes in order, clipped to the region.
     #[inline]
     pub fn boxes(&self, planes: [f32; 3], out: &mut [[BoxPacket; GROUPS]; 2]) {
