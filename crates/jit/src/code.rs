@@ -13,8 +13,9 @@ pub struct Constant(u128);
 pub struct Code {
     module: ManuallyDrop<JITModule>,
     entry: Entry,
+    /// What `pool` points at: kept alive, never read from here.
     _constants: Box<[Constant]>,
-    /// The address of `constants`.
+    /// The address of the constants, which the function reads from here.
     pool: *const Constant,
     /// Size of the machine code in bytes.
     pub bytes: usize,
@@ -36,9 +37,7 @@ impl Code {
     pub fn entry(&self) -> Entry {
         self.entry
     }
-}
 
-impl Code {
     /// Where the function finds the address of its constants.
     #[inline]
     pub fn constants(&self) -> *const u8 {
@@ -56,8 +55,8 @@ impl Drop for Code {
     }
 }
 
-// SAFETY: after it is finished the code is read-only, and the module is only touched again by `drop`, which has
-// exclusive access.
+// SAFETY: after it is finished the code is read-only, as are its constants, which move with the box that owns them
+// and not in memory; the module is only touched again by `drop`, which has exclusive access.
 unsafe impl Send for Code {}
 // SAFETY: see above; `entry` may run on many threads at once since kernels write only to their outputs.
 unsafe impl Sync for Code {}
