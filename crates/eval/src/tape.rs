@@ -209,7 +209,7 @@ fn range_of(step: &Step, values: &[Operand<Lanes>], assumptions: &Assumptions) -
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),
             };
-            given(if elementary(*op) { inflate(range) } else { range }).with_facts(&value)
+            given(if op.row().approximated { inflate(range) } else { range }).with_facts(&value)
         }
     }
 }
@@ -244,15 +244,4 @@ pub(crate) fn facts_of(value: &Enclosure<Lanes>) -> [Facts; 4] {
 fn inflate(range: Interval) -> Interval {
     let out = |end: f64, sign: f64| end + sign * end.abs() * NOT_MONOTONE;
     Interval { lo: out(range.lo, -1.0), hi: out(range.hi, 1.0) }
-}
-
-/// Whether bounds of `op` come from an approximation.
-fn elementary(op: Op) -> bool {
-    use Op::*;
-    match op {
-        Cbrt | Exp | Ln | Log2 | Log10 | Sin | Cos | Tan | Atan | Pow => true,
-        Neg | Abs | Sign | Floor | Ceil | Round | Trunc | Fract | Sqr | Sqrt | Add | Sub | Mul
-        | Div | Mod | Min | Max | SelectNegative | WhereNonneg | WherePositive | WhereNonzero
-        | WhereDefined => false,
-    }
 }

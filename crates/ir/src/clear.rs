@@ -7,7 +7,7 @@ use crate::algebra::{add, div, is_one, is_zero, mul, neg, powi, sub};
 use crate::graph::{Graph, Node, NodeId};
 use crate::hoist::uniform;
 use std::collections::BTreeMap;
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 /// Quotients with more distinct factors below the line stay as they are: each new one costs a product of all others.
 const FACTOR_LIMIT: usize = 16;
@@ -139,19 +139,20 @@ fn combine(
     uniform: &[bool],
 ) -> Option<Fraction> {
     let whole = parts.iter().all(Fraction::is_whole);
-    match op {
-        Op::Neg if !whole => {
+    let row = op.row();
+    match row.class {
+        Class::Negation if !whole => {
             let numerator = neg(graph, parts[0].numerator);
             Some(Fraction { numerator, ..parts[0].clone() })
         }
-        Op::Add | Op::Sub if !whole => Some(sum(graph, op, &parts[0], &parts[1])),
-        Op::Mul if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
-        Op::Div if !whole || !uniform[operands[1].index()] => {
+        Class::Sum if !whole => Some(sum(graph, op, &parts[0], &parts[1])),
+        Class::Product if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
+        Class::Quotient if !whole || !uniform[operands[1].index()] => {
             let inverse = inverted(graph, &parts[1], uniform)?;
             Some(multiplied(graph, &parts[0], &inverse))
         }
-        Op::Sqr if !whole => Some(power(graph, &parts[0], 2)),
-        Op::Pow => {
+        Class::Square if !whole => Some(power(graph, &parts[0], 2)),
+        Class::Power => {
             let exponent = match graph.node(operands[1]) {
                 Node::Constant(constant) => constant.as_integer()?,
                 Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return None,
@@ -166,48 +167,26 @@ fn combine(
             let inverse = inverted(graph, &parts[0], uniform)?;
             Some(power(graph, &inverse, magnitude))
         }
-        Op::Tan => {
-            let numerator = graph.apply(Op::Sin, operands);
-            let cos = graph.apply(Op::Cos, operands);
-            let below = Factors::from([(cos, 1)]);
+        Class::Function(_) => {
+            let [above, below] = row.quotient?;
+            let numerator = graph.apply(above, operands);
+            let denominator = graph.apply(below, operands);
+            let below = Factors::from([(denominator, 1)]);
             Some(Fraction { below, ..Fraction::whole(numerator) })
         }
-        Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero | Op::WhereDefined
-            if !parts[0].is_whole() =>
-        {
+        Class::Restriction(_) if !parts[0].is_whole() => {
             let numerator = graph.apply(op, &[parts[0].numerator, operands[1]]);
             Some(Fraction { numerator, ..parts[0].clone() })
         }
-        Op::Neg
-        | Op::Add
-        | Op::Sub
-        | Op::Mul
-        | Op::Div
-        | Op::Sqr
-        | Op::Abs
-        | Op::Sign
-        | Op::Floor
-        | Op::Ceil
-        | Op::Round
-        | Op::Trunc
-        | Op::Fract
-        | Op::Sqrt
-        | Op::Cbrt
-        | Op::Exp
-        | Op::Ln
-        | Op::Log2
-        | Op::Log10
-        | Op::Sin
-        | Op::Cos
-        | Op::Atan
-        | Op::Mod
-        | Op::Min
-        | Op::Max
-        | Op::SelectNegative
-        | Op::WhereNonneg
-        | Op::WherePositive
-        | Op::WhereNonzero
-        | Op::WhereDefined => None,
+        Class::Negation
+        | Class::Sum
+        | Class::Product
+        | Class::Quotient
+        | Class::Square
+        | Class::Remainder
+        | Class::Extremum
+        | Class::Choice
+        | Class::Restriction(_) => None,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::constant::Constant;
 use crate::graph::{Axis, Graph, Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::{Notation, Op};
+use zeroset_ops::{Class, Notation};
 
 /// Longer text is cut off with `…`: a shared expression is spelt out at each use, so text may be exponentially longer
 /// than its graph.
@@ -79,51 +79,35 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
             (binding, vec![Piece::Text(digits)])
         }
         Node::Apply(op, operands) => {
-            let infix = |left, symbol: &str, right, binding| {
+            let symbol = match op.row().notation {
+                Notation::Infix { symbol, .. } => symbol,
+                Notation::Function | Notation::Internal => op.row().name,
+            };
+            let infix = |left, space: &str, right, binding| {
                 let pieces = vec![
                     Piece::Node(operands[0], left),
-                    Piece::Text(symbol.into()),
+                    Piece::Text(format!("{space}{symbol}{space}")),
                     Piece::Node(operands[1], right),
                 ];
                 (binding, pieces)
             };
-            match op {
-                Op::Neg => {
+            match op.row().class {
+                Class::Negation => {
                     (Binding::Sign, vec![text("-"), Piece::Node(operands[0], Binding::Product)])
                 }
-                Op::Add => infix(Binding::Sum, " + ", Binding::Product, Binding::Sum),
-                Op::Sub => infix(Binding::Sum, " - ", Binding::Product, Binding::Sum),
-                Op::Mul => infix(Binding::Product, "*", Binding::Power, Binding::Product),
-                Op::Div => infix(Binding::Product, "/", Binding::Power, Binding::Product),
-                Op::Pow => infix(Binding::Atom, "^", Binding::Power, Binding::Power),
-                Op::Abs
-                | Op::Sign
-                | Op::Floor
-                | Op::Ceil
-                | Op::Round
-                | Op::Trunc
-                | Op::Fract
-                | Op::Sqr
-                | Op::Sqrt
-                | Op::Cbrt
-                | Op::Exp
-                | Op::Ln
-                | Op::Log2
-                | Op::Log10
-                | Op::Sin
-                | Op::Cos
-                | Op::Tan
-                | Op::Atan
-                | Op::Mod
-                | Op::Min
-                | Op::Max
-                | Op::SelectNegative
-                | Op::WhereNonneg
-                | Op::WherePositive
-                | Op::WhereNonzero
-                | Op::WhereDefined => {
+                Class::Sum => infix(Binding::Sum, " ", Binding::Product, Binding::Sum),
+                Class::Product | Class::Quotient => {
+                    infix(Binding::Product, "", Binding::Power, Binding::Product)
+                }
+                Class::Power => infix(Binding::Atom, "", Binding::Power, Binding::Power),
+                Class::Square
+                | Class::Remainder
+                | Class::Extremum
+                | Class::Choice
+                | Class::Restriction(_)
+                | Class::Function(_) => {
                     debug_assert!(!matches!(op.row().notation, Notation::Infix { .. }));
-                    let mut pieces = vec![text(op.row().name), text("(")];
+                    let mut pieces = vec![text(symbol), text("(")];
                     for (index, operand) in operands.iter().enumerate() {
                         if index > 0 {
                             pieces.push(text(", "));
@@ -186,6 +170,7 @@ fn decimal(value: &BigRational) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_ops::Op;
 
     #[test]
     fn brackets_are_as_few_as_read_back() {

@@ -5,10 +5,12 @@
 //! Parser look-up, completion, help, suggestions, random generators and table-walking tests are all derived
 //! from [`TABLE`] and [`COMPOSED`]. This crate knows neither numbers nor text: only names and properties.
 
+mod class;
 mod composed;
 mod op;
 mod table;
 
+pub use class::{Class, Law, Parity, Restriction, Rounding};
 pub use composed::{COMPOSED, Composed};
 pub use op::{Continuity, Domain, Monotonicity, Notation, Op, Row};
 pub use table::TABLE;
@@ -52,6 +54,28 @@ mod tests {
             assert_eq!(row.op as usize, index, "{}", row.name);
             assert_eq!(row.op.row().name, row.name);
             assert_eq!(row.partials.len(), usize::from(row.arity), "{}", row.name);
+        }
+    }
+
+    #[test]
+    fn columns_agree_with_each_other() {
+        for row in TABLE {
+            let (arity, infix) = match row.class {
+                Class::Negation => (1, true),
+                Class::Square | Class::Function(_) => (1, false),
+                Class::Sum | Class::Product | Class::Quotient | Class::Power => (2, true),
+                Class::Remainder | Class::Extremum | Class::Restriction(_) => (2, false),
+                Class::Choice => (3, false),
+            };
+            assert_eq!(row.arity, arity, "{}", row.name);
+            assert_eq!(matches!(row.notation, Notation::Infix { .. }), infix, "{}", row.name);
+            let is_function = matches!(row.class, Class::Function(_));
+            assert!(arity == 1 || row.parity == Parity::Neither, "{}", row.name);
+            assert!(is_function || (row.values.is_empty() && row.quotient.is_none()));
+            if let Class::Function(Law::Undoes(inner)) = row.class {
+                let domain = inner.row().domain;
+                assert!(matches!(domain, Domain::All | Domain::Positive), "{}", row.name);
+            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! What an operation is, and the properties a row of the table states.
 
+use crate::class::{Class, Parity};
+
 /// A native operation: a node of the expression graph that has an interval rule of its own.
 ///
 /// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm: the compiler
@@ -72,6 +74,17 @@ pub struct Row {
     pub continuity: Continuity,
     /// How it changes with its first operand.
     pub monotonicity: Monotonicity,
+    /// Which laws of algebra it obeys.
+    pub class: Class,
+    /// What it does with a minus sign.
+    pub parity: Parity,
+    /// Where a function of one operand has a rational value that no law gives: pairs of integers, argument and value.
+    pub values: &'static [(i32, i32)],
+    /// Two functions without poles whose quotient it is, if it has poles and is such a quotient.
+    pub quotient: Option<[Op; 2]>,
+    /// Whether its bounds come from an approximation, so that they are not exactly monotone in the operands' bounds.
+    /// Saying so where they are not costs width; not saying so where they are is unsound.
+    pub approximated: bool,
     /// Partial derivative for each operand, in the language, over operands `a`, `b`, `c`.
     pub partials: &'static [&'static str],
     /// One line for help.

@@ -3,52 +3,10 @@
 use super::Rewriter;
 use super::numbers;
 use super::value::{Condition, Product, Value};
-use crate::graph::NodeId;
+use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::Op;
-
-/// What a function does with a minus sign of its operand.
-enum Parity {
-    Even,
-    Odd,
-    Neither,
-}
-
-fn parity(op: Op) -> Parity {
-    match op {
-        Op::Neg
-        | Op::Sign
-        | Op::Round // halves go to even numbers, so rounding is odd
-        | Op::Trunc
-        | Op::Cbrt
-        | Op::Sin
-        | Op::Tan
-        | Op::Atan => Parity::Odd,
-        Op::Abs | Op::Sqr | Op::Cos => Parity::Even,
-        Op::Floor
-        | Op::Ceil
-        | Op::Fract
-        | Op::Sqrt
-        | Op::Exp
-        | Op::Ln
-        | Op::Log2
-        | Op::Log10
-        | Op::Add
-        | Op::Sub
-        | Op::Mul
-        | Op::Div
-        | Op::Pow
-        | Op::Mod
-        | Op::Min
-        | Op::Max
-        | Op::SelectNegative
-        | Op::WhereNonneg
-        | Op::WherePositive
-        | Op::WhereNonzero
-        | Op::WhereDefined => Parity::Neither,
-    }
-}
+use zeroset_ops::{Class, Domain, Law, Op, Parity, Restriction};
 
 impl Rewriter<'_> {
     /// A function of one operand.
@@ -60,7 +18,7 @@ impl Rewriter<'_> {
         }
         let mut outer = BigRational::one();
         if operand.coefficient.is_negative() {
-            match parity(op) {
+            match op.row().parity {
                 Parity::Even => operand.coefficient = -operand.coefficient,
                 Parity::Odd => {
                     operand.coefficient = -operand.coefficient;
@@ -89,27 +47,30 @@ impl Rewriter<'_> {
     }
 
     fn function_of(&mut self, op: Op, a: NodeId) -> Product {
+        let Class::Function(law) = op.row().class else {
+            return Product::power(self.node(op, &[a]), 1);
+        };
         let known = *self.known(a);
-        match op {
-            Op::Abs if known.range.lo >= 0.0 => return self.product_of_node(a),
-            Op::Abs if known.range.hi <= 0.0 => {
+        match law {
+            Law::Magnitude if known.range.lo >= 0.0 => return self.product_of_node(a),
+            Law::Magnitude if known.range.hi <= 0.0 => {
                 let product = self.product_of_node(a);
                 return Product { coefficient: -product.coefficient, ..product };
             }
-            Op::Abs if self.operands(a, Op::Abs).is_some() => return Product::power(a, 1),
-            Op::Sign if known.excludes_zero() => {
+            Law::Magnitude if self.operands(a, op).is_some() => return Product::power(a, 1),
+            Law::Sign if known.excludes_zero() => {
                 let one = BigRational::one();
                 let mut result = Product::number(if known.range.lo > 0.0 { one } else { -one });
                 self.require(&mut result.conditions, Condition::Defined(a));
                 return result;
             }
-            Op::Sqrt => {
+            Law::SquareRoot => {
                 if let Some(&[u]) = self.operands(a, Op::Sqr) {
                     let magnitude = self.function(Op::Abs, Value::Node(u));
                     return self.product(magnitude);
                 }
             }
-            Op::Cbrt => {
+            Law::CubeRoot => {
                 let cube = self.products.get(&a).filter(|p| p.coefficient.is_one()).cloned();
                 if let Some(p) = cube
                     && let [factor] = p.factors[..]
@@ -118,59 +79,46 @@ impl Rewriter<'_> {
                     return self.product_of_node(factor.base);
                 }
             }
-            Op::Ln => {
-                if let Some(&[u]) = self.operands(a, Op::Exp) {
-                    return self.product_of_node(u);
+            Law::Undoes(inner) => {
+                if let Some(&[u]) = self.operands(a, inner)
+                    && let Some(product) = self.within(inner.row().domain, u)
+                {
+                    return product;
                 }
             }
-            Op::Exp => {
-                if let Some(&[u]) = self.operands(a, Op::Ln) {
-                    let part = self.nonneg_part(u);
-                    let mut result = self.product_of_node(part);
-                    self.require(&mut result.conditions, Condition::Positive(u));
-                    return result;
-                }
-            }
-            Op::Floor | Op::Ceil | Op::Round | Op::Trunc if self.is_whole(a) => {
-                return self.product_of_node(a);
-            }
-            Op::Abs
-            | Op::Sign
-            | Op::Floor
-            | Op::Ceil
-            | Op::Round
-            | Op::Trunc
-            | Op::Neg
-            | Op::Fract
-            | Op::Sqr
-            | Op::Log2
-            | Op::Log10
-            | Op::Sin
-            | Op::Cos
-            | Op::Tan
-            | Op::Atan
-            | Op::Add
-            | Op::Sub
-            | Op::Mul
-            | Op::Div
-            | Op::Pow
-            | Op::Mod
-            | Op::Min
-            | Op::Max
-            | Op::SelectNegative
-            | Op::WhereNonneg
-            | Op::WherePositive
-            | Op::WhereNonzero
-            | Op::WhereDefined => {}
+            Law::Rounding(_) if self.is_whole(a) => return self.product_of_node(a),
+            Law::Plain | Law::Magnitude | Law::Sign | Law::Rounding(_) | Law::Fraction => {}
         }
         Product::power(self.node(op, &[a]), 1)
     }
 
+    /// `u` restricted to a domain; `None` for domains that no restriction says.
+    fn within(&mut self, domain: Domain, u: NodeId) -> Option<Product> {
+        match domain {
+            Domain::All => Some(self.product_of_node(u)),
+            Domain::Positive => {
+                let part = self.nonneg_part(u);
+                let mut result = self.product_of_node(part);
+                self.require(&mut result.conditions, Condition::Positive(u));
+                Some(result)
+            }
+            Domain::Nonneg
+            | Domain::LastNonzero
+            | Domain::LastNonneg
+            | Domain::LastPositive
+            | Domain::CosineNonzero
+            | Domain::Power => None,
+        }
+    }
+
     /// Whether a node is the result of rounding to an integer.
     fn is_whole(&self, a: NodeId) -> bool {
-        [Op::Floor, Op::Ceil, Op::Round, Op::Trunc, Op::Sign]
-            .into_iter()
-            .any(|op| self.operands(a, op).is_some())
+        match self.graph.node(a) {
+            Node::Apply(op, _) => {
+                matches!(op.row().class, Class::Function(Law::Rounding(_) | Law::Sign))
+            }
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => false,
+        }
     }
 
     /// `mod(a, b)`
@@ -245,7 +193,7 @@ impl Rewriter<'_> {
     /// The first operand, where the second meets a condition.
     pub(super) fn restriction(
         &mut self,
-        condition: fn(NodeId) -> Condition,
+        restriction: Restriction,
         mut operands: Vec<Value>,
     ) -> Value {
         let mut other = self.product(operands.remove(1));
@@ -254,7 +202,7 @@ impl Rewriter<'_> {
         // Only the sign of a coefficient matters to any condition.
         other.coefficient = other.coefficient.signum();
         let node = self.emit_product(&other);
-        self.require(&mut result.conditions, condition(node));
+        self.require(&mut result.conditions, Condition::of(restriction, node));
         Value::Product(result)
     }
 }

@@ -28,7 +28,7 @@ use ranges::{Known, Rank};
 use rustc_hash::FxHashMap;
 use value::{Condition, Product, Sum, Value};
 use zeroset_interval::{Facts, Interval};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 /// A graph that holds only what `roots` need, with the same values and the same domains of definition at every
 /// real point of `domain`, whatever values the parameters take within `parameters`. Constant expressions are
@@ -292,8 +292,8 @@ impl Rewriter<'_> {
     }
 
     fn apply(&mut self, op: Op, mut operands: Vec<Value>, fixed_exponent: bool) -> Value {
-        match op {
-            Op::Neg => match operands.remove(0) {
+        match op.row().class {
+            Class::Negation => match operands.remove(0) {
                 Value::Sum(mut sum) => {
                     sum.negate();
                     Value::Sum(sum)
@@ -304,7 +304,7 @@ impl Rewriter<'_> {
                     Value::Product(product)
                 }
             },
-            Op::Add | Op::Sub => {
+            Class::Sum => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);
                 let first = self.sum(first);
@@ -314,62 +314,43 @@ impl Rewriter<'_> {
                 }
                 Value::Sum(first.plus(second))
             }
-            Op::Mul => {
+            Class::Product => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);
                 let first = self.loose_product(first);
                 let second = self.loose_product(second);
                 Value::Product(self.times(first, second))
             }
-            Op::Div => {
+            Class::Quotient => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);
                 self.quotient(first, second)
             }
-            Op::Sqr => {
+            Class::Square => {
                 let base = operands.remove(0);
                 self.integer_power(base, 2)
             }
-            Op::Pow => {
+            Class::Power => {
                 let exponent = operands.remove(1);
                 let base = operands.remove(0);
                 self.power(base, exponent, fixed_exponent)
             }
-            Op::Abs
-            | Op::Sign
-            | Op::Floor
-            | Op::Ceil
-            | Op::Round
-            | Op::Trunc
-            | Op::Fract
-            | Op::Sqrt
-            | Op::Cbrt
-            | Op::Exp
-            | Op::Ln
-            | Op::Log2
-            | Op::Log10
-            | Op::Sin
-            | Op::Cos
-            | Op::Tan
-            | Op::Atan => {
+            Class::Function(_) => {
                 let operand = operands.remove(0);
                 self.function(op, operand)
             }
-            Op::Mod => {
+            Class::Remainder => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);
                 self.modulo(first, second)
             }
-            Op::Min | Op::Max => {
+            Class::Extremum => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);
                 self.extremum(op, first, second)
             }
-            Op::SelectNegative => self.choice(operands),
-            Op::WhereNonneg => self.restriction(Condition::Nonneg, operands),
-            Op::WherePositive => self.restriction(Condition::Positive, operands),
-            Op::WhereNonzero => self.restriction(Condition::Nonzero, operands),
-            Op::WhereDefined => self.restriction(Condition::Defined, operands),
+            Class::Choice => self.choice(operands),
+            Class::Restriction(restriction) => self.restriction(restriction, operands),
         }
     }
 

@@ -3,7 +3,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Law, Op, Rounding};
 
 /// Exact results have at most this many bits above and below the line.
 const BITS: u64 = 512;
@@ -46,36 +46,32 @@ pub(super) fn root(value: &BigRational, degree: u32) -> Option<BigRational> {
 
 /// The value of a function of one exact number, where that is a rational number.
 pub(super) fn function(op: Op, a: &BigRational) -> Option<BigRational> {
-    let zero = BigRational::zero();
-    let one = BigRational::one();
-    match op {
-        Op::Neg => Some(-a),
-        Op::Abs => Some(a.abs()),
-        Op::Sign => Some(a.signum()),
-        Op::Floor => Some(a.floor()),
-        Op::Ceil => Some(a.ceil()),
-        Op::Round => Some(round_half_even(a)),
-        Op::Trunc => Some(a.trunc()),
-        Op::Fract => Some(a - a.floor()),
-        Op::Sqr => moderate(a * a),
-        Op::Sqrt => root(a, 2),
-        Op::Cbrt => root(a, 3),
-        Op::Exp | Op::Cos => a.is_zero().then_some(one),
-        Op::Ln | Op::Log2 | Op::Log10 => a.is_one().then_some(zero),
-        Op::Sin | Op::Tan | Op::Atan => a.is_zero().then_some(zero),
-        Op::Add
-        | Op::Sub
-        | Op::Mul
-        | Op::Div
-        | Op::Pow
-        | Op::Mod
-        | Op::Min
-        | Op::Max
-        | Op::SelectNegative
-        | Op::WhereNonneg
-        | Op::WherePositive
-        | Op::WhereNonzero
-        | Op::WhereDefined => None,
+    let row = op.row();
+    match row.class {
+        Class::Negation => Some(-a),
+        Class::Square => moderate(a * a),
+        Class::Function(Law::Magnitude) => Some(a.abs()),
+        Class::Function(Law::Sign) => Some(a.signum()),
+        Class::Function(Law::Rounding(Rounding::Down)) => Some(a.floor()),
+        Class::Function(Law::Rounding(Rounding::Up)) => Some(a.ceil()),
+        Class::Function(Law::Rounding(Rounding::Nearest)) => Some(round_half_even(a)),
+        Class::Function(Law::Rounding(Rounding::TowardZero)) => Some(a.trunc()),
+        Class::Function(Law::Fraction) => Some(a - a.floor()),
+        Class::Function(Law::SquareRoot) => root(a, 2),
+        Class::Function(Law::CubeRoot) => root(a, 3),
+        Class::Function(Law::Plain | Law::Undoes(_)) => {
+            let integer = |n: i32| BigRational::from_integer(n.into());
+            let known = row.values.iter().find(|(argument, _)| integer(*argument) == *a);
+            known.map(|(_, value)| integer(*value))
+        }
+        Class::Sum
+        | Class::Product
+        | Class::Quotient
+        | Class::Power
+        | Class::Remainder
+        | Class::Extremum
+        | Class::Choice
+        | Class::Restriction(_) => None,
     }
 }
 

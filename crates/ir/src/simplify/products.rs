@@ -7,7 +7,7 @@ use super::value::{Condition, Factor, Product, Value};
 use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 /// Shared products of more factors than this are not looked into again.
 const REMEMBERED: usize = 8;
@@ -30,42 +30,8 @@ impl Rewriter<'_> {
         while conditions.len() < LIFTED
             && let Node::Apply(op, operands) = self.graph.node(id)
         {
-            let other = operands.get(1).copied().unwrap_or(id);
-            let condition = match op {
-                Op::WhereDefined => Condition::Defined(other),
-                Op::WhereNonzero => Condition::Nonzero(other),
-                Op::WhereNonneg => Condition::Nonneg(other),
-                Op::WherePositive => Condition::Positive(other),
-                Op::Neg
-                | Op::Abs
-                | Op::Sign
-                | Op::Floor
-                | Op::Ceil
-                | Op::Round
-                | Op::Trunc
-                | Op::Fract
-                | Op::Sqr
-                | Op::Sqrt
-                | Op::Cbrt
-                | Op::Exp
-                | Op::Ln
-                | Op::Log2
-                | Op::Log10
-                | Op::Sin
-                | Op::Cos
-                | Op::Tan
-                | Op::Atan
-                | Op::Add
-                | Op::Sub
-                | Op::Mul
-                | Op::Div
-                | Op::Pow
-                | Op::Mod
-                | Op::Min
-                | Op::Max
-                | Op::SelectNegative => break,
-            };
-            conditions.push(condition);
+            let Class::Restriction(restriction) = op.row().class else { break };
+            conditions.push(Condition::of(restriction, operands[1]));
             id = operands[0];
         }
         if let Some(number) = self.exact(id) {

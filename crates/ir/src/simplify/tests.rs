@@ -3,6 +3,7 @@
 use super::*;
 use crate::display;
 use crate::testing::{Random, Sheet, Term, evaluate};
+use zeroset_ops::{Law, Parity, TABLE};
 
 const DOMAIN: Interval = Interval { lo: -2.0, hi: 2.0 };
 
@@ -275,4 +276,47 @@ fn enclosures_do_not_widen() {
         }
     }
     assert!(compared > 50_000 && narrower > 1000, "{compared} {narrower}");
+}
+
+/// The columns that simplification believes, against values in plain `f64`.
+#[test]
+fn rows_state_what_is_true() {
+    let value = |op: Op, a: f64| {
+        let sheet = Sheet::default();
+        let [x, _, _] = sheet.xyz();
+        let id = x.f(op).id;
+        evaluate(&sheet.graph(), [a, 0.0, 0.0], &[])[id.index()]
+    };
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * (1.0 + a.abs());
+    for row in TABLE.iter().filter(|row| row.arity == 1) {
+        for &(argument, result) in row.values {
+            let (found, _) = value(row.op, argument.into()).expect("defined");
+            assert!(near(found, result.into()), "{}({argument}) = {found}", row.name);
+        }
+        for step in 1..200 {
+            let a = f64::from(step) * 0.0371;
+            let sign = match row.parity {
+                Parity::Even => Some(1.0),
+                Parity::Odd => Some(-1.0),
+                Parity::Neither => None,
+            };
+            if let Some(sign) = sign {
+                let [(plus, _), (minus, _)] = [a, -a].map(|a| value(row.op, a).expect("defined"));
+                assert!(near(plus, sign * minus), "{} at {a}: {plus}, {minus}", row.name);
+            }
+            if let Some(parts) = row.quotient {
+                let (whole, _) = value(row.op, a).expect("between poles");
+                let [(above, _), (below, _)] = parts.map(|op| value(op, a).expect("no poles"));
+                assert!(near(whole, above / below), "{} at {a}: {whole}", row.name);
+            }
+        }
+        if let Class::Function(Law::Undoes(inner)) = row.class {
+            for step in 1..200 {
+                let a = f64::from(step) * 0.0371;
+                let (between, _) = value(inner, a).expect("defined");
+                let (found, _) = value(row.op, between).expect("undone");
+                assert!(near(found, a), "{}({}({a})) = {found}", row.name, inner.row().name);
+            }
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::numbers;
 use crate::graph::NodeId;
 use num_rational::BigRational;
 use num_traits::{One, Zero};
+use zeroset_ops::Restriction;
 
 /// What an expression of the old graph has become so far.
 #[derive(Clone, Debug)]
@@ -27,6 +28,18 @@ pub(super) enum Condition {
     Nonneg(NodeId),
     /// Where the node is above 0.
     Positive(NodeId),
+}
+
+impl Condition {
+    /// What a restriction by `node` demands.
+    pub(super) fn of(restriction: Restriction, node: NodeId) -> Self {
+        match restriction {
+            Restriction::Defined => Self::Defined(node),
+            Restriction::Nonzero => Self::Nonzero(node),
+            Restriction::Nonneg => Self::Nonneg(node),
+            Restriction::Positive => Self::Positive(node),
+        }
+    }
 }
 
 /// `±(constant + Σ cᵢ·tᵢ)`: the terms are nodes that carry no coefficient of their own.
