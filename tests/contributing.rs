@@ -18,11 +18,19 @@ fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The paths in backquotes in the section on a native function; a bare file name continues the directory before it.
-fn named() -> BTreeSet<String> {
+/// The section on a native function: its prose, and the row it shows.
+fn native_section() -> (String, String) {
     let text = std::fs::read_to_string(root().join("CONTRIBUTING.md")).expect("there");
     let section = text.split("**Natively**").nth(1).expect("the section");
     let section = section.split("\n## ").next().expect("its text");
+    let (before, rest) = section.split_once("```rust\n").expect("a row");
+    let (row, after) = rest.split_once("```").expect("the row's end");
+    (format!("{before}{after}"), row.to_owned())
+}
+
+/// The paths in backquotes in the section on a native function; a bare file name continues the directory before it.
+fn named() -> BTreeSet<String> {
+    let (section, _) = native_section();
     let mut directory = String::new();
     let mut paths = BTreeSet::new();
     for quoted in section.split('`').skip(1).step_by(2) {
@@ -64,6 +72,21 @@ fn the_worked_example_names_every_place_and_no_other() {
         .map(|path| path.strip_prefix(root()).expect("inside").display().to_string())
         .collect();
     assert_eq!(named(), arms);
+}
+
+#[test]
+fn the_native_example_states_columns_of_the_table() {
+    let (_, row) = native_section();
+    let source = std::fs::read_to_string(root().join("crates/ops/src/op.rs")).expect("there");
+    let columns: Vec<&str> = row
+        .split_inclusive(": ")
+        .filter_map(|piece| piece.strip_suffix(": "))
+        .filter_map(|piece| piece.rsplit([' ', '\n']).next())
+        .collect();
+    assert!(columns.contains(&"parity"), "{columns:?}");
+    for column in columns {
+        assert!(source.contains(&format!("    pub {column}: ")), "no column `{column}`");
+    }
 }
 
 #[test]
