@@ -6,19 +6,34 @@
 
 mod arguments;
 mod array;
+#[cfg(feature = "window")]
+mod canvas;
 mod eval;
 mod explain;
 mod gallery;
+mod interactive;
+#[cfg(feature = "window")]
+mod line_edit;
 mod notes;
 mod number;
 mod output;
+#[cfg(feature = "window")]
+mod overlay;
+#[cfg(feature = "window")]
+mod pick;
+mod preview;
 mod progress;
+mod prompt;
 mod render;
 mod report;
 mod sheet;
 mod source;
 mod subject;
+mod terminal;
 mod vector;
+mod watch;
+#[cfg(feature = "window")]
+mod window;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
@@ -49,11 +64,12 @@ pub fn run() -> ExitCode {
 fn dispatch() -> anyhow::Result<ExitCode> {
     let arguments = Arguments::parse_from(std::env::args_os().flat_map(detached));
     match arguments.command {
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Eval(arguments) => eval::run(&arguments),
-        Command::Explain(arguments) => explain::run(&arguments),
-        Command::Gallery(arguments) => gallery::run(&arguments),
-        Command::Completions { shell } => {
+        None => interactive::run(&arguments.interactive),
+        Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Eval(arguments)) => eval::run(&arguments),
+        Some(Command::Explain(arguments)) => explain::run(&arguments),
+        Some(Command::Gallery(arguments)) => gallery::run(&arguments),
+        Some(Command::Completions { shell }) => {
             let mut command = Arguments::command();
             clap_complete::generate(shell, &mut command, "zeroset", &mut std::io::stdout());
             Ok(ExitCode::SUCCESS)

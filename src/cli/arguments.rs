@@ -6,11 +6,56 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
+///
+/// Without a command: a window, and a prompt to type in.
 #[derive(Debug, Parser)]
 #[command(name = "zeroset", version, max_term_width = 100)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Arguments {
     #[command(subcommand)]
-    pub command: Command,
+    pub command: Option<Command>,
+
+    #[command(flatten)]
+    pub interactive: Interactive,
+}
+
+/// What is shown first, where nothing but a subject is given.
+#[derive(Debug, Args)]
+pub struct Interactive {
+    /// A formula, a file that is watched from then on, or a name from `zeroset gallery --list`
+    #[arg(value_name = "FORMULA|FILE|NAME", allow_hyphen_values = true)]
+    pub source: Option<OsString>,
+
+    /// Give a name of the formula a value; may be repeated
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pub define: Vec<String>,
+
+    /// The time t
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    pub time: Option<String>,
+
+    /// Where to look: auto, a number r for the cube from -r to r, or six bounds
+    #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
+    pub domain: Option<Domain>,
+
+    #[command(flatten)]
+    pub camera: Camera,
+
+    /// How often a ray's way through the domain is halved
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub max_depth: u32,
+
+    /// The window's width and height in pixels
+    #[arg(long, value_name = "N|WxH", default_value = "800x640", allow_hyphen_values = true)]
+    pub size: Size,
+
+    /// Size of the window's letters: 1, 2 or 3 [default: by the window's height]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub ui_scale: Option<u8>,
+
+    /// Show pictures in the terminal and open no window
+    #[arg(long)]
+    pub preview: bool,
 }
 
 #[derive(Debug, Subcommand)]

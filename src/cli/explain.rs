@@ -23,7 +23,7 @@ pub fn run(arguments: &Explain) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn explain(subject: &Subject) -> Result<String> {
+pub fn explain(subject: &Subject) -> Result<String> {
     let document = &subject.document;
     let mut text = String::new();
     for note in &document.notes {

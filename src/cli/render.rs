@@ -139,7 +139,7 @@ fn settings(arguments: &Render) -> Result<Settings> {
     })
 }
 
-fn camera_choice(camera: &arguments::Camera) -> Result<CameraChoice> {
+pub fn camera_choice(camera: &arguments::Camera) -> Result<CameraChoice> {
     let point = |numbers: Option<super::vector::Numbers<3>>| numbers.map(|n| DVec3::from(n.0));
     let view = match &camera.view {
         None => None,

@@ -59,7 +59,7 @@ impl Subject {
     }
 }
 
-fn overrides(defines: &[String]) -> Result<Vec<(String, String)>> {
+pub fn overrides(defines: &[String]) -> Result<Vec<(String, String)>> {
     defines
         .iter()
         .map(|define| {
@@ -71,7 +71,7 @@ fn overrides(defines: &[String]) -> Result<Vec<(String, String)>> {
         .collect()
 }
 
-fn time(text: &str) -> Result<f64> {
+pub fn time(text: &str) -> Result<f64> {
     match text.trim().parse::<f64>() {
         Ok(time) if time.is_finite() => Ok(time),
         _ => bail!("--time '{text}' is not a finite number"),

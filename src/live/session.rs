@@ -273,6 +273,16 @@ impl Live {
             }
             Statement::Define(_) | Statement::Draw { .. } => None,
         });
+        let definition = entered(&text, &format!("{name} = {value}"), false);
+        let defines = |one: &Statement| match one {
+            Statement::Define(definition) => definition.name.text == name,
+            Statement::Draw { .. } => false,
+        };
+        if parse(&definition, &Limits::default()).is_ok_and(|all| !all.iter().any(defines)) {
+            return Err(Refusal::Command(format!(
+                "`{name}` has a fixed meaning and cannot be set"
+            )));
+        }
         // What was given on the command line would otherwise go on to hide the definition.
         self.lock().wish.overrides.retain(|(other, _)| other != name);
         let with_range = range.map(|range| self.commit(&format!("{name} = {value}{range}"), false));

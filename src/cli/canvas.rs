@@ -1,0 +1,103 @@
+//! Pixels of the window, and letters, lines and boxes on them. The letters are Noto Sans Mono (SIL Open Font License
+//! 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
+
+use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+
+const WEIGHT: FontWeight = FontWeight::Regular;
+const HEIGHT: RasterHeight = RasterHeight::Size16;
+
+/// A colour as 0xRRGGBB.
+pub type Rgb = u32;
+
+/// An image as a window takes it: one number per pixel, row by row from the top.
+pub struct Canvas {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<Rgb>,
+    /// Pixels on the side of one dot of a letter.
+    pub scale: usize,
+}
+
+impl Canvas {
+    /// Width of a letter in pixels.
+    pub fn advance(&self) -> usize {
+        get_raster_width(WEIGHT, HEIGHT) * self.scale
+    }
+
+    /// Height of a line of text in pixels, with some space.
+    pub fn line_height(&self) -> usize {
+        (HEIGHT.val() + 4) * self.scale
+    }
+
+    /// Mixes `colour` into a pixel; `share` is 255 for all of it. Pixels outside are ignored.
+    pub fn blend(&mut self, x: i64, y: i64, colour: Rgb, share: u32) {
+        let inside = |at: i64, size: usize| at >= 0 && at < size as i64;
+        if !(inside(x, self.width) && inside(y, self.height)) {
+            return;
+        }
+        let pixel = &mut self.pixels[y as usize * self.width + x as usize];
+        let channel = |shift: u32| {
+            let (old, new) = (*pixel >> shift & 255, colour >> shift & 255);
+            ((old * (255 - share) + new * share) / 255) << shift
+        };
+        *pixel = channel(16) | channel(8) | channel(0);
+    }
+
+    /// Mixes `colour` into a rectangle.
+    pub fn fill(&mut self, x: i64, y: i64, width: usize, height: usize, colour: Rgb, share: u32) {
+        for y in y.max(0)..(y + height as i64).min(self.height as i64) {
+            for x in x.max(0)..(x + width as i64).min(self.width as i64) {
+                self.blend(x, y, colour, share);
+            }
+        }
+    }
+
+    /// A frame along the edge.
+    pub fn border(&mut self, thickness: usize, colour: Rgb) {
+        let (w, h, t) = (self.width, self.height, thickness);
+        self.fill(0, 0, w, t, colour, 255);
+        self.fill(0, h as i64 - t as i64, w, t, colour, 255);
+        self.fill(0, 0, t, h, colour, 255);
+        self.fill(w as i64 - t as i64, 0, t, h, colour, 255);
+    }
+
+    /// Writes one line with its upper left corner at a place. What the font lacks becomes a question mark.
+    pub fn write(&mut self, text: &str, x: i64, y: i64, colour: Rgb) {
+        let (advance, scale) = (self.advance() as i64, self.scale as i64);
+        for (place, letter) in (0_i64..).zip(text.chars()) {
+            let left = x + place * advance;
+            if left >= self.width as i64 {
+                break;
+            }
+            let glyph = get_raster(letter, WEIGHT, HEIGHT)
+                .or_else(|| get_raster(if letter == ' ' { '_' } else { '?' }, WEIGHT, HEIGHT));
+            let Some(glyph) = glyph else { continue };
+            for (row, line) in (0_i64..).zip(glyph.rows()) {
+                for (column, &cover) in (0_i64..).zip(line.iter()).filter(|(_, cover)| **cover > 0)
+                {
+                    for dot in 0..scale * scale {
+                        let x = left + column * scale + dot % scale;
+                        let y = y + row * scale + dot / scale;
+                        self.blend(x, y, colour, u32::from(cover));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Writes one line on a dark ground.
+    pub fn label(&mut self, text: &str, x: i64, y: i64, colour: Rgb) {
+        let width = text.chars().count() * self.advance() + 8 * self.scale;
+        self.fill(x, y, width, self.line_height(), 0x0020_2028, 208);
+        self.write(text, x + 4 * self.scale as i64, y + 2 * self.scale as i64, colour);
+    }
+
+    /// As many letters as fit the width between margins, with `…` spelt as two dots where some do not.
+    pub fn fitting(&self, text: &str, room: usize) -> String {
+        let letters = room / self.advance();
+        if text.chars().count() <= letters {
+            return text.to_owned();
+        }
+        text.chars().take(letters.saturating_sub(2)).chain("..".chars()).collect()
+    }
+}

@@ -1,0 +1,186 @@
+//! The domain's box over the picture, with labelled ticks. Lines behind the surface are faint.
+
+use super::canvas::{Canvas, Rgb};
+use glam::{DVec2, DVec3};
+use zeroset::live::Frame;
+use zeroset_trace::Projection;
+
+const INK: Rgb = 0x0030_3038;
+const SEEN: u32 = 190;
+const HIDDEN: u32 = 36;
+
+/// Pieces into which an edge is cut, for what is behind the eye or the surface.
+const PIECES: usize = 256;
+
+/// Ticks on an axis, about.
+const TICKS: f64 = 4.0;
+
+/// Where points of space appear in a window of a given size.
+pub struct Projector<'a> {
+    frame: &'a Frame,
+    rays: zeroset_trace::Frame,
+}
+
+impl<'a> Projector<'a> {
+    pub fn new(frame: &'a Frame, width: usize, height: usize) -> Self {
+        Self { frame, rays: frame.camera.frame(width, height) }
+    }
+
+    /// The place in pixels and the distance from the ray's origin; `None` behind the eye.
+    pub fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
+        let rays = &self.rays;
+        let way = point - rays.eye();
+        let depth = way.dot(rays.forward());
+        let (reach, distance) = match self.frame.camera.projection() {
+            Projection::Perspective { fov } => {
+                ((fov.to_radians() / 2.0).tan() * depth, way.length())
+            }
+            Projection::Orthographic { height } => (height / 2.0, depth),
+        };
+        if depth <= 1e-6 * way.length() || reach <= 0.0 {
+            return None;
+        }
+        let half = rays.height() as f64 / 2.0;
+        let across = rays.width() as f64 / 2.0 + way.dot(rays.right()) / reach * half;
+        let down = half - way.dot(rays.up()) / reach * half;
+        Some((DVec2::new(across, down), distance))
+    }
+
+    /// Whether nothing is painted in front of a point seen at this place.
+    fn is_seen(&self, at: DVec2, distance: f64) -> bool {
+        let buffer = &self.frame.picture.buffer;
+        let scaled = |at: f64, size: usize, of: usize| {
+            let place = (at * of as f64 / size as f64).max(0.0) as usize;
+            place.min(of - 1)
+        };
+        let x = scaled(at.x, self.rays.width(), buffer.width);
+        let y = scaled(at.y, self.rays.height(), buffer.height);
+        // What lies on the box is not behind itself.
+        f64::from(buffer.drawn[y * buffer.width + x]) > distance * (1.0 - 2e-3)
+    }
+
+    fn line(&self, canvas: &mut Canvas, from: DVec3, to: DVec3) {
+        let mut last: Option<DVec2> = None;
+        for piece in 0..=PIECES {
+            let point = from.lerp(to, piece as f64 / PIECES as f64);
+            let Some((at, distance)) = self.project(point) else {
+                last = None;
+                continue;
+            };
+            let share = if self.is_seen(at, distance) { SEEN } else { HIDDEN };
+            // Far outside there is nothing to draw, and no end to it.
+            let near = |at: DVec2| at.abs().max_element() < 1e5;
+            if let Some(before) = last
+                && near(before)
+                && near(at)
+            {
+                let steps = (at - before).abs().max_element().ceil().max(1.0);
+                for step in 0..steps as usize {
+                    let dot = before.lerp(at, step as f64 / steps);
+                    canvas.blend(dot.x.round() as i64, dot.y.round() as i64, INK, share);
+                }
+            }
+            last = Some(at);
+        }
+    }
+}
+
+/// Draws the box and ticks on one edge for each coordinate.
+pub fn draw_box(canvas: &mut Canvas, frame: &Frame) {
+    let (width, height) = (canvas.width, canvas.height);
+    let projector = Projector::new(frame, width, height);
+    let region = frame.model.region();
+    let (low, high) = (region.low(), region.high());
+    let corner = |n: usize| {
+        let side = |axis: usize| if n >> axis & 1 == 1 { high[axis] } else { low[axis] };
+        DVec3::new(side(0), side(1), side(2))
+    };
+    let centre = projector.project(region.centre()).map(|(at, _)| at);
+    for axis in 0..3 {
+        let edges: Vec<(DVec3, DVec3)> = (0..8)
+            .filter(|n| n >> axis & 1 == 0)
+            .map(|n| (corner(n), corner(n | 1 << axis)))
+            .collect();
+        for (from, to) in &edges {
+            projector.line(canvas, *from, *to);
+        }
+        // x and y along the lowest edges of the picture, z along the leftmost.
+        let rank = |(from, to): &&(DVec3, DVec3)| {
+            let at = projector.project(from.midpoint(*to)).map(|(at, _)| at)?;
+            let rank = if axis == 2 { -at.x } else { at.y };
+            rank.is_finite().then_some((rank * 16.0) as i64)
+        };
+        let edge = edges.iter().filter(|edge| rank(edge).is_some()).max_by_key(rank);
+        if let (Some(edge), Some(centre)) = (edge, centre) {
+            ticks(canvas, &projector, axis, *edge, centre);
+        }
+    }
+}
+
+fn ticks(
+    canvas: &mut Canvas,
+    projector: &Projector<'_>,
+    axis: usize,
+    (from, to): (DVec3, DVec3),
+    centre: DVec2,
+) {
+    let (low, high) = (from[axis], to[axis]);
+    let step = nice((high - low) / TICKS);
+    let first = (low / step).ceil() as i64;
+    let last = (high / step).floor() as i64;
+    let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
+    let outward = (middle - centre).normalize_or(DVec2::Y);
+    let scale = canvas.scale as f64;
+    let write = |canvas: &mut Canvas, value: f64, text: &str, reach: f64| {
+        let mut point = from;
+        point[axis] = value;
+        let Some((at, _)) = projector.project(point) else { return };
+        let half = DVec2::new(
+            (text.chars().count() * canvas.advance()) as f64 / 2.0,
+            canvas.line_height() as f64 / 2.0,
+        );
+        let place = at + outward * (reach * scale + half.dot(outward.abs())) - half;
+        canvas.write(text, place.x.round() as i64, place.y.round() as i64, INK);
+        for dot in 0..(5.0 * scale) as i64 {
+            let at = at + outward * dot as f64;
+            if text.parse::<f64>().is_ok() {
+                canvas.blend(at.x.round() as i64, at.y.round() as i64, INK, SEEN);
+            }
+        }
+    };
+    // No more than a screen could show, whatever rounding does.
+    for tick in (first..=last).take(16) {
+        let value = tick as f64 * step;
+        write(canvas, value, &shown(value, step), 7.0);
+    }
+    write(canvas, low.midpoint(high), ["x", "y", "z"][axis], 40.0);
+}
+
+/// The smallest of 1, 2 and 5 times a power of ten that is not below `least`.
+fn nice(least: f64) -> f64 {
+    let power = 10.0_f64.powf(least.log10().floor());
+    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
+    factor.unwrap_or(10.0) * power
+}
+
+/// A multiple of `step` with no more digits than it needs.
+fn shown(value: f64, step: f64) -> String {
+    let digits = (-step.log10().floor()).max(0.0) as usize;
+    let text = format!("{value:.digits$}");
+    // Zero has no sign.
+    if value == 0.0 { text.trim_start_matches('-').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_numbers() {
+        assert_eq!([nice(0.9), nice(1.0), nice(3.1), nice(60.0)], [1.0, 1.0, 5.0, 100.0]);
+        assert!((nice(0.013) - 0.02).abs() < 1e-12);
+        assert_eq!(shown(-0.4, 0.2), "-0.4");
+        assert_eq!(shown(-0.0, 0.5), "0.0");
+        assert_eq!(shown(150.0, 50.0), "150");
+    }
+}

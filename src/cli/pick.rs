@@ -1,0 +1,106 @@
+//! What is known of the surface under the pointer.
+
+use super::interactive::quote;
+use glam::DVec3;
+use serde_json::json;
+use std::fmt::Write as _;
+use zeroset::live::{Frame, Wish};
+use zeroset_syntax::ast::Statement;
+use zeroset_syntax::{Limits, parse};
+use zeroset_trace::Status;
+
+/// A place of the surface that is seen in a pixel.
+pub struct Pick<'a> {
+    frame: &'a Frame,
+    pixel: usize,
+    /// The point that is painted; `None` where the background shows.
+    pub point: Option<DVec3>,
+}
+
+impl<'a> Pick<'a> {
+    /// What is seen at a place of a window of the given size; `None` outside.
+    pub fn at(frame: &'a Frame, place: (f64, f64), window: (usize, usize)) -> Option<Self> {
+        let buffer = &frame.picture.buffer;
+        let scaled = |at: f64, size: usize, of: usize| {
+            let inside = at >= 0.0 && at < size as f64;
+            inside.then(|| ((at * of as f64 / size as f64) as usize).min(of - 1))
+        };
+        let column = scaled(place.0, window.0, buffer.width)?;
+        let row = scaled(place.1, window.1, buffer.height)?;
+        let pixel = row * buffer.width + column;
+        let ray = frame.camera.frame(buffer.width, buffer.height).ray_of(pixel);
+        let distance = f64::from(buffer.drawn[pixel]);
+        let point = distance.is_finite().then(|| ray.at(distance));
+        Some(Self { frame, pixel, point })
+    }
+
+    /// One line with the coordinates.
+    pub fn coordinates(&self) -> Option<String> {
+        let p = self.point?;
+        Some(format!("x {:.4}  y {:.4}  z {:.4}", p.x, p.y, p.z))
+    }
+
+    /// Several lines: coordinates, value, normal, what is proven and why, and the command that asks again.
+    pub fn describe(&self) -> String {
+        let buffer = &self.frame.picture.buffer;
+        let (column, row) = (self.pixel % buffer.width, self.pixel / buffer.width);
+        let status = match buffer.status[self.pixel] {
+            Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
+            Status::Hit => "hit: proven".to_owned(),
+            Status::Undecided => format!(
+                "undecided: the surface may lie in a slab of 1/{} of the domain; knoll proves misses only",
+                1_u64 << self.frame.wish.settings.max_depth
+            ),
+        };
+        let mut text = format!("pixel {column}, {row}: {status}");
+        let Some(p) = self.point else { return text };
+        let surface = usize::from(buffer.surface[self.pixel]);
+        let echo = self.frame.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
+        let _ = write!(text, "\n  {echo}\n  x {}  y {}  z {}", p.x as f32, p.y as f32, p.z as f32);
+        let (value, gradient) = self.frame.model.sample(surface, p);
+        let [a, b, c] = buffer.normal[self.pixel];
+        let [u, v, w] = gradient;
+        let _ = write!(text, "\n  f = {value}  gradient {u}, {v}, {w}");
+        let _ = write!(text, "\n  normal {a:.4}, {b:.4}, {c:.4}");
+        let formula = formula(&self.frame.wish, surface);
+        let point = p.as_vec3().to_array();
+        let question = json!({ "f": formula, "at": point }).to_string();
+        let _ = write!(text, "\n  echo {} | zeroset eval", quote(&question));
+        text
+    }
+}
+
+/// The definitions of a document and one of its surfaces, as a text of its own.
+fn formula(wish: &Wish, surface: usize) -> String {
+    let text = &wish.text;
+    let statements = parse(text, &Limits::default()).unwrap_or_default();
+    let mut lines = Vec::new();
+    let mut drawings = 0;
+    let part = |start: usize| {
+        let end = text[start..].find(['\n', ';']).map_or(text.len(), |end| start + end);
+        // A statement goes on where a bracket is open, and is then taken to the end of the text's line that closes it.
+        let mut end = end;
+        while super::prompt::is_open(&text[start..end]) && end < text.len() {
+            end = text[end + 1..].find(['\n', ';']).map_or(text.len(), |more| end + 1 + more);
+        }
+        text[start..end].trim_end().to_owned()
+    };
+    for statement in &statements {
+        match statement {
+            Statement::Define(definition) => lines.push(part(definition.name.span.start)),
+            Statement::Draw { expr, .. } => {
+                if drawings == surface {
+                    lines.push(part(expr.span.start));
+                }
+                drawings += 1;
+            }
+        }
+    }
+    for (name, value) in &wish.overrides {
+        lines.push(format!("{name} = {value}"));
+    }
+    if let Some(time) = wish.time {
+        lines.push(format!("t = {time}"));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,44 @@
+//! The terminal itself: its size and how it is set up. Elsewhere than on Unix nothing is known of either.
+
+/// The terminal's columns and rows.
+#[cfg(unix)]
+pub fn size() -> Option<(usize, usize)> {
+    let size = rustix::termios::tcgetwinsize(std::io::stdout()).ok()?;
+    let (columns, rows) = (usize::from(size.ws_col), usize::from(size.ws_row));
+    (columns > 0 && rows > 0).then_some((columns, rows))
+}
+
+/// The terminal's columns and rows.
+#[cfg(not(unix))]
+pub fn size() -> Option<(usize, usize)> {
+    None
+}
+
+/// How the terminal was set up before the prompt changed it.
+pub struct State(#[cfg(unix)] Option<rustix::termios::Termios>);
+
+#[cfg(unix)]
+impl State {
+    pub fn save() -> Self {
+        Self(rustix::termios::tcgetattr(std::io::stdin()).ok())
+    }
+
+    pub fn restore(&self) {
+        let now = rustix::termios::OptionalActions::Now;
+        if let Some(state) = &self.0
+            && rustix::termios::tcsetattr(std::io::stdin(), now, state).is_ok()
+        {
+            // The line that was being typed has no end.
+            println!();
+        }
+    }
+}
+
+#[cfg(not(unix))]
+impl State {
+    pub fn save() -> Self {
+        Self()
+    }
+
+    pub fn restore(&self) {}
+}

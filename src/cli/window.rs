@@ -1,0 +1,497 @@
+//! The window: pictures as they come, the mouse and the keys. It owns the main thread and knows nothing of how a picture
+//! is made.
+
+use super::canvas::{Canvas, Rgb};
+use super::interactive::Session;
+use super::line_edit::LineEdit;
+use super::overlay::draw_box;
+use super::pick::Pick;
+use super::vector::Size;
+use anyhow::{Context, Result};
+use minifb::{InputCallback, Key, KeyRepeat, MouseButton, MouseMode, ScaleMode, WindowOptions};
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use zeroset::live::{Fault, Frame, View};
+
+const PAPER: Rgb = 0x00f4_f4f6;
+const LIGHT: Rgb = 0x00f0_f0f4;
+const DIM: Rgb = 0x00b0_b0bc;
+const WRONG: Rgb = 0x00d0_3030;
+const WRONG_TEXT: Rgb = 0x00ff_9090;
+
+/// A message in the window is shown for so long.
+const MESSAGE: Duration = Duration::from_secs(8);
+/// What is wrong with a line is said when nothing has been typed for so long.
+const PAUSE: Duration = Duration::from_millis(300);
+
+/// A press that moves no farther than this, in pixels, is a click.
+const CLICK: f64 = 3.0;
+/// Pixels that an arrow key turns by, in a window 400 pixels high.
+const ARROW: f64 = 20.0;
+/// What one step of the wheel, or of + and -, scales by.
+const ZOOM: f64 = 0.85;
+
+/// Windows at least this high get letters twice as large, unless told otherwise.
+const HIGH: usize = 1400;
+
+const HELP: &[&str] = &[
+    "drag         turn            arrows  turn",
+    "right drag   move            + -     zoom",
+    "wheel        zoom            R       reset view",
+    "click        print a point   F       fit",
+    "/ or Enter   type a formula  P       perspective or parallel",
+    "Tab          complete        X       box and axes",
+    "Up, Down     history         U       mark undecided pixels",
+    "Esc          close           S       save a PNG",
+    "F1           this help       Q       quit",
+];
+
+/// Letters typed since they were last looked at.
+struct Letters(Rc<RefCell<VecDeque<char>>>);
+
+impl InputCallback for Letters {
+    fn add_char(&mut self, letter: u32) {
+        if let Some(letter) = char::from_u32(letter).filter(|letter| !letter.is_control()) {
+            self.0.borrow_mut().push_back(letter);
+        }
+    }
+}
+
+/// A window that has been opened.
+pub struct Window {
+    native: minifb::Window,
+    letters: Rc<RefCell<VecDeque<char>>>,
+    scale: Option<usize>,
+    drag: Option<Drag>,
+    line: Option<LineEdit>,
+    typed: Instant,
+    message: Option<(String, Instant)>,
+    help: bool,
+    axes: bool,
+    base: Base,
+    drawn: Option<Look>,
+}
+
+/// A press of a mouse button that has not ended.
+struct Drag {
+    start: (f64, f64),
+    last: (f64, f64),
+    moves: bool,
+    pans: bool,
+    /// Esc ends a drag before the button does.
+    cancelled: bool,
+}
+
+/// The picture at the window's size, kept while only what lies over it changes.
+#[derive(Default)]
+struct Base {
+    frame: Option<Arc<Frame>>,
+    size: (usize, usize),
+    pixels: Vec<Rgb>,
+}
+
+/// Everything that a window's content depends on; drawn again only when it changes.
+#[derive(Clone, PartialEq)]
+struct Look {
+    size: (usize, usize),
+    /// The frame, by its place in memory: it is kept while it is shown.
+    frame: usize,
+    fault: Option<String>,
+    wrong: bool,
+    hover: Option<String>,
+    line: Option<(String, usize)>,
+    message: Option<String>,
+    help: bool,
+    axes: bool,
+}
+
+impl Window {
+    /// Opens a window.
+    ///
+    /// # Errors
+    /// One phrase that says why there can be none.
+    pub fn open(size: Size, scale: Option<usize>) -> Result<Self, String> {
+        #[cfg(all(unix, not(target_os = "macos")))]
+        if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
+            return Err("there is no display (DISPLAY is not set)".to_owned());
+        }
+        let options = WindowOptions {
+            resize: true,
+            scale_mode: ScaleMode::UpperLeft,
+            ..WindowOptions::default()
+        };
+        let mut window = minifb::Window::new("zeroset", size.width, size.height, options)
+            .map_err(|error| format!("no window can be opened ({error})"))?;
+        window.set_target_fps(60);
+        let letters = Rc::new(RefCell::new(VecDeque::new()));
+        window.set_input_callback(Box::new(Letters(Rc::clone(&letters))));
+        Ok(Self {
+            native: window,
+            letters,
+            scale,
+            drag: None,
+            line: None,
+            typed: Instant::now(),
+            message: None,
+            help: false,
+            axes: false,
+            base: Base::default(),
+            drawn: None,
+        })
+    }
+
+    /// Shows the session until it or the window ends.
+    ///
+    /// # Errors
+    /// If the window can no longer be drawn to.
+    pub fn run(mut self, session: &Arc<Session>) -> Result<()> {
+        while self.native.is_open() && !session.has_ended() {
+            let (width, height) = self.native.get_size();
+            if width > 0 && height > 0 {
+                session.live.resize(width, height);
+            }
+            self.keys(session);
+            let view = session.live.view();
+            self.mouse(session, &view);
+            self.draw(&view)?;
+        }
+        Ok(())
+    }
+
+    fn size(&self) -> (usize, usize) {
+        let (width, height) = self.native.get_size();
+        (width.max(1), height.max(1))
+    }
+
+    fn pressed(&self, key: Key) -> bool {
+        self.native.is_key_pressed(key, KeyRepeat::Yes)
+    }
+
+    fn say(&mut self, text: &str) {
+        let first = text.lines().next().unwrap_or_default();
+        self.message = Some((first.to_owned(), Instant::now()));
+    }
+
+    fn keys(&mut self, session: &Arc<Session>) {
+        let letters: Vec<char> = self.letters.borrow_mut().drain(..).collect();
+        for letter in letters {
+            match &mut self.line {
+                Some(line) => line.insert(letter),
+                None => self.shortcut(session, letter),
+            }
+        }
+        if self.pressed(Key::F1) {
+            self.help = !self.help;
+        }
+        if self.pressed(Key::Escape) {
+            self.escape(session);
+        }
+        let enter = self.native.is_key_pressed(Key::Enter, KeyRepeat::No)
+            || self.native.is_key_pressed(Key::NumPadEnter, KeyRepeat::No);
+        if enter {
+            match self.line.take() {
+                None => self.line = Some(LineEdit::default()),
+                Some(line) => self.enter(session, line),
+            }
+        }
+        if self.line.is_some() {
+            self.edit(session);
+        } else {
+            let height = 400;
+            for (key, across, down) in [
+                (Key::Left, ARROW, 0.0),
+                (Key::Right, -ARROW, 0.0),
+                (Key::Up, 0.0, ARROW),
+                (Key::Down, 0.0, -ARROW),
+            ] {
+                if self.pressed(key) {
+                    session.live.turn(|orbit| orbit.turn(across, down, height));
+                }
+            }
+        }
+    }
+
+    /// Closes what is open, the last first; never the program.
+    fn escape(&mut self, session: &Arc<Session>) {
+        if let Some(drag) = &mut self.drag {
+            drag.cancelled = true;
+        } else if self.line.take().is_some() {
+            session.live.type_line("");
+        } else {
+            self.help = false;
+            self.message = None;
+        }
+    }
+
+    fn enter(&mut self, session: &Arc<Session>, line: LineEdit) {
+        let text = line.text().trim().to_owned();
+        if text.is_empty() {
+            return session.live.type_line("");
+        }
+        session.recall([text.clone()]);
+        if let Err(wrong) = session.enter(&text) {
+            session.say(&wrong);
+            self.say(&wrong);
+            // It is there to be mended.
+            self.line = Some(line);
+        }
+    }
+
+    fn edit(&mut self, session: &Arc<Session>) {
+        let pressed = |key| self.native.is_key_pressed(key, KeyRepeat::Yes);
+        let keys = [
+            Key::Backspace,
+            Key::Delete,
+            Key::Left,
+            Key::Right,
+            Key::Home,
+            Key::End,
+            Key::Tab,
+            Key::Up,
+            Key::Down,
+        ];
+        let keys: Vec<Key> = keys.into_iter().filter(|key| pressed(*key)).collect();
+        let Some(line) = &mut self.line else { return };
+        for key in keys {
+            match key {
+                Key::Backspace => line.backspace(),
+                Key::Delete => line.delete(),
+                Key::Left => line.left(),
+                Key::Right => line.right(),
+                Key::Home => line.home(),
+                Key::End => line.end(),
+                Key::Tab => line.complete(),
+                _ => line.recall(&session.recalled(0), key == Key::Up),
+            }
+        }
+        let before = self.drawn.as_ref().and_then(|look| look.line.as_ref());
+        if before.is_none_or(|(text, _)| text != line.text()) {
+            self.typed = Instant::now();
+            session.live.type_line(line.text());
+        }
+    }
+
+    fn shortcut(&mut self, session: &Arc<Session>, letter: char) {
+        let live = &session.live;
+        let height = self.size().1;
+        match letter.to_ascii_lowercase() {
+            '/' | ':' => {
+                let mut line = LineEdit::default();
+                if letter == ':' {
+                    line.insert(':');
+                }
+                self.line = Some(line);
+            }
+            '+' | '=' => live.turn(|orbit| orbit.zoom(ZOOM, 0.0, 0.0, height)),
+            '-' => live.turn(|orbit| orbit.zoom(1.0 / ZOOM, 0.0, 0.0, height)),
+            'r' => live.reset_view(),
+            'f' => live.turn(|orbit| orbit.fit()),
+            'p' => live.turn(|orbit| orbit.toggle_projection()),
+            'u' => live.toggle_undecided(),
+            'x' => self.axes = !self.axes,
+            's' => match session.png(None) {
+                Ok(()) => self.say("saved; the terminal shows the command that makes it again"),
+                Err(error) => self.say(&format!("error: {error:#}")),
+            },
+            'q' => session.end(),
+            _ => {}
+        }
+    }
+
+    fn pointer(&self, mode: MouseMode) -> Option<(f64, f64)> {
+        self.native.get_mouse_pos(mode).map(|(x, y)| (f64::from(x), f64::from(y)))
+    }
+
+    fn mouse(&mut self, session: &Arc<Session>, view: &View) {
+        let Some(at) = self.pointer(MouseMode::Pass) else { return };
+        let (width, height) = self.size();
+        let inside = self.pointer(MouseMode::Discard).is_some();
+        if let Some((_, steps)) = self.native.get_scroll_wheel()
+            && steps != 0.0
+            && inside
+        {
+            let factor = ZOOM.powf(f64::from(steps.clamp(-5.0, 5.0)));
+            let (across, down) = (at.0 - width as f64 / 2.0, at.1 - height as f64 / 2.0);
+            session.live.turn(|orbit| orbit.zoom(factor, across, down, height));
+        }
+        let left = self.native.get_mouse_down(MouseButton::Left);
+        let right = self.native.get_mouse_down(MouseButton::Right);
+        let held = left || right;
+        match &mut self.drag {
+            None if held && inside => {
+                let shift = self.native.is_key_down(Key::LeftShift)
+                    || self.native.is_key_down(Key::RightShift);
+                let pans = right || shift;
+                self.drag =
+                    Some(Drag { start: at, last: at, moves: false, pans, cancelled: false });
+            }
+            None => {}
+            Some(drag) if held => {
+                let far = (at.0 - drag.start.0).hypot(at.1 - drag.start.1) > CLICK;
+                drag.moves |= far;
+                let (across, down) = (at.0 - drag.last.0, at.1 - drag.last.1);
+                if drag.moves && !drag.cancelled && (across, down) != (0.0, 0.0) {
+                    drag.last = at;
+                    let pans = drag.pans;
+                    session.live.turn(|orbit| {
+                        if pans {
+                            orbit.pan(across, down, height);
+                        } else {
+                            orbit.turn(across, down, height);
+                        }
+                    });
+                }
+            }
+            Some(drag) => {
+                let click = !drag.moves && !drag.pans && !drag.cancelled;
+                let start = drag.start;
+                self.drag = None;
+                if click
+                    && let Some(frame) = &view.frame
+                    && let Some(pick) = Pick::at(frame, start, (width, height))
+                {
+                    session.say(&pick.describe());
+                    self.say(pick.describe().as_str());
+                }
+            }
+        }
+    }
+
+    fn draw(&mut self, view: &View) -> Result<()> {
+        let size = self.size();
+        let place = self.pointer(MouseMode::Discard);
+        let pick = view.frame.as_ref().zip(place).and_then(|(frame, at)| Pick::at(frame, at, size));
+        let hover = pick.and_then(|pick| pick.coordinates());
+        if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE) {
+            self.message = None;
+        }
+        let rested = self.typed.elapsed() > PAUSE;
+        let fault = view.fault.as_deref().filter(|_| rested).map(Fault::message);
+        let look = Look {
+            size,
+            frame: view.frame.as_ref().map_or(0, |frame| Arc::as_ptr(frame) as usize),
+            fault,
+            wrong: view.fault.is_some(),
+            hover,
+            line: self.line.as_ref().map(|line| (line.text().to_owned(), line.column())),
+            message: self.message.as_ref().map(|(text, _)| text.clone()),
+            help: self.help,
+            axes: self.axes,
+        };
+        if self.drawn.as_ref() == Some(&look) {
+            self.native.update();
+            return Ok(());
+        }
+        self.base.follow(view.frame.as_ref(), size);
+        let canvas = self.compose(&look);
+        self.native
+            .update_with_buffer(&canvas.pixels, canvas.width, canvas.height)
+            .context("the window cannot be drawn to")?;
+        self.drawn = Some(look);
+        Ok(())
+    }
+
+    fn compose(&self, look: &Look) -> Canvas {
+        let (width, height) = look.size;
+        let scale = self.scale.unwrap_or(if height >= HIGH { 2 } else { 1 });
+        let mut canvas = Canvas { width, height, pixels: self.base.pixels.clone(), scale };
+        if let Some(frame) = self.base.frame.as_ref().filter(|_| look.axes) {
+            draw_box(&mut canvas, frame);
+        }
+        if look.wrong {
+            canvas.border(2 * scale, WRONG);
+        }
+        let row = canvas.line_height();
+        let margin = 6 * scale;
+        let room = width.saturating_sub(2 * margin);
+        let bottom = height as i64 - row as i64;
+        // The status line, then what lies above it.
+        canvas.fill(0, bottom, width, row, 0x0020_2028, 208);
+        let status = match &self.base.frame {
+            Some(frame) if frame.coarse => format!("{} · refining", frame.summary()),
+            Some(frame) => frame.summary(),
+            None => "no picture yet".to_owned(),
+        };
+        let hover = look.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
+        let taken = hover.chars().count() * canvas.advance();
+        let text_y = bottom + 2 * scale as i64;
+        canvas.write(&hover, (width - margin) as i64 - taken as i64, text_y, DIM);
+        let left = canvas.fitting(&status, room.saturating_sub(taken + 2 * margin));
+        canvas.write(&left, margin as i64, text_y, LIGHT);
+        let mut above = bottom - row as i64;
+        if let Some((text, column)) = &look.line {
+            canvas.fill(0, above, width, row, 0x0010_1014, 240);
+            // The end of a long line is where it is typed.
+            let letters = (room / canvas.advance()).saturating_sub(3).max(1);
+            let skip = column.saturating_sub(letters);
+            let part: String = text.chars().skip(skip).take(letters + 1).collect();
+            canvas.write(&format!("> {part}"), margin as i64, above + 2 * scale as i64, LIGHT);
+            let at = margin + (2 + column - skip) * canvas.advance();
+            canvas.fill(at as i64, above + 2 * scale as i64, 2 * scale, 16 * scale, LIGHT, 255);
+            above -= row as i64;
+        }
+        let note = look.fault.as_ref().map(|text| (text, WRONG_TEXT));
+        let note = note.or(look.message.as_ref().map(|text| (text, LIGHT)));
+        if let Some((text, colour)) = note {
+            let text = canvas.fitting(text, room);
+            canvas.label(&text, 0, above, colour);
+        }
+        if let Some(frame) = &self.base.frame {
+            let echo = frame.document.surfaces.first().map_or("", |surface| surface.echo.as_str());
+            let more = frame.document.surfaces.len().saturating_sub(1);
+            let text = if more > 0 { format!("{echo}  and {more} more") } else { echo.to_owned() };
+            let text = canvas.fitting(&text, room);
+            canvas.label(&text, 0, 0, LIGHT);
+        }
+        if look.help {
+            Self::draw_help(&mut canvas);
+        }
+        canvas
+    }
+
+    fn draw_help(canvas: &mut Canvas) {
+        let row = canvas.line_height();
+        let longest = HELP.iter().map(|line| line.chars().count()).max().unwrap_or(0);
+        let pad = 10 * canvas.scale;
+        let (width, height) = (longest * canvas.advance() + 2 * pad, HELP.len() * row + 2 * pad);
+        let left = (canvas.width as i64 - width as i64) / 2;
+        let top = (canvas.height as i64 - height as i64) / 2;
+        canvas.fill(left, top, width, height, 0x0020_2028, 232);
+        for (index, line) in (0_i64..).zip(HELP) {
+            let y = top + pad as i64 + index * row as i64;
+            canvas.write(line, left + pad as i64, y, LIGHT);
+        }
+    }
+}
+
+impl Base {
+    /// Scales the frame's picture to the window, if either has changed.
+    fn follow(&mut self, frame: Option<&Arc<Frame>>, size: (usize, usize)) {
+        let same = match (&self.frame, frame) {
+            (Some(old), Some(new)) => Arc::ptr_eq(old, new),
+            (None, None) => !self.pixels.is_empty(),
+            _ => false,
+        };
+        if same && self.size == size {
+            return;
+        }
+        self.frame = frame.cloned();
+        self.size = size;
+        let (width, height) = size;
+        self.pixels.clear();
+        self.pixels.resize(width * height, PAPER);
+        let Some(frame) = frame else { return };
+        let buffer = &frame.picture.buffer;
+        for (y, row) in self.pixels.chunks_exact_mut(width).enumerate() {
+            let line = y * buffer.height / height * buffer.width;
+            for (x, pixel) in row.iter_mut().enumerate() {
+                let at = 3 * (line + x * buffer.width / width);
+                let [r, g, b] = [0, 1, 2].map(|k| u32::from(frame.picture.rgb[at + k]));
+                *pixel = r << 16 | g << 8 | b;
+            }
+        }
+    }
+}
