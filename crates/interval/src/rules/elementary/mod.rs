@@ -15,9 +15,12 @@ impl<M: Machine> Rule<'_, M> {
         a: &Operand<M::V>,
         mut f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V,
     ) -> Enclosure<M::V> {
-        let combine = |text: &mut Text<'_, M>, lo, hi| [text.above_negated(lo), text.above(hi)];
+        let combine = |text: &mut Text<'_, M>, [lo]: [M::V; 1], [hi]: [M::V; 1]| {
+            [text.above_negated(lo), text.above(hi)]
+        };
         let (neg_lo, hi) = (a.value.neg_lo, a.value.hi);
-        let [neg_lo, hi] = at_ends(self.m, self.format, neg_lo, hi, &mut f, combine);
+        let [neg_lo, hi] =
+            at_ends(self.m, self.format, neg_lo, hi, |text, x| [f(text, x)], combine);
         Enclosure { neg_lo, hi, ..a.value }
     }
 
@@ -111,26 +114,27 @@ impl<M: Machine> Rule<'_, M> {
         self.wave(a, |text, x| text.cos(x), 0.0, 0.5)
     }
 
-    /// Sine or cosine: `f` approximates it, `peak` and `trough` say at how many turns from 0 it is 1 and −1.
+    /// Sine or cosine: `f` approximates it and counts quarter turns, `peak` and `trough` say at how many turns from 0
+    /// it is 1 and −1.
     fn wave(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V) -> M::V,
+        f: impl Fn(&mut Text<'_, M>, M::V) -> [M::V; 2],
         peak: f64,
         trough: f64,
     ) -> Enclosure<M::V> {
         let one = self.number(1.0);
-        let combine = |text: &mut Text<'_, M>, at_lo, at_hi| {
-            let (least, most) = (text.m.min(at_lo, at_hi), text.m.max(at_lo, at_hi));
-            [text.above_negated(least), text.above(most)]
+        let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
+            let (least, most) = (text.m.min(lo[0], hi[0]), text.m.max(lo[0], hi[0]));
+            let [first, last] = turns(text, lo[1], hi[1], 0.25);
+            [text.above_negated(least), text.above(most), first, last]
         };
         let (neg_lo, hi) = (a.value.neg_lo, a.value.hi);
-        let [neg_lo, hi] = at_ends(self.m, self.format, neg_lo, hi, f, combine);
+        let [neg_lo, hi, first, last] = at_ends(self.m, self.format, neg_lo, hi, f, combine);
         let mut neg_lo = self.m.min(neg_lo, one);
         let mut hi = self.m.min(hi, one);
-        let turns = self.turns_of(a, 1.0);
-        let has_peak = self.has_turn(turns, peak);
-        let has_trough = self.has_turn(turns, trough);
+        let has_peak = self.has_turn([first, last], peak);
+        let has_trough = self.has_turn([first, last], trough);
         hi = self.m.select(has_peak, one, hi);
         neg_lo = self.m.select(has_trough, one, neg_lo);
         if let Some(near) = self.within_angle_limit(a) {
@@ -141,24 +145,28 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let value = self.increasing(a, |text, x| text.tan(x));
-        // Poles at a quarter turn and every half turn after it.
-        let turns = self.turns_of(a, 2.0);
-        let pole = self.has_turn(turns, 0.5);
+        let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
+            let [first, last] = turns(text, lo[1], hi[1], 0.5);
+            [text.above_negated(lo[0]), text.above(hi[0]), first, last]
+        };
+        let (neg_lo, hi) = (a.value.neg_lo, a.value.hi);
+        let tan = |text: &mut Text<'_, M>, x| text.tan(x);
+        let [neg_lo, hi, first, last] = at_ends(self.m, self.format, neg_lo, hi, tan, combine);
+        // In half turns, there is a pole at every integer and a half.
+        let pole = self.has_turn([first, last], 0.5);
         let mut free = self.not(pole);
         if let Some(near) = self.within_angle_limit(a) {
             free = self.m.and(free, near);
         }
         let infinity = self.infinity();
-        let neg_lo = self.m.select(free, value.neg_lo, infinity);
-        let hi = self.m.select(free, value.hi, infinity);
+        let neg_lo = self.m.select(free, neg_lo, infinity);
+        let hi = self.m.select(free, hi, infinity);
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, Fact::False, Fact::Lanes(free))
     }
 
-    /// Lanes where the angle, given by [`Self::turns_of`], may pass j + `offset` for some integer j: set wherever it
-    /// does.
+    /// Lanes where the angle, given by [`turns`], passes j + `offset` for some integer j.
     fn has_turn(&mut self, [neg_lo, hi]: [M::V; 2], offset: f64) -> M::V {
-        // floor(hi − offset) ≥ ceil(lo − offset), both ends rounded outward.
+        // floor(hi − offset) ≥ ceil(lo − offset); all numbers are multiples of 1/8 below 2^20, and exact in f32.
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
         let last = self.m.floor(last);
@@ -166,29 +174,6 @@ impl<M: Machine> Rule<'_, M> {
         let neg_first = self.m.floor(neg_first);
         let count = self.m.add(last, neg_first);
         self.m.le(zero, count)
-    }
-
-    /// Upper bounds of −lo and hi in units of 1/`per_turn` turns.
-    fn turns_of(&mut self, a: &Operand<M::V>, per_turn: f64) -> [M::V; 2] {
-        [self.turns(a.value.neg_lo, per_turn), self.turns(a.value.hi, per_turn)]
-    }
-
-    /// An upper bound of `per_turn` · a / 2π.
-    fn turns(&mut self, a: M::V, per_turn: f64) -> M::V {
-        // 1/2π from below; its successor is above. OEIS A086201.
-        let (below, above) = match self.format {
-            Format::F32 => {
-                let below = f32::from_bits(0x3e22_f983);
-                (f64::from(below), f64::from(below.next_up()))
-            }
-            Format::F64 => {
-                let above = f64::from_bits(0x3fc4_5f30_6dc9_c883);
-                (above.next_down(), above)
-            }
-        };
-        let (below, above) = (self.number(per_turn * below), self.number(per_turn * above));
-        let (below, above) = (self.m.mul(a, below), self.m.mul(a, above));
-        self.m.max(below, above)
     }
 
     /// Lanes whose ends the angle reduction can handle, or `None` if all can.
@@ -201,4 +186,15 @@ impl<M: Machine> Rule<'_, M> {
         let limit = self.number(ANGLE_LIMIT);
         Some(self.m.le(far, limit))
     }
+}
+
+/// Quarter turns at lo and hi, as −lo and hi in units of 1/`scale` quarters.
+///
+/// Each is half a quarter off a whole number, on the side where the angle is. That side may be wrong only where the
+/// angle is nearer to whole quarters than the error of its reduction; sine and cosine have come to ±1 within their own
+/// bound there, and no float at all is so near to a pole of the tangent.
+fn turns<M: Machine>(text: &mut Text<'_, M>, lo: M::V, hi: M::V, scale: f64) -> [M::V; 2] {
+    let minus = text.m.number(Format::F64, -scale);
+    let plus = text.m.number(Format::F64, scale);
+    [text.m.mul(lo, minus), text.m.mul(hi, plus)]
 }

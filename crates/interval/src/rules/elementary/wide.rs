@@ -31,15 +31,15 @@ pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     }
 }
 
-/// Applies `text` to the halves of lo and hi one after the other, then `combine` to what comes of both ends of a half.
-pub(crate) fn at_ends<M: Machine>(
+/// Applies `f` to the halves of lo and hi one after the other, then `combine` to what comes of both ends of a half.
+pub(crate) fn at_ends<M: Machine, const MID: usize, const OUT: usize>(
     m: &mut M,
     format: Format,
     neg_lo: M::V,
     hi: M::V,
-    mut f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V,
-    mut combine: impl FnMut(&mut Text<'_, M>, M::V, M::V) -> [M::V; 2],
-) -> [M::V; 2] {
+    mut f: impl FnMut(&mut Text<'_, M>, M::V) -> [M::V; MID],
+    mut combine: impl FnMut(&mut Text<'_, M>, [M::V; MID], [M::V; MID]) -> [M::V; OUT],
+) -> [M::V; OUT] {
     match format {
         Format::F64 => {
             let mut text = Text { m, target: format };
@@ -50,9 +50,9 @@ pub(crate) fn at_ends<M: Machine>(
         Format::F32 => {
             let lo = m.neg(neg_lo);
             let ([l0, l1], [h0, h1]) = (m.widen(lo), m.widen(hi));
-            let values = m
-                .repeat([[l0], [l1], [h0], [h1]], |m, [x]| [f(&mut Text { m, target: format }, x)]);
-            let [[l0], [l1], [h0], [h1]] = values;
+            let values =
+                m.repeat([[l0], [l1], [h0], [h1]], |m, [x]| f(&mut Text { m, target: format }, x));
+            let [l0, l1, h0, h1] = values;
             let low = combine(&mut Text { m, target: format }, l0, h0);
             let high = combine(&mut Text { m, target: format }, l1, h1);
             std::array::from_fn(|i| m.narrow([low[i], high[i]]))
@@ -304,23 +304,28 @@ impl<M: Machine> Text<'_, M> {
         self.m.or(angle, sign)
     }
 
-    /// The angle x less the nearest multiple k of π/2, and the low bits of k, for |x| ≤ [`ANGLE_LIMIT`].
-    fn reduce(&mut self, x: M::V) -> (M::V, M::V) {
+    /// Reduces an angle x for |x| ≤ [`ANGLE_LIMIT`].
+    fn reduce(&mut self, x: M::V) -> Angle<M::V> {
         let two_over_pi = self.number(std::f64::consts::FRAC_2_PI);
-        let turns = self.m.mul(x, two_over_pi);
-        let k = self.m.nearest(turns);
+        let quarters = self.m.mul(x, two_over_pi);
+        let k = self.m.nearest(quarters);
         // The first product is exact and so is its difference; the rest is small.
-        let mut r = self.subtract_multiple(x, k, HALF_PI[0]);
+        let mut rest = self.subtract_multiple(x, k, HALF_PI[0]);
         match self.target {
-            Format::F32 => r = self.subtract_multiple(r, k, HALF_PI_REST),
+            Format::F32 => rest = self.subtract_multiple(rest, k, HALF_PI_REST),
             Format::F64 => {
-                r = self.subtract_multiple(r, k, HALF_PI[1]);
-                r = self.subtract_multiple(r, k, HALF_PI[2]);
+                rest = self.subtract_multiple(rest, k, HALF_PI[1]);
+                rest = self.subtract_multiple(rest, k, HALF_PI[2]);
             }
         }
         // 1.5 · 2^52 keeps negative k in the low bits too.
         let magic = self.number(6_755_399_441_055_744.0);
-        (r, self.m.add(k, magic))
+        let bits = self.m.add(k, magic);
+        let half = self.number(0.5);
+        let sign_bit = self.m.bits(F64, 1 << 63);
+        let sign = self.m.and(rest, sign_bit);
+        let side = self.m.or(sign, half);
+        Angle { rest, bits, quarters: self.m.add(k, side) }
     }
 
     /// sin r for |r| ≤ π/4: the tails r¹³/13! and r¹⁹/19! are below 2⁻³⁶ and 2⁻⁶³ of it.
@@ -360,39 +365,52 @@ impl<M: Machine> Text<'_, M> {
         self.m.xor(value, sign)
     }
 
-    /// sin x for |x| ≤ [`ANGLE_LIMIT`]; anything beyond.
-    pub(crate) fn sin(&mut self, x: M::V) -> M::V {
-        let (r, k) = self.reduce(x);
-        let z = self.m.mul(r, r);
-        let (sin, cos) = (self.sin_reduced(r, z), self.cos_reduced(z));
-        let odd = self.bit_mask(k, 0);
+    /// sin x for |x| ≤ [`ANGLE_LIMIT`], anything beyond; and [`Angle::quarters`].
+    pub(crate) fn sin(&mut self, x: M::V) -> [M::V; 2] {
+        let angle = self.reduce(x);
+        let (sin, cos) = self.sin_cos(&angle);
+        let odd = self.bit_mask(angle.bits, 0);
         let value = self.m.select(odd, cos, sin);
-        self.flip_by_bit_1(value, k)
+        [self.flip_by_bit_1(value, angle.bits), angle.quarters]
     }
 
-    /// cos x for |x| ≤ [`ANGLE_LIMIT`]; anything beyond.
-    pub(crate) fn cos(&mut self, x: M::V) -> M::V {
-        let (r, k) = self.reduce(x);
-        let z = self.m.mul(r, r);
-        let (sin, cos) = (self.sin_reduced(r, z), self.cos_reduced(z));
-        let odd = self.bit_mask(k, 0);
+    /// cos x for |x| ≤ [`ANGLE_LIMIT`], anything beyond; and [`Angle::quarters`].
+    pub(crate) fn cos(&mut self, x: M::V) -> [M::V; 2] {
+        let angle = self.reduce(x);
+        let (sin, cos) = self.sin_cos(&angle);
+        let odd = self.bit_mask(angle.bits, 0);
         let value = self.m.select(odd, sin, cos);
         let one = self.m.bits(F64, 1);
-        let next = self.m.int_add(k, one);
-        self.flip_by_bit_1(value, next)
+        let next = self.m.int_add(angle.bits, one);
+        [self.flip_by_bit_1(value, next), angle.quarters]
     }
 
-    /// tan x for |x| ≤ [`ANGLE_LIMIT`]; anything beyond.
-    pub(crate) fn tan(&mut self, x: M::V) -> M::V {
-        let (r, k) = self.reduce(x);
-        let z = self.m.mul(r, r);
-        let (sin, cos) = (self.sin_reduced(r, z), self.cos_reduced(z));
-        let odd = self.bit_mask(k, 0);
+    /// tan x for |x| ≤ [`ANGLE_LIMIT`], anything beyond; and [`Angle::quarters`].
+    pub(crate) fn tan(&mut self, x: M::V) -> [M::V; 2] {
+        let angle = self.reduce(x);
+        let (sin, cos) = self.sin_cos(&angle);
+        let odd = self.bit_mask(angle.bits, 0);
         let minus_cos = self.m.neg(cos);
         let above = self.m.select(odd, minus_cos, sin);
         let below = self.m.select(odd, sin, cos);
-        self.m.div(above, below)
+        [self.m.div(above, below), angle.quarters]
     }
+
+    /// Sine and cosine of a reduced angle.
+    fn sin_cos(&mut self, angle: &Angle<M::V>) -> (M::V, M::V) {
+        let z = self.m.mul(angle.rest, angle.rest);
+        (self.sin_reduced(angle.rest, z), self.cos_reduced(z))
+    }
+}
+
+/// An angle as k quarter turns and a rest.
+struct Angle<V> {
+    /// The angle less k·π/2.
+    rest: V,
+    /// k in the low bits.
+    bits: V,
+    /// k + ½ or k − ½, by the sign of the rest: it tells on which side of k quarters the angle is.
+    quarters: V,
 }
 
 /// (−1)ⁿ / (first + 2n − 2)! for n = 1…terms: the series of sine (first = 3) and cosine (first = 2) after its lead.

@@ -1,0 +1,78 @@
+//! Sweeps the native enclosures of functions of one variable over all finite floats and prints a table.
+//!
+//! `cargo run --release -p zeroset-testkit --example exhaustive` takes some minutes per function;
+//! `-- --stride 65537 sin cos` tries only floats whose bits are a multiple of 65537, for two functions.
+
+mod sweep;
+
+use std::process::ExitCode;
+use sweep::{Function, functions};
+
+const USAGE: &str = "usage: exhaustive [--stride N] [FUNCTION...]";
+
+fn main() -> ExitCode {
+    let (stride, chosen) = match arguments() {
+        Ok(arguments) => arguments,
+        Err(message) => {
+            eprintln!("{message}\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    println!(
+        "{:8}{:>12}{:>12}{:>12}{:>12}{:>12}{:>8}{:>10}{:>10}",
+        "", "floats", "violations", "beyond 2^20", "unbounded", "> 2 ulp", "worst", "mean", "seconds"
+    );
+    let mut violations = 0;
+    for function in chosen {
+        let report = function.sweep(stride);
+        println!(
+            "{:8}{:>12}{:>12}{:>12}{:>12}{:>12}{:>8}{:>10.4}{:>10.1}",
+            function.op.row().name,
+            report.tried,
+            report.violations,
+            report.beyond,
+            report.unbounded,
+            report.wide,
+            report.worst,
+            report.mean(),
+            report.seconds,
+        );
+        let places = [
+            ("violation at", report.violation),
+            ("worst at", report.worst_at),
+            ("first beyond 2 ulp at", report.first_wide),
+            ("first unbounded at", report.first_unbounded),
+        ];
+        for (what, place) in places {
+            if let Some(x) = place {
+                println!("        {what} {x:e} (bits {:#010x})", x.to_bits());
+            }
+        }
+        violations += report.violations;
+    }
+    ExitCode::from(u8::from(violations > 0))
+}
+
+/// The stride and the functions asked for.
+fn arguments() -> Result<(u64, Vec<Function>), String> {
+    let (mut stride, mut names) = (1, Vec::new());
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        if argument == "--stride" {
+            let text = arguments.next().ok_or("--stride needs a number")?;
+            stride = text.parse().map_err(|error| format!("--stride {text}: {error}"))?;
+            if stride == 0 {
+                return Err("--stride must be at least 1".into());
+            }
+        } else {
+            names.push(argument);
+        }
+    }
+    let mut all = functions();
+    if let Some(name) = names.iter().find(|name| all.iter().all(|f| f.op.row().name != **name)) {
+        let known: Vec<_> = all.iter().map(|function| function.op.row().name).collect();
+        return Err(format!("no function {name}; there are {}", known.join(" ")));
+    }
+    all.retain(|function| names.is_empty() || names.iter().any(|n| n == function.op.row().name));
+    Ok((stride, all))
+}

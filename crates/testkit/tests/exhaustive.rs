@@ -1,0 +1,23 @@
+//! A slice of the exhaustive sweep: native enclosures of functions of one variable hold the value at every float tried,
+//! and are at most two ulps wider than the tightest.
+//!
+//! All floats: `cargo run --release -p zeroset-testkit --example exhaustive`.
+
+#[path = "../examples/exhaustive/sweep.rs"]
+mod sweep;
+
+/// A prime, so that all exponents and low bits come up.
+const STRIDE: u64 = 20_011;
+
+#[test]
+fn enclosures_hold_and_are_tight_on_a_slice_of_all_floats() {
+    for function in sweep::functions() {
+        let report = function.sweep(STRIDE);
+        let name = function.op.row().name;
+        println!("{name}: {report:?}");
+        assert!(report.tried > 200_000, "{name}: too few floats: {report:?}");
+        assert_eq!(report.violations, 0, "{name}: {report:?}");
+        assert_eq!(report.unbounded, 0, "{name}: {report:?}");
+        assert_eq!(report.wide, 0, "{name}: over {} ulp: {report:?}", sweep::WIDE);
+    }
+}
