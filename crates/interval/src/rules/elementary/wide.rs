@@ -68,11 +68,16 @@ const LN_2_LO: f64 = 2.823_529_056_303_157_7e-13;
 /// Bits of the double nearest to √½, and of 1.
 const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 const ONE: u64 = 0x3ff0_0000_0000_0000;
-/// π/2 in three parts of 33, 33 and 53 bits.
-const HALF_PI: [f64; 3] =
-    [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_226_624_879_595e-21];
+/// π/2 in four parts, the first three of at most 33 bits, so that their products with k are exact. The parts and the
+/// sum are compared with π in the tests.
+const HALF_PI: [f64; 4] = [
+    f64::from_bits(0x3ff9_21fb_5440_0000),
+    f64::from_bits(0x3dd0_b461_1a60_0000),
+    f64::from_bits(0x3ba3_198a_2e00_0000),
+    f64::from_bits(0x397b_839a_2520_49c1),
+];
 /// π/2 − `HALF_PI[0]` in one part.
-const HALF_PI_REST: f64 = 6.077_100_506_506_192e-11;
+const HALF_PI_REST: f64 = f64::from_bits(0x3dd0_b461_1a62_6331);
 
 /// Angles up to this magnitude are reduced exactly enough; beyond it sine and cosine are only known to be in [−1, 1].
 pub(crate) const ANGLE_LIMIT: f64 = 1_048_576.0; // 2^20
@@ -309,13 +314,15 @@ impl<M: Machine> Text<'_, M> {
         let two_over_pi = self.number(std::f64::consts::FRAC_2_PI);
         let quarters = self.m.mul(x, two_over_pi);
         let k = self.m.nearest(quarters);
-        // The first product is exact and so is its difference; the rest is small.
+        // The first product is exact and so is its difference. A rest may be as small as 2^-57; each further product is
+        // exact, and its difference where it cancels, so that only the last rounds: in f32, 2^-67 of at least 2^-30.
         let mut rest = self.subtract_multiple(x, k, HALF_PI[0]);
         match self.target {
             Format::F32 => rest = self.subtract_multiple(rest, k, HALF_PI_REST),
             Format::F64 => {
-                rest = self.subtract_multiple(rest, k, HALF_PI[1]);
-                rest = self.subtract_multiple(rest, k, HALF_PI[2]);
+                for part in &HALF_PI[1..] {
+                    rest = self.subtract_multiple(rest, k, *part);
+                }
             }
         }
         // 1.5 · 2^52 keeps negative k in the low bits too.
@@ -421,4 +428,33 @@ fn reciprocal_factorials(terms: u32, first: u32) -> Vec<f64> {
             if n % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_half_pi_make_up_half_pi() {
+        // Its first 121 bits: OEIS A062964, halved.
+        let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
+        let scaled = |part: f64| (part * 2_f64.powi(120)) as u128;
+        let sum: u128 = HALF_PI.iter().map(|part| scaled(*part)).sum();
+        assert_eq!(sum, half_pi);
+        let rest = half_pi - scaled(HALF_PI[0]);
+        assert!(scaled(HALF_PI_REST).abs_diff(rest) < 1 << 34);
+        for part in &HALF_PI[..3] {
+            assert!(part.to_bits().trailing_zeros() >= 53 - 33, "{part:e} has more than 33 bits");
+        }
+    }
+
+    #[test]
+    fn parts_of_ln_2_make_up_ln_2() {
+        // Its first 128 bits: OEIS A068426.
+        let ln_2 = 0xb172_17f7_d1cf_79ab_c9e3_b398_03f2_f6af_u128;
+        let scaled = |part: f64| (part * 2_f64.powi(127) * 2.0) as u128;
+        let sum = scaled(LN_2_HI) + scaled(LN_2_LO);
+        assert!(sum.abs_diff(ln_2) < 1 << 33);
+        assert!(LN_2_HI.to_bits().trailing_zeros() >= 11);
+    }
 }
