@@ -71,7 +71,9 @@ fn dispatch() -> anyhow::Result<ExitCode> {
         Some(Command::Gallery(arguments)) => gallery::run(&arguments),
         Some(Command::Completions { shell }) => {
             let mut command = Arguments::command();
-            clap_complete::generate(shell, &mut command, "zeroset", &mut std::io::stdout());
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut command, "zeroset", &mut script);
+            output::print(&String::from_utf8_lossy(&script))?;
             Ok(ExitCode::SUCCESS)
         }
     }

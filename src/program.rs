@@ -5,7 +5,9 @@ use crate::zeros::ZeroKernel;
 use thiserror::Error;
 use zeroset_eval::{Assumptions, Binding, Tape};
 use zeroset_interval::{Facts, Interval};
-use zeroset_ir::{Graph, IrError, NodeId, clear, gradient, hoist, rewrite, simplify};
+use zeroset_ir::{
+    Constant, Graph, IrError, NodeId, clear, fix_exponents, gradient, hoist, rewrite, simplify,
+};
 use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
 use zeroset_syntax::Document;
 
@@ -93,7 +95,10 @@ impl Program {
         let parameters: Vec<Interval> =
             document.parameters.iter().map(|parameter| parameter.value.bounds()).collect();
         let typed: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
-        let symbolic = rewrite(&document.graph, &typed, &domain, &parameters)?;
+        let values: Vec<Constant> =
+            document.parameters.iter().map(|parameter| parameter.value.clone()).collect();
+        let (exact, surfaces) = fix_exponents(&document.graph, &typed, &values);
+        let symbolic = rewrite(&exact, &surfaces, &domain, &parameters)?;
         let (graph, roots) = simplify(&symbolic.0, &symbolic.1, &domain, &parameters)?;
         let assumptions = Assumptions { domain, parameters };
         let undefined = roots
@@ -294,6 +299,19 @@ mod tests {
         assert!(message("1=x-x").contains("differ by 1 at every point"), "{}", message("1=x-x"));
         assert!(message("x-x").contains("every point is a zero"));
         assert!(message("9^9^9^9").contains("is constant"));
+    }
+
+    #[test]
+    fn a_parameter_in_an_exponent_counts_as_the_number_it_is() {
+        let enclosed = |formula: &str| {
+            let program = program(formula).expect("a surface");
+            let left = [Interval { lo: -2.0, hi: -1.0 }; 3];
+            let assumptions = Assumptions { domain: left, ..program.assumptions.clone() };
+            enclosure::enclose(&program.graph, program.roots[0], &assumptions)
+        };
+        assert_eq!(enclosed("n = 3\nx^n - y"), enclosed("x^3 - y"));
+        assert_eq!(enclosed("n = 2\nx^(2n) - y"), enclosed("x^4 - y"));
+        assert!(enclosed("n = 2.5\nx^n - y").1.has(Facts::NOWHERE));
     }
 
     #[test]

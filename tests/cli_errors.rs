@@ -213,3 +213,58 @@ fn numbers_out_of_range() {
         refused("r = 1\nx^2+y^2+z^2 = r^2", &arguments, expected);
     }
 }
+
+#[test]
+fn one_path_for_two_outputs() {
+    let expected = "'picture.png' is given for two outputs";
+    refused("x", &["--status", PICTURE], expected);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_that_is_full_or_closed() {
+    use std::process::{Command, Stdio};
+    let zeroset = || Command::new(env!("CARGO_BIN_EXE_zeroset"));
+    let commands: [&[&str]; 4] = [
+        &["render", "x", "--size", "16", "--json"],
+        &["explain", "x"],
+        &["gallery", "--list"],
+        &["completions", "bash"],
+    ];
+    for arguments in commands {
+        let full = std::fs::File::options().write(true).open("/dev/full").expect("a full device");
+        let output = zeroset().args(arguments).stdout(full).output().expect("runs");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+        assert!(stderr.contains("cannot write to standard output"), "{arguments:?}: {stderr}");
+
+        let mut child = zeroset()
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("runs");
+        drop(child.stdout.take());
+        let status = child.wait().expect("ends");
+        assert_eq!(status.code(), Some(0), "{arguments:?} with nobody reading");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_nothing() {
+    let place = Place::new();
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_zeroset"))
+        .args(["render", "gyroid", "--size", "4000", "--max-depth", "18", "-o", PICTURE])
+        .args(["--status", "status.npy"])
+        .current_dir(place.path("."))
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .expect("runs");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let early = child.try_wait().expect("known").is_none();
+    assert!(early, "the run was meant to take longer than the wait before it is ended");
+    child.kill().expect("ends");
+    child.wait().expect("ended");
+    assert!(place.files().is_empty(), "{:?}", place.files());
+}

@@ -2,11 +2,11 @@
 
 use super::arguments::Explain;
 use super::notes;
+use super::output::print;
 use super::subject::Subject;
 use anyhow::Result;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::process::ExitCode;
 use zeroset::program::Program;
 use zeroset::scene;
@@ -18,8 +18,7 @@ use zeroset_jit::{Kind, intermediate_code};
 pub fn run(arguments: &Explain) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.subject)?;
     let text = explain(&subject)?;
-    // A reader such as `head` that has seen enough is no error.
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

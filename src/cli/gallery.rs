@@ -2,13 +2,12 @@
 
 use super::arguments::Gallery;
 use super::notes;
-use super::output::{Output, write_png};
+use super::output::{Output, print, write_png};
 use super::progress::Progress;
 use super::render::{in_threads, method_settings};
 use super::sheet::Sheet;
 use anyhow::{Context, Result, anyhow};
 use image::RgbImage;
-use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset::gallery::{Example, examples};
@@ -22,7 +21,7 @@ const SHEET: &str = "contact-sheet.png";
 pub fn run(arguments: &Gallery) -> Result<ExitCode> {
     let examples = examples();
     if arguments.list {
-        list(&examples);
+        list(&examples)?;
         return Ok(ExitCode::SUCCESS);
     }
     let directory = arguments.output.as_deref().context("nothing to write to: add -o DIR")?;
@@ -38,16 +37,13 @@ pub fn run(arguments: &Gallery) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn list(examples: &[Example]) {
+fn list(examples: &[Example]) -> Result<()> {
     let widest = examples.iter().map(|example| example.slug.len()).max().unwrap_or(0);
-    let mut out = std::io::stdout().lock();
-    for example in examples {
-        let line = writeln!(out, "{:widest$}  {}", example.slug, example.summary());
-        // A reader such as `head` that has seen enough is no error.
-        if line.is_err() {
-            break;
-        }
-    }
+    let lines: String = examples
+        .iter()
+        .map(|example| format!("{:widest$}  {}\n", example.slug, example.summary()))
+        .collect();
+    print(&lines)
 }
 
 fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()> {

@@ -1,11 +1,12 @@
 //! Files that appear whole or not at all.
 //!
-//! Content goes to a temporary file beside the target, which is renamed over it at the end. The temporary file is opened
-//! before any work is done, so that a target that cannot be written is an error at once and not after the rendering.
+//! Content goes to a temporary file beside the target, which is renamed over it. Whether such a file can be made is tried
+//! before any work is done, so that a target that cannot be written is an error at once and not after the rendering; the
+//! file itself is made when there is something to write, so that an interrupted run leaves nothing behind.
 
 use anyhow::{Context, Result};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -16,8 +17,8 @@ pub struct Output {
 }
 
 enum Sink {
-    /// An ordinary file, or none yet.
-    Renamed(NamedTempFile),
+    /// An ordinary file, or none yet, in this directory.
+    Renamed(PathBuf),
     /// A device or a pipe, which a rename would replace.
     Direct(File),
     /// The path `-`.
@@ -52,9 +53,8 @@ impl Output {
                         let directory = directory.display();
                         anyhow::bail!("{}: there is no directory '{directory}'", cannot());
                     }
-                    // The error as it comes would name the temporary file.
-                    let plain = |error: std::io::Error| std::io::Error::from(error.kind());
-                    Sink::Renamed(temporary(directory).map_err(plain).with_context(cannot)?)
+                    temporary(directory).with_context(cannot)?;
+                    Sink::Renamed(directory.to_owned())
                 }
             }
         };
@@ -69,7 +69,8 @@ impl Output {
         let path = self.path;
         let cannot = || format!("cannot write '{}'", path.display());
         match self.sink {
-            Sink::Renamed(file) => {
+            Sink::Renamed(directory) => {
+                let file = temporary(&directory).with_context(cannot)?;
                 let mut writer = BufWriter::new(file);
                 content(&mut writer).and_then(|()| writer.flush()).with_context(cannot)?;
                 let file = writer.into_inner().map_err(|e| e.into_error()).with_context(cannot)?;
@@ -98,7 +99,22 @@ fn temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
         // The process's umask still applies.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(directory)
+    // The error as it comes would name the temporary file.
+    builder.tempfile_in(directory).map_err(|error| error.kind().into())
+}
+
+/// Writes to standard output. That nobody reads on is no error.
+///
+/// # Errors
+/// If it cannot be written to, a full disk for example.
+pub fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Writes rows of red, green and blue bytes as PNG.

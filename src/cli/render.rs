@@ -2,7 +2,7 @@
 
 use super::arguments::{self, Outputs, Packet, Render, Undecided};
 use super::notes;
-use super::output::{Output, write_png};
+use super::output::{Output, print, write_png};
 use super::progress::Progress;
 use super::subject::{self, Subject};
 use super::{array, report};
@@ -13,7 +13,9 @@ use std::process::ExitCode;
 use zeroset::domain::AutoDomain;
 use zeroset::picture::{self, Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice};
-use zeroset_trace::{Colour, HalfSpace, MAX_DEPTH, PacketWidth, Projection, UndecidedStyle, View};
+use zeroset_trace::{
+    Colour, HalfSpace, MAX_DEPTH, PacketWidth, Projection, Status, UndecidedStyle, View,
+};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
@@ -52,7 +54,7 @@ pub fn run(arguments: &Render) -> Result<ExitCode> {
     files.finish(&picture)?;
     if arguments.outputs.json {
         let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
-        println!("{object}");
+        print(&format!("{object}\n"))?;
     }
     let undecided = picture.statistics.pixels.undecided > 0;
     Ok(if arguments.strict && undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
@@ -181,6 +183,11 @@ impl Files {
             standard + usize::from(*json) <= 1,
             "only one thing can be written to standard output"
         );
+        let files: Vec<_> = paths.iter().filter_map(|path| path.as_ref()).collect();
+        for (index, path) in files.iter().enumerate() {
+            let twice = path.as_path() != Path::new("-") && files[..index].contains(path);
+            ensure!(!twice, "'{}' is given for two outputs", path.display());
+        }
         let create =
             |path: &Option<_>| path.as_ref().map(|path: &std::path::PathBuf| Output::create(path));
         Ok(Self {
@@ -231,5 +238,18 @@ fn remark(
             pixels.undecided,
             pixels.miss + seen,
         ));
+        let passed_over = picture
+            .buffer
+            .status
+            .iter()
+            .zip(&picture.buffer.drawn)
+            .filter(|(status, drawn)| **status == Status::Undecided && drawn.is_infinite())
+            .count();
+        if passed_over > 0 {
+            notes::note(&format!(
+                "{passed_over} of these are not drawn: near a pole the function is unbounded in every \
+                 slab, and a root would not show; a larger --max-depth tells more of them apart"
+            ));
+        }
     }
 }

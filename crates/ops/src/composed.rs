@@ -36,7 +36,8 @@ pub static COMPOSED: &[Composed] = &[
     row("sinh", &[], &["a"], "(exp(a)-exp(-a))/2", "hyperbolic sine"),
     row("cosh", &[], &["a"], "(exp(abs(a))+exp(-abs(a)))/2", "hyperbolic cosine"),
     row("tanh", &[], &["a"], "1-2/(exp(2*a)+1)", "hyperbolic tangent"),
-    row("asinh", &["arsinh"], &["a"], "ln(a+sqrt(a^2+1))", "inverse hyperbolic sine"),
+    // Odd by its sign: a + sqrt(a^2+1) cancels for a below 0.
+    row("asinh", &["arsinh"], &["a"], "sign(a)*ln(abs(a)+sqrt(a^2+1))", "inverse hyperbolic sine"),
     row("acosh", &["arcosh"], &["a"], "ln(a+sqrt(a^2-1))", "inverse hyperbolic cosine; defined for a >= 1"),
     row("atanh", &["artanh"], &["a"], "ln((1+a)/(1-a))/2", "inverse hyperbolic tangent; defined for |a| < 1"),
     row("recip", &[], &["a"], "1/a", "reciprocal; undefined at 0"),

@@ -1,0 +1,85 @@
+//! Exponents that depend on parameters become constants.
+//!
+//! Where a power is defined depends on whether its exponent is an integer, so a parameter there is not a number like any
+//! other: its exact value decides which function is meant. Changing it means compiling again.
+
+use crate::compact::{copy_node, place};
+use crate::constant::Constant;
+use crate::graph::{Graph, Node, NodeId};
+use crate::hoist::uniform;
+use zeroset_ops::Class;
+
+/// The same expressions with each parameter replaced by its value, by number, in exponents that depend on no coordinate.
+///
+/// # Panics
+/// If a root does not belong to `graph`, or such a parameter has no value.
+pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (Graph, Vec<NodeId>) {
+    let uniform = uniform(graph);
+    let mut fixed = Graph::new();
+    // Each node twice: as it stands, and with its parameters replaced.
+    let mut places: Vec<Option<NodeId>> = Vec::with_capacity(graph.len());
+    let mut replaced: Vec<Option<NodeId>> = Vec::with_capacity(graph.len());
+    for (_, node) in graph.iter() {
+        let place_of = match node {
+            Node::Apply(op, operands)
+                if op.row().class == Class::Power && uniform[operands[1].index()] =>
+            {
+                let base = place(&places, operands[0]);
+                let exponent = place(&replaced, operands[1]);
+                fixed.apply(*op, &[base, exponent])
+            }
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => {
+                copy_node(&mut fixed, node, |operand| place(&places, operand))
+            }
+        };
+        let constant_of = match node {
+            Node::Parameter(number) => fixed.constant(values[*number as usize].clone()),
+            Node::Variable(_) | Node::Constant(_) | Node::Apply(..) => {
+                copy_node(&mut fixed, node, |operand| place(&replaced, operand))
+            }
+        };
+        places.push(Some(place_of));
+        replaced.push(Some(constant_of));
+    }
+    let roots: Vec<NodeId> = roots.iter().map(|root| place(&places, *root)).collect();
+    crate::compact::compact(&fixed, &roots)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::Axis;
+    use zeroset_ops::Op;
+
+    #[test]
+    fn only_exponents_lose_their_parameters() {
+        let mut graph = Graph::new();
+        let (x, n) = (graph.variable(Axis::X), graph.parameter(0));
+        let two = graph.integer(2);
+        let exponent = graph.apply(Op::Mul, &[two, n]);
+        let power = graph.apply(Op::Pow, &[x, exponent]);
+        let root = graph.apply(Op::Sub, &[power, n]);
+        let (fixed, roots) = fix_exponents(&graph, &[root], &[Constant::integer(3)]);
+
+        let mut expected = Graph::new();
+        let (x, n) = (expected.variable(Axis::X), expected.parameter(0));
+        let (two, three) = (expected.integer(2), expected.integer(3));
+        let exponent = expected.apply(Op::Mul, &[two, three]);
+        let power = expected.apply(Op::Pow, &[x, exponent]);
+        let wanted = expected.apply(Op::Sub, &[power, n]);
+        let names = ["n"];
+        let text = crate::display(&fixed, roots[0], &names);
+        assert_eq!(text, crate::display(&expected, wanted, &names));
+        assert!(text.ends_with("- n"), "{text}");
+    }
+
+    #[test]
+    fn exponents_that_vary_keep_theirs() {
+        let mut graph = Graph::new();
+        let (x, n) = (graph.variable(Axis::X), graph.parameter(0));
+        let exponent = graph.apply(Op::Mul, &[x, n]);
+        let root = graph.apply(Op::Pow, &[x, exponent]);
+        let (fixed, roots) = fix_exponents(&graph, &[root], &[Constant::integer(3)]);
+        assert_eq!(crate::display(&fixed, roots[0], &["n"]), crate::display(&graph, root, &["n"]));
+    }
+}
