@@ -6,6 +6,7 @@ use crate::facts::Facts;
 use crate::machine::Format;
 use crate::rules;
 use crate::software::{Lanes, Software};
+use crate::unbounded::{product, quotient};
 use zeroset_ops::Op;
 
 /// What is known of an expression: its bounds, what is proven of it, and what it is as an exponent.
@@ -28,7 +29,8 @@ impl From<(Interval, Facts)> for Value {
 
 /// Encloses `op` over boxes of operands in `f64`, rounded outward, with what is proven of the result.
 ///
-/// Where the result is defined nowhere, its bounds are all reals.
+/// Where the result is defined nowhere, its bounds are all reals. Sums, products, quotients, squares, square roots and
+/// all that rounds or compares are the tightest, on infinite operands too (where kernels need not be).
 ///
 /// ```
 /// use zeroset_interval::{Facts, Interval, fold};
@@ -43,10 +45,10 @@ impl From<(Interval, Facts)> for Value {
 /// # Panics
 /// If the number of operands is not the arity of `op`.
 pub fn fold<V: Copy + Into<Value>>(op: Op, operands: &[V]) -> (Interval, Facts) {
-    let operands: Vec<Operand<Lanes>> = operands
+    let values: Vec<Value> = operands.iter().map(|&operand| operand.into()).collect();
+    let operands: Vec<Operand<Lanes>> = values
         .iter()
-        .map(|&operand| {
-            let Value { bounds: range, facts, exponent } = operand.into();
+        .map(|&Value { bounds: range, facts, exponent }| {
             let fact = |bit: Facts| {
                 if facts.has(bit) { Fact::True } else { Fact::False }
             };
@@ -73,6 +75,11 @@ pub fn fold<V: Copy + Into<Value>>(op: Op, operands: &[V]) -> (Interval, Facts) 
     if facts.has(Facts::NOWHERE) {
         return (Interval::ENTIRE, Facts::NOWHERE);
     }
-    // 0 − x turns −0 into 0.
-    (Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 }, facts)
+    let bounds = match (op, &values[..]) {
+        (Op::Mul, [a, b]) => product(a.bounds, b.bounds),
+        (Op::Div, [a, b]) => quotient(a.bounds, b.bounds),
+        // 0 − x turns −0 into 0.
+        _ => Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 },
+    };
+    (bounds, facts)
 }

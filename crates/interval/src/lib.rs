@@ -14,6 +14,7 @@ mod point;
 pub mod round;
 mod rules;
 mod software;
+mod unbounded;
 
 pub use bounds::Interval;
 pub use enclosure::{Enclosure, Exponent, Fact, Operand};

@@ -19,5 +19,6 @@ fn enclosures_hold_and_are_tight_on_a_slice_of_all_floats() {
         assert_eq!(report.violations, 0, "{name}: {report:?}");
         assert_eq!(report.unbounded, 0, "{name}: {report:?}");
         assert_eq!(report.wide, 0, "{name}: over {} ulp: {report:?}", sweep::WIDE);
+        assert!(report.mean() < 1.0, "{name}: {} ulp on average", report.mean());
     }
 }

@@ -207,7 +207,13 @@ impl<M: Machine> Rule<'_, M> {
         let y_neg_lo = self.m.select(flip, bh, bn);
         let y_hi = self.m.select(flip, bn, bh);
         let y_lo = self.m.sub(zero, y_neg_lo);
-        let straddles = self.gt(y_neg_lo, zero);
+        let mut straddles = self.gt(y_neg_lo, zero);
+        if a.range.contains(0.0) {
+            // Zero over anything is 0. Only for [0, 0] is max(−lo, hi) not positive.
+            let largest = self.m.max(an, ah);
+            let nonzero = self.gt(largest, zero);
+            straddles = self.m.and(straddles, nonzero);
+        }
         // b = [0, 0] is nowhere defined; dividing by a little more keeps the bounds in order, and within those over
         // any larger box, as later steps assume.
         let least = self.least_positive();

@@ -6,10 +6,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
-use std::time::Instant;
-use zeroset_eval::{
-    Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Tape,
-};
+use zeroset_eval::{Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Tape};
 use zeroset_interval::Facts;
 use zeroset_ir::{Axis, Graph};
 use zeroset_jit::NativeInterval;
@@ -132,8 +129,6 @@ pub struct Report {
     pub excess: u64,
     /// Enclosures measured.
     pub measured: u64,
-    /// Seconds it took.
-    pub seconds: f64,
 }
 
 impl Report {
@@ -178,7 +173,6 @@ impl Function {
     /// # Panics
     /// If the processor is not supported or `stride` is 0.
     pub fn sweep(&self, stride: u64) -> Report {
-        let start = Instant::now();
         let mut graph = Graph::new();
         let x = graph.variable(Axis::X);
         let root = graph.apply(self.op, &[x]);
@@ -203,8 +197,7 @@ impl Function {
                 });
             }
         });
-        let report = total.into_inner().expect("no thread panics");
-        Report { seconds: start.elapsed().as_secs_f64(), ..report }
+        total.into_inner().expect("no thread panics")
     }
 
     fn check(
@@ -214,8 +207,8 @@ impl Function {
         report: &mut Report,
     ) {
         let xs: Vec<f32> = xs.filter(|x| x.is_finite()).collect();
-        let mut boxes = [BoxPacket::default(); PACKETS];
-        let mut out = [EnclosurePacket::default(); PACKETS];
+        let mut boxes = vec![BoxPacket::default(); PACKETS];
+        let mut out = vec![EnclosurePacket::default(); PACKETS];
         for xs in xs.chunks(PACKETS * LANES) {
             for (index, x) in xs.iter().enumerate() {
                 let (packet, lane) = (&mut boxes[index / LANES], index % LANES);

@@ -1,0 +1,216 @@
+//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native `f32`.
+
+use super::itl::{Decoration, Term};
+use std::collections::HashMap;
+use zeroset_eval::{Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Tape};
+use zeroset_interval::{Facts, Interval, Value, fold, round::f32_up};
+use zeroset_ir::{Axis, Graph, Node, NodeId};
+use zeroset_jit::NativeInterval;
+use zeroset_ops::Op;
+use zeroset_syntax::{Options, read};
+
+/// An expression in x, y and z.
+#[derive(Clone)]
+pub struct Function {
+    pub graph: Graph,
+    pub root: NodeId,
+    /// Whether it is one operation of the table, with a rule of its own.
+    pub native: bool,
+}
+
+/// The function that ITF1788 calls `name`, or why there is none.
+pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str> {
+    let op = match name {
+        "neg" => Op::Neg,
+        "abs" => Op::Abs,
+        "sign" => Op::Sign,
+        "floor" => Op::Floor,
+        "ceil" => Op::Ceil,
+        "trunc" => Op::Trunc,
+        "roundTiesToEven" => Op::Round,
+        "sqr" => Op::Sqr,
+        "sqrt" => Op::Sqrt,
+        "exp" => Op::Exp,
+        "log" => Op::Ln,
+        "log2" => Op::Log2,
+        "log10" => Op::Log10,
+        "sin" => Op::Sin,
+        "cos" => Op::Cos,
+        "tan" => Op::Tan,
+        "atan" => Op::Atan,
+        "add" => Op::Add,
+        "sub" => Op::Sub,
+        "mul" => Op::Mul,
+        "div" => Op::Div,
+        "pow" => Op::Pow,
+        "min" => Op::Min,
+        "max" => Op::Max,
+        "recip" => return Ok(with_integer(Op::Div, 1, false)),
+        "exp2" => return Ok(with_integer(Op::Pow, 2, false)),
+        "exp10" => return Ok(with_integer(Op::Pow, 10, false)),
+        "pown" => {
+            let Some(Term::Integer(n)) = operands.last() else { return Err("no exponent") };
+            return Ok(with_integer(Op::Pow, i64::from(*n), true));
+        }
+        "asin" | "acos" | "sinh" | "cosh" | "tanh" | "asinh" | "acosh" | "atanh" => {
+            return Ok(typed(&format!("{name}(x)")));
+        }
+        "atan2" => return Ok(typed("atan2(x, y)")),
+        "pos" => return Err("the identity is not an operation here"),
+        "fma" => return Err("no such operation: x*y + z is two"),
+        "roundTiesToAway" => return Err("no such operation: halves go to even"),
+        _ => return Err("unknown"),
+    };
+    let mut graph = Graph::new();
+    let variables = Axis::ALL.map(|axis| graph.variable(axis));
+    let root = graph.apply(op, &variables[..op.arity()]);
+    Ok(Function { graph, root, native: true })
+}
+
+/// An operation on x and a constant, which is the last operand or else the first.
+fn with_integer(op: Op, integer: i64, last: bool) -> Function {
+    let mut graph = Graph::new();
+    let (x, n) = (graph.variable(Axis::X), graph.integer(integer));
+    let root = graph.apply(op, &if last { [x, n] } else { [n, x] });
+    Function { graph, root, native: true }
+}
+
+fn typed(text: &str) -> Function {
+    let document = read(text, &Options::default()).expect("a formula");
+    Function { root: document.surfaces[0].root, graph: document.graph, native: false }
+}
+
+/// Bounds and facts of one enclosure.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    pub bounds: Interval,
+    pub facts: Facts,
+}
+
+impl Function {
+    /// Encloses it in software, node by node, in `f64`.
+    pub fn fold(&self, operands: &[Value]) -> Answer {
+        let mut values: HashMap<NodeId, Value> = HashMap::new();
+        for (id, node) in self.graph.iter() {
+            let value = match node {
+                Node::Variable(axis) => match operands.get(*axis as usize) {
+                    Some(value) => *value,
+                    None => continue,
+                },
+                Node::Parameter(_) => unreachable!("no parameters here"),
+                Node::Constant(constant) => constant.value(),
+                Node::Apply(op, operands) => {
+                    let operands: Vec<Value> = operands.iter().map(|id| values[id]).collect();
+                    fold(*op, &operands).into()
+                }
+            };
+            values.insert(id, value);
+        }
+        let Value { bounds, facts, .. } = values[&self.root];
+        Answer { bounds, facts }
+    }
+
+    /// The same function with the operands that are `empty` defined nowhere.
+    fn restricted(&self, empty: &[bool]) -> Self {
+        let mut graph = Graph::new();
+        let never = graph.integer(-1);
+        let mut places: HashMap<NodeId, NodeId> = HashMap::new();
+        for (id, node) in self.graph.iter() {
+            let place = match node {
+                Node::Variable(axis) => {
+                    let variable = graph.variable(*axis);
+                    if empty.get(*axis as usize) == Some(&true) {
+                        graph.apply(Op::WhereNonneg, &[variable, never])
+                    } else {
+                        variable
+                    }
+                }
+                Node::Parameter(_) => unreachable!("no parameters here"),
+                Node::Constant(constant) => graph.constant(constant.clone()),
+                Node::Apply(op, operands) => {
+                    let operands: Vec<NodeId> = operands.iter().map(|id| places[id]).collect();
+                    graph.apply(*op, &operands)
+                }
+            };
+            places.insert(id, place);
+        }
+        Self { root: places[&self.root], graph, native: self.native }
+    }
+}
+
+/// What native code is told about its operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// Nothing: every guard is there.
+    Nothing,
+    /// The box itself, as a picture's domain: guards and cases fall away.
+    TheBox,
+}
+
+/// Native code, kept by what it was compiled for.
+pub struct Native {
+    told: Told,
+    kernels: HashMap<String, NativeInterval>,
+}
+
+impl Native {
+    pub fn new(told: Told) -> Self {
+        Self { told, kernels: HashMap::new() }
+    }
+
+    /// Encloses `function`, known as `key`, over operands with `f32` ends; `None` is the empty set.
+    pub fn enclose(
+        &mut self,
+        key: &str,
+        function: &Function,
+        operands: &[Option<Interval>],
+    ) -> Answer {
+        let empty: Vec<bool> = operands.iter().map(Option::is_none).collect();
+        let mut domain = [Interval::ZERO; 3];
+        for (axis, operand) in operands.iter().enumerate() {
+            domain[axis] = operand.unwrap_or(Interval::ZERO);
+        }
+        let mut packet = BoxPacket::default();
+        for (axis, bounds) in domain.iter().enumerate() {
+            packet.neg_lo[axis] = [-bounds.lo as f32; LANES];
+            packet.hi[axis] = [bounds.hi as f32; LANES];
+        }
+        let compile = || {
+            let restricted = function.restricted(&empty);
+            let mut assumptions = Assumptions::none(0);
+            if self.told == Told::TheBox {
+                assumptions.domain = domain;
+            }
+            let tape = Tape::new(&restricted.graph, &[restricted.root], &assumptions);
+            NativeInterval::compile(&tape, &Binding::empty()).expect("compiles")
+        };
+        let mut out = [EnclosurePacket::default()];
+        match self.told {
+            Told::Nothing => {
+                let kernel = self.kernels.entry(format!("{key} {empty:?}")).or_insert_with(compile);
+                kernel.enclose(&[packet], &mut out);
+            }
+            Told::TheBox => compile().enclose(&[packet], &mut out),
+        }
+        let (lo, hi) = (-f64::from(out[0].neg_lo[0]), f64::from(out[0].hi[0]));
+        let facts = Facts::from_bits(out[0].facts[0]);
+        assert!(!lo.is_nan() && !hi.is_nan(), "{key}: NaN over {operands:?}");
+        Answer { bounds: Interval { lo, hi }, facts }
+    }
+}
+
+/// The bounds with ends in `f32`, rounded outward.
+pub fn outward(bounds: Interval) -> Interval {
+    Interval {
+        lo: 0.0 - f64::from(f32_up::from_f64(-bounds.lo)),
+        hi: 0.0 + f64::from(f32_up::from_f64(bounds.hi)),
+    }
+}
+
+/// An operand as the software type takes it.
+pub fn value_of(bounds: Option<Interval>, decoration: Option<Decoration>) -> Value {
+    match bounds {
+        None => (Interval::ENTIRE, Facts::NOWHERE).into(),
+        Some(bounds) => (bounds, decoration.map_or(Facts::TOTAL, Decoration::facts)).into(),
+    }
+}
