@@ -1,7 +1,9 @@
 //! A whole text read: surfaces in one graph, parameters, domain, view and remarks.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, Relation, Statement};
+use crate::ast::{Definition, Expr, ExprKind, Function, Name, Relation, Statement};
+use crate::build::Builder;
 use crate::cycle::recursion;
+use crate::diagnose::short;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::limits::Limits;
 use crate::lower::Lowering;
@@ -125,7 +127,7 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
     let mut reader = Reader::new(text, &options);
-    let built = reader.statements().map_err(Errors::new)?;
+    let (built, _) = reader.statements().map_err(Errors::new)?;
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
@@ -153,8 +155,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The trees of all statements; `domain`, `view` and `color` lines go to their fields.
-    fn statements(&mut self) -> Result<Vec<Built>, Vec<Error>> {
+    /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to their fields.
+    fn statements(&mut self) -> Result<(Vec<Built>, Scope), Vec<Error>> {
         let mut lines = lines(self.text, &self.options.limits)?;
         let mut scope = Scope::default();
         for (name, _) in self.options.overrides {
@@ -179,11 +181,15 @@ impl<'a> Reader<'a> {
                 break;
             }
         }
-        if self.errors.is_empty() { Ok(built) } else { Err(std::mem::take(&mut self.errors)) }
+        if self.errors.is_empty() {
+            Ok((built, scope))
+        } else {
+            Err(std::mem::take(&mut self.errors))
+        }
     }
 
     fn read(mut self) -> Result<Document, Vec<Error>> {
-        let built = self.statements()?;
+        let (built, scope) = self.statements()?;
         let mut definitions: Vec<(&Definition, &Built)> = Vec::new();
         let mut drawings: Vec<&Built> = Vec::new();
         for one in &built {
@@ -213,6 +219,11 @@ impl<'a> Reader<'a> {
         }
         let used: FxHashSet<&str> =
             built.iter().flat_map(|b| b.used.iter().map(String::as_str)).collect();
+        if !drawings.is_empty() {
+            let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
+            let notes = unused.map(|(d, _)| unused_note(self.text, d, &scope, self.options));
+            self.notes.extend(notes);
+        }
         let overrides = self.overrides(&definitions, &used);
         let (names, parameters) = self.parameters(&definitions, &overrides, &drawings);
         if !self.errors.is_empty() {
@@ -264,6 +275,14 @@ impl<'a> Reader<'a> {
             notes: self.notes,
         })
     }
+}
+
+/// The remark on a definition that nothing uses: perhaps a formula with a slip in its left side.
+fn unused_note(text: &str, definition: &Definition, scope: &Scope, options: &Options<'_>) -> Note {
+    let Name { text: name, span } = &definition.name;
+    let builder = Builder::new(text, span.start, scope, &[], &options.limits);
+    let meant = builder.meant(name, definition.parameters.is_some());
+    Note { span: *span, kind: NoteKind::Unused { name: short(name), meant } }
 }
 
 /// The surface that a statement draws.

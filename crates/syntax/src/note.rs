@@ -33,6 +33,8 @@ pub enum NoteKind {
     RadicalScope { radical: char },
     #[error("`{name}` is defined again further down; that definition counts everywhere")]
     Redefined { name: String },
+    #[error("`{name}` is defined and never used{}", did_you_mean(.meant.as_deref()))]
+    Unused { name: String, meant: Option<String> },
     #[error("only definitions here: drawing `{drawn}`")]
     DrawsFunction { drawn: String },
     #[error("`{name}` is built in, so this is drawn as an equation and defines nothing")]
@@ -41,6 +43,10 @@ pub enum NoteKind {
         "`root(a, n)` is the n-th root of a; here n is `{index}`, which is not a fixed whole number"
     )]
     RootIndex { index: String },
+}
+
+fn did_you_mean(meant: Option<&str>) -> String {
+    meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
 }
 
 impl Note {

@@ -27,11 +27,21 @@ impl Builder<'_> {
             ErrorKind::UnknownName { name: short(name), letter: self.missing_letter(name) }
         };
         let error = Error::new(span, kind);
-        let nearest = || self.scope.nearest(name, self.locals, followed_by_brackets);
-        match self.run_together(name).or_else(nearest) {
+        match self.likely(name, followed_by_brackets) {
             Some(meant) => error.suggest(span, meant),
             None => error,
         }
+    }
+
+    /// What the writer of a left side that defines `name` for nothing may have meant by it.
+    pub(crate) fn meant(&self, name: &str, is_function: bool) -> Option<String> {
+        self.lost_superscripts(name).or_else(|| self.likely(name, is_function))
+    }
+
+    /// Two known names run together, or the nearest one.
+    fn likely(&self, name: &str, is_function: bool) -> Option<String> {
+        let nearest = || self.scope.nearest(name, self.locals, is_function);
+        self.run_together(name).or_else(nearest)
     }
 
     /// `x2y` as `x^2*y`, if its letters are values: a superscript that was lost in copying.

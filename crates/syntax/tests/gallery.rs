@@ -1,6 +1,6 @@
 //! Every example file reads without an error, draws one surface, and says what it is.
 
-use zeroset_syntax::{Options, read};
+use zeroset_syntax::{Note, NoteKind, Options, read};
 
 #[test]
 fn every_example_reads() {
@@ -17,6 +17,8 @@ fn every_example_reads() {
         let document = read(&text, &Options::default())
             .unwrap_or_else(|errors| panic!("{}", errors.render(Some(&name), &text, false)));
         assert_eq!(document.surfaces.len(), 1, "{name}");
+        let unused = |note: &&Note| matches!(note.kind, NoteKind::Unused { .. });
+        assert_eq!(document.notes.iter().find(unused), None, "{name}");
         assert!(document.title.is_some() && document.domain.is_some(), "{name}");
     }
     assert!(count >= 65, "{count} examples");
