@@ -7,7 +7,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 /// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the terminal.
 const WIDTH: usize = 100;
-/// Bytes of context kept on either side of what is pointed at, where a line is very long.
+/// Bytes kept after the start of what is pointed at, where a line is very long.
 const CONTEXT: usize = 400;
 
 impl Errors {
@@ -67,7 +67,8 @@ fn renderer(color: bool) -> Renderer {
     renderer.term_width(WIDTH)
 }
 
-/// The part of a text that is shown: whole lines, or less where a line is very long.
+/// The part of a text that is shown: whole lines, or less of the last where it is very long. It starts with a line,
+/// because columns are counted from its start.
 struct Window<'a> {
     shown: &'a str,
     start: usize,
@@ -87,9 +88,8 @@ impl<'a> Window<'a> {
             }
             at
         };
-        let start = line_start.max(floor(place.saturating_sub(CONTEXT)));
         let stop = line_end.min(floor((place + CONTEXT).min(text.len())));
-        Self { shown: &text[start..stop], start, line }
+        Self { shown: &text[line_start..stop], start: line_start, line }
     }
 
     fn span(&self, span: Span) -> std::ops::Range<usize> {

@@ -32,3 +32,16 @@ fn the_caret_stands_under_the_place_in_a_long_line() {
         assert!(lines.iter().all(|line| line.len() < 150), "{rendered}");
     }
 }
+
+#[test]
+fn line_and_column_are_those_of_the_text_however_long_the_line() {
+    for terms in [1, 300, 10_000] {
+        let text = format!("r = 1\n{}foo", "x^2+".repeat(terms));
+        let place = format!("long.zset:2:{}\n", 4 * terms + 1);
+        let shown = rendered(Some("long.zset"), &text, false);
+        assert!(shown.contains(&place), "{place}{shown}");
+    }
+    // Columns count characters, not bytes.
+    let text = format!("{}foo", "π+".repeat(600));
+    assert!(rendered(Some("long.zset"), &text, false).contains("long.zset:1:1201\n"));
+}
