@@ -32,7 +32,7 @@ pub static COMPOSED: &[Composed] = &[
     // The half-angle form keeps the denominator at or above 1, so the ends of [-1, 1] stay in the domain.
     row("asin", &["arcsin"], &["a"], "2*atan(a/(1+sqrt(1-a^2)))", "angle in [-pi/2, pi/2] whose sine is a; defined for |a| <= 1"),
     row("acos", &["arccos"], &["a"], "pi/2-2*atan(a/(1+sqrt(1-a^2)))", "angle in [0, pi] whose cosine is a; defined for |a| <= 1"),
-    row("atan2", &["atan"], &["b", "a"], "select_negative(a, select_negative(b, atan(b/a)-pi, atan(b/a)+pi), 2*atan(b/(a+sqrt(a^2+b^2))))", "angle in (-pi, pi] of the point (a, b) given as atan2(b, a); undefined at the origin"),
+    row("atan2", &["atan", "arctan"], &["b", "a"], "select_negative(a, select_negative(b, atan(b/a)-pi, atan(b/a)+pi), 2*atan(b/(a+sqrt(a^2+b^2))))", "angle in (-pi, pi] of the point (a, b) given as atan2(b, a); undefined at the origin"),
     row("sinh", &[], &["a"], "(exp(a)-exp(-a))/2", "hyperbolic sine"),
     row("cosh", &[], &["a"], "(exp(abs(a))+exp(-abs(a)))/2", "hyperbolic cosine"),
     row("tanh", &[], &["a"], "1-2/(exp(2*a)+1)", "hyperbolic tangent"),
