@@ -247,6 +247,9 @@ impl<'a> Builder<'a> {
                     if joint == ProductSign::Over && !others.is_empty() {
                         self.implicit_division(&factors, &first, &others);
                     }
+                    if joint == ProductSign::Over && others.is_empty() {
+                        self.divided_power(&factors, &first);
+                    }
                     factors.push((joint, first));
                     factors.extend(others.into_iter().map(|f| (ProductSign::Times, f)));
                 }
@@ -267,11 +270,6 @@ impl<'a> Builder<'a> {
         divisor: &Expr,
         others: &[Expr],
     ) {
-        // Long factors would hide what the remark is about.
-        const LONGEST: usize = 24;
-        let short = |text: String| {
-            if text.chars().count() > LONGEST { "…".to_owned() } else { text }
-        };
         let product = |factors: &mut dyn Iterator<Item = &Expr>| {
             let factors: Vec<String> = factors.map(factor_text).collect();
             short(factors.join("*"))
@@ -290,6 +288,36 @@ impl<'a> Builder<'a> {
         };
         self.note(span, kind);
     }
+
+    /// Remarks on `x^1/3`: nobody writes the exponent 1 but as the top of a fraction.
+    fn divided_power(&mut self, before: &[(ProductSign, Expr)], divisor: &Expr) {
+        let Some((_, power)) = before.last() else {
+            return;
+        };
+        let ExprKind::Power(base, exponent) = &power.kind else {
+            return;
+        };
+        let index = divisor.number().and_then(|text| text.parse::<u32>().ok());
+        let (Some("1"), Some(index @ 2..)) = (exponent.number(), index) else {
+            return;
+        };
+        let text = short(factor_text(base));
+        let inside = short(base.to_string());
+        let root = match index {
+            2 => format!("sqrt({inside})"),
+            3 => format!("cbrt({inside})"),
+            _ => format!("root({inside}, {index})"),
+        };
+        let span = power.span.to(divisor.span);
+        let read = format!("({text}^1)/{index}");
+        self.note(span, NoteKind::DividedPower { read, root });
+    }
+}
+
+/// A formula quoted in a remark; a long one would hide what the remark is about.
+fn short(text: String) -> String {
+    const LONGEST: usize = 24;
+    if text.chars().count() > LONGEST { "…".to_owned() } else { text }
 }
 
 /// A product of one or more factors; one inside its first factor is opened, since it means the same.

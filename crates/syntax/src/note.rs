@@ -17,6 +17,8 @@ pub struct Note {
 pub enum NoteKind {
     #[error("read as `{read}`; the other reading is written `{other}`")]
     ImplicitDivision { read: String, other: String },
+    #[error("read as `{read}`; the root is written `{root}`")]
+    DividedPower { read: String, root: String },
     #[error(
         "`{name}^-1` is read as the inverse function `{inverse}`; the reciprocal is written `1/{name}(…)`"
     )]
