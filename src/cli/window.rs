@@ -8,7 +8,7 @@ use super::overlay::draw_box;
 use super::pick::Pick;
 use super::vector::Size;
 use anyhow::{Context, Result};
-use minifb::{InputCallback, Key, KeyRepeat, MouseButton, MouseMode, ScaleMode, WindowOptions};
+use minifb::{InputCallback, Key, MouseButton, MouseMode, ScaleMode, WindowOptions};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -29,8 +29,9 @@ const PAUSE: Duration = Duration::from_millis(300);
 
 /// A press that moves no farther than this, in pixels, is a click.
 const CLICK: f64 = 3.0;
-/// Pixels that an arrow key turns by, in a window 400 pixels high.
+/// Pixels that an arrow key turns by, in a window this high.
 const ARROW: f64 = 20.0;
+const ARROW_HEIGHT: usize = 400;
 /// What one step of the wheel, or of + and -, scales by.
 const ZOOM: f64 = 0.85;
 
@@ -49,13 +50,26 @@ const HELP: &[&str] = &[
     "F1           this help       Q       quit",
 ];
 
-/// Letters typed since they were last looked at.
-struct Letters(Rc<RefCell<VecDeque<char>>>);
+/// What was typed, in order. A key that is pressed and let go between two looks at the keyboard is not lost.
+#[derive(Clone, Copy)]
+enum Typed {
+    Letter(char),
+    Key(Key),
+}
 
-impl InputCallback for Letters {
+/// Collects what is typed until it is looked at.
+struct Keyboard(Rc<RefCell<VecDeque<Typed>>>);
+
+impl InputCallback for Keyboard {
     fn add_char(&mut self, letter: u32) {
         if let Some(letter) = char::from_u32(letter).filter(|letter| !letter.is_control()) {
-            self.0.borrow_mut().push_back(letter);
+            self.0.borrow_mut().push_back(Typed::Letter(letter));
+        }
+    }
+
+    fn set_key_state(&mut self, key: Key, down: bool) {
+        if down {
+            self.0.borrow_mut().push_back(Typed::Key(key));
         }
     }
 }
@@ -63,7 +77,7 @@ impl InputCallback for Letters {
 /// A window that has been opened.
 pub struct Window {
     native: minifb::Window,
-    letters: Rc<RefCell<VecDeque<char>>>,
+    keyboard: Rc<RefCell<VecDeque<Typed>>>,
     scale: Option<usize>,
     drag: Option<Drag>,
     line: Option<LineEdit>,
@@ -126,11 +140,11 @@ impl Window {
         let mut window = minifb::Window::new("zeroset", size.width, size.height, options)
             .map_err(|error| format!("no window can be opened ({error})"))?;
         window.set_target_fps(60);
-        let letters = Rc::new(RefCell::new(VecDeque::new()));
-        window.set_input_callback(Box::new(Letters(Rc::clone(&letters))));
+        let keyboard = Rc::new(RefCell::new(VecDeque::new()));
+        window.set_input_callback(Box::new(Keyboard(Rc::clone(&keyboard))));
         Ok(Self {
             native: window,
-            letters,
+            keyboard,
             scale,
             drag: None,
             line: None,
@@ -166,50 +180,28 @@ impl Window {
         (width.max(1), height.max(1))
     }
 
-    fn pressed(&self, key: Key) -> bool {
-        self.native.is_key_pressed(key, KeyRepeat::Yes)
-    }
-
     fn say(&mut self, text: &str) {
         let first = text.lines().next().unwrap_or_default();
         self.message = Some((first.to_owned(), Instant::now()));
     }
 
     fn keys(&mut self, session: &Arc<Session>) {
-        let letters: Vec<char> = self.letters.borrow_mut().drain(..).collect();
-        for letter in letters {
-            match &mut self.line {
-                Some(line) => line.insert(letter),
-                None => self.shortcut(session, letter),
-            }
-        }
-        if self.pressed(Key::F1) {
-            self.help = !self.help;
-        }
-        if self.pressed(Key::Escape) {
-            self.escape(session);
-        }
-        let enter = self.native.is_key_pressed(Key::Enter, KeyRepeat::No)
-            || self.native.is_key_pressed(Key::NumPadEnter, KeyRepeat::No);
-        if enter {
-            match self.line.take() {
-                None => self.line = Some(LineEdit::default()),
-                Some(line) => self.enter(session, line),
-            }
-        }
-        if self.line.is_some() {
-            self.edit(session);
-        } else {
-            let height = 400;
-            for (key, across, down) in [
-                (Key::Left, ARROW, 0.0),
-                (Key::Right, -ARROW, 0.0),
-                (Key::Up, 0.0, ARROW),
-                (Key::Down, 0.0, -ARROW),
-            ] {
-                if self.pressed(key) {
-                    session.live.turn(|orbit| orbit.turn(across, down, height));
+        let typed: Vec<Typed> = self.keyboard.borrow_mut().drain(..).collect();
+        for typed in typed {
+            match (typed, &mut self.line) {
+                (Typed::Letter(letter), Some(line)) => {
+                    line.insert(letter);
+                    self.follow_line(session);
                 }
+                (Typed::Letter(letter), None) => self.shortcut(session, letter),
+                (Typed::Key(Key::F1), _) => self.help = !self.help,
+                (Typed::Key(Key::Escape), _) => self.escape(session),
+                (Typed::Key(Key::Enter | Key::NumPadEnter), _) => match self.line.take() {
+                    None => self.line = Some(LineEdit::default()),
+                    Some(line) => self.enter(session, line),
+                },
+                (Typed::Key(key), Some(_)) => self.edit(session, key),
+                (Typed::Key(key), None) => turn(session, key),
             }
         }
     }
@@ -240,35 +232,25 @@ impl Window {
         }
     }
 
-    fn edit(&mut self, session: &Arc<Session>) {
-        let pressed = |key| self.native.is_key_pressed(key, KeyRepeat::Yes);
-        let keys = [
-            Key::Backspace,
-            Key::Delete,
-            Key::Left,
-            Key::Right,
-            Key::Home,
-            Key::End,
-            Key::Tab,
-            Key::Up,
-            Key::Down,
-        ];
-        let keys: Vec<Key> = keys.into_iter().filter(|key| pressed(*key)).collect();
+    fn edit(&mut self, session: &Arc<Session>, key: Key) {
         let Some(line) = &mut self.line else { return };
-        for key in keys {
-            match key {
-                Key::Backspace => line.backspace(),
-                Key::Delete => line.delete(),
-                Key::Left => line.left(),
-                Key::Right => line.right(),
-                Key::Home => line.home(),
-                Key::End => line.end(),
-                Key::Tab => line.complete(),
-                _ => line.recall(&session.recalled(0), key == Key::Up),
-            }
+        match key {
+            Key::Backspace => line.backspace(),
+            Key::Delete => line.delete(),
+            Key::Left => line.left(),
+            Key::Right => line.right(),
+            Key::Home => line.home(),
+            Key::End => line.end(),
+            Key::Tab => line.complete(),
+            Key::Up | Key::Down => line.recall(&session.recalled(0), key == Key::Up),
+            _ => return,
         }
-        let before = self.drawn.as_ref().and_then(|look| look.line.as_ref());
-        if before.is_none_or(|(text, _)| text != line.text()) {
+        self.follow_line(session);
+    }
+
+    /// Lets the picture follow the line.
+    fn follow_line(&mut self, session: &Arc<Session>) {
+        if let Some(line) = &self.line {
             self.typed = Instant::now();
             session.live.type_line(line.text());
         }
@@ -457,7 +439,8 @@ impl Window {
         let longest = HELP.iter().map(|line| line.chars().count()).max().unwrap_or(0);
         let pad = 10 * canvas.scale;
         let (width, height) = (longest * canvas.advance() + 2 * pad, HELP.len() * row + 2 * pad);
-        let left = (canvas.width as i64 - width as i64) / 2;
+        // In a small window the left column is what is needed.
+        let left = ((canvas.width as i64 - width as i64) / 2).max(0);
         let top = (canvas.height as i64 - height as i64) / 2;
         canvas.fill(left, top, width, height, 0x0020_2028, 232);
         for (index, line) in (0_i64..).zip(HELP) {
@@ -465,6 +448,18 @@ impl Window {
             canvas.write(line, left + pad as i64, y, LIGHT);
         }
     }
+}
+
+/// Turns the view by an arrow key.
+fn turn(session: &Arc<Session>, key: Key) {
+    let (across, down) = match key {
+        Key::Left => (ARROW, 0.0),
+        Key::Right => (-ARROW, 0.0),
+        Key::Up => (0.0, ARROW),
+        Key::Down => (0.0, -ARROW),
+        _ => return,
+    };
+    session.live.turn(|orbit| orbit.turn(across, down, ARROW_HEIGHT));
 }
 
 impl Base {

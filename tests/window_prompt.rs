@@ -1,0 +1,67 @@
+//! The prompt under a pseudo-terminal without a display: a preview, mistakes, history, clean ends.
+
+#![cfg(unix)]
+
+mod window_support;
+
+use window_support::Terminal;
+
+#[test]
+fn without_a_display_pictures_are_shown_in_the_terminal() {
+    let mut terminal = Terminal::start(&["x^2+y^2+z^2 = 1"], None);
+    terminal.shows("there is no display");
+    terminal.shows("undecided");
+    assert!(terminal.shown().contains("@@") || terminal.shown().contains("**"), "no picture");
+    terminal.type_in("x^2+y^2+foo = 1\r");
+    terminal.shows("`foo` is not defined");
+    terminal.type_in(":stauts\r");
+    terminal.shows("did you mean :status?");
+    // An open bracket asks for another line.
+    terminal.type_in("max(abs(x),\rabs(y), abs(z)) = 1\r");
+    terminal.type_in(":status\r");
+    terminal.shows("surface     max(abs(x), abs(y), abs(z)) = 1");
+    terminal.type_in(":save cube.zset\r");
+    terminal.shows("saved 'cube.zset'");
+    terminal.type_in(":help\r");
+    terminal.shows("smoothstep");
+    let place = terminal.place().to_owned();
+    let read = |name: &str| std::fs::read_to_string(place.join(name)).expect(name);
+    assert_eq!(read("cube.zset").replace('\n', " ").trim(), "max(abs(x), abs(y), abs(z)) = 1");
+    assert!(read("data/zeroset/history").contains(":save cube.zset"));
+    assert!(read("data/zeroset/last.zset").contains("abs(z)"));
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn what_is_wrong_is_said_after_a_pause_and_the_line_goes_on() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    terminal.type_in("x + fooo");
+    terminal.shows("`fooo` is not defined");
+    terminal.type_in("\u{7f}\u{7f}\u{7f}\u{7f}y^3\r");
+    terminal.type_in(":list\r");
+    terminal.shows("x + y^3");
+    terminal.type_in("\u{3}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn a_file_is_followed_while_the_prompt_waits() {
+    let mut terminal = Terminal::start(&["--preview", "gyroid"], None);
+    terminal.shows("undecided");
+    let path = terminal.place().join("surface.zset");
+    std::fs::write(&path, "x = 1").expect("written");
+    terminal.type_in(":load surface.zset\r");
+    terminal.type_in(":list\r");
+    terminal.shows("x = 1");
+    std::fs::write(&path, "x = (1").expect("written");
+    terminal.shows("is never closed");
+    terminal.shows("surface.zset:1:5");
+    std::fs::write(&path, "x = 0.75").expect("written");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    terminal.type_in(":list\r");
+    terminal.shows("x = 0.75");
+    terminal.type_in(":q\r");
+    assert_eq!(terminal.ends(), 0);
+}

@@ -1,0 +1,202 @@
+//! A display, a window on it, and a terminal for its prompt: all real, but seen by nobody.
+
+use image::RgbImage;
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Longer than anything here takes on a slow machine that does other things as well.
+pub const LIMIT: Duration = Duration::from_secs(60);
+
+#[allow(dead_code)] // each test file uses its own part
+/// Whether these programs are there. Under CI they must be; elsewhere a test that needs them is skipped, and says so.
+pub fn have(programs: &[&str]) -> bool {
+    let found = |program: &&str| {
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        std::env::split_paths(&path).any(|place| place.join(program).is_file())
+    };
+    let missing: Vec<_> = programs.iter().filter(|program| !found(program)).collect();
+    if missing.is_empty() {
+        return true;
+    }
+    assert!(std::env::var_os("CI").is_none(), "CI needs {missing:?}");
+    println!("SKIPPED: there is no {missing:?}");
+    false
+}
+
+/// Waits until something holds.
+pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
+    let end = Instant::now() + LIMIT;
+    while !holds() {
+        assert!(Instant::now() < end, "waited in vain until {what}");
+        std::thread::sleep(Duration::from_millis(30));
+    }
+}
+
+/// The program under a pseudo-terminal, in a directory of its own.
+pub struct Terminal {
+    child: Child,
+    master: File,
+    shown: Arc<Mutex<Vec<u8>>>,
+    directory: tempfile::TempDir,
+}
+
+#[allow(dead_code)] // each test file uses its own part
+impl Terminal {
+    /// Starts `zeroset` with these arguments, on this display or on none.
+    pub fn start(arguments: &[&str], display: Option<&str>) -> Self {
+        use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+        let directory = tempfile::tempdir().expect("a directory");
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a terminal");
+        grantpt(&master).expect("granted");
+        unlockpt(&master).expect("unlocked");
+        let name = ptsname(&master, Vec::new()).expect("a name").into_string().expect("UTF-8");
+        let size = rustix::termios::Winsize { ws_row: 30, ws_col: 90, ws_xpixel: 0, ws_ypixel: 0 };
+        let slave = File::options().read(true).write(true).open(name).expect("opened");
+        rustix::termios::tcsetwinsize(&slave, size).expect("sized");
+        let stdio = || Stdio::from(slave.try_clone().expect("cloned"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_zeroset"));
+        command
+            .args(arguments)
+            .current_dir(directory.path())
+            .env("XDG_DATA_HOME", directory.path().join("data"))
+            .env("TERM", "xterm")
+            .env("NO_COLOR", "1")
+            .env_remove("DISPLAY")
+            .stdin(stdio())
+            .stdout(stdio())
+            .stderr(stdio());
+        if let Some(display) = display {
+            command.env("DISPLAY", display);
+        }
+        let child = command.spawn().expect("the program starts");
+        let shown = Arc::new(Mutex::new(Vec::new()));
+        let master = File::from(master);
+        let (mut output, log) = (master.try_clone().expect("cloned"), Arc::clone(&shown));
+        std::thread::spawn(move || {
+            let mut part = [0; 4096];
+            // At the program's end the terminal can no longer be read.
+            while let Ok(length @ 1..) = output.read(&mut part) {
+                log.lock().expect("whole").extend_from_slice(&part[..length]);
+            }
+        });
+        Self { child, master, shown, directory }
+    }
+
+    pub fn place(&self) -> &Path {
+        self.directory.path()
+    }
+
+    /// Everything that the terminal has shown.
+    pub fn shown(&self) -> String {
+        String::from_utf8_lossy(&self.shown.lock().expect("whole")).into_owned()
+    }
+
+    /// Types once a line is being read: what is typed earlier is dropped.
+    pub fn type_in(&mut self, text: &str) {
+        until("a line is read", || {
+            let shown = self.shown();
+            // Bracketed paste is on while a line is read.
+            shown.rfind("\u{1b}[?2004h") > shown.rfind("\u{1b}[?2004l")
+        });
+        let ended = |shown: &str| shown.matches("\u{1b}[?2004l").count();
+        let before = ended(&self.shown());
+        self.master.write_all(text.as_bytes()).expect("typed");
+        if text.ends_with('\r') {
+            until("the line is read", || ended(&self.shown()) > before);
+        }
+    }
+
+    /// Waits until the terminal shows a text.
+    pub fn shows(&self, text: &str) {
+        until(&format!("the terminal shows {text:?}; it shows:\n{}", self.shown()), || {
+            self.shown().contains(text)
+        });
+    }
+
+    /// Waits for the end and returns the exit code.
+    pub fn ends(mut self) -> i32 {
+        let mut status = None;
+        until("the program ends", || {
+            status = self.child.try_wait().expect("waited for");
+            status.is_some()
+        });
+        status.and_then(|status| status.code()).expect("a code")
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[allow(dead_code)] // each test file uses its own part
+/// A display that is seen by nobody.
+pub struct Display {
+    server: Child,
+    pub name: String,
+}
+
+#[allow(dead_code)] // each test file uses its own part
+impl Display {
+    pub fn start() -> Self {
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1000x800x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts");
+        let mut number = String::new();
+        let output = server.stdout.take().expect("piped");
+        BufReader::new(output).read_line(&mut number).expect("a display number");
+        Self { server, name: format!(":{}", number.trim()) }
+    }
+
+    /// Runs xdotool, and returns what it says.
+    pub fn tool(&self, arguments: &[&str]) -> String {
+        let run = Command::new("xdotool").env("DISPLAY", &self.name).args(arguments).output();
+        String::from_utf8_lossy(&run.expect("xdotool runs").stdout).trim().to_owned()
+    }
+
+    /// Waits for the window and returns its number.
+    pub fn window(&self) -> String {
+        let mut window = String::new();
+        until("the window is there", || {
+            window = self.tool(&["search", "--name", "^zeroset$"]);
+            !window.is_empty()
+        });
+        // Without a window manager, keys go to where the pointer is.
+        window.lines().next().unwrap_or_default().to_owned()
+    }
+
+    /// What a window shows.
+    pub fn picture(&self, window: &str) -> RgbImage {
+        let run = Command::new("import")
+            .env("DISPLAY", &self.name)
+            .args(["-window", window, "png:-"].map(OsStr::new))
+            .output()
+            .expect("import runs");
+        image::load_from_memory(&run.stdout).expect("a picture").to_rgb8()
+    }
+
+    /// Saves a screenshot where `ZEROSET_SCREENSHOTS` says, for people to look at.
+    pub fn keep(&self, window: &str, name: &str) {
+        if let Some(place) = std::env::var_os("ZEROSET_SCREENSHOTS") {
+            let path = PathBuf::from(place).join(format!("{name}.png"));
+            self.picture(window).save(path).expect("saved");
+        }
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
