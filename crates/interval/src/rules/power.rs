@@ -159,14 +159,21 @@ impl<M: Machine> Rule<'_, M> {
         });
         let zero = self.zero();
         if a.range.lo <= 0.0 {
-            // Powers of 0 start at 0 for exponents above 0; for others they have no bound.
+            // 0^b is 0 for b > 0. Next to 0, powers grow without bound for b < 0, and are between 0 and those of the
+            // least positive base for b ≥ 0.
             let from_zero = self.m.le(zero, a.value.neg_lo);
+            let some_positive = self.gt(b.value.hi, zero);
+            let starts = self.m.and(from_zero, some_positive);
             let neg_lo_zero = self.m.max(neg_lo, zero);
-            neg_lo = self.m.select(from_zero, neg_lo_zero, neg_lo);
-            let exponent_positive = self.m.lt(b.value.neg_lo, zero);
+            neg_lo = self.m.select(starts, neg_lo_zero, neg_lo);
+            let some_negative = self.gt(b.value.neg_lo, zero);
+            let grows = self.m.and(from_zero, some_negative);
             let infinity = self.infinity();
-            let hi_zero = self.m.select(exponent_positive, hi, infinity);
-            hi = self.m.select(from_zero, hi_zero, hi);
+            hi = self.m.select(grows, infinity, hi);
+            // A base of 0 alone. Where it has no power at all, the bounds stay within those over any larger box.
+            let no_positive = self.m.le(a.value.hi, zero);
+            let only_zero = self.m.and(no_positive, some_positive);
+            hi = self.m.select(only_zero, zero, hi);
         }
         let value = self.combine(neg_lo, hi, a, b);
         // Defined for a > 0, or a = 0 and b > 0.
