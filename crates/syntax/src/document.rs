@@ -8,6 +8,7 @@ use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::note::{Note, NoteKind};
+use crate::print::Drawing;
 use crate::scene::{Color, Domain, Scene, View, scene_line};
 use crate::scope::Scope;
 use crate::span::Span;
@@ -296,23 +297,18 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
     };
     let root =
         restrictions.iter().try_fold(root, |root, condition| lowering.restrict(root, condition))?;
-    Ok(Surface { root, kind, span: built.span, echo: echo(expr, &built.statement), color: None })
+    Ok(Surface { root, kind, span: built.span, echo: echo(expr, restrictions), color: None })
 }
 
 /// How a drawing was read; a plain formula shows the `= 0` it implies.
-fn echo(expr: &Expr, statement: &Statement) -> String {
-    match statement {
-        Statement::Draw { restrictions, .. } if !expr.is_condition() => {
-            let zero = Expr::new(ExprKind::Number("0".to_owned()), expr.span);
-            let equation = ExprKind::Compare(Box::new(expr.clone()), vec![(Relation::Equal, zero)]);
-            let statement = Statement::Draw {
-                expr: Expr::new(equation, expr.span),
-                restrictions: restrictions.clone(),
-            };
-            statement.to_string()
-        }
-        _ => statement.to_string(),
+fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
+    if expr.is_condition() {
+        return Drawing { expr, restrictions }.to_string();
     }
+    let zero = Expr::new(ExprKind::Number("0".to_owned()), expr.span);
+    let equation = ExprKind::Compare(Box::new(expr.clone()), vec![(Relation::Equal, zero)]);
+    let expr = &Expr::new(equation, expr.span);
+    Drawing { expr, restrictions }.to_string()
 }
 
 /// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a height.
@@ -338,8 +334,9 @@ fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, No
             }
             _ => continue,
         };
-        let statement = Statement::Draw { expr: Expr::new(expr, span), restrictions: Vec::new() };
-        let drawn = statement.to_string();
+        let expr = Expr::new(expr, span);
+        let drawn = expr.to_string();
+        let statement = Statement::Draw { expr, restrictions: Vec::new() };
         let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };
         let built =
             Built { statement, span: built.span, notes: Vec::new(), used: FxHashSet::default() };

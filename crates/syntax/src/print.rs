@@ -2,7 +2,9 @@
 //!
 //! Parsing what is printed gives an equal tree; a property test holds this module to it.
 
-use crate::ast::{Definition, Expr, ExprKind, ProductSign, Statement, SumSign};
+use crate::ast::{
+    Definition, Expr, ExprKind, Function, ProductSign, Relation, Statement, SumSign, Value,
+};
 use std::fmt;
 
 /// How tightly a printed expression holds together; a looser one inside a tighter place needs brackets.
@@ -134,14 +136,51 @@ impl fmt::Display for Statement {
         match self {
             Self::Define(definition) => definition.fmt(f),
             Self::Draw { expr, restrictions } => {
-                expr.fmt(f)?;
-                if !restrictions.is_empty() {
-                    f.write_str(" {")?;
-                    list(f, restrictions, ", ", Tightness::Or)?;
-                    f.write_str("}")?;
+                match &expr.kind {
+                    // With a single `=` this would be a definition.
+                    ExprKind::Compare(left, rest) if may_be_defined(left) => {
+                        match rest.as_slice() {
+                            [(Relation::Equal, right)] => write!(f, "{left} == {right}")?,
+                            _ => expr.fmt(f)?,
+                        }
+                    }
+                    _ => expr.fmt(f)?,
                 }
-                Ok(())
+                write_restrictions(f, restrictions)
             }
         }
+    }
+}
+
+/// Whether a left side has the form of what a definition names.
+fn may_be_defined(left: &Expr) -> bool {
+    match &left.kind {
+        ExprKind::Name(value) => !matches!(value, Value::Coordinate(_)),
+        ExprKind::Call(Function::Defined(_), arguments) => {
+            arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
+        }
+        _ => false,
+    }
+}
+
+fn write_restrictions(f: &mut fmt::Formatter<'_>, restrictions: &[Expr]) -> fmt::Result {
+    if restrictions.is_empty() {
+        return Ok(());
+    }
+    f.write_str(" {")?;
+    list(f, restrictions, ", ", Tightness::Or)?;
+    f.write_str("}")
+}
+
+/// A drawing as it is shown to people, who see one `=` in every equation.
+pub(crate) struct Drawing<'a> {
+    pub expr: &'a Expr,
+    pub restrictions: &'a [Expr],
+}
+
+impl fmt::Display for Drawing<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.expr.fmt(f)?;
+        write_restrictions(f, self.restrictions)
     }
 }

@@ -128,13 +128,14 @@ fn name_of(power: Pair<'_>, base: usize) -> Option<Name> {
     })
 }
 
-/// The left side of a statement, if it has the form of a definition.
+/// The left side of a statement, if it has the form of a definition; `==` states and never defines.
 fn head(line: &Pair<'_>, base: usize) -> Option<Head> {
     let expression = line.clone().into_inner().find(|p| p.as_rule() == Rule::expression)?;
     let negation = only(only(expression, Rule::conjunction)?, Rule::negation)?;
     let mut chain = only(negation, Rule::chain)?.into_inner();
     let left = chain.next()?;
-    if relation(&chain.next()?) != Relation::Equal {
+    let sign = chain.next()?;
+    if relation(&sign) != Relation::Equal || sign.as_str().trim() == "==" {
         return None;
     }
     let mut powers = single_run(left)?.into_iter();
@@ -164,7 +165,7 @@ fn head(line: &Pair<'_>, base: usize) -> Option<Head> {
 /// Decides for every line with a head whether it defines; those that do not lose their head.
 pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mut Vec<Note>) {
     for line in lines.iter_mut() {
-        if line.head.as_ref().is_some_and(|head| !may_define(head)) {
+        if line.head.as_ref().is_some_and(|head| !may_define(head) || is_miscounted(head)) {
             line.head = None;
         }
     }
@@ -206,9 +207,24 @@ fn is_built_in(head: &Head) -> bool {
     let Some(parameters) = &head.parameters else {
         return false;
     };
-    match Scope::default().meaning(&head.name.text, &[]) {
-        Meaning::Function(callee) => Scope::default().counts(&callee).accept(parameters.len()),
-        Meaning::Value(_) | Meaning::Product | Meaning::Unknown => false,
+    accepts(&head.name.text, parameters.len()) == Some(true)
+}
+
+/// Whether the left side is a call of a function of the language on coordinates, but not on as many as it takes:
+/// an equation with a slip rather than a definition, whose parameters would hide the coordinates.
+fn is_miscounted(head: &Head) -> bool {
+    let Some(parameters) = &head.parameters else {
+        return false;
+    };
+    let are_coordinates = parameters.iter().all(|p| matches!(p.text.as_str(), "x" | "y" | "z"));
+    are_coordinates && accepts(&head.name.text, parameters.len()) == Some(false)
+}
+
+/// Whether the function of the language called `name` takes `count` arguments; `None` if there is none.
+fn accepts(name: &str, count: usize) -> Option<bool> {
+    match Scope::default().meaning(name, &[]) {
+        Meaning::Function(callee) => Some(Scope::default().counts(&callee).accept(count)),
+        Meaning::Value(_) | Meaning::Product | Meaning::Unknown => None,
     }
 }
 
