@@ -295,8 +295,10 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
         Some(root) => (root, Kind::Equation),
         None => (lowering.solid(expr)?, Kind::Solid),
     };
-    let root =
-        restrictions.iter().try_fold(root, |root, condition| lowering.restrict(root, condition))?;
+    let root = restrictions.iter().try_fold(root, |root, condition| match kind {
+        Kind::Equation => lowering.restrict(root, condition),
+        Kind::Solid => lowering.cut(root, condition),
+    })?;
     Ok(Surface { root, kind, span: built.span, echo: echo(expr, restrictions), color: None })
 }
 

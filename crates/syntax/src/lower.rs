@@ -180,6 +180,19 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// The solid `root` where `condition` holds as well, so that the cut is a face of it. A cut that has no inside
+    /// (`!=`) only takes points away.
+    pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
+        match &condition.kind {
+            ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),
+            _ if bounds_a_solid(condition) => {
+                let other = self.solid(condition)?;
+                Ok(self.graph.apply(Op::Max, &[root, other]))
+            }
+            _ => self.restrict(root, condition),
+        }
+    }
+
     /// A function that is positive (strict) or nonnegative (not strict) just where `condition`, or with `negated`
     /// its opposite, holds.
     fn margin(&mut self, condition: &'a Expr, negated: bool) -> Fallible<(NodeId, Option<bool>)> {
@@ -449,4 +462,16 @@ fn at_use(mut error: Box<Error>, span: Span) -> Box<Error> {
         error.span = span;
     }
     error
+}
+
+/// Whether a condition is made of inequalities only.
+fn bounds_a_solid(condition: &Expr) -> bool {
+    match &condition.kind {
+        ExprKind::And(items) | ExprKind::Or(items) => items.iter().all(bounds_a_solid),
+        ExprKind::Not(inner) => bounds_a_solid(inner),
+        ExprKind::Compare(_, rest) => {
+            rest.iter().all(|(sign, _)| !matches!(sign, Relation::Equal | Relation::Unequal))
+        }
+        _ => false,
+    }
 }
