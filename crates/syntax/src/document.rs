@@ -222,7 +222,9 @@ impl<'a> Reader<'a> {
             built.iter().flat_map(|b| b.used.iter().map(String::as_str)).collect();
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
-            let notes = unused.map(|(d, _)| unused_note(self.text, d, &scope, self.options));
+            // Each is compared with every name, so a bound keeps hostile texts cheap.
+            let notes =
+                unused.take(MOST).map(|(d, _)| unused_note(self.text, d, &scope, self.options));
             self.notes.extend(notes);
         }
         let overrides = self.overrides(&definitions, &used);

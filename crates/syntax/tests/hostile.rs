@@ -171,3 +171,20 @@ fn bytes_that_are_not_text_are_refused() {
     assert!(errors.render(None, &lossy, false).contains("byte 6"));
     assert!(read_bytes(b"x^2", &Options::default()).is_ok());
 }
+
+#[test]
+fn unused_definitions_are_remarked_on_in_bounded_time() {
+    let mut text = String::from("z = x\n");
+    for index in 0..20_000 {
+        writeln!(text, "abcdefghijklm{index} = 1").unwrap();
+    }
+    let document = read(&text, &Options::default()).expect("a surface");
+    assert!((1..100).contains(&document.notes.len()), "{}", document.notes.len());
+}
+
+#[test]
+fn errors_in_long_lines_are_drawn_in_bounded_time() {
+    let text = vec![format!("x + {}foo", " ".repeat(40_000)); 22].join(" ; ");
+    let rendered = read(&text, &Options::default()).expect_err("errors").render(None, &text, false);
+    assert!(rendered.len() < 20_000, "{}", rendered.len());
+}
