@@ -1,7 +1,7 @@
 //! Native enclosures of functions of one variable at every float, against correctly rounded values.
 //!
-//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding mode set to +∞, four
-//! floats a packet. What is true comes from `core-math` alone.
+//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding mode set to +∞,
+//! four floats a packet. What is true comes from `core-math` alone.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
