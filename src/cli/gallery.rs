@@ -8,6 +8,7 @@ use super::render::{in_threads, method_settings};
 use super::sheet::Sheet;
 use anyhow::{Context, Result, anyhow};
 use image::RgbImage;
+use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset::gallery::{Example, examples};
@@ -39,10 +40,10 @@ pub fn run(arguments: &Gallery) -> Result<ExitCode> {
 
 fn list(examples: &[Example]) -> Result<()> {
     let widest = examples.iter().map(|example| example.slug.len()).max().unwrap_or(0);
-    let lines: String = examples
-        .iter()
-        .map(|example| format!("{:widest$}  {}\n", example.slug, example.summary()))
-        .collect();
+    let mut lines = String::new();
+    for example in examples {
+        let _ = writeln!(lines, "{:widest$}  {}", example.slug, example.summary());
+    }
     print(&lines)
 }
 
