@@ -146,8 +146,19 @@ pub struct Display {
 #[allow(dead_code)] // each test file uses its own part
 impl Display {
     pub fn start() -> Self {
+        // A server that is not told otherwise starts afresh when its last client leaves, and a program that connects at
+        // that moment is thrown out: xdotool comes and goes while the window is waited for.
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1000x800x24", "-nolisten", "tcp"])
+            .args([
+                "-noreset",
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1000x800x24",
+                "-nolisten",
+                "tcp",
+            ])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
