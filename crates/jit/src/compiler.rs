@@ -50,9 +50,9 @@ impl Kind {
 /// Operations in one kernel, at most: beyond this even the fast tier takes too long.
 const LIMIT: usize = 20_000;
 /// Instructions from which on code is made fast rather than made to be fast: backtracking register allocation takes
-/// about 1 µs an instruction, so such a kernel would take over 2 ms. Its code then runs up to 1.2 times as long (up to
+/// about 1.2 µs an instruction, so that larger kernels would come near 2 ms. Its code then runs up to 1.2 times as long (up to
 /// 1.7 times for polynomials, which have to be huge to get here).
-const FAST_TIER_FROM: usize = 1_800;
+const FAST_TIER_FROM: usize = 1_200;
 
 /// How much work code generation spends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
