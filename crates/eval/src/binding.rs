@@ -1,6 +1,6 @@
 //! Parameter values as kernels read them.
 
-use crate::packet::Lanes;
+use crate::real::Real;
 use crate::tape::{middle, outward};
 use zeroset_interval::{Facts, Interval};
 
@@ -9,14 +9,14 @@ use zeroset_interval::{Facts, Interval};
 /// A parameter is a real number known by bounds, because what was typed need not be a float. It may also be an
 /// expression of other parameters, computed beforehand, and as such be undefined; every enclosure inherits that.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Binding {
-    enclosures: Vec<[Lanes; 2]>,
-    values: Vec<Lanes>,
+pub struct Binding<T: Real = f32> {
+    enclosures: Vec<[T; 2]>,
+    values: Vec<T>,
     bounds: Vec<Interval>,
     facts: Facts,
 }
 
-impl Binding {
+impl<T: Real> Binding<T> {
     /// Binds each parameter to bounds of its value and to what is proven of it.
     pub fn new(parameters: &[(Interval, Facts)]) -> Self {
         let nowhere = parameters.iter().any(|(_, facts)| facts.has(Facts::NOWHERE));
@@ -27,10 +27,11 @@ impl Binding {
             let defined = parameters.iter().all(|(_, facts)| facts.has(Facts::DEFINED));
             if defined { Facts::TOTAL } else { Facts::NONE }
         };
-        let bounds: Vec<Interval> = parameters.iter().map(|(bounds, _)| outward(*bounds)).collect();
+        let bounds: Vec<Interval> =
+            parameters.iter().map(|(bounds, _)| outward::<T>(*bounds)).collect();
         Self {
-            enclosures: bounds.iter().map(|b| [[-b.lo as f32; 4], [b.hi as f32; 4]]).collect(),
-            values: bounds.iter().map(|b| [middle(*b) as f32; 4]).collect(),
+            enclosures: bounds.iter().map(|b| [T::nearest(-b.lo), T::nearest(b.hi)]).collect(),
+            values: bounds.iter().map(|b| T::nearest(middle::<T>(*b))).collect(),
             bounds,
             facts,
         }
@@ -41,17 +42,17 @@ impl Binding {
         Self::new(&[])
     }
 
-    /// Per parameter, −lo and hi in all lanes.
-    pub fn enclosures(&self) -> &[[Lanes; 2]] {
+    /// Per parameter, −lo and hi.
+    pub fn enclosures(&self) -> &[[T; 2]] {
         &self.enclosures
     }
 
-    /// Per parameter, a value near the middle of its bounds, in all lanes.
-    pub fn values(&self) -> &[Lanes] {
+    /// Per parameter, a value near the middle of its bounds.
+    pub fn values(&self) -> &[T] {
         &self.values
     }
 
-    /// Per parameter, its bounds with `f32` ends.
+    /// Per parameter, its bounds with ends in `T`.
     pub fn bounds(&self) -> &[Interval] {
         &self.bounds
     }

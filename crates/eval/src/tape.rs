@@ -1,8 +1,9 @@
 //! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
 
+use crate::real::Real;
+use std::marker::PhantomData;
 use zeroset_interval::{
-    Enclosure, Exponent, Facts, Format, Interval, Lanes, Machine, Operand, Software, enclose,
-    evaluate, round::f32_up,
+    Enclosure, Exponent, Facts, Interval, Lanes, Machine, Operand, Software, enclose, evaluate,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -46,16 +47,18 @@ impl Step {
     }
 }
 
-/// Steps that compute one or more expressions over packets of `f32`.
+/// Steps that compute one or more expressions over packets of `T`.
 #[derive(Clone, Debug)]
-pub struct Tape {
+pub struct Tape<T: Real = f32> {
     steps: Vec<Step>,
     ranges: Vec<Interval>,
     outputs: Vec<usize>,
     parameters: usize,
+    /// Constants and ranges have ends in `T`.
+    format: PhantomData<T>,
 }
 
-impl Tape {
+impl<T: Real> Tape<T> {
     /// The steps that `roots` need, with the range of each under `assumptions`.
     ///
     /// # Panics
@@ -68,18 +71,21 @@ impl Tape {
             ranges: Vec::new(),
             outputs: Vec::new(),
             parameters: assumptions.parameters.len(),
+            format: PhantomData,
         };
         let mut values: Vec<Operand<Lanes>> = Vec::new();
         for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
             let step = match node {
                 Node::Variable(axis) => Step::Coordinate(*axis),
                 Node::Parameter(number) => Step::Parameter(*number),
-                Node::Constant(value) => Step::Constant(outward(value.bounds()), value.exponent()),
+                Node::Constant(value) => {
+                    Step::Constant(outward::<T>(value.bounds()), value.exponent())
+                }
                 Node::Apply(op, operands) => {
                     Step::Apply(*op, operands.iter().map(|id| place[id.index()]).collect())
                 }
             };
-            let operand = range_of(&step, &values, assumptions);
+            let operand = range_of::<T>(&step, &values, assumptions);
             place[id.index()] = tape.steps.len();
             tape.steps.push(step);
             tape.ranges.push(operand.range);
@@ -127,11 +133,11 @@ impl Tape {
                 Step::Coordinate(axis) => pair(coordinate(m, *axis)),
                 Step::Parameter(number) => pair(parameter(m, *number)),
                 Step::Constant(bounds, _) => {
-                    pair((m.number(Format::F32, -bounds.lo), m.number(Format::F32, bounds.hi)))
+                    pair((m.number(T::FORMAT, -bounds.lo), m.number(T::FORMAT, bounds.hi)))
                 }
                 Step::Apply(op, operands) => {
                     let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-                    enclose(m, Format::F32, *op, &operands)
+                    enclose(m, T::FORMAT, *op, &operands)
                 }
             };
             values.push(Operand { value, range, exponent: step.exponent() });
@@ -151,12 +157,12 @@ impl Tape {
             values.push(match step {
                 Step::Coordinate(axis) => coordinate(m, *axis),
                 Step::Parameter(number) => parameter(m, *number),
-                Step::Constant(bounds, _) => m.number(Format::F32, middle(*bounds)),
+                Step::Constant(bounds, _) => m.number(T::FORMAT, middle::<T>(*bounds)),
                 Step::Apply(op, operands) => {
                     let exponent =
                         operands.last().map_or(Exponent::Real, |&i| self.steps[i].exponent());
                     let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-                    evaluate(m, Format::F32, *op, &operands, exponent)
+                    evaluate(m, T::FORMAT, *op, &operands, exponent)
                 }
             });
         }
@@ -168,30 +174,32 @@ fn pair<V: Copy>((neg_lo, hi): (V, V)) -> Enclosure<V> {
     Enclosure::total(neg_lo, hi)
 }
 
-/// The bounds with ends in `f32`, rounded outward.
-pub(crate) fn outward(bounds: Interval) -> Interval {
-    Interval {
-        lo: -f64::from(f32_up::from_f64(-bounds.lo)),
-        hi: f64::from(f32_up::from_f64(bounds.hi)),
-    }
+/// The bounds with ends in `T`, rounded outward.
+pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
+    Interval { lo: -T::above(-bounds.lo).into(), hi: T::above(bounds.hi).into() }
 }
 
-/// An `f32` within the bounds, near their middle.
-pub(crate) fn middle(bounds: Interval) -> f64 {
+/// A number of `T` within the bounds, near their middle.
+pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
     let middle = 0.5 * bounds.lo + 0.5 * bounds.hi;
-    let nearest = f64::from(middle.clamp(-f64::from(f32::MAX), f64::from(f32::MAX)) as f32);
+    let most = T::LARGEST.into();
+    let nearest: f64 = T::nearest(middle.clamp(-most, most)).into();
     nearest.clamp(bounds.lo, bounds.hi)
 }
 
 /// How far, relatively, bounds of an elementary function over a part may stick out of those over the whole: its
-/// approximation is not exactly monotone. Far above twice the error of any text in `f32`.
+/// approximation is not exactly monotone. Far above twice the error of any text.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 
 /// A step's value over everything that `assumptions` allow: since rules are isotone, it bounds every later value.
-fn range_of(step: &Step, values: &[Operand<Lanes>], assumptions: &Assumptions) -> Operand<Lanes> {
+fn range_of<T: Real>(
+    step: &Step,
+    values: &[Operand<Lanes>],
+    assumptions: &Assumptions,
+) -> Operand<Lanes> {
     let given = |bounds: Interval| {
-        let bounds = outward(bounds);
-        let lanes = |end: f64| Lanes::from_f32([end as f32; 4]);
+        let bounds = outward::<T>(bounds);
+        let lanes = |end: f64| T::load(&[T::nearest(end); 4], 0);
         Operand::new(Enclosure::total(lanes(-bounds.lo), lanes(bounds.hi)), bounds)
     };
     match step {
@@ -200,11 +208,10 @@ fn range_of(step: &Step, values: &[Operand<Lanes>], assumptions: &Assumptions) -
         Step::Constant(bounds, exponent) => Operand { exponent: *exponent, ..given(*bounds) },
         Step::Apply(op, operands) => {
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-            let value = enclose(&mut Software, Format::F32, *op, &operands);
+            let value = enclose(&mut Software, T::FORMAT, *op, &operands);
             // 0 − x gives 0 for a zero of either sign.
-            let (lo, hi) =
-                (0.0 - f64::from(value.neg_lo.f32()[0]), 0.0 + f64::from(value.hi.f32()[0]));
-            let nowhere = facts_of(&value)[0].has(Facts::NOWHERE);
+            let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
+            let nowhere = facts_of::<T>(&value)[0].has(Facts::NOWHERE);
             let range = match Interval::new(lo, hi) {
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),
@@ -225,17 +232,24 @@ impl WithFacts for Operand<Lanes> {
     }
 }
 
-/// The facts of each `f32` lane.
-pub(crate) fn facts_of(value: &Enclosure<Lanes>) -> [Facts; 4] {
+/// The number in the first lane.
+fn first<T: Real>(vector: Lanes) -> f64 {
+    let mut lanes = [T::default(); 4];
+    T::store(vector, 0, &mut lanes);
+    lanes[0].into()
+}
+
+/// The facts of each lane of a vector; none for lanes that it does not have.
+pub(crate) fn facts_of<T: Real>(value: &Enclosure<Lanes>) -> [Facts; 4] {
     let mut facts = [Facts::NONE; 4];
     for (fact, bit) in [
         (value.nowhere, Facts::NOWHERE),
         (value.defined, Facts::DEFINED),
         (value.continuous, Facts::CONTINUOUS),
     ] {
-        let mask = fact.mask(&mut Software, Format::F32).bits_32();
-        for (facts, mask) in facts.iter_mut().zip(mask) {
-            *facts = if mask == 0 { *facts } else { *facts | bit };
+        let set = T::is_set(fact.mask(&mut Software, T::FORMAT));
+        for (facts, set) in facts.iter_mut().zip(set) {
+            *facts = if set { *facts | bit } else { *facts };
         }
     }
     facts

@@ -2,11 +2,11 @@
 
 use crate::code::Code;
 use crate::error::Error;
-use crate::lanes::{Emitter, Vector};
+use crate::lanes::{Emitter, VECTOR, Vector, type_of};
 use crate::rounding::Entry;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::condcodes::IntCC;
-use cranelift_codegen::ir::types::{F32X4, I64};
+use cranelift_codegen::ir::types::I64;
 use cranelift_codegen::ir::{AbiParam, Function, InstBuilder, MemFlagsData, Signature, Value};
 use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
@@ -16,7 +16,9 @@ use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Module, default_libcall_names};
 use std::mem::size_of;
 use std::sync::OnceLock;
-use zeroset_eval::{BoxPacket, EnclosurePacket, GradientPacket, PointPacket, Tape, ValuePacket};
+use zeroset_eval::{
+    BoxPacket, EnclosurePacket, GradientPacket, PointPacket, Real, Tape, ValuePacket,
+};
 use zeroset_interval::{Enclosure, Fact, Facts, Format, Machine};
 
 /// What a kernel computes.
@@ -38,11 +40,12 @@ impl Kind {
         }
     }
 
-    fn strides(self) -> (usize, usize) {
+    /// Bytes of a packet that goes in, and of one that comes out.
+    fn strides<T: Real>(self) -> [usize; 2] {
         match self {
-            Self::Interval => (size_of::<BoxPacket>(), size_of::<EnclosurePacket>()),
-            Self::Point => (size_of::<PointPacket>(), size_of::<ValuePacket>()),
-            Self::Gradient => (size_of::<PointPacket>(), size_of::<GradientPacket>()),
+            Self::Interval => [size_of::<BoxPacket<T>>(), size_of::<EnclosurePacket<T>>()],
+            Self::Point => [size_of::<PointPacket<T>>(), size_of::<ValuePacket<T>>()],
+            Self::Gradient => [size_of::<PointPacket<T>>(), size_of::<GradientPacket<T>>()],
         }
     }
 }
@@ -109,7 +112,7 @@ fn check_processor() -> Result<(), Error> {
 ///
 /// # Panics
 /// If the tape has another number of outputs than `kind` needs.
-pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
+pub fn compile<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<Code, Error> {
     check_processor()?;
     let (function, constants) = build(tape, kind)?;
     let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
@@ -148,7 +151,7 @@ pub fn compile(tape: &Tape, kind: Kind) -> Result<Code, Error> {
 ///
 /// # Panics
 /// If the tape has another number of outputs than `kind` needs.
-pub fn intermediate_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
+pub fn intermediate_code<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<String, Error> {
     Ok(build(tape, kind)?.0.display().to_string())
 }
 
@@ -159,7 +162,7 @@ pub fn intermediate_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
 ///
 /// # Panics
 /// If the tape has another number of outputs than `kind` needs.
-pub fn machine_code(tape: &Tape, kind: Kind) -> Result<String, Error> {
+pub fn machine_code<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<String, Error> {
     check_processor()?;
     let mut context = Context::for_function(build(tape, kind)?.0);
     context.set_disasm(true);
@@ -181,7 +184,7 @@ fn signature() -> Signature {
     signature
 }
 
-/// Where a kernel finds its data in the current round of its loop.
+/// Where a kernel finds its data in the current round of its loop: of packets of `f64`, each round takes one half.
 struct Cursor {
     input: Value,
     output: Value,
@@ -194,7 +197,7 @@ fn trusted() -> MemFlagsData {
 }
 
 /// The function, and the constants that its pool must hold.
-fn build(tape: &Tape, kind: Kind) -> Result<(Function, Vec<u128>), Error> {
+fn build<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<(Function, Vec<u128>), Error> {
     assert_eq!(tape.outputs(), kind.outputs(), "outputs of a {kind:?} kernel");
     if tape.operations() > LIMIT {
         return Err(Error::TooLarge { operations: tape.operations(), limit: LIMIT });
@@ -212,7 +215,11 @@ fn build(tape: &Tape, kind: Kind) -> Result<(Function, Vec<u128>), Error> {
     };
     let (body, end) = (builder.create_block(), builder.create_block());
     let carried: Vec<Value> = (0..3).map(|_| builder.append_block_param(body, I64)).collect();
-    builder.ins().brif(count, body, &args(&[inputs, outputs, count]), end, &[]);
+    let left = match T::VECTORS {
+        1 => count,
+        vectors => builder.ins().imul_imm_s(count, vectors as i64),
+    };
+    builder.ins().brif(count, body, &args(&[inputs, outputs, left]), end, &[]);
     builder.switch_to_block(body);
     let cursor = Cursor { input: carried[0], output: carried[1], parameters };
     // The pool's address is read anew in each round, so that no load from it is moved out of the loop.
@@ -223,7 +230,7 @@ fn build(tape: &Tape, kind: Kind) -> Result<(Function, Vec<u128>), Error> {
         Kind::Point | Kind::Gradient => emit_values(&mut emitter, tape, &cursor),
     }
     let pool = emitter.finish();
-    close_loop(&mut builder, kind, &carried, body, end);
+    close_loop(&mut builder, kind.strides::<T>(), T::VECTORS, &carried, body, end);
     builder.switch_to_block(end);
     builder.ins().return_(&[]);
     builder.seal_all_blocks();
@@ -235,62 +242,76 @@ fn args(values: &[Value]) -> Vec<cranelift_codegen::ir::BlockArg> {
     values.iter().map(|&value| value.into()).collect()
 }
 
-/// Steps to the next packet, or ends.
+/// Steps to the next vectors of a packet, or from its last to the next packet, or ends.
 fn close_loop(
     builder: &mut FunctionBuilder<'_>,
-    kind: Kind,
+    strides: [usize; 2],
+    vectors: usize,
     carried: &[Value],
     body: Block,
     end: Block,
 ) {
-    let (input_stride, output_stride) = kind.strides();
-    let input = builder.ins().iadd_imm_s(carried[0], input_stride as i64);
-    let output = builder.ins().iadd_imm_s(carried[1], output_stride as i64);
     let left = builder.ins().iadd_imm_s(carried[2], -1);
+    let [input, output] = [0, 1].map(|which| {
+        let (at, stride) = (carried[which], strides[which]);
+        if vectors == 1 {
+            return builder.ins().iadd_imm_s(at, stride as i64);
+        }
+        // Two vectors to a packet: an even number of rounds is left before the first of them, and an odd one is after
+        // it. Those of one quantity lie side by side, so `left` is odd where the second is next.
+        let second = builder.ins().band_imm_u(left, 1);
+        let back = builder.ins().imul_imm_s(second, 2 * VECTOR as i64 - stride as i64);
+        let at = builder.ins().iadd_imm_s(at, stride as i64 - VECTOR as i64);
+        builder.ins().iadd(at, back)
+    });
     let more = builder.ins().icmp_imm_s(IntCC::NotEqual, left, 0);
     builder.ins().brif(more, body, &args(&[input, output, left]), end, &[]);
 }
 
 /// Loads the vector with this index from an array of vectors.
-fn load(m: &mut Emitter<'_, '_>, base: Value, index: usize) -> Vector {
-    Vector::Value(m.builder().ins().load(F32X4, trusted(), base, (16 * index) as i32))
+fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, index: usize) -> Vector {
+    let offset = (VECTOR * index) as i32;
+    Vector::Value(m.builder().ins().load(type_of(T::FORMAT), trusted(), base, offset))
 }
 
-fn store(m: &mut Emitter<'_, '_>, vector: Vector, base: Value, index: usize) {
+/// Stores a vector of the quantity with this index of a packet.
+fn store<T: Real>(m: &mut Emitter<'_, '_>, vector: Vector, base: Value, index: usize) {
     let value = m.value(vector);
-    m.builder().ins().store(trusted(), value, base, (16 * index) as i32);
+    let offset = (VECTOR * T::VECTORS * index) as i32;
+    m.builder().ins().store(trusted(), value, base, offset);
 }
 
 /// Index of the first parameter's vectors after the two fact words.
 const FIRST_PARAMETER: usize = 2;
 
-fn emit_enclosure(m: &mut Emitter<'_, '_>, tape: &Tape, cursor: &Cursor) {
+fn emit_enclosure<T: Real>(m: &mut Emitter<'_, '_>, tape: &Tape<T>, cursor: &Cursor) {
     let values = tape.enclose(
         m,
         |m, axis| {
             let axis = axis as usize;
-            (load(m, cursor.input, axis), load(m, cursor.input, 3 + axis))
+            let row = |axis: usize| T::VECTORS * axis;
+            (load::<T>(m, cursor.input, row(axis)), load::<T>(m, cursor.input, row(3 + axis)))
         },
         |m, number| {
             let at = FIRST_PARAMETER + 2 * number as usize;
-            (load(m, cursor.parameters, at), load(m, cursor.parameters, at + 1))
+            (load::<T>(m, cursor.parameters, at), load::<T>(m, cursor.parameters, at + 1))
         },
     );
     let value = &values[0];
-    let mut facts = fact_bits(m, value);
+    let mut facts = fact_bits(m, T::FORMAT, value);
     if tape.reads_parameters() {
-        let kept = load(m, cursor.parameters, 0);
-        let added = load(m, cursor.parameters, 1);
+        let kept = load::<T>(m, cursor.parameters, 0);
+        let added = load::<T>(m, cursor.parameters, 1);
         facts = m.and(facts, kept);
         facts = m.or(facts, added);
     }
-    store(m, value.neg_lo, cursor.output, 0);
-    store(m, value.hi, cursor.output, 1);
-    store(m, facts, cursor.output, 2);
+    store::<T>(m, value.neg_lo, cursor.output, 0);
+    store::<T>(m, value.hi, cursor.output, 1);
+    store::<T>(m, facts, cursor.output, 2);
 }
 
 /// The three facts as bits of each lane.
-fn fact_bits(m: &mut Emitter<'_, '_>, value: &Enclosure<Vector>) -> Vector {
+fn fact_bits(m: &mut Emitter<'_, '_>, format: Format, value: &Enclosure<Vector>) -> Vector {
     let facts = [
         (value.nowhere, Facts::NOWHERE),
         (value.defined, Facts::DEFINED),
@@ -300,10 +321,10 @@ fn fact_bits(m: &mut Emitter<'_, '_>, value: &Enclosure<Vector>) -> Vector {
         .iter()
         .filter(|(fact, _)| matches!(fact, Fact::True))
         .fold(Facts::NONE, |known, (_, bit)| known | *bit);
-    let mut bits = m.bits(Format::F32, u64::from(known.bits()));
+    let mut bits = m.bits(format, u64::from(known.bits()));
     for (fact, bit) in facts {
         if let Fact::Lanes(mask) = fact {
-            let bit = m.bits(Format::F32, u64::from(bit.bits()));
+            let bit = m.bits(format, u64::from(bit.bits()));
             let set = m.and(mask, bit);
             bits = m.or(set, bits);
         }
@@ -311,13 +332,13 @@ fn fact_bits(m: &mut Emitter<'_, '_>, value: &Enclosure<Vector>) -> Vector {
     bits
 }
 
-fn emit_values(m: &mut Emitter<'_, '_>, tape: &Tape, cursor: &Cursor) {
+fn emit_values<T: Real>(m: &mut Emitter<'_, '_>, tape: &Tape<T>, cursor: &Cursor) {
     let values = tape.evaluate(
         m,
-        |m, axis| load(m, cursor.input, axis as usize),
-        |m, number| load(m, cursor.parameters, number as usize),
+        |m, axis| load::<T>(m, cursor.input, T::VECTORS * axis as usize),
+        |m, number| load::<T>(m, cursor.parameters, number as usize),
     );
     for (index, value) in values.into_iter().enumerate() {
-        store(m, value, cursor.output, index);
+        store::<T>(m, value, cursor.output, index);
     }
 }

@@ -4,22 +4,17 @@ use crate::code::Code;
 use crate::compiler::{Kind, compile};
 use crate::error::Error;
 use crate::rounding::call_rounding_up;
+use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{
-    Binding, BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, Lanes,
-    PointKernel, PointPacket, Tape, ValuePacket,
+    Binding, BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel,
+    PointKernel, PointPacket, Real, Tape, ValuePacket,
 };
 
-/// Four lanes aligned as vector instructions want them.
+/// The bits of a vector, aligned as vector instructions want it.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
-struct Vector([u32; 4]);
-
-impl Vector {
-    fn from_f32(lanes: Lanes) -> Self {
-        Self(lanes.map(f32::to_bits))
-    }
-}
+struct Vector(u128);
 
 /// Compiled code of one kind, without parameter values. Clones share the code; it is freed with the last of them.
 #[derive(Clone)]
@@ -29,11 +24,11 @@ struct Compiled {
 }
 
 impl Compiled {
-    fn new(tape: &Tape, kind: Kind) -> Result<Self, Error> {
+    fn new<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<Self, Error> {
         Ok(Self { code: Arc::new(compile(tape, kind)?), parameters: tape.parameters() })
     }
 
-    fn check(&self, binding: &Binding) {
+    fn check<T: Real>(&self, binding: &Binding<T>) {
         assert_eq!(self.parameters, binding.values().len(), "parameters");
     }
 }
@@ -42,12 +37,13 @@ macro_rules! kernel {
     ($(#[$doc:meta])* $name:ident, $kind:expr) => {
         $(#[$doc])*
         #[derive(Clone)]
-        pub struct $name {
+        pub struct $name<T: Real = f32> {
             compiled: Compiled,
             parameters: Arc<[Vector]>,
+            format: PhantomData<T>,
         }
 
-        impl $name {
+        impl<T: Real> $name<T> {
             /// Compiles `tape` for this processor and binds its parameters.
             ///
             /// # Errors
@@ -55,10 +51,10 @@ macro_rules! kernel {
             ///
             /// # Panics
             /// If the tape has another number of outputs or parameters than this needs.
-            pub fn compile(tape: &Tape, binding: &Binding) -> Result<Self, Error> {
+            pub fn compile(tape: &Tape<T>, binding: &Binding<T>) -> Result<Self, Error> {
                 let compiled = Compiled::new(tape, $kind)?;
                 compiled.check(binding);
-                Ok(Self { parameters: Self::vectors(binding), compiled })
+                Ok(Self::new(compiled, binding))
             }
 
             /// The same code with other parameter values. The values must lie within what the tape assumed.
@@ -66,9 +62,13 @@ macro_rules! kernel {
             /// # Panics
             /// If the number of parameters differs.
             #[must_use]
-            pub fn bind(&self, binding: &Binding) -> Self {
+            pub fn bind(&self, binding: &Binding<T>) -> Self {
                 self.compiled.check(binding);
-                Self { parameters: Self::vectors(binding), compiled: self.compiled.clone() }
+                Self::new(self.compiled.clone(), binding)
+            }
+
+            fn new(compiled: Compiled, binding: &Binding<T>) -> Self {
+                Self { parameters: Self::vectors(binding), compiled, format: PhantomData }
             }
 
             /// Size of the machine code in bytes.
@@ -80,8 +80,8 @@ macro_rules! kernel {
             #[inline]
             fn run<I, O>(&self, inputs: &[I], outputs: &mut [O]) {
                 assert!(outputs.len() >= inputs.len(), "output shorter than input");
-                // SAFETY: `I` and `O` are the packets that code of this kind reads and writes (each kernel calls
-                // this in one place, below); both slices hold at least `count` of them; packets are 16-byte
+                // SAFETY: `I` and `O` are the packets that code of this kind and format reads and writes (each kernel
+                // calls this in one place, below, and holds code of a tape in its own `T`); both slices hold at least `count` of them; packets are 16-byte
                 // aligned by their type, parameters by theirs, and their number was checked when they were bound.
                 // Kernels do not unwind.
                 unsafe {
@@ -112,41 +112,41 @@ kernel! {
     NativeGradient, Kind::Gradient
 }
 
-impl NativeInterval {
-    fn vectors(binding: &Binding) -> Arc<[Vector]> {
-        let facts = binding.limits().map(|facts| Vector([facts.bits(); 4]));
-        let bounds = binding.enclosures().iter().flatten().map(|lanes| Vector::from_f32(*lanes));
+impl<T: Real> NativeInterval<T> {
+    fn vectors(binding: &Binding<T>) -> Arc<[Vector]> {
+        let facts = binding.limits().map(|facts| Vector(T::splat_facts(facts)));
+        let bounds = binding.enclosures().iter().flatten().map(|end| Vector(end.splat()));
         facts.into_iter().chain(bounds).collect()
     }
 }
 
-impl NativePoint {
-    fn vectors(binding: &Binding) -> Arc<[Vector]> {
-        binding.values().iter().map(|lanes| Vector::from_f32(*lanes)).collect()
+impl<T: Real> NativePoint<T> {
+    fn vectors(binding: &Binding<T>) -> Arc<[Vector]> {
+        binding.values().iter().map(|value| Vector(value.splat())).collect()
     }
 }
 
-impl NativeGradient {
-    fn vectors(binding: &Binding) -> Arc<[Vector]> {
+impl<T: Real> NativeGradient<T> {
+    fn vectors(binding: &Binding<T>) -> Arc<[Vector]> {
         NativePoint::vectors(binding)
     }
 }
 
-impl IntervalKernel for NativeInterval {
+impl<T: Real> IntervalKernel<T> for NativeInterval<T> {
     #[inline]
-    fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
+    fn enclose(&self, boxes: &[BoxPacket<T>], out: &mut [EnclosurePacket<T>]) {
         self.run(boxes, out);
     }
 }
 
-impl PointKernel for NativePoint {
-    fn sample(&self, points: &[PointPacket], out: &mut [ValuePacket]) {
+impl<T: Real> PointKernel<T> for NativePoint<T> {
+    fn sample(&self, points: &[PointPacket<T>], out: &mut [ValuePacket<T>]) {
         self.run(points, out);
     }
 }
 
-impl GradientKernel for NativeGradient {
-    fn gradient(&self, points: &[PointPacket], out: &mut [GradientPacket]) {
+impl<T: Real> GradientKernel<T> for NativeGradient<T> {
+    fn gradient(&self, points: &[PointPacket<T>], out: &mut [GradientPacket<T>]) {
         self.run(points, out);
     }
 }

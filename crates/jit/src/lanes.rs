@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use zeroset_interval::{Format, Machine};
 
 /// Bytes of a vector, and the binary logarithm of that.
-const VECTOR: usize = 16;
+pub const VECTOR: usize = 16;
 const VECTOR_ALIGNMENT: u8 = 4;
 
 /// A vector while code is made.
@@ -138,7 +138,8 @@ impl<'a, 'b> Emitter<'a, 'b> {
     }
 }
 
-fn type_of(format: Format) -> Type {
+/// The type of a vector of such lanes.
+pub fn type_of(format: Format) -> Type {
     match format {
         Format::F32 => F32X4,
         Format::F64 => F64X2,

@@ -2,7 +2,7 @@
 
 use zeroset_eval::{
     Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, PointKernel, PointPacket,
-    Reference, Tape, ValuePacket,
+    Real, Reference, Tape, ValuePacket,
 };
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
@@ -20,32 +20,77 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    fn end(&mut self) -> f32 {
-        let special = [0.0, -0.0, 1.0, -1.0, 0.5, f32::MIN_POSITIVE, 1e-45, f32::MAX, -f32::MAX];
+    fn end<T: Draw>(&mut self) -> T {
+        let special = [0.0, -0.0, 1.0, -1.0, 0.5];
         match self.next() % 4 {
-            0 => special[self.next() as usize % special.len()],
-            1 => {
-                let bits = f32::from_bits(self.next() as u32);
-                if bits.is_nan() { 3.0 } else { bits }
+            0 => {
+                let ordinary = special[self.next() as usize % special.len()];
+                [T::from_bits(1), T::LEAST_NORMAL, T::LARGEST, -T::LARGEST, T::nearest(ordinary)]
+                    [(self.next() as usize % 9).min(4)]
             }
-            2 => (self.next() % 64) as f32 * std::f32::consts::FRAC_PI_2 - 40.0,
-            _ => (self.next() % 2000) as f32 / 250.0 - 4.0,
+            1 => {
+                let value = T::from_bits(self.next());
+                if value.into().is_nan() { T::nearest(3.0) } else { value }
+            }
+            2 => {
+                let angle = (self.next() % 64) as f64 * std::f64::consts::FRAC_PI_2;
+                T::nearest(angle - 40.0)
+            }
+            _ => T::nearest((self.next() % 2000) as f64 / 250.0 - 4.0),
         }
     }
 
-    fn bounds(&mut self) -> (f32, f32) {
-        let (a, b) = (self.end(), self.end());
-        let (lo, hi) = if self.next().is_multiple_of(4) { (a, a) } else { (a.min(b), a.max(b)) };
-        (lo.min(f32::MAX), hi.max(-f32::MAX))
+    fn bounds<T: Draw>(&mut self) -> (T, T) {
+        let (a, b) = (self.end::<T>(), self.end::<T>());
+        let (lo, hi) =
+            if self.next().is_multiple_of(4) { (a, a) } else { (least(a, b), most(a, b)) };
+        (least(lo, T::LARGEST), most(hi, -T::LARGEST))
     }
 }
 
-fn same(a: f32, b: f32) -> bool {
-    a == b || (a.is_nan() && b.is_nan())
+/// What this test needs to know of a float type.
+trait Draw: Real {
+    const LEAST_NORMAL: Self;
+    fn from_bits(bits: u64) -> Self;
+}
+
+impl Draw for f32 {
+    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
+    fn from_bits(bits: u64) -> Self {
+        Self::from_bits(bits as u32)
+    }
+}
+
+impl Draw for f64 {
+    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
+    fn from_bits(bits: u64) -> Self {
+        Self::from_bits(bits)
+    }
+}
+
+fn least<T: Real>(a: T, b: T) -> T {
+    if a < b { a } else { b }
+}
+
+fn most<T: Real>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
+fn same<T: Real>(a: T, b: T) -> bool {
+    a == b || (a.into().is_nan() && b.into().is_nan())
 }
 
 #[test]
 fn every_operation_agrees_on_intervals_and_points() {
+    every_operation_agrees::<f32>();
+}
+
+#[test]
+fn every_operation_agrees_in_f64_too() {
+    every_operation_agrees::<f64>();
+}
+
+fn every_operation_agrees<T: Draw>() {
     let seed = 0x5eed_0001;
     println!("seed {seed:#x}");
     let mut random = Random(seed);
@@ -59,7 +104,7 @@ fn every_operation_agrees_on_intervals_and_points() {
             if bounded {
                 assumptions.domain = [Interval { lo: -8.0, hi: 8.0 }; 3];
             }
-            let tape = Tape::new(&graph, &[root], &assumptions);
+            let tape = Tape::<T>::new(&graph, &[root], &assumptions);
             let reference = Reference::new(tape.clone(), Binding::empty());
             let native = NativeInterval::compile(&tape, &Binding::empty()).expect(row.name);
             let points = NativePoint::compile(&tape, &Binding::empty()).expect(row.name);
@@ -68,9 +113,10 @@ fn every_operation_agrees_on_intervals_and_points() {
             for (packet, at) in boxes.iter_mut().zip(&mut at) {
                 for axis in 0..3 {
                     for lane in 0..4 {
-                        let (mut lo, mut hi) = random.bounds();
+                        let (mut lo, mut hi) = random.bounds::<T>();
                         if bounded {
-                            (lo, hi) = (lo.clamp(-8.0, 8.0), hi.clamp(-8.0, 8.0));
+                            let inside = |x: T| T::nearest(x.into().clamp(-8.0, 8.0));
+                            (lo, hi) = (inside(lo), inside(hi));
                         }
                         packet.neg_lo[axis][lane] = -lo;
                         packet.hi[axis][lane] = hi;
@@ -88,7 +134,11 @@ fn every_operation_agrees_on_intervals_and_points() {
                         && same(e.hi[lane], f.hi[lane])
                         && e.facts[lane] == f.facts[lane];
                     assert!(agree, "{} lane {lane}: {packet:?}\n{e:?}\n{f:?}", row.name);
-                    assert!(!f.neg_lo[lane].is_nan() && !f.hi[lane].is_nan(), "{}", row.name);
+                    assert!(
+                        !f.neg_lo[lane].into().is_nan() && !f.hi[lane].into().is_nan(),
+                        "{}",
+                        row.name
+                    );
                 }
             }
             let mut expected = vec![ValuePacket::default(); at.len()];

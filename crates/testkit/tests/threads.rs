@@ -90,7 +90,7 @@ fn callers_go_on_rounding_to_nearest() {
     let point = NativePoint::compile(&tape, &Binding::empty()).expect("compiles");
     let interval = NativeInterval::compile(&tape, &Binding::empty()).expect("compiles");
     assert_rounds_to_nearest();
-    let mut out = [ValuePacket::default()];
+    let mut out = [ValuePacket::<f32>::default()];
     point.sample(&[PointPacket { at: [[7.0; 4], [10.0; 4], [0.0; 4]] }], &mut out);
     assert_eq!(out[0].value[0].to_bits(), 0x3f33_3334, "kernels round up");
     assert_rounds_to_nearest();
