@@ -195,6 +195,9 @@ const COARSE: Duration = Duration::from_millis(20);
 /// If the fine picture is expected to take no longer than this, there is no coarse one.
 const PROMPT: Duration = Duration::from_millis(30);
 
+/// If the full picture is expected to take longer than this after a coarse one, there is one of half the size between.
+const PATIENCE: Duration = Duration::from_millis(150);
+
 /// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface whose cost is unknown.
 const COARSEST: usize = 8;
 
@@ -280,7 +283,7 @@ impl Worker {
         };
         let camera = camera.map_err(|error| scene(error.into()))?;
         let full = &job.wish.settings;
-        let mut divisor = self.divisor(full);
+        let mut divisor = coarsest(self.expected(full));
         loop {
             let coarse = divisor > 1;
             let settings = coarser(full, divisor);
@@ -309,7 +312,7 @@ impl Worker {
             if !coarse {
                 return Ok(());
             }
-            divisor = 1;
+            divisor = finer(self.expected(full), divisor);
         }
     }
 
@@ -369,16 +372,26 @@ impl Worker {
         Ok((model, searched))
     }
 
-    /// How many times fewer columns and rows the first picture should have.
-    fn divisor(&self, full: &Settings) -> usize {
-        let Some(pixel) = self.pixel else { return COARSEST };
-        let expected = pixel * (full.width * full.height) as u32;
-        if expected <= PROMPT {
-            return 1;
-        }
-        let affordable = |divisor: &usize| expected / (divisor * divisor) as u32 <= COARSE;
-        [2, 4].into_iter().find(affordable).unwrap_or(COARSEST)
+    /// How long the full picture will take, as far as the present model's cost is known.
+    fn expected(&self, full: &Settings) -> Option<Duration> {
+        self.pixel.map(|pixel| pixel * (full.width * full.height) as u32)
     }
+}
+
+/// How many times fewer columns and rows the first picture should have, if the full one is expected to take so long.
+fn coarsest(expected: Option<Duration>) -> usize {
+    let Some(expected) = expected else { return COARSEST };
+    if expected <= PROMPT {
+        return 1;
+    }
+    let affordable = |divisor: &usize| expected / (divisor * divisor) as u32 <= COARSE;
+    [2, 4].into_iter().find(affordable).unwrap_or(COARSEST)
+}
+
+/// The same of the picture after one with this divisor: where the full one is waited for, there is one between, for a
+/// quarter of its time.
+fn finer(expected: Option<Duration>, divisor: usize) -> usize {
+    if divisor > 2 && expected.is_some_and(|expected| expected > PATIENCE) { 2 } else { 1 }
 }
 
 fn same_text(one: &Wish, other: &Wish) -> bool {
@@ -394,5 +407,28 @@ fn coarser(full: &Settings, divisor: usize) -> Settings {
         max_depth: depth.min(full.max_depth),
         shadow_depth: if divisor > 1 { None } else { full.shadow_depth },
         ..full.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slower_pictures_come_in_more_steps() {
+        let steps = |expected: u64| {
+            let expected = Some(Duration::from_millis(expected));
+            let mut steps = vec![coarsest(expected)];
+            while steps.last() != Some(&1) {
+                steps.push(finer(expected, *steps.last().expect("one")));
+            }
+            steps
+        };
+        assert_eq!(steps(30), [1]);
+        assert_eq!(steps(60), [2, 1]);
+        assert_eq!(steps(140), [4, 1]);
+        assert_eq!(steps(300), [4, 2, 1]);
+        assert_eq!(steps(9000), [8, 2, 1]);
+        assert_eq!((coarsest(None), finer(None, 8)), (COARSEST, 1));
     }
 }

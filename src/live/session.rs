@@ -143,6 +143,11 @@ impl Live {
         })
     }
 
+    /// Number of the latest wish for a picture.
+    pub fn revision(&self) -> u64 {
+        self.lock().revision
+    }
+
     /// The document as entered so far.
     pub fn text(&self) -> String {
         self.lock().wish.text.to_string()

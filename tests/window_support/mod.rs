@@ -37,11 +37,38 @@ pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
+/// What a terminal has shown.
+#[derive(Default)]
+struct Log {
+    shown: Vec<u8>,
+    /// Lines that the program has begun to read, and that it has read.
+    begun: usize,
+    ended: usize,
+}
+
+impl Log {
+    /// Bracketed paste is on while a line is read.
+    const BEGIN: &[u8] = b"\x1b[?2004h";
+    const END: &[u8] = b"\x1b[?2004l";
+
+    fn add(&mut self, part: &[u8]) {
+        // What tells of a line may come in two parts.
+        let start = self.shown.len().saturating_sub(Self::BEGIN.len() - 1);
+        self.shown.extend_from_slice(part);
+        let count = |what: &[u8]| {
+            self.shown[start..].windows(what.len()).filter(|window| *window == what).count()
+        };
+        let (begun, ended) = (count(Self::BEGIN), count(Self::END));
+        self.begun += begun;
+        self.ended += ended;
+    }
+}
+
 /// The program under a pseudo-terminal, in a directory of its own.
 pub struct Terminal {
     child: Child,
     master: File,
-    shown: Arc<Mutex<Vec<u8>>>,
+    log: Arc<Mutex<Log>>,
     directory: tempfile::TempDir,
 }
 
@@ -74,17 +101,17 @@ impl Terminal {
             command.env("DISPLAY", display);
         }
         let child = command.spawn().expect("the program starts");
-        let shown = Arc::new(Mutex::new(Vec::new()));
+        let log = Arc::new(Mutex::new(Log::default()));
         let master = File::from(master);
-        let (mut output, log) = (master.try_clone().expect("cloned"), Arc::clone(&shown));
+        let (mut output, reader) = (master.try_clone().expect("cloned"), Arc::clone(&log));
         std::thread::spawn(move || {
             let mut part = [0; 4096];
             // At the program's end the terminal can no longer be read.
             while let Ok(length @ 1..) = output.read(&mut part) {
-                log.lock().expect("whole").extend_from_slice(&part[..length]);
+                reader.lock().expect("whole").add(&part[..length]);
             }
         });
-        Self { child, master, shown, directory }
+        Self { child, master, log, directory }
     }
 
     pub fn place(&self) -> &Path {
@@ -93,22 +120,29 @@ impl Terminal {
 
     /// Everything that the terminal has shown.
     pub fn shown(&self) -> String {
-        String::from_utf8_lossy(&self.shown.lock().expect("whole")).into_owned()
+        String::from_utf8_lossy(&self.log.lock().expect("whole").shown).into_owned()
     }
 
-    /// Types once a line is being read: what is typed earlier is dropped.
+    /// Types once a line is being read: what is typed earlier is dropped. After a line's end, waits until it was read.
     pub fn type_in(&mut self, text: &str) {
-        until("a line is read", || {
-            let shown = self.shown();
-            // Bracketed paste is on while a line is read.
-            shown.rfind("\u{1b}[?2004h") > shown.rfind("\u{1b}[?2004l")
-        });
-        let ended = |shown: &str| shown.matches("\u{1b}[?2004l").count();
-        let before = ended(&self.shown());
+        let lines = || {
+            let log = self.log.lock().expect("whole");
+            (log.begun, log.ended)
+        };
+        until("a line is read", || lines().0 > lines().1);
+        let ended = lines().1;
         self.master.write_all(text.as_bytes()).expect("typed");
         if text.ends_with('\r') {
-            until("the line is read", || ended(&self.shown()) > before);
+            let lines = || self.log.lock().expect("whole").ended;
+            until("the line is read", || lines() > ended);
         }
+    }
+
+    /// Resident memory of the program in kilobytes, where the system tells.
+    pub fn resident(&self) -> Option<u64> {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+        line.trim().trim_end_matches("kB").trim().parse().ok()
     }
 
     /// Waits until the terminal shows a text.

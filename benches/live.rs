@@ -1,0 +1,146 @@
+//! From a key to a picture, through the live pipeline and at the window's size of 512×512.
+//!
+//! `cargo bench --bench live` first replays 200 edits: of the gallery's formulas, typed letter by letter, a fixed sample
+//! of the keys that leave valid text. Each is pressed 100 ms after the one before, as by a fast typist, so that the work
+//! for the older text often has to be broken off. It prints how long the first picture took, which may be a coarse one,
+//! against the target of 100 ms at the 95th percentile. Then it prints, for each surface of the gallery, the median time
+//! to the first and to the full picture. `-- gyroid` at the end of the command looks only at surfaces with such a name.
+
+use std::time::{Duration, Instant};
+use zeroset::gallery::{Example, examples};
+use zeroset::live::{Live, Start};
+use zeroset_syntax::{Options, read};
+
+const EDITS: usize = 200;
+const SEED: u64 = 20_070_002;
+/// Between two keys.
+const PACE: Duration = Duration::from_millis(100);
+const ROUNDS: usize = 5;
+const LIMIT: Duration = Duration::from_mins(1);
+const TARGET: f64 = 100.0;
+
+/// A key that leaves valid text.
+struct Edit {
+    example: usize,
+    /// The line before the key, and after it.
+    lines: [String; 2],
+}
+
+/// All keys of all formulas that leave valid text, of which a sample is replayed.
+fn edits(examples: &[Example]) -> Vec<Edit> {
+    let mut edits = Vec::new();
+    for (number, example) in examples.iter().enumerate() {
+        let document = read(example.text, &Options::default()).expect(example.slug);
+        let line = &document.surfaces[0].echo;
+        // Typing goes on in a document that has the formula already, and with it every name that it needs.
+        let valid = |line: &str| {
+            let text = zeroset::live::entered(example.text, line, false);
+            read(&text, &Options::default()).is_ok()
+        };
+        let ends: Vec<usize> = line.char_indices().map(|(at, c)| at + c.len_utf8()).collect();
+        let before = std::iter::once(0).chain(ends.iter().copied());
+        let keys = before.zip(&ends).map(|(start, &end)| [&line[..start], &line[..end]]);
+        // A space changes nothing.
+        let changing = keys.filter(|[before, after]| before.trim() != after.trim());
+        edits.extend(
+            changing
+                .filter(|[_, after]| valid(after))
+                .map(|lines| Edit { example: number, lines: lines.map(str::to_owned) }),
+        );
+    }
+    edits
+}
+
+/// Presses the keys; returns the time from each to the first picture of it, in ms.
+fn replay(examples: &[Example], sample: &[Edit]) -> Vec<f64> {
+    let live = Live::new(Start::default());
+    let mut times = Vec::new();
+    let mut refused = 0;
+    let mut coarse = 0;
+    for edit in sample {
+        let example = &examples[edit.example];
+        live.load(example.slug, example.text, false);
+        assert!(live.wait(LIMIT), "{} does not settle", example.slug);
+        live.type_line(&edit.lines[0]);
+        std::thread::sleep(PACE);
+        let revision = live.revision();
+        let pressed = Instant::now();
+        live.type_line(&edit.lines[1]);
+        assert!(live.wait_for_news(LIMIT, revision), "nothing comes of {:?}", edit.lines[1]);
+        let taken = pressed.elapsed();
+        // What has no surface, a constant for example, gets no picture.
+        match live.view().frame {
+            Some(frame) if frame.revision > revision => {
+                coarse += usize::from(frame.coarse);
+                times.push(taken.as_secs_f64() * 1e3);
+            }
+            Some(_) | None => refused += 1,
+        }
+    }
+    println!(
+        "{} keys: {} with a picture, {coarse} of them coarse; {refused} leave nothing to draw",
+        sample.len(),
+        times.len()
+    );
+    times
+}
+
+/// Medians over rounds of the time to the first and to the full picture, in ms.
+fn pictures(example: &Example) -> [f64; 2] {
+    let live = Live::new(Start::default());
+    let (mut first, mut full) = (Vec::new(), Vec::new());
+    for round in 0..=ROUNDS {
+        let revision = live.revision();
+        // Another text each time, so that nothing made before can be used again.
+        let text = format!("{}\n# {round}", example.text);
+        let pressed = Instant::now();
+        live.load(example.slug, &text, true);
+        assert!(live.wait_for_news(LIMIT, revision), "{}: no picture", example.slug);
+        first.push(pressed.elapsed().as_secs_f64() * 1e3);
+        assert!(live.wait(LIMIT), "{}: no full picture", example.slug);
+        full.push(pressed.elapsed().as_secs_f64() * 1e3);
+        let view = live.view();
+        assert!(view.fault.is_none() && view.frame.is_some_and(|frame| !frame.coarse));
+    }
+    // The first round warms up.
+    [percentile(&mut first[1..], 0.5), percentile(&mut full[1..], 0.5)]
+}
+
+fn percentile(times: &mut [f64], share: f64) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[((times.len() as f64 * share) as usize).min(times.len() - 1)]
+}
+
+fn main() {
+    // Cargo itself passes `--bench`.
+    let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    let mut examples = examples();
+    examples.retain(|example| filter.as_ref().is_none_or(|part| example.slug.contains(part)));
+    assert!(!examples.is_empty(), "no surface has a name like {filter:?}");
+
+    let mut sample = edits(&examples);
+    println!("{} keys of {} formulas leave valid text; seed {SEED}", sample.len(), examples.len());
+    fastrand::Rng::with_seed(SEED).shuffle(&mut sample);
+    sample.truncate(EDITS);
+    let mut times = replay(&examples, &sample);
+    let worst = times.iter().copied().fold(0.0, f64::max);
+    let [median, high] = [0.5, 0.95].map(|share| percentile(&mut times, share));
+    println!(
+        "live/first picture: median {median:.1} ms, 95th percentile {high:.1} ms (target {TARGET} ms), worst {worst:.1} ms\n"
+    );
+
+    println!("{:34}{:>10}{:>10}   ms, median of {ROUNDS}", "surface", "first", "full");
+    let mut table = Vec::new();
+    for example in &examples {
+        let times = pictures(example);
+        println!("{:34}{:10.1}{:10.1}", example.slug, times[0], times[1]);
+        table.push(times);
+    }
+    let column = |n: usize| {
+        let mut times: Vec<f64> = table.iter().map(|times| times[n]).collect();
+        [percentile(&mut times, 0.5), percentile(&mut times, 1.0)]
+    };
+    let ([first, slowest_first], [full, slowest_full]) = (column(0), column(1));
+    println!("{:34}{first:10.1}{full:10.1}", "median");
+    println!("{:34}{slowest_first:10.1}{slowest_full:10.1}", "worst");
+}
