@@ -10,7 +10,16 @@ use zeroset_interval::{Facts, Format, Lanes as Vector, round::f32_up};
 /// A packet has four lanes in either; in 128-bit vectors, a quantity of a packet fills one vector of `f32` or two of
 /// `f64`.
 pub trait Real:
-    sealed::Sealed + Copy + Debug + Default + PartialOrd + Neg<Output = Self> + Into<f64> + Send + Sync
+    sealed::Sealed
+    + Copy
+    + Debug
+    + Default
+    + PartialOrd
+    + Neg<Output = Self>
+    + Into<f64>
+    + Send
+    + Sync
+    + 'static
 {
     /// The type of the lanes.
     const FORMAT: Format;

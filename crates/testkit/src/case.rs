@@ -3,12 +3,12 @@
 //! Which kernel, and how it is compiled, is not known here.
 
 use crate::random::{
-    Ends, GraphOptions, Rng, point_in_box, random_box, random_domain, random_graph,
+    Adversarial, Ends, GraphOptions, Rng, point_in_box, random_box, random_domain, random_graph,
     random_parameters, range_within,
 };
 use crate::{Place, reproduce};
 use std::fmt;
-use zeroset_eval::{Assumptions, BoxPacket, LANES};
+use zeroset_eval::{Assumptions, BoxPacket, LANES, Real};
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, NodeId};
 
@@ -43,9 +43,9 @@ impl Case {
         Self { graph, root, assumptions, parameters }
     }
 
-    /// A box for this case: its ends are `f32`, so it may stick out of the domain by a rounding.
-    pub fn random_box(&self, rng: &mut Rng) -> [[f32; 2]; 3] {
-        let anywhere = random_box(rng, Ends::Infinite);
+    /// A box for this case: its ends are floats, so it may stick out of the domain by a rounding.
+    pub fn random_box<T: Adversarial>(&self, rng: &mut Rng) -> [[T; 2]; 3] {
+        let anywhere: [[T; 2]; 3] = random_box(rng, Ends::Infinite);
         let mut region = anywhere;
         for (range, bounds) in region.iter_mut().zip(self.assumptions.domain) {
             *range = range_within(rng, bounds, *range);
@@ -54,7 +54,7 @@ impl Case {
     }
 
     /// A real point of the domain within `region`.
-    pub fn random_point(&self, rng: &mut Rng, region: &[[f32; 2]; 3]) -> [f64; 3] {
+    pub fn random_point<T: Adversarial>(&self, rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64; 3] {
         let mut point = point_in_box(rng, region);
         for (value, bounds) in point.iter_mut().zip(self.assumptions.domain) {
             *value = value.clamp(bounds.lo, bounds.hi);
@@ -92,8 +92,8 @@ impl fmt::Display for Assumed<'_> {
 }
 
 /// Boxes as kernels read them, four to a packet; lanes without one hold the last box again.
-pub fn pack_boxes(regions: &[[[f32; 2]; 3]]) -> Vec<BoxPacket> {
-    let pack = |regions: &[[[f32; 2]; 3]]| {
+pub fn pack_boxes<T: Real>(regions: &[[[T; 2]; 3]]) -> Vec<BoxPacket<T>> {
+    let pack = |regions: &[[[T; 2]; 3]]| {
         let mut packet = BoxPacket::default();
         for lane in 0..LANES {
             for (axis, [lo, hi]) in regions[lane.min(regions.len() - 1)].into_iter().enumerate() {
@@ -119,7 +119,7 @@ mod tests {
         let (mut whole, mut inside, mut entire) = (0, 0, 0);
         for _ in 0..5000 {
             let case = Case::random(&mut rng, &options);
-            let region = case.random_box(&mut rng);
+            let region = case.random_box::<f32>(&mut rng);
             let point = case.random_point(&mut rng, &region);
             for axis in 0..3 {
                 let (bounds, [lo, hi]) = (case.assumptions.domain[axis], region[axis]);

@@ -22,7 +22,7 @@ pub use effort::Effort;
 pub use minimise::minimise;
 pub use oracle::{Claim, Defined, Oracle, enclose_at};
 pub use random::{
-    Ends, GraphOptions, Ray, Rng, adversarial_f32, point_in_box, random_box, random_constant,
+    Adversarial, Ends, GraphOptions, Ray, Rng, point_in_box, random_box, random_constant,
     random_domain, random_graph, random_parameters, random_ray, range_within,
 };
 pub use reproduce::{Place, hexadecimal, reproduce, typed};

@@ -10,4 +10,4 @@ mod values;
 pub use fastrand::Rng;
 pub use graphs::{GraphOptions, random_constant, random_graph, random_parameters};
 pub use places::{Ray, point_in_box, random_box, random_domain, random_ray, range_within};
-pub use values::{Ends, adversarial_f32};
+pub use values::{Adversarial, Ends};

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use zeroset_eval::Real;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_ops::Notation;
 
@@ -18,7 +19,14 @@ pub enum Place {
     /// At a point.
     At([f64; 3]),
     /// Over a box: per axis, its lower and upper end.
-    Box([[f32; 2]; 3]),
+    Box([[f64; 2]; 3]),
+}
+
+impl Place {
+    /// A box of `f32` or `f64`.
+    pub fn over<T: Real>(region: &[[T; 2]; 3]) -> Self {
+        Self::Box(region.map(|range| range.map(Into::into)))
+    }
 }
 
 /// A line of JSON for `zeroset eval -`: the function `root` of `graph`, and where.
@@ -44,7 +52,7 @@ pub fn reproduce(graph: &Graph, root: NodeId, parameters: &[(f64, f64)], place: 
     let place = match place {
         Place::At(point) => format!("\"at\":[{}]", joined(&point.map(quoted))),
         Place::Box(region) => {
-            let range = |[lo, hi]: [f32; 2]| format!("[{}]", joined(&[lo, hi].map(quoted)));
+            let range = |[lo, hi]: [f64; 2]| format!("[{}]", joined(&[lo, hi].map(quoted)));
             format!("\"box\":[{}]", joined(&region.map(range)))
         }
     };
@@ -71,8 +79,8 @@ fn joined<const N: usize>(parts: &[String; N]) -> String {
     parts.join(",")
 }
 
-fn quoted(value: impl Into<f64>) -> String {
-    format!("\"{}\"", hexadecimal(value.into()))
+fn quoted(value: f64) -> String {
+    format!("\"{}\"", hexadecimal(value))
 }
 
 /// `value` as a hexadecimal float like `0x1.8p-3`, exactly; else `inf`, `-inf` or `nan`.
@@ -261,7 +269,7 @@ mod tests {
         let power = graph.apply(Op::Pow, &[pi, half]);
         let root = graph.apply(Op::WhereNonneg, &[p, power]);
         let root = graph.apply(Op::Min, &[root, q]);
-        let region = Place::Box([[f32::NEG_INFINITY, 0.0], [1.0, 1.5], [0.0, 0.0]]);
+        let region = Place::Box([[f64::NEG_INFINITY, 0.0], [1.0, 1.5], [0.0, 0.0]]);
         assert_eq!(
             reproduce(&graph, root, &[(0.25, 0.25), (0.0, 1.0)], &region),
             concat!(

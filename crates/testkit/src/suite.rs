@@ -21,11 +21,11 @@ pub use point::check_points;
 pub use rewrite::{Rewrite, check_rewrite};
 
 /// Makes an interval kernel for a graph without parameters.
-pub type MakeInterval<'a> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn IntervalKernel>;
+pub type MakeInterval<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn IntervalKernel<T>>;
 /// Makes a point kernel for a graph without parameters.
-pub type MakePoint<'a> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn PointKernel>;
+pub type MakePoint<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn PointKernel<T>>;
 /// Makes a gradient kernel for a graph without parameters.
-pub type MakeGradient<'a> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn GradientKernel>;
+pub type MakeGradient<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn GradientKernel<T>>;
 
 /// How much a passing check has looked at: a test should ask for a minimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

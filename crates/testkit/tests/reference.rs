@@ -1,80 +1,103 @@
-//! The suite, with the reference evaluator plugged in.
+//! The suite, with the reference evaluator plugged in, in both precisions.
 
 use zeroset_eval::{
-    Assumptions, Binding, GradientKernel, IntervalKernel, PointKernel, Reference, Tape,
+    Assumptions, Binding, GradientKernel, IntervalKernel, PointKernel, Real, Reference, Tape,
 };
+use zeroset_interval::Format;
 use zeroset_ir::{Graph, NodeId};
 use zeroset_ops::Op;
 use zeroset_testkit::suite::{
     check_gradients, check_interval_graphs, check_interval_ops, check_points,
 };
-use zeroset_testkit::{Claim, GraphOptions};
+use zeroset_testkit::{Adversarial, Claim, GraphOptions};
 
-fn reference(graph: &Graph, roots: &[NodeId]) -> Reference {
+fn reference<T: Real>(graph: &Graph, roots: &[NodeId]) -> Reference<T> {
     let tape = Tape::new(graph, roots, &Assumptions::none(0));
     Reference::new(tape, Binding::empty())
 }
 
-fn interval(graph: &Graph, root: NodeId) -> Box<dyn IntervalKernel> {
+fn interval<T: Real>(graph: &Graph, root: NodeId) -> Box<dyn IntervalKernel<T>> {
     Box::new(reference(graph, &[root]))
 }
 
-fn point(graph: &Graph, root: NodeId) -> Box<dyn PointKernel> {
+fn point<T: Real>(graph: &Graph, root: NodeId) -> Box<dyn PointKernel<T>> {
     Box::new(reference(graph, &[root]))
 }
 
-fn gradient(graph: &Graph, root: NodeId) -> Box<dyn GradientKernel> {
+fn gradient<T: Real>(graph: &Graph, root: NodeId) -> Box<dyn GradientKernel<T>> {
     let mut graph = graph.clone();
     let [x, y, z] = zeroset_ir::gradient(&mut graph, root);
     Box::new(reference(&graph, &[root, x, y, z]))
 }
 
+fn operations<T: Adversarial>(seed: u64) {
+    let tally = check_interval_ops::<T>(&interval, seed, 2000);
+    let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
+    assert!(tally.defined > 100_000, "{tally:?}");
+}
+
 #[test]
 fn every_operation_encloses_the_oracle() {
-    let tally = check_interval_ops(&interval, 0x5eed_0050, 2000);
+    operations::<f32>(0x5eed_0050);
+    operations::<f64>(0x5eed_0055);
+}
+
+fn graphs<T: Adversarial>(seed: u64, adversarial: bool) {
+    let options = GraphOptions { adversarial, ..GraphOptions::default() };
+    let tally = check_interval_graphs::<T>(&interval, seed, &options, 10_000, 16);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 100_000, "{tally:?}");
 }
 
 #[test]
 fn random_graphs_enclose_the_oracle() {
-    for (seed, adversarial) in [(0x5eed_0051, false), (0x5eed_0052, true)] {
-        let options = GraphOptions { adversarial, ..GraphOptions::default() };
-        let tally = check_interval_graphs(&interval, seed, &options, 10_000, 16);
-        let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
-        assert!(tally.defined > 100_000, "{tally:?}");
-    }
+    graphs::<f32>(0x5eed_0051, false);
+    graphs::<f32>(0x5eed_0052, true);
+    graphs::<f64>(0x5eed_0056, false);
+    graphs::<f64>(0x5eed_0057, true);
 }
 
-/// How far values may be off in single precision, for functions of one variable.
-fn tolerance(op: Op, at: [f32; 3], claim: Claim) -> Option<f64> {
-    /// About five times the unit roundoff: the kernels claim no bound, this is what they reach.
-    const RELATIVE: f64 = 3e-7;
-    /// Near its zeros a sine is good to an absolute error only.
-    const WAVE: f64 = 1e-7;
+/// How far values may be off, for functions of one variable.
+fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> {
     /// Beyond this, in radians, sines lose more.
-    const FARTHEST: f32 = 8192.0;
-    let size = claim.hi.abs().max(claim.lo.abs()).min(f64::from(f32::MAX));
-    let close = size * RELATIVE + f64::from(f32::from_bits(2));
-    let wave = matches!(op, Op::Sin | Op::Cos);
+    const FARTHEST: f64 = 8192.0;
+    // Relative to the value: about five times the unit roundoff in f32, and what texts in f64 reach; the kernels claim
+    // no bound. Then, what a sine may be off near its zeros, where it is good to an absolute error only.
+    let (relative, wave) = match T::FORMAT {
+        Format::F32 => (3e-7, 1e-7),
+        Format::F64 => (1e-14, 1e-15),
+    };
+    let size = claim.hi.abs().max(claim.lo.abs()).min(T::LARGEST.into());
+    let close = size * relative + 2.0 * T::nearest(0.0).next_up().into();
+    let waves = matches!(op, Op::Sin | Op::Cos);
     match (op.arity(), op) {
         (1, Op::Tan) => None,
-        (1, _) if wave && at[0].abs() > FARTHEST => None,
-        (1, _) => Some(if wave { close + WAVE } else { close }),
+        (1, _) if waves && at[0].abs() > FARTHEST => None,
+        (1, _) => Some(if waves { close + wave } else { close }),
         _ => None,
     }
 }
 
-#[test]
-fn points_are_close_and_nan_where_undefined() {
-    let tally = check_points(&point, 0x5eed_0053, 2000, &tolerance);
+fn points<T: Adversarial>(seed: u64) {
+    let tally = check_points::<T>(&point, seed, 2000, &tolerance::<T>);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 100_000, "{tally:?}");
 }
 
 #[test]
-fn gradients_agree_with_slopes() {
-    let tally = check_gradients(&gradient, 0x5eed_0054, 500, 1e-3);
+fn points_are_close_and_nan_where_undefined() {
+    points::<f32>(0x5eed_0053);
+    points::<f64>(0x5eed_0058);
+}
+
+fn gradients<T: Real>(seed: u64, relative: f64) {
+    let tally = check_gradients::<T>(&gradient, seed, 500, relative);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 50_000, "{tally:?}");
+}
+
+#[test]
+fn gradients_agree_with_slopes() {
+    gradients::<f32>(0x5eed_0054, 1e-3);
+    gradients::<f64>(0x5eed_0059, 1e-3);
 }

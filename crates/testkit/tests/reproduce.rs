@@ -30,7 +30,7 @@ fn printed_formulas_read_back_with_the_same_values() {
             adversarial: false,
         };
         let (graph, root) = random_graph(&mut rng, &options);
-        let region = random_box(&mut rng, Ends::Finite);
+        let region = random_box::<f32>(&mut rng, Ends::Finite);
         let point = point_in_box(&mut rng, &region);
         let line = reproduce(&graph, root, &[], &Place::At(point));
         let case = format!("{line}\nseed {SEED:#x}, round {round}");

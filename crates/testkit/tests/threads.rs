@@ -6,20 +6,23 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use zeroset_eval::{
     Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, PointKernel, PointPacket,
-    Reference, Tape, ValuePacket,
+    Real, Reference, Tape, ValuePacket,
 };
 use zeroset_ir::{Axis, Graph};
 use zeroset_jit::{NativeInterval, NativePoint};
 use zeroset_ops::Op;
-use zeroset_testkit::{Case, GraphOptions, Rng, pack_boxes};
+use zeroset_testkit::{Adversarial, Case, GraphOptions, Rng, pack_boxes};
 
 const SEED: u64 = 0x5eed_00a0;
 
-fn tape(case: &Case) -> Tape {
+fn tape<T: Real>(case: &Case) -> Tape<T> {
     Tape::new(&case.graph, &[case.root], &case.assumptions)
 }
 
-fn enclose(kernel: &dyn IntervalKernel, boxes: &[BoxPacket]) -> Vec<EnclosurePacket> {
+fn enclose<T: Real>(
+    kernel: &dyn IntervalKernel<T>,
+    boxes: &[BoxPacket<T>],
+) -> Vec<EnclosurePacket<T>> {
     let mut out = vec![EnclosurePacket::default(); boxes.len()];
     kernel.enclose(boxes, &mut out);
     out
@@ -27,6 +30,11 @@ fn enclose(kernel: &dyn IntervalKernel, boxes: &[BoxPacket]) -> Vec<EnclosurePac
 
 #[test]
 fn code_runs_on_many_threads_while_other_code_is_dropped() {
+    many_threads::<f32>();
+    many_threads::<f64>();
+}
+
+fn many_threads<T: Adversarial>() {
     println!("seed {SEED:#x}");
     let mut rng = Rng::with_seed(SEED);
     let options = GraphOptions::default();
@@ -35,8 +43,8 @@ fn code_runs_on_many_threads_while_other_code_is_dropped() {
             let case = Case::random(&mut rng, &options);
             let regions: Vec<_> = (0..64).map(|_| case.random_box(&mut rng)).collect();
             let boxes = pack_boxes(&regions);
-            let kernel =
-                NativeInterval::compile(&tape(&case), &Binding::empty()).expect("compiles");
+            let kernel = NativeInterval::<T>::compile(&tape(&case), &Binding::empty());
+            let kernel = kernel.expect("compiles");
             let expected = enclose(&Reference::new(tape(&case), Binding::empty()), &boxes);
             (kernel, boxes, expected)
         })
@@ -60,7 +68,8 @@ fn code_runs_on_many_threads_while_other_code_is_dropped() {
         }
         drop(work);
         for case in &dropped {
-            let kernel = NativeInterval::compile(&tape(case), &Binding::empty()).expect("compiles");
+            let kernel = NativeInterval::<T>::compile(&tape(case), &Binding::empty());
+            let kernel = kernel.expect("compiles");
             let other = kernel.clone();
             scope.spawn(move || drop(other));
         }
@@ -76,32 +85,48 @@ fn assert_rounds_to_nearest() {
     let quotient = |a: f32, b: f32| black_box(black_box(a) / black_box(b));
     let all = [quotient(1.0, 3.0), quotient(7.0, 10.0), quotient(-7.0, 10.0)];
     assert_eq!(all.map(f32::to_bits), [0x3eaa_aaab, 0x3f33_3333, 0xbf33_3333]);
+    let quotient = |a: f64, b: f64| black_box(black_box(a) / black_box(b));
+    let all = [quotient(1.0, 3.0), quotient(7.0, 10.0), quotient(-7.0, 10.0)];
+    let nearest = [0x3fd5_5555_5555_5555, 0x3fe6_6666_6666_6666, 0xbfe6_6666_6666_6666];
+    assert_eq!(all.map(f64::to_bits), nearest);
     // Subnormal numbers are kept, neither flushed to zero nor taken for it.
     let least = f32::from_bits(1);
     assert_eq!(black_box(black_box(least) * 3.0).to_bits(), 3);
+    assert_eq!(black_box(black_box(f64::from_bits(1)) * 3.0).to_bits(), 3);
 }
 
 #[test]
 fn callers_go_on_rounding_to_nearest() {
+    assert_eq!(quotient_rounded_up::<f32>().to_bits(), 0x3f33_3334, "kernels round up");
+    assert_eq!(quotient_rounded_up::<f64>().to_bits(), 0x3fe6_6666_6666_6667, "kernels round up");
+}
+
+/// 7/10 by a kernel. The caller's own arithmetic is checked after each kind of call.
+fn quotient_rounded_up<T: Adversarial>() -> T {
     let mut graph = Graph::new();
     let (x, y) = (graph.variable(Axis::X), graph.variable(Axis::Y));
     let root = graph.apply(Op::Div, &[x, y]);
     let tape = Tape::new(&graph, &[root], &Assumptions::none(0));
     let point = NativePoint::compile(&tape, &Binding::empty()).expect("compiles");
-    let interval = NativeInterval::compile(&tape, &Binding::empty()).expect("compiles");
+    let interval = NativeInterval::<T>::compile(&tape, &Binding::empty()).expect("compiles");
     assert_rounds_to_nearest();
-    let mut out = [ValuePacket::<f32>::default()];
-    point.sample(&[PointPacket { at: [[7.0; 4], [10.0; 4], [0.0; 4]] }], &mut out);
-    assert_eq!(out[0].value[0].to_bits(), 0x3f33_3334, "kernels round up");
+    let mut out = [ValuePacket::default()];
+    let at = [[7.0; 4], [10.0; 4], [0.0; 4]].map(|lanes| lanes.map(T::nearest));
+    point.sample(&[PointPacket { at }], &mut out);
     assert_rounds_to_nearest();
     // Also when every exception is raised, and for no boxes at all.
+    let numbers = |numbers: [f64; 4]| numbers.map(T::nearest);
     let mut packet = BoxPacket::default();
-    packet.neg_lo[0] = [-1.0, f32::MAX, -1e-45, 0.0];
-    packet.hi[0] = [1.0, f32::MAX, 1e-45, 0.0];
-    packet.hi[1] = [3.0, 1e-45, 3.0, 0.0];
+    packet.neg_lo[0] = numbers([-1.0, 0.0, -1e-45, 0.0]);
+    packet.neg_lo[0][1] = T::LARGEST;
+    packet.hi[0] = numbers([1.0, 0.0, 1e-45, 0.0]);
+    packet.hi[0][1] = T::LARGEST;
+    packet.hi[1] = numbers([3.0, 1e-45, 3.0, 0.0]);
     let enclosures = enclose(&interval, &[packet; 3]);
-    assert!(enclosures[0].hi[1] == f32::INFINITY && enclosures[2] == enclosures[0]);
+    let infinite = enclosures[0].hi[1].into() == f64::INFINITY;
+    assert!(infinite && enclosures[2] == enclosures[0]);
     assert_rounds_to_nearest();
     enclose(&interval, &[]);
     assert_rounds_to_nearest();
+    out[0].value[0]
 }

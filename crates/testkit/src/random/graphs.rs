@@ -1,7 +1,7 @@
 //! Random expression graphs over every row of the table, and values for their parameters.
 
 use super::Rng;
-use super::values::{Ends, adversarial_f32, below, from_exponents};
+use super::values::{Adversarial, Ends, below, from_exponents};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, NodeId};
 use zeroset_ops::{Op, TABLE};
@@ -119,15 +119,15 @@ pub fn random_constant(rng: &mut Rng, adversarial: bool) -> Constant {
         7 => decimal(format!("{}e-{}", rng.u32(1..100), rng.i32(20..=340))),
         8 => Constant::integer((1 << 53) + i64::from(rng.i32(-3..=3))),
         9 => {
-            let value = f64::from(adversarial_f32(rng, Ends::Finite));
+            let value = f64::from(f32::adversarial(rng, Ends::Finite));
             enclosed(value, value.next_up())
         }
         10 => {
-            let value = f64::from(adversarial_f32(rng, Ends::Finite));
-            enclosed(value, value + f64::from(from_exponents(rng, -40, 2)))
+            let value = f64::from(f32::adversarial(rng, Ends::Finite));
+            enclosed(value, value + f64::from(from_exponents::<f32>(rng, -40, 2)))
         }
         _ => {
-            let value = f64::from(adversarial_f32(rng, Ends::Finite));
+            let value = f64::from(f32::adversarial(rng, Ends::Finite));
             enclosed(value, value)
         }
     }
@@ -143,11 +143,11 @@ fn enclosed(lo: f64, hi: f64) -> Constant {
 pub fn random_parameters(rng: &mut Rng, count: u32) -> Vec<(f64, f64)> {
     (0..count)
         .map(|_| {
-            let value = f64::from(adversarial_f32(rng, Ends::Finite));
+            let value = f64::from(f32::adversarial(rng, Ends::Finite));
             match rng.u32(0..4) {
                 0 | 1 => (value, value),
                 2 => (value, value.next_up()),
-                _ => (value, value + f64::from(from_exponents(rng, -24, 1))),
+                _ => (value, value + f64::from(from_exponents::<f32>(rng, -24, 1))),
             }
         })
         .collect()
@@ -209,7 +209,7 @@ mod tests {
         let (mut defined, mut narrow) = (0, 0);
         for _ in 0..2000 {
             let (graph, root) = random_graph(&mut rng, &GraphOptions::default());
-            let region = crate::random_box(&mut rng, Ends::Finite);
+            let region = crate::random_box::<f32>(&mut rng, Ends::Finite);
             let point = crate::point_in_box(&mut rng, &region);
             let claim = enclose_at(&graph, &[root], point, &[])[0];
             defined += u32::from(claim.defined == Defined::Yes);

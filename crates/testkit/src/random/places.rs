@@ -1,45 +1,46 @@
 //! Boxes, points inside them, and rays.
 
-use super::values::{Ends, adversarial_f32, below, from_exponents, uniform, uniform_f64};
+use super::values::{Adversarial, Ends, below, from_exponents, uniform_f64};
 use super::{Rng, values::nudge};
-use zeroset_interval::{Interval, round::f32_up};
+use zeroset_interval::Interval;
 
 /// A box: per axis, the lower and the upper end, in order and never NaN. An infinite end stands for
 /// an unbounded side (as allowed by `ends`), so a lower end is below +∞ and an upper one above −∞.
 ///
 /// Points, thin boxes, boxes around zero and huge ones are all likely; one box in four is plain on
 /// every axis, so that larger formulas are defined and finite somewhere.
-pub fn random_box(rng: &mut Rng, ends: Ends) -> [[f32; 2]; 3] {
+pub fn random_box<T: Adversarial>(rng: &mut Rng, ends: Ends) -> [[T; 2]; 3] {
     let plain = rng.u32(0..4) == 0;
     [(); 3].map(|()| if plain { plain_range(rng) } else { random_range(rng, ends) })
 }
 
-fn plain_range(rng: &mut Rng) -> [f32; 2] {
-    let middle = uniform(rng) * 8.0 - 4.0;
-    let half = from_exponents(rng, -24, 1);
-    [middle - half, middle + half]
+fn plain_range<T: Adversarial>(rng: &mut Rng) -> [T; 2] {
+    let middle = T::uniform(rng).into() * 8.0 - 4.0;
+    let half = from_exponents::<T>(rng, -24, 1).into();
+    [middle - half, middle + half].map(T::nearest)
 }
 
-fn random_range(rng: &mut Rng, ends: Ends) -> [f32; 2] {
-    let a = adversarial_f32(rng, Ends::Finite);
+fn random_range<T: Adversarial>(rng: &mut Rng, ends: Ends) -> [T; 2] {
+    let a = T::adversarial(rng, Ends::Finite);
+    let ordered = |a: T, b: T| if b < a { [b, a] } else { [a, b] };
     match rng.u32(0..8) {
         0 => [a, a],
-        1 => {
-            let b = nudge(rng, a);
-            [a.min(b), a.max(b)]
+        1 => ordered(a, nudge(rng, a)),
+        2 => {
+            let magnitude = |x: T| T::nearest(x.into().abs());
+            [-magnitude(a), magnitude(T::adversarial(rng, Ends::Finite))]
         }
-        2 => [-a.abs(), adversarial_f32(rng, Ends::Finite).abs()],
-        3 => [-0.0, 0.0],
+        3 => [-0.0, 0.0].map(T::nearest),
         4 => plain_range(rng),
-        5 if ends == Ends::Infinite => match rng.u32(0..3) {
-            0 => [f32::NEG_INFINITY, a],
-            1 => [a, f32::INFINITY],
-            _ => [f32::NEG_INFINITY, f32::INFINITY],
-        },
-        _ => {
-            let b = adversarial_f32(rng, Ends::Finite);
-            [a.min(b), a.max(b)]
+        5 if ends == Ends::Infinite => {
+            let infinity = T::nearest(f64::INFINITY);
+            match rng.u32(0..3) {
+                0 => [-infinity, a],
+                1 => [a, infinity],
+                _ => [-infinity, infinity],
+            }
         }
+        _ => ordered(a, T::adversarial(rng, Ends::Finite)),
     }
 }
 
@@ -57,46 +58,46 @@ pub fn random_domain(rng: &mut Rng) -> [Interval; 3] {
             let half = uniform_f64(rng) * 4.0;
             Interval { lo: middle - half, hi: middle + half }
         }),
-        _ => random_box(rng, Ends::Infinite)
+        _ => random_box::<f32>(rng, Ends::Infinite)
             .map(|[lo, hi]| Interval { lo: f64::from(lo), hi: f64::from(hi) }),
     }
 }
 
-/// A range within `bounds`, rounded outward to `f32`: all of it, or a part anywhere in it, thin ones
+/// A range within `bounds`, rounded outward to `T`: all of it, or a part anywhere in it, thin ones
 /// included, or `wanted` as far as it lies inside. It always holds real numbers within `bounds`.
-pub fn range_within(rng: &mut Rng, bounds: Interval, wanted: [f32; 2]) -> [f32; 2] {
-    let down = |value: f64| -f32_up::from_f64(-value);
-    let (least, most) = (down(bounds.lo), f32_up::from_f64(bounds.hi));
+pub fn range_within<T: Adversarial>(rng: &mut Rng, bounds: Interval, wanted: [T; 2]) -> [T; 2] {
+    let down = |value: f64| -T::above(-value);
+    let (least, most) = (down(bounds.lo), T::above(bounds.hi));
     let [lo, hi] = match rng.u32(0..8) {
         0 => [least, most],
         1..=4 if bounds.is_bounded() => {
-            let length = bounds.width() * f64::from(from_exponents(rng, -24, -1));
+            let length = bounds.width() * from_exponents::<T>(rng, -24, -1).into();
             let start = bounds.lo + (bounds.width() - length) * uniform_f64(rng);
-            [start as f32, (start + length) as f32]
+            [start, start + length].map(T::nearest)
         }
         _ => wanted,
     };
-    [
-        lo.clamp(least, most).min(down(bounds.hi)),
-        hi.clamp(least, most).max(f32_up::from_f64(bounds.lo)),
-    ]
+    let between = |x: T, least: T, most: T| T::nearest(x.into().clamp(least.into(), most.into()));
+    [between(lo, least, down(bounds.hi)), between(hi, T::above(bounds.lo), most)]
 }
 
 /// A real point of `region` (ends as in [`random_box`]): mostly at corners, on edges and at zeros,
 /// integers, half integers and multiples of π/2 inside, and else anywhere. Always finite; where the
-/// box is unbounded the point may be as far out as 1e300.
-pub fn point_in_box(rng: &mut Rng, region: &[[f32; 2]; 3]) -> [f64; 3] {
+/// box is unbounded the point may be as far out as 1e300, or as its other end if that is farther.
+pub fn point_in_box<T: Adversarial>(rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64; 3] {
     let corner = rng.u32(0..4) == 0;
     region.map(|[lo, hi]| {
-        let (lo, hi) = (f64::from(lo), f64::from(hi));
-        let (lo, hi) = (bounded(rng, lo), bounded(rng, hi));
+        let (lo, hi) = (lo.into(), hi.into());
+        let (least, most) = (bounded(rng, lo), bounded(rng, hi));
+        let finite = |end: f64, otherwise: f64| if end.is_finite() { end } else { otherwise };
+        let (lo, hi) = (finite(lo, least.min(most)), finite(hi, least.max(most)));
         match rng.u32(0..8) {
             _ if corner => [lo, hi][below(rng, 2)],
             0 | 1 => [lo, hi][below(rng, 2)],
             2 => [lo.next_up(), hi.next_down()][below(rng, 2)].clamp(lo, hi),
             3 => special_between(rng, lo, hi).clamp(lo, hi),
             4 => (lo / 2.0 + hi / 2.0).clamp(lo, hi),
-            5 => f64::from(adversarial_f32(rng, Ends::Finite)).clamp(lo, hi),
+            5 => T::adversarial(rng, Ends::Finite).into().clamp(lo, hi),
             _ => {
                 let share = uniform_f64(rng);
                 (lo * (1.0 - share) + hi * share).clamp(lo, hi)
@@ -153,8 +154,8 @@ pub fn random_ray(rng: &mut Rng) -> Ray {
         }
     };
     let eye = [(); 3].map(|()| signed(rng) * 8.0);
-    let start = from_exponents(rng, -10, 3);
-    let length = from_exponents(rng, -24, 3);
+    let start: f32 = from_exponents(rng, -10, 3);
+    let length: f32 = from_exponents(rng, -24, 3);
     Ray { eye, direction, span: [start, start + length] }
 }
 
@@ -166,18 +167,21 @@ mod tests {
 
     #[test]
     fn boxes_are_in_order_and_points_lie_inside() {
+        in_order_and_inside::<f32>();
+        in_order_and_inside::<f64>();
+    }
+
+    fn in_order_and_inside<T: Adversarial>() {
         let mut rng = Rng::with_seed(SEED);
         let (mut unbounded, mut lower, mut upper, mut inside) = (0, 0, 0, 0);
         for round in 0..20_000 {
-            let region = random_box(&mut rng, Ends::Infinite);
+            let region: [[T; 2]; 3] = random_box(&mut rng, Ends::Infinite);
             let case = format!("{region:?}, seed {SEED:#x}, round {round}");
-            for [lo, hi] in region {
-                assert!(lo <= hi && lo < f32::INFINITY && hi > f32::NEG_INFINITY, "{case}");
-                unbounded += u32::from(lo.is_infinite() || hi.is_infinite());
-            }
             let point = point_in_box(&mut rng, &region);
-            for (p, [lo, hi]) in point.into_iter().zip(region) {
-                let (lo, hi) = (f64::from(lo), f64::from(hi));
+            for (p, range) in point.into_iter().zip(region) {
+                let [lo, hi]: [f64; 2] = range.map(Into::into);
+                assert!(lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY, "{case}");
+                unbounded += u32::from(lo.is_infinite() || hi.is_infinite());
                 assert!(p.is_finite() && lo <= p && p <= hi, "{point:?} in {case}");
                 lower += u32::from(p == lo && lo < hi);
                 upper += u32::from(p == hi && lo < hi);
@@ -188,8 +192,8 @@ mod tests {
         assert!(counts.iter().all(|count| *count > 5000), "{counts:?}");
         let mut rng = Rng::with_seed(SEED);
         for _ in 0..20_000 {
-            let region = random_box(&mut rng, Ends::Finite);
-            assert!(region.as_flattened().iter().all(|end| end.is_finite()));
+            let region: [[T; 2]; 3] = random_box(&mut rng, Ends::Finite);
+            assert!(region.as_flattened().iter().all(|&end| end.into().is_finite()));
         }
     }
 

@@ -3,13 +3,13 @@
 use super::interval::Answer;
 use super::{Failure, Tally};
 use crate::{
-    Case, Claim, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, minimise,
-    pack_boxes,
+    Adversarial, Case, Claim, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal,
+    minimise, pack_boxes,
 };
 use zeroset_eval::{EnclosurePacket, IntervalKernel, LANES};
 
 /// Makes an interval kernel of a case, parameters bound; `None` leaves the case out.
-pub type MakeCase<'a> = &'a dyn Fn(&Case) -> Option<Box<dyn IntervalKernel>>;
+pub type MakeCase<'a, T = f32> = &'a dyn Fn(&Case) -> Option<Box<dyn IntervalKernel<T>>>;
 
 /// Boxes per kernel and points per box: enough that compiling is a small part of the work.
 const BOXES: usize = 64;
@@ -23,8 +23,8 @@ const POINTS: usize = 6;
 ///
 /// # Errors
 /// The first contradiction, made smaller, with a line that reproduces it.
-pub fn check_interval_cases(
-    make: MakeCase,
+pub fn check_interval_cases<T: Adversarial>(
+    make: MakeCase<T>,
     effort: Effort,
     options: &GraphOptions,
 ) -> Result<Tally, Failure> {
@@ -44,10 +44,10 @@ pub fn check_interval_cases(
     Ok(tally)
 }
 
-fn check(
-    make: MakeCase,
+fn check<T: Adversarial>(
+    make: MakeCase<T>,
     case: &Case,
-    kernel: &dyn IntervalKernel,
+    kernel: &dyn IntervalKernel<T>,
     rng: &mut Rng,
 ) -> Result<Tally, Failure> {
     let regions: Vec<_> = (0..BOXES).map(|_| case.random_box(rng)).collect();
@@ -90,10 +90,10 @@ fn contradicts(answer: &Answer, claim: Claim) -> Option<&'static str> {
 }
 
 /// The contradiction in a case as small as can be.
-fn explain(
-    make: MakeCase,
+fn explain<T: Adversarial>(
+    make: MakeCase<T>,
     case: &Case,
-    region: &[[f32; 2]; 3],
+    region: &[[T; 2]; 3],
     point: [f64; 3],
     values: &[(f64, f64)],
 ) -> Failure {
@@ -108,5 +108,5 @@ fn explain(
     let least = minimise(case, &mut |case| ask(case).is_some());
     let what = ask(&least).unwrap_or_else(|| "it depends on the other lanes".to_owned());
     let at = point.map(hexadecimal);
-    Failure(format!("at {at:?}, {what}\n{}", least.describe(&Place::Box(*region))))
+    Failure(format!("at {at:?}, {what}\n{}", least.describe(&Place::over(region))))
 }

@@ -3,7 +3,7 @@
 use super::subjects::{Subject, subjects};
 use super::{Failure, MakeGradient, Tally};
 use crate::{Defined, Oracle, Place, Rng, reproduce};
-use zeroset_eval::{GradientPacket, LANES, PointPacket};
+use zeroset_eval::{GradientPacket, LANES, PointPacket, Real};
 use zeroset_ops::Op;
 
 /// Half the distance over which slopes are measured. Squared, times a third derivative, it is what
@@ -17,29 +17,29 @@ const STEP: f64 = 1.0 / (1 << 17) as f64;
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
-pub fn check_gradients(
-    make: MakeGradient,
+pub fn check_gradients<T: Real>(
+    make: MakeGradient<T>,
     seed: u64,
     points: u32,
     relative: f64,
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    for subject in subjects().into_iter().filter(Subject::fits_f32) {
-        let places: Vec<[f32; 3]> = (0..points)
-            .map(|_| [(); 3].map(|()| rng.i32(-1 << 20..1 << 20) as f32 / (1 << 18) as f32))
+    for subject in subjects().into_iter().filter(Subject::fits::<T>) {
+        let places: Vec<[f64; 3]> = (0..points)
+            .map(|_| [(); 3].map(|()| f64::from(rng.i32(-1 << 20..1 << 20)) / f64::from(1 << 18)))
             .collect();
         let mut packets = vec![PointPacket::default(); places.len().div_ceil(LANES)];
         for (index, place) in places.iter().enumerate() {
             for (axis, value) in place.iter().enumerate() {
-                packets[index / LANES].at[axis][index % LANES] = *value;
+                packets[index / LANES].at[axis][index % LANES] = T::nearest(*value); // exact
             }
         }
         let mut out = vec![GradientPacket::default(); packets.len()];
         make(&subject.graph, subject.root).gradient(&packets, &mut out);
         let oracle = Oracle::new(&subject.graph, &[subject.root]);
         for (index, place) in places.iter().enumerate() {
-            let point = place.map(f64::from);
+            let point = *place;
             for axis in 0..3 {
                 tally.compared += 1;
                 let Some((value, slope)) = slope(&oracle, point, axis, relative) else {
@@ -50,7 +50,7 @@ pub fn check_gradients(
                     continue;
                 }
                 tally.defined += 1;
-                let got = f64::from(out[index / LANES].gradient[axis][index % LANES]);
+                let got = out[index / LANES].gradient[axis][index % LANES].into();
                 let close = (got - slope).abs() <= relative * slope.abs().max(1.0);
                 if !close {
                     let line = reproduce(&subject.graph, subject.root, &[], &Place::At(point));

@@ -3,10 +3,10 @@
 use super::subjects::subjects;
 use super::{Failure, MakeInterval, Tally};
 use crate::{
-    Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes, point_in_box,
-    random_box, random_graph, reproduce,
+    Adversarial, Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
+    point_in_box, random_box, random_graph, reproduce,
 };
-use zeroset_eval::{EnclosurePacket, LANES};
+use zeroset_eval::{EnclosurePacket, LANES, Real};
 use zeroset_interval::Facts;
 use zeroset_ir::{Graph, NodeId};
 
@@ -17,7 +17,11 @@ const POINTS: u32 = 4;
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
-pub fn check_interval_ops(make: MakeInterval, seed: u64, boxes: u32) -> Result<Tally, Failure> {
+pub fn check_interval_ops<T: Adversarial>(
+    make: MakeInterval<T>,
+    seed: u64,
+    boxes: u32,
+) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
     for subject in subjects() {
@@ -32,8 +36,8 @@ pub fn check_interval_ops(make: MakeInterval, seed: u64, boxes: u32) -> Result<T
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
-pub fn check_interval_graphs(
-    make: MakeInterval,
+pub fn check_interval_graphs<T: Adversarial>(
+    make: MakeInterval<T>,
     seed: u64,
     options: &GraphOptions,
     graphs: u32,
@@ -54,14 +58,14 @@ fn seeded(failure: &Failure, seed: u64) -> Failure {
     Failure(format!("{failure}\nseed {seed:#x}"))
 }
 
-fn check(
-    make: MakeInterval,
+fn check<T: Adversarial>(
+    make: MakeInterval<T>,
     rng: &mut Rng,
     graph: &Graph,
     root: NodeId,
     boxes: u32,
 ) -> Result<Tally, Failure> {
-    let regions: Vec<_> = (0..boxes).map(|_| random_box(rng, Ends::Infinite)).collect();
+    let regions: Vec<_> = (0..boxes).map(|_| random_box::<T>(rng, Ends::Infinite)).collect();
     let packets = pack_boxes(&regions);
     let mut enclosures = vec![EnclosurePacket::default(); packets.len()];
     make(graph, root).enclose(&packets, &mut enclosures);
@@ -70,7 +74,7 @@ fn check(
     for (index, region) in regions.iter().enumerate() {
         let answer = Answer::of(&enclosures[index / LANES], index % LANES);
         let fail = |what: &str| {
-            let line = reproduce(graph, root, &[], &Place::Box(*region));
+            let line = reproduce(graph, root, &[], &Place::over(region));
             Failure(format!("{what}: {answer:?}\n{line}"))
         };
         answer.well_formed().map_err(fail)?;
@@ -91,19 +95,19 @@ fn check(
 /// One lane of a kernel's answer.
 #[derive(Debug)]
 pub(super) struct Answer {
-    lo: f32,
-    hi: f32,
+    lo: f64,
+    hi: f64,
     facts: Facts,
-    bits: u32,
+    bits: u64,
 }
 
 impl Answer {
-    pub(super) fn of(packet: &EnclosurePacket, lane: usize) -> Self {
+    pub(super) fn of<T: Real>(packet: &EnclosurePacket<T>, lane: usize) -> Self {
         Self {
-            lo: -packet.neg_lo[lane],
-            hi: packet.hi[lane],
-            facts: Facts::from_bits(packet.facts[lane]),
-            bits: packet.facts[lane],
+            lo: -packet.neg_lo[lane].into(),
+            hi: packet.hi[lane].into(),
+            facts: packet.facts(lane),
+            bits: packet.facts[lane].into(),
         }
     }
 
@@ -115,9 +119,9 @@ impl Answer {
         let nowhere = self.facts.has(Facts::NOWHERE);
         if self.lo.is_nan() || self.hi.is_nan() {
             Err("a bound is NaN")
-        } else if self.lo == f32::INFINITY || self.hi == f32::NEG_INFINITY {
+        } else if self.lo == f64::INFINITY || self.hi == f64::NEG_INFINITY {
             Err("a bound lies beyond all reals")
-        } else if self.bits != self.facts.bits() {
+        } else if self.bits != u64::from(self.facts.bits()) {
             Err("unknown fact bits")
         } else if nowhere && self.claims_defined() {
             Err("defined and nowhere defined")
@@ -129,7 +133,7 @@ impl Answer {
     }
 
     pub(super) fn agrees(&self, claim: Claim) -> Result<(), &'static str> {
-        let meets = f64::from(self.lo) <= claim.hi && claim.lo <= f64::from(self.hi);
+        let meets = self.lo <= claim.hi && claim.lo <= self.hi;
         match claim.defined {
             Defined::Yes if self.facts.has(Facts::NOWHERE) => Err("called undefined, against"),
             Defined::Yes if !meets => Err("the bounds miss"),

@@ -2,29 +2,28 @@
 
 use super::subjects::{Subject, subjects};
 use super::{Failure, MakePoint, Tally};
-use crate::{Claim, Defined, Ends, Oracle, Place, Rng, adversarial_f32, reproduce};
-use zeroset_eval::{LANES, PointPacket, ValuePacket};
+use crate::{Adversarial, Claim, Defined, Ends, Oracle, Place, Rng, reproduce};
+use zeroset_eval::{LANES, PointPacket, Real, ValuePacket};
 use zeroset_ops::Op;
 
 /// Checks every operation alone at `points` adversarial points, whose coordinates are operands.
 ///
 /// `tolerance` says how far a value may lie from the oracle's bounds, or `None` to leave the value
-/// of this operation at this point unchecked. A value beyond the largest `f32` may be infinite.
+/// of this operation at this point unchecked. A value beyond the largest number of `T` may be infinite.
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
-pub fn check_points(
-    make: MakePoint,
+pub fn check_points<T: Adversarial>(
+    make: MakePoint<T>,
     seed: u64,
     points: u32,
-    tolerance: &dyn Fn(Op, [f32; 3], Claim) -> Option<f64>,
+    tolerance: &dyn Fn(Op, [f64; 3], Claim) -> Option<f64>,
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    for subject in subjects().into_iter().filter(Subject::fits_f32) {
-        let places: Vec<[f32; 3]> = (0..points)
-            .map(|_| [(); 3].map(|()| adversarial_f32(&mut rng, Ends::Finite)))
-            .collect();
+    for subject in subjects().into_iter().filter(Subject::fits::<T>) {
+        let places: Vec<[T; 3]> =
+            (0..points).map(|_| [(); 3].map(|()| T::adversarial(&mut rng, Ends::Finite))).collect();
         let mut packets = vec![PointPacket::default(); places.len().div_ceil(LANES)];
         for (index, place) in places.iter().enumerate() {
             for (axis, value) in place.iter().enumerate() {
@@ -36,15 +35,15 @@ pub fn check_points(
         let oracle = Oracle::new(&subject.graph, &[subject.root]);
         for (index, place) in places.iter().enumerate() {
             let value = values[index / LANES].value[index % LANES];
-            let point = place.map(f64::from);
+            let point = place.map(Into::into);
             let claim = oracle.at(point, &[])[0];
             tally.compared += 1;
             tally.defined += u64::from(claim.defined == Defined::Yes);
-            let allowed = tolerance(subject.op, *place, claim);
+            let allowed = tolerance(subject.op, point, claim);
             if let Err(what) = agrees(value, claim, allowed) {
                 let line = reproduce(&subject.graph, subject.root, &[], &Place::At(point));
                 return Err(Failure(format!(
-                    "{what}: {value:e} against {claim:?}\n{line}\nseed {seed:#x}"
+                    "{what}: {value:?} against {claim:?}\n{line}\nseed {seed:#x}"
                 )));
             }
         }
@@ -52,21 +51,21 @@ pub fn check_points(
     Ok(tally)
 }
 
-fn agrees(value: f32, claim: Claim, tolerance: Option<f64>) -> Result<(), &'static str> {
+fn agrees<T: Real>(value: T, claim: Claim, tolerance: Option<f64>) -> Result<(), &'static str> {
+    let value = value.into();
     match (claim.defined, tolerance) {
         (Defined::Unknown, _) | (Defined::Yes, None) => Ok(()),
         (Defined::No, _) if !value.is_finite() => Ok(()),
         (Defined::No, _) => Err("a value where there is none"),
         (Defined::Yes, _) if value.is_nan() => Err("no value where there is one"),
         (Defined::Yes, Some(tolerance)) => {
-            let most = f64::from(f32::MAX);
-            let got = f64::from(value);
+            let most = T::LARGEST.into();
             let close = if value.is_infinite() {
                 // It stands for all that lies beyond the largest finite number.
                 let reached = if value > 0.0 { claim.hi } else { -claim.lo };
                 reached + tolerance >= most
             } else {
-                claim.lo.min(most) - tolerance <= got && got <= claim.hi.max(-most) + tolerance
+                claim.lo.min(most) - tolerance <= value && value <= claim.hi.max(-most) + tolerance
             };
             if close { Ok(()) } else { Err("too far off") }
         }

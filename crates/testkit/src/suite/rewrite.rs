@@ -30,7 +30,7 @@ pub fn check_rewrite(
     let options = GraphOptions { parameters: 0, ..options.clone() };
     for _ in 0..graphs {
         let (graph, root) = random_graph(&mut rng, &options);
-        let region = random_box(&mut rng, Ends::Infinite);
+        let region = random_box::<f32>(&mut rng, Ends::Infinite);
         let Some((after, new_root)) = rewrite(&graph, root, &region) else {
             continue;
         };

@@ -1,5 +1,6 @@
 //! The small graphs that cover the table: each operation alone, with variables and with constants.
 
+use zeroset_eval::Real;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_ops::{Op, TABLE};
 
@@ -11,10 +12,10 @@ pub(super) struct Subject {
 }
 
 impl Subject {
-    /// Whether all its constants are within the range of `f32`: a sample of others means nothing.
-    pub(super) fn fits_f32(&self) -> bool {
+    /// Whether all its constants are within the range of `T`: a sample of others means nothing.
+    pub(super) fn fits<T: Real>(&self) -> bool {
         self.graph.iter().all(|(_, node)| match node {
-            Node::Constant(value) => value.bounds().magnitude() <= f64::from(f32::MAX),
+            Node::Constant(value) => value.bounds().magnitude() <= T::LARGEST.into(),
             Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => true,
         })
     }
