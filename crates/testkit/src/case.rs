@@ -62,6 +62,19 @@ impl Case {
         point
     }
 
+    /// A value within the bounds of each parameter, as two equal bounds: mostly an end.
+    pub fn random_values(&self, rng: &mut Rng) -> Vec<(f64, f64)> {
+        let drawn = self.parameters.iter().map(|bounds| {
+            let value = match rng.u32(0..3) {
+                0 => bounds.lo,
+                1 => bounds.hi,
+                _ => (bounds.lo / 2.0 + bounds.hi / 2.0).clamp(bounds.lo, bounds.hi),
+            };
+            (value, value)
+        });
+        drawn.collect()
+    }
+
     /// How many nodes the function needs.
     pub fn size(&self) -> usize {
         self.graph.reachable(&[self.root]).into_iter().filter(|needed| *needed).count()

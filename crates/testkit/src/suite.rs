@@ -14,10 +14,11 @@ use std::fmt;
 use zeroset_eval::{GradientKernel, IntervalKernel, PointKernel};
 use zeroset_ir::{Graph, NodeId};
 
-pub use cases::{MakeCase, check_interval_cases};
+pub use cases::{MakeCase, check_interval_case, check_interval_cases};
 pub use gradient::check_gradients;
 pub use interval::{check_interval_graphs, check_interval_ops};
 pub use point::check_points;
+pub(crate) use rewrite::contradiction;
 pub use rewrite::{Rewrite, check_rewrite};
 
 /// Makes an interval kernel for a graph without parameters.
@@ -37,7 +38,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, other: Self) {
+    /// Counts what `other` counts, too.
+    pub fn add(&mut self, other: Self) {
         self.compared += other.compared;
         self.defined += other.defined;
     }
@@ -46,6 +48,13 @@ impl Tally {
 /// The first contradiction found: what it was, and a line that reproduces it.
 #[derive(Clone, Debug)]
 pub struct Failure(String);
+
+impl Failure {
+    /// A contradiction, told.
+    pub(crate) fn new(what: impl Into<String>) -> Self {
+        Self(what.into())
+    }
+}
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

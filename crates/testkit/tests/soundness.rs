@@ -3,28 +3,13 @@
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test soundness`.
 
-use zeroset_eval::{Binding, IntervalKernel, Real, Tape};
-use zeroset_interval::Facts;
-use zeroset_ir::{rewrite, simplify};
-use zeroset_jit::NativeInterval;
+use zeroset_testkit::property::native_interval;
 use zeroset_testkit::suite::check_interval_cases;
-use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions};
-
-/// Native code for a case, by the steps that lead from a document to a kernel.
-fn native<T: Real>(case: &Case) -> Option<Box<dyn IntervalKernel<T>>> {
-    let bounds = &case.assumptions;
-    let (graph, roots) =
-        rewrite(&case.graph, &[case.root], &bounds.domain, &bounds.parameters).ok()?;
-    let (graph, roots) = simplify(&graph, &roots, &bounds.domain, &bounds.parameters).ok()?;
-    let tape = Tape::new(&graph, &roots, bounds);
-    let values: Vec<_> = case.parameters.iter().map(|value| (*value, Facts::TOTAL)).collect();
-    let kernel = NativeInterval::compile(&tape, &Binding::new(&values)).expect("compiles");
-    Some(Box::new(kernel))
-}
+use zeroset_testkit::{Adversarial, Effort, GraphOptions};
 
 fn check<T: Adversarial>(name: &str, seed: u64, cases: u64, options: &GraphOptions) {
     let effort = Effort::from_environment(seed, cases);
-    let tally = check_interval_cases::<T>(&native, effort, options);
+    let tally = check_interval_cases::<T>(&native_interval, effort, options);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     println!("{name}, {:?}: {tally:?}", T::FORMAT);
     assert!(tally.defined >= effort.cases, "{tally:?}");

@@ -34,7 +34,7 @@ pub fn check_interval_cases<T: Adversarial>(
         let mut rng = Rng::with_seed(seed);
         let case = Case::random(&mut rng, options);
         if let Some(kernel) = make(&case) {
-            let drawn = check(make, &case, &*kernel, &mut rng);
+            let drawn = check(make, &case, &*kernel, &mut rng, BOXES);
             tally.add(drawn.map_err(|failure| {
                 Failure(format!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1 shows it alone"))
             })?);
@@ -44,13 +44,27 @@ pub fn check_interval_cases<T: Adversarial>(
     Ok(tally)
 }
 
+/// As [`check_interval_cases`], over `boxes` boxes of one case.
+///
+/// # Errors
+/// The first contradiction, made smaller, with a line that reproduces it.
+pub fn check_interval_case<T: Adversarial>(
+    make: MakeCase<T>,
+    case: &Case,
+    rng: &mut Rng,
+    boxes: usize,
+) -> Result<Tally, Failure> {
+    make(case).map_or(Ok(Tally::default()), |kernel| check(make, case, &*kernel, rng, boxes))
+}
+
 fn check<T: Adversarial>(
     make: MakeCase<T>,
     case: &Case,
     kernel: &dyn IntervalKernel<T>,
     rng: &mut Rng,
+    boxes: usize,
 ) -> Result<Tally, Failure> {
-    let regions: Vec<_> = (0..BOXES).map(|_| case.random_box(rng)).collect();
+    let regions: Vec<_> = (0..boxes).map(|_| case.random_box(rng)).collect();
     let packets = pack_boxes(&regions);
     let mut enclosures = vec![EnclosurePacket::default(); packets.len()];
     kernel.enclose(&packets, &mut enclosures);
@@ -60,7 +74,7 @@ fn check<T: Adversarial>(
         let answer = Answer::of(&enclosures[index / LANES], index % LANES);
         for _ in 0..POINTS {
             let point = case.random_point(rng, region);
-            let values = parameters(case, rng);
+            let values = case.random_values(rng);
             let claim = oracle.at(point, &values)[0];
             tally.compared += 1;
             tally.defined += u64::from(claim.defined == Defined::Yes);
@@ -70,19 +84,6 @@ fn check<T: Adversarial>(
         }
     }
     Ok(tally)
-}
-
-/// A value within the bounds of each parameter: mostly an end.
-fn parameters(case: &Case, rng: &mut Rng) -> Vec<(f64, f64)> {
-    let drawn = case.parameters.iter().map(|bounds| {
-        let value = match rng.u32(0..3) {
-            0 => bounds.lo,
-            1 => bounds.hi,
-            _ => (bounds.lo / 2.0 + bounds.hi / 2.0).clamp(bounds.lo, bounds.hi),
-        };
-        (value, value)
-    });
-    drawn.collect()
 }
 
 fn contradicts(answer: &Answer, claim: Claim) -> Option<&'static str> {

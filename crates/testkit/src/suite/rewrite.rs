@@ -2,7 +2,7 @@
 
 use super::{Failure, Tally};
 use crate::{
-    Defined, Ends, GraphOptions, Oracle, Place, Rng, point_in_box, random_box, random_graph,
+    Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, point_in_box, random_box, random_graph,
     reproduce,
 };
 use zeroset_ir::{Graph, NodeId};
@@ -39,20 +39,8 @@ pub fn check_rewrite(
             let point = point_in_box(&mut rng, &region);
             let (was, is) = (old.at(point, &[])[0], new.at(point, &[])[0]);
             tally.compared += 1;
-            let what = match (was.defined, is.defined) {
-                (Defined::Yes, Defined::No) => "no longer defined",
-                (Defined::No, Defined::Yes) => "defined where it was not",
-                (Defined::Yes, Defined::Yes) => {
-                    tally.defined += 1;
-                    if was.lo <= is.hi && is.lo <= was.hi {
-                        continue;
-                    }
-                    "another value"
-                }
-                (Defined::No, Defined::No) | (Defined::Unknown, _) | (_, Defined::Unknown) => {
-                    continue;
-                }
-            };
+            tally.defined += u64::from([was.defined, is.defined] == [Defined::Yes; 2]);
+            let Some(what) = contradiction(was, is) else { continue };
             let line = reproduce(&graph, root, &[], &Place::At(point));
             let rewritten = zeroset_ir::display(&after, new_root, &[]);
             return Err(Failure(format!(
@@ -62,4 +50,17 @@ pub fn check_rewrite(
         }
     }
     Ok(tally)
+}
+
+/// What is wrong if `is` is to be said of the same value as `was`.
+pub(crate) fn contradiction(was: Claim, is: Claim) -> Option<&'static str> {
+    match (was.defined, is.defined) {
+        (Defined::Yes, Defined::No) => Some("no longer defined"),
+        (Defined::No, Defined::Yes) => Some("defined where it was not"),
+        (Defined::Yes, Defined::Yes) => {
+            let meet = was.lo <= is.hi && is.lo <= was.hi;
+            (!meet).then_some("another value")
+        }
+        (Defined::No, Defined::No) | (Defined::Unknown, _) | (_, Defined::Unknown) => None,
+    }
 }

@@ -1,0 +1,86 @@
+//! What must hold of single inputs: fuzz targets call these with a fuzzer's bytes, tests with random ones.
+//!
+//! Each property draws its input from bytes or a seed, says how much it compared, and prints a failing case so that
+//! it can be reproduced. Which bytes are worth trying is not known here.
+
+mod agreement;
+mod enclosing;
+mod reading;
+mod rewriting;
+
+pub use agreement::{Subject, agree};
+pub use enclosing::{enclose, native_interval};
+pub use reading::read_and_print;
+pub use rewriting::keep;
+
+use crate::suite::{Failure, Tally};
+use crate::{Case, GraphOptions, Rng};
+
+/// A case of any size, adversarial or plain, with parameters or without.
+pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
+    let options = GraphOptions {
+        size: rng.u32(1..=largest),
+        parameters: rng.u32(0..=2),
+        adversarial: rng.bool(),
+        ..GraphOptions::default()
+    };
+    Case::random(rng, &options)
+}
+
+/// Operations in the largest formula that a fuzzer's bytes make.
+const LARGEST: u32 = 24;
+/// Derivatives grow, so they are taken of shorter formulas.
+const LARGEST_DIFFERENTIATED: u32 = 8;
+
+/// [`read_and_print`] of a text in any encoding.
+///
+/// # Errors
+/// What went wrong, and the text.
+pub fn parse(data: &[u8]) -> Result<Tally, Failure> {
+    read_and_print(data)
+}
+
+/// [`keep`] of a case that bytes choose.
+///
+/// # Errors
+/// The contradiction, with a line that reproduces it.
+pub fn simplify(data: &[u8]) -> Result<Tally, Failure> {
+    let mut rng = Rng::from_bytes(data);
+    let case = any_case(&mut rng, LARGEST);
+    keep(&case, &mut rng)
+}
+
+/// [`agree`] for a case, a kind of kernel and a precision that bytes choose.
+///
+/// # Errors
+/// The first input on which they differ, with a smaller case that still does.
+pub fn jit_vs_reference(data: &[u8]) -> Result<Tally, Failure> {
+    /// Inputs per kernel.
+    const INPUTS: usize = 32;
+    let mut rng = Rng::from_bytes(data);
+    let subject = Subject::ALL[rng.u32(0..Subject::ALL.len() as u32) as usize];
+    let simple = rng.bool();
+    let largest = if subject == Subject::Gradients { LARGEST_DIFFERENTIATED } else { LARGEST };
+    let case = any_case(&mut rng, largest);
+    if rng.bool() {
+        agree::<f64>(subject, simple, &case, &mut rng, INPUTS)
+    } else {
+        agree::<f32>(subject, simple, &case, &mut rng, INPUTS)
+    }
+}
+
+/// [`enclose`] for a case and a precision that bytes choose.
+///
+/// # Errors
+/// The first contradiction, made smaller, with a line that reproduces it.
+pub fn jit_vs_oracle(data: &[u8]) -> Result<Tally, Failure> {
+    /// Boxes per kernel.
+    const BOXES: usize = 16;
+    let mut rng = Rng::from_bytes(data);
+    let case = any_case(&mut rng, LARGEST);
+    if rng.bool() {
+        enclose::<f64>(&case, &mut rng, BOXES)
+    } else {
+        enclose::<f32>(&case, &mut rng, BOXES)
+    }
+}

@@ -1,0 +1,87 @@
+//! Any text is read or refused, and what was read is printed so that it reads alike.
+
+use crate::suite::{Failure, Tally};
+use zeroset_ir::Graph;
+use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
+
+/// Small, so that texts that expand cost a fuzzer little.
+const LIMITS: Limits = Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12 };
+
+/// Reads `data`; renders what is said about it; prints the statements read and reads them again: the trees and the
+/// graph must be the same. `defined` counts the texts that were accepted.
+///
+/// # Errors
+/// What differs, and the text.
+///
+/// # Panics
+/// If the parser does.
+pub fn read_and_print(data: &[u8]) -> Result<Tally, Failure> {
+    let options = Options { limits: LIMITS, ..Options::default() };
+    let document = read_bytes(data, &options);
+    let Ok(text) = std::str::from_utf8(data) else {
+        let Err(errors) = document else {
+            return Err(Failure::new(format!("accepted, but not UTF-8: {data:?}")));
+        };
+        errors.render(None, &String::from_utf8_lossy(data), false);
+        return Ok(Tally { compared: 1, defined: 0 });
+    };
+    let fail = |what: &str| Failure::new(format!("{what}\n{text:?}"));
+    match document {
+        Ok(document) => {
+            well_formed(&document, text).map_err(|what| fail(&what))?;
+            let printed = printed(text).map_err(|what| fail(&what))?;
+            same_graph(&document, &printed, &options).map_err(|what| fail(&what))?;
+            Ok(Tally { compared: 1, defined: 1 })
+        }
+        Err(errors) => {
+            if errors.iter().next().is_none() {
+                return Err(fail("refused without a reason"));
+            }
+            for error in &errors {
+                if text.get(error.span.range()).is_none() || error.message().is_empty() {
+                    return Err(fail(&format!("an error without place or message: {error:?}")));
+                }
+            }
+            errors.render(Some("file.zset"), text, true);
+            Ok(Tally { compared: 1, defined: 0 })
+        }
+    }
+}
+
+fn well_formed(document: &Document, text: &str) -> Result<(), String> {
+    if document.surfaces.is_empty() {
+        return Err("nothing to draw, yet accepted".to_owned());
+    }
+    for note in &document.notes {
+        if text.get(note.span.range()).is_none() {
+            return Err(format!("a note about no place: {note:?}"));
+        }
+        note.render(None, text, true);
+    }
+    let beyond = document.surfaces.iter().find(|s| s.root.index() >= document.graph.len());
+    beyond.map_or(Ok(()), |surface| Err(format!("a surface without a function: {surface:?}")))
+}
+
+/// The statements of `text`, printed, if they read as the same trees.
+fn printed(text: &str) -> Result<String, String> {
+    let statements = parse(text, &LIMITS).map_err(|errors| format!("not parsed: {errors}"))?;
+    let lines: Vec<String> = statements.iter().map(ToString::to_string).collect();
+    let printed = lines.join("\n");
+    // Brackets and signs that are printed, but were not typed, count.
+    let again = parse(&printed, &Limits::default())
+        .map_err(|errors| format!("printed as {printed:?}: {errors}"))?;
+    if again == statements {
+        Ok(printed)
+    } else {
+        Err(format!("printed as {printed:?}, which reads as {again:?}, not {statements:?}"))
+    }
+}
+
+fn same_graph(document: &Document, printed: &str, options: &Options<'_>) -> Result<(), String> {
+    let options = Options { limits: Limits::default(), ..*options };
+    let again = read(printed, &options).map_err(|errors| format!("{printed:?}: {errors}"))?;
+    let nodes = |graph: &Graph| graph.iter().map(|(_, node)| node.clone()).collect::<Vec<_>>();
+    let roots = |document: &Document| document.surfaces.iter().map(|s| s.root).collect::<Vec<_>>();
+    let same = nodes(&document.graph) == nodes(&again.graph) && roots(document) == roots(&again);
+    if same { Ok(()) } else { Err(format!("printed as {printed:?}, it is another graph")) }
+}

@@ -1,0 +1,12 @@
+//! Native intervals hold what the oracle knows of the function as typed.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use zeroset_testkit::property::jit_vs_oracle;
+
+fuzz_target!(|data: &[u8]| {
+    if let Err(failure) = jit_vs_oracle(data) {
+        panic!("{failure}");
+    }
+});
