@@ -124,11 +124,20 @@ impl Model {
             None => Light::above_left(&frame),
         };
         let mut work = Work::default();
-        let method = |depth| Knoll { depth, width: settings.packet, ..Knoll::default() };
+        // At a pole a surface has no point, but a solid may have a face.
+        let method = |depth, kind| Knoll {
+            depth,
+            width: settings.packet,
+            suppress_asymptotes: kind == Kind::Equation,
+        };
         let mut buffer = GBuffer::new(settings.width, settings.height, 0);
         for (index, (look, kernels)) in self.surfaces.iter().enumerate() {
-            let (mut layer, done) =
-                method(settings.max_depth).trace(&frame, region, &kernels.zeros, advance);
+            let (mut layer, done) = method(settings.max_depth, look.kind).trace(
+                &frame,
+                region,
+                &kernels.zeros,
+                advance,
+            );
             layer.surface.fill(index as u16);
             work.add_traversal(&done);
             if look.kind == Kind::Solid {
@@ -155,10 +164,16 @@ impl Model {
             let offset =
                 2.0 * region.half_extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
             let mut hidden = vec![false; settings.width * settings.height];
-            for (_, kernels) in &self.surfaces {
+            for (look, kernels) in &self.surfaces {
                 let zeros = &kernels.zeros;
-                let done =
-                    method(depth).shadows(&mut buffer, &frame, region, zeros, &light, offset);
+                let done = method(depth, look.kind).shadows(
+                    &mut buffer,
+                    &frame,
+                    region,
+                    zeros,
+                    &light,
+                    offset,
+                );
                 work.add_traversal(&done);
                 hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
             }

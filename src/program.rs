@@ -9,7 +9,7 @@ use zeroset_ir::{
     Constant, Graph, IrError, NodeId, clear, fix_exponents, gradient, hoist, rewrite, simplify,
 };
 use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
-use zeroset_syntax::Document;
+use zeroset_syntax::{Document, Kind};
 
 /// The surfaces of a document over one domain.
 #[derive(Clone, Debug)]
@@ -22,6 +22,8 @@ pub struct Program {
     /// Nodes as typed.
     nodes_before: usize,
     undefined: Vec<bool>,
+    /// Per surface, whether it bounds a solid.
+    solid: Vec<bool>,
 }
 
 /// Steps to run, and the parameters' values as these steps read them.
@@ -112,6 +114,7 @@ impl Program {
             assumptions,
             nodes_before: count(&document.graph, &typed),
             undefined,
+            solid: document.surfaces.iter().map(|surface| surface.kind == Kind::Solid).collect(),
         })
     }
 
@@ -157,20 +160,20 @@ impl Program {
         Ok(self.hoisted(&graph, &roots))
     }
 
-    /// The numerator of a surface's cleared form and the node that is 0 at its poles, in a graph of their own, or `None`
-    /// if it has no poles that can be cleared.
+    /// The numerator of a surface's cleared form, the node that is 0 at its poles, and the function itself, in a graph of
+    /// their own, or `None` if it has no poles that can be cleared.
     ///
     /// # Errors
     /// If the cleared form is too large.
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn cleared(&self, surface: usize) -> Result<Option<(Graph, [NodeId; 2])>, ProgramError> {
+    pub fn cleared(&self, surface: usize) -> Result<Option<(Graph, [NodeId; 3])>, ProgramError> {
         let (mut graph, root) = (self.symbolic.0.clone(), self.symbolic.1[surface]);
         let Some(cleared) = clear(&mut graph, root) else { return Ok(None) };
-        let typed = [cleared.numerator, cleared.denominator];
+        let typed = [cleared.numerator, cleared.denominator, root];
         let (graph, roots) = self.simplified(&graph, &typed)?;
-        Ok(Some((graph, [roots[0], roots[1]])))
+        Ok(Some((graph, [roots[0], roots[1], roots[2]])))
     }
 
     /// Native code that encloses a surface's function.
@@ -182,21 +185,30 @@ impl Program {
         Ok(NativeInterval::compile(&tape, &binding)?)
     }
 
-    /// Native code that tells where a surface's function may vanish: its enclosures, and near poles those of its cleared
-    /// form.
+    /// Native code that tells where a surface's function may vanish: its enclosures, near poles those of its cleared form,
+    /// and at jumps those of its branches.
+    ///
+    /// The boundary of a solid is also where its function changes sign at a pole or in a jump: there its own enclosures
+    /// count.
     ///
     /// # Errors
     /// If no code can be made.
     pub fn zero_kernel(&self, surface: usize) -> Result<ZeroKernel, ProgramError> {
         let function = self.interval_kernel(surface)?;
-        let numerator = match self.cleared(surface)? {
-            Some((graph, [numerator, _])) => {
-                let Routine { tape, binding } = self.hoisted(&graph, &[numerator]);
-                Some(NativeInterval::compile(&tape, &binding)?)
-            }
-            None => None,
+        if self.solid[surface] {
+            return Ok(ZeroKernel::new(function, None, None));
+        }
+        let compile = |Routine { tape, binding }: Routine| NativeInterval::compile(&tape, &binding);
+        let cleared = self.cleared(surface)?;
+        let (numerator, branches) = match &cleared {
+            Some((graph, [numerator, _, function])) => (
+                Some(compile(self.hoisted(graph, &[*numerator]))?),
+                self.branches(graph, &[*function, *numerator]),
+            ),
+            None => (None, self.branches(&self.graph, &[self.roots[surface]])),
         };
-        Ok(ZeroKernel::new(function, numerator))
+        let branches = branches.map(compile).transpose()?;
+        Ok(ZeroKernel::new(function, numerator, branches))
     }
 
     /// Native code that samples a surface's function.
@@ -226,8 +238,25 @@ impl Program {
         Ok(simplify(graph, roots, domain, parameters)?)
     }
 
+    /// The steps that tell where `roots` may all vanish, branch by branch; `None` if the last does not jump.
+    fn branches(&self, graph: &Graph, roots: &[NodeId]) -> Option<Routine> {
+        let (tape, binding) = self.bind(graph, roots, Tape::branches);
+        Some(Routine { tape: tape?, binding })
+    }
+
     /// The steps for `roots`, what depends on parameters alone computed beforehand.
     fn hoisted(&self, graph: &Graph, roots: &[NodeId]) -> Routine {
+        let (tape, binding) = self.bind(graph, roots, Tape::new);
+        Routine { tape, binding }
+    }
+
+    /// What is made of `roots` where what depends on parameters alone has become parameters, and their values.
+    fn bind<T>(
+        &self,
+        graph: &Graph,
+        roots: &[NodeId],
+        make: impl FnOnce(&Graph, &[NodeId], &Assumptions) -> T,
+    ) -> (T, Binding) {
         let Assumptions { domain, parameters } = &self.assumptions;
         let mut known: Vec<_> = parameters.iter().map(|bounds| (*bounds, Facts::TOTAL)).collect();
         let hoisted = hoist(graph, roots, parameters.len() as u32);
@@ -246,7 +275,7 @@ impl Program {
         let binding = Binding::new(&known);
         let parameters = binding.bounds().to_vec();
         let assumptions = Assumptions { domain: *domain, parameters };
-        Routine { tape: Tape::new(graph, roots, &assumptions), binding }
+        (make(graph, roots, &assumptions), binding)
     }
 }
 

@@ -4,18 +4,28 @@ use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
 use zeroset_interval::Facts;
 use zeroset_jit::NativeInterval;
 
-/// Encloses, in each lane, either a function or the numerator of its cleared form, which vanish at the same points of
-/// the function's domain. The numerator is asked only where the function's enclosure holds 0, and its answer taken only
-/// where that does not: so poles are proven empty, and a slab is known to be unbounded if the function is.
+/// Encloses, in each lane, either a function or what has its zeros, as precisely as it takes to see that there is none.
+///
+/// The function is asked first. Where its enclosure holds 0, the numerator of its cleared form is, which vanishes at the
+/// same points of the function's domain: so poles are proven empty, and a slab is known to be unbounded if the function
+/// is. Where that holds 0 too and the function may jump, its branches are asked one by one; a lane in which none
+/// vanishes is called undefined, as is the function restricted to where it is 0.
 #[derive(Clone)]
 pub struct ZeroKernel {
     function: NativeInterval,
     numerator: Option<NativeInterval>,
+    branches: Option<NativeInterval>,
 }
 
 impl ZeroKernel {
-    pub(crate) fn new(function: NativeInterval, numerator: Option<NativeInterval>) -> Self {
-        Self { function, numerator }
+    /// The function's own code, and if there are such, that of its numerator, and that which is empty where no branch
+    /// vanishes ([`Tape::branches`](zeroset_eval::Tape::branches)).
+    pub(crate) fn new(
+        function: NativeInterval,
+        numerator: Option<NativeInterval>,
+        branches: Option<NativeInterval>,
+    ) -> Self {
+        Self { function, numerator, branches }
     }
 
     /// The function alone: its enclosures tell on which side of the surface a box lies, which those of a numerator do not.
@@ -25,32 +35,62 @@ impl ZeroKernel {
 
     /// Size of the machine code in bytes.
     pub fn code_bytes(&self) -> usize {
-        let numerator = self.numerator.as_ref().map_or(0, NativeInterval::code_bytes);
-        self.function.code_bytes() + numerator
+        let others = [&self.numerator, &self.branches];
+        let others = others.into_iter().flatten().map(NativeInterval::code_bytes);
+        self.function.code_bytes() + others.sum::<usize>()
     }
 }
 
 impl IntervalKernel for ZeroKernel {
     fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
         self.function.enclose(boxes, out);
-        let Some(numerator) = &self.numerator else { return };
+        if self.numerator.is_none() && self.branches.is_none() {
+            return;
+        }
         for (packet, out) in boxes.iter().zip(out) {
-            if !(0..LANES).any(|lane| may_vanish(out, lane)) {
-                continue;
+            if let Some(numerator) = &self.numerator
+                && (0..LANES).any(|lane| may_vanish(out, lane))
+            {
+                clear(numerator, packet, out);
             }
-            let mut cleared = [EnclosurePacket::default()];
-            numerator.enclose(std::slice::from_ref(packet), &mut cleared);
-            for lane in 0..LANES {
-                if may_vanish(out, lane) && !may_vanish(&cleared[0], lane) {
-                    out.neg_lo[lane] = cleared[0].neg_lo[lane];
-                    out.hi[lane] = cleared[0].hi[lane];
-                    // What is proven of the numerator is not proven of the function, except that neither has a value.
-                    let nowhere = Facts::from_bits(cleared[0].facts[lane]) & Facts::NOWHERE;
-                    out.facts[lane] |= nowhere.bits();
-                }
+            if let Some(branches) = &self.branches
+                && (0..LANES).any(|lane| may_vanish(out, lane) && may_jump(out, lane))
+            {
+                part(branches, packet, out);
             }
         }
     }
+}
+
+/// Replaces the enclosures in which the function may vanish, but its numerator does not.
+fn clear(numerator: &NativeInterval, packet: &BoxPacket, out: &mut EnclosurePacket) {
+    let mut cleared = [EnclosurePacket::default()];
+    numerator.enclose(std::slice::from_ref(packet), &mut cleared);
+    for lane in 0..LANES {
+        if may_vanish(out, lane) && !may_vanish(&cleared[0], lane) {
+            out.neg_lo[lane] = cleared[0].neg_lo[lane];
+            out.hi[lane] = cleared[0].hi[lane];
+            // What is proven of the numerator is not proven of the function, except that neither has a value.
+            let nowhere = Facts::from_bits(cleared[0].facts[lane]) & Facts::NOWHERE;
+            out.facts[lane] |= nowhere.bits();
+        }
+    }
+}
+
+/// Empties the enclosures in which the function may vanish, but none of its branches does.
+fn part(branches: &NativeInterval, packet: &BoxPacket, out: &mut EnclosurePacket) {
+    let mut zeros = [EnclosurePacket::default()];
+    branches.enclose(std::slice::from_ref(packet), &mut zeros);
+    for lane in 0..LANES {
+        let nowhere = Facts::from_bits(zeros[0].facts[lane]).has(Facts::NOWHERE);
+        if nowhere && may_vanish(out, lane) && may_jump(out, lane) {
+            out.facts[lane] = Facts::NOWHERE.bits();
+        }
+    }
+}
+
+fn may_jump(packet: &EnclosurePacket, lane: usize) -> bool {
+    !Facts::from_bits(packet.facts[lane]).has(Facts::CONTINUOUS)
 }
 
 fn may_vanish(packet: &EnclosurePacket, lane: usize) -> bool {
@@ -84,7 +124,43 @@ mod tests {
         assert!(!vanishes("1/x - y", [-0.125, 0.125]));
         assert!(vanishes("1/x - y", [0.375, 1.0]));
         assert!(!vanishes("tan(pi/2 + x) - y", [-0.125, 0.125]));
+        assert!(!vanishes("atan(1/x) - y/4", [-0.125, 0.125]));
         // A division that cancels leaves a hole, and beside it the function.
         assert!(vanishes("x*(x-y)/x", [0.5, 2.0]));
+    }
+
+    #[test]
+    fn a_jump_is_empty_and_a_zero_at_one_is_not() {
+        let near = [0.875, 1.125];
+        // f jumps over 0 at x = 1: y and z are in [1, 2].
+        for jump in [
+            "floor(x) - y/4",
+            "ceil(x) - 1.1 - y/3",
+            "round(x + 1/2) - y/2 + 1/3",
+            "trunc(x) - y/4",
+            "fract(x) - y/4",
+            "mod(x, 1) - y/4",
+            "mod(x, y/y) - y/4",
+            "sign(x - 1) - y/4",
+            "sign(x - 1) + z/4",
+            "step(1, x) - y/4",
+            "atan2(x - 1, -y) - z",
+            "(floor(x) - y/4)/(z - 1.5)",
+            "floor(x)/(x - 1) + 2*y",
+            "floor(x) + floor(y/8 + x) + round(z/8 + x - 1/2) + ceil(x) - 1 - y/4",
+        ] {
+            assert!(!vanishes(jump, near), "{jump}");
+        }
+        for root in [
+            "floor(x) - 2 + y",
+            "fract(x)*y",
+            "mod(x, 1)*y",
+            "sign(x - 1)",
+            "(step(1, x) - 1)*y",
+            "atan2(x - 1, -y) - z*pi/1.5",
+            "floor(x) - x*y",
+        ] {
+            assert!(vanishes(root, near), "{root}");
+        }
     }
 }

@@ -49,7 +49,7 @@ pub fn explain(subject: &Subject) -> Result<String> {
         writeln!(text, "simplified  {}", display(program.graph(), root, &names))?;
         let interval = program.routine(index).tape;
         let gradient = program.gradient_routine(index)?.tape;
-        if let Some((graph, [numerator, denominator])) = program.cleared(index)? {
+        if let Some((graph, [numerator, denominator, _])) = program.cleared(index)? {
             let show = |node| display(&graph, node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }

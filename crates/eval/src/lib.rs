@@ -7,6 +7,7 @@
 //! rays.
 
 mod binding;
+mod branches;
 mod kernel;
 mod packet;
 mod real;

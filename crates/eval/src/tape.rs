@@ -1,7 +1,9 @@
 //! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
 
+use crate::branches::Branches;
 use crate::real::Real;
 use std::marker::PhantomData;
+use std::sync::Arc;
 use zeroset_interval::{
     Enclosure, Exponent, Facts, Interval, Lanes, Machine, Operand, Software, enclose, evaluate,
 };
@@ -39,7 +41,7 @@ pub enum Step {
 
 impl Step {
     /// What the step's value is as an exponent.
-    fn exponent(&self) -> Exponent {
+    pub(crate) fn exponent(&self) -> Exponent {
         match self {
             Self::Constant(_, exponent) => *exponent,
             Self::Coordinate(_) | Self::Parameter(_) | Self::Apply(..) => Exponent::Real,
@@ -56,6 +58,7 @@ pub struct Tape<T: Real = f32> {
     parameters: usize,
     /// Constants and ranges have ends in `T`.
     format: PhantomData<T>,
+    branches: Option<Arc<Branches>>,
 }
 
 impl<T: Real> Tape<T> {
@@ -72,6 +75,7 @@ impl<T: Real> Tape<T> {
             outputs: Vec::new(),
             parameters: assumptions.parameters.len(),
             format: PhantomData,
+            branches: None,
         };
         let mut values: Vec<Operand<Lanes>> = Vec::new();
         for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
@@ -95,14 +99,43 @@ impl<T: Real> Tape<T> {
         tape
     }
 
+    /// Steps that tell where `roots` may all vanish, branch by branch where they jump: enclosures of the first of them,
+    /// but empty ([`NOWHERE`](zeroset_interval::Facts::NOWHERE)) where it is proven that some root is not 0, wherever
+    /// in the box; nothing else is claimed. They are those of the first root restricted to where all are 0.
+    ///
+    /// `None` if the last root does not jump, or the steps are too many to be written for two branches.
+    ///
+    /// # Panics
+    /// If there is no root, or a parameter's number has no bounds in `assumptions`.
+    pub fn branches(graph: &Graph, roots: &[NodeId], assumptions: &Assumptions) -> Option<Self> {
+        let tape = Self::new(graph, roots, assumptions);
+        let branches = Branches::new(&tape)?;
+        Some(Self { branches: Some(Arc::new(branches)), ..tape })
+    }
+
     /// The steps, operands before users.
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 
+    /// Bounds that hold for a step's value in every sample.
+    pub(crate) fn range(&self, index: usize) -> Interval {
+        self.ranges[index]
+    }
+
+    /// The steps that compute the expressions.
+    pub(crate) fn outputs_at(&self) -> &[usize] {
+        &self.outputs
+    }
+
+    /// What the last of an operation's operands is as an exponent.
+    pub(crate) fn exponent(&self, operands: &[usize]) -> Exponent {
+        operands.last().map_or(Exponent::Real, |&i| self.steps[i].exponent())
+    }
+
     /// The number of expressions computed.
     pub fn outputs(&self) -> usize {
-        self.outputs.len()
+        if self.branches.is_some() { 1 } else { self.outputs.len() }
     }
 
     /// The number of parameters that the caller passes, used or not.
@@ -115,8 +148,12 @@ impl<T: Real> Tape<T> {
         self.steps.iter().any(|step| matches!(step, Step::Parameter(_)))
     }
 
-    /// The number of operations: steps that are neither coordinates, parameters nor constants.
+    /// The number of operations: steps that are neither coordinates, parameters nor constants, and each as often as it
+    /// is written for another branch.
     pub fn operations(&self) -> usize {
+        if let Some(branches) = &self.branches {
+            return branches.operations();
+        }
         self.steps.iter().filter(|step| matches!(step, Step::Apply(..))).count()
     }
 
@@ -127,17 +164,27 @@ impl<T: Real> Tape<T> {
         mut coordinate: impl FnMut(&mut M, Axis) -> (M::V, M::V),
         mut parameter: impl FnMut(&mut M, u32) -> (M::V, M::V),
     ) -> Vec<Enclosure<M::V>> {
+        let mut leaf = |m: &mut M, step: &Step| match step {
+            Step::Coordinate(axis) => Some(pair(coordinate(m, *axis))),
+            Step::Parameter(number) => Some(pair(parameter(m, *number))),
+            Step::Constant(bounds, _) => {
+                Some(pair((m.number(T::FORMAT, -bounds.lo), m.number(T::FORMAT, bounds.hi))))
+            }
+            Step::Apply(..) => None,
+        };
+        if let Some(branches) = &self.branches {
+            return vec![self.enclose_branches(m, branches, leaf)];
+        }
         let mut values: Vec<Operand<M::V>> = Vec::with_capacity(self.steps.len());
         for (step, &range) in self.steps.iter().zip(&self.ranges) {
-            let value = match step {
-                Step::Coordinate(axis) => pair(coordinate(m, *axis)),
-                Step::Parameter(number) => pair(parameter(m, *number)),
-                Step::Constant(bounds, _) => {
-                    pair((m.number(T::FORMAT, -bounds.lo), m.number(T::FORMAT, bounds.hi)))
-                }
-                Step::Apply(op, operands) => {
+            let value = match (step, leaf(m, step)) {
+                (_, Some(value)) => value,
+                (Step::Apply(op, operands), None) => {
                     let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
                     enclose(m, T::FORMAT, *op, &operands)
+                }
+                (Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..), None) => {
+                    unreachable!("leaves have values")
                 }
             };
             values.push(Operand { value, range, exponent: step.exponent() });
@@ -159,8 +206,7 @@ impl<T: Real> Tape<T> {
                 Step::Parameter(number) => parameter(m, *number),
                 Step::Constant(bounds, _) => m.number(T::FORMAT, middle::<T>(*bounds)),
                 Step::Apply(op, operands) => {
-                    let exponent =
-                        operands.last().map_or(Exponent::Real, |&i| self.steps[i].exponent());
+                    let exponent = self.exponent(operands);
                     let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
                     evaluate(m, T::FORMAT, *op, &operands, exponent)
                 }

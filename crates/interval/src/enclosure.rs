@@ -57,6 +57,19 @@ impl<V: Copy> Fact<V> {
         }
     }
 
+    /// In the other lanes.
+    #[must_use]
+    pub fn not<M: Machine<V = V>>(self, m: &mut M, format: Format) -> Self {
+        match self {
+            Self::False => Self::True,
+            Self::True => Self::False,
+            Self::Lanes(mask) => {
+                let ones = m.bits(format, u64::MAX);
+                Self::Lanes(m.xor(mask, ones))
+            }
+        }
+    }
+
     /// The fact as a mask.
     pub fn mask<M: Machine<V = V>>(self, m: &mut M, format: Format) -> V {
         match self {

@@ -4,6 +4,7 @@ use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand, Sign};
 use crate::machine::Machine;
+use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
     /// The given bounds with the facts of two operands combined: nowhere if either is, else only what both claim.
@@ -155,6 +156,23 @@ impl<M: Machine> Rule<'_, M> {
         let [first, rest @ ..] = pairs.map(|(a, b)| self.m.mul(a, b));
         let largest = rest.into_iter().fold(first, |acc, p| self.m.max(p, acc));
         self.close(largest)
+    }
+
+    /// A divisor, on one side of 0 where it reaches to both.
+    pub(super) fn divisor(&mut self, b: &Operand<M::V>, part: Part) -> Operand<M::V> {
+        if part == Part::Whole {
+            return *b;
+        }
+        let zero = self.zero();
+        let least = self.m.min(b.value.neg_lo, b.value.hi);
+        let straddles = self.gt(least, zero);
+        let mut value = b.value;
+        match part {
+            Part::Low => value.hi = self.m.select(straddles, zero, value.hi),
+            Part::Rest => value.neg_lo = self.m.select(straddles, zero, value.neg_lo),
+            Part::Whole | Part::Middle | Part::High => {}
+        }
+        Operand { value, ..*b }
     }
 
     pub(super) fn div(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {

@@ -3,6 +3,7 @@
 use super::Rule;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::Machine;
+use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
     pub(super) fn min(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
@@ -17,16 +18,23 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// b where a < 0, c where a ≥ 0, their hull where both occur.
+    /// b where a < 0, c where a ≥ 0, their hull where both occur, but for a part.
     pub(super) fn select_negative(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
         c: &Operand<M::V>,
+        part: Part,
     ) -> Enclosure<M::V> {
         let zero = self.zero();
-        let negative = self.m.lt(a.value.hi, zero);
-        let nonneg = self.m.le(a.value.neg_lo, zero);
+        let mut negative = self.m.lt(a.value.hi, zero);
+        let mut nonneg = self.m.le(a.value.neg_lo, zero);
+        match part {
+            Part::Whole | Part::Middle => {}
+            // Where both occur, as if only one did.
+            Part::Low => negative = self.not(nonneg),
+            Part::Rest | Part::High => nonneg = self.not(negative),
+        }
         let (b, c) = (&b.value, &c.value);
         let pick = |rule: &mut Self, b: M::V, c: M::V, both: M::V| {
             let rest = rule.m.select(nonneg, c, both);

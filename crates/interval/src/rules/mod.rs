@@ -13,6 +13,7 @@ pub(crate) use elementary::wide::{ANGLE_LIMIT, Text, by_halves};
 
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::{Format, Machine};
+use crate::part::Part;
 use zeroset_ops::Op;
 
 /// Encloses `op` over lanes of operands, all in `format`.
@@ -25,18 +26,36 @@ pub fn enclose<M: Machine>(
     op: Op,
     operands: &[Operand<M::V>],
 ) -> Enclosure<M::V> {
+    enclose_part(m, format, op, operands, Part::Whole)
+}
+
+/// Encloses `op` over one of the parts into which it splits its operands' boxes: all points of that part where the
+/// operation is defined have their values within. Nothing may be concluded of other points.
+///
+/// In lanes where the operation is continuous throughout the box there is nothing to split, and every part is the whole.
+/// An operation that does not split boxes in the way asked for encloses all of the box.
+///
+/// # Panics
+/// If the number of operands is not the arity of `op`.
+pub fn enclose_part<M: Machine>(
+    m: &mut M,
+    format: Format,
+    op: Op,
+    operands: &[Operand<M::V>],
+    part: Part,
+) -> Enclosure<M::V> {
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
     let a = &operands[0];
     match op {
         Op::Neg => a.negated().value,
         Op::Abs => rule.abs(a),
-        Op::Sign => rule.sign(a),
-        Op::Floor => rule.floor(a),
-        Op::Ceil => rule.ceil(a),
-        Op::Round => rule.round(a),
-        Op::Trunc => rule.trunc(a),
-        Op::Fract => rule.fract(a),
+        Op::Sign => rule.sign(a, part),
+        Op::Floor => rule.floor(a, part),
+        Op::Ceil => rule.ceil(a, part),
+        Op::Round => rule.round(a, part),
+        Op::Trunc => rule.trunc(a, part),
+        Op::Fract => rule.fract(a, part),
         Op::Sqr => rule.sqr(a),
         Op::Sqrt => rule.sqrt(a),
         Op::Cbrt => rule.cbrt(a),
@@ -51,12 +70,15 @@ pub fn enclose<M: Machine>(
         Op::Add => rule.add(a, &operands[1]),
         Op::Sub => rule.add(a, &operands[1].negated()),
         Op::Mul => rule.mul(a, &operands[1]),
-        Op::Div => rule.div(a, &operands[1]),
-        Op::Pow => rule.pow(a, &operands[1]),
-        Op::Mod => rule.modulo(a, &operands[1]),
+        Op::Div => {
+            let divisor = rule.divisor(&operands[1], part);
+            rule.div(a, &divisor)
+        }
+        Op::Pow => rule.pow(a, &operands[1], part),
+        Op::Mod => rule.modulo(a, &operands[1], part),
         Op::Min => rule.min(a, &operands[1]),
         Op::Max => rule.max(a, &operands[1]),
-        Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2]),
+        Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], part),
         Op::WhereNonneg => rule.where_nonneg(a, &operands[1]),
         Op::WherePositive => rule.where_positive(a, &operands[1]),
         Op::WhereNonzero => rule.where_nonzero(a, &operands[1]),

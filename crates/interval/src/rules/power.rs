@@ -5,6 +5,7 @@ use super::elementary::wide::by_halves;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Exponent, Fact, Operand, Sign};
 use crate::machine::{Format, Machine};
+use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
     pub(super) fn sqr(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -38,9 +39,18 @@ impl<M: Machine> Rule<'_, M> {
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
 
-    pub(super) fn pow(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+    pub(super) fn pow(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+        part: Part,
+    ) -> Enclosure<M::V> {
         let value = match b.exponent {
             Exponent::Real => return self.real_power(a, b),
+            Exponent::Integer(n) if n < 0 => {
+                let base = self.divisor(a, part);
+                self.integer_power(&base, n)
+            }
             Exponent::Integer(n) => self.integer_power(a, n),
             Exponent::LargeInteger => {
                 let infinity = self.infinity();

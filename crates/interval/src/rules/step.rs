@@ -4,10 +4,12 @@ use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::Machine;
+use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
-    /// Bounds of an integer-valued function, continuous where it takes one value.
-    fn steps(&mut self, a: &Operand<M::V>, neg_lo: M::V, hi: M::V) -> Enclosure<M::V> {
+    /// Bounds of an integer-valued function over a part of the box, continuous where it takes one value there.
+    fn steps(&mut self, a: &Operand<M::V>, neg_lo: M::V, hi: M::V, part: Part) -> Enclosure<M::V> {
+        let (neg_lo, hi) = self.part_of_steps(neg_lo, hi, part);
         // lo = hi, as −(−lo) = hi; ∞ − ∞ is NaN and claims nothing.
         let lo = self.m.neg(neg_lo);
         let one_value = self.m.eq(lo, hi);
@@ -15,34 +17,67 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, continuous, ..a.value }
     }
 
-    pub(super) fn floor(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+    /// The integers within bounds that belong to a part; one of them at least, also where none does.
+    fn part_of_steps(&mut self, neg_lo: M::V, hi: M::V, part: Part) -> (M::V, M::V) {
+        let (infinity, minus_one) = (self.infinity(), self.number(-1.0));
+        let neg_hi = self.m.neg(hi);
+        let lowest = |rule: &mut Self| {
+            // The lowest integer above −∞ has no value of its own.
+            let lo = rule.m.neg(neg_lo);
+            let is_bounded = rule.m.lt(neg_lo, infinity);
+            rule.m.select(is_bounded, lo, hi)
+        };
+        // Large integers are not changed by one more, rounded outward; so the rest then is the whole.
+        let second = |rule: &mut Self| {
+            let second = rule.m.add(neg_lo, minus_one);
+            rule.m.max(second, neg_hi)
+        };
+        match part {
+            Part::Whole => (neg_lo, hi),
+            Part::Low => (neg_lo, lowest(self)),
+            Part::Rest => (second(self), hi),
+            Part::Middle => {
+                let neg_lo = second(self);
+                let last_but_one = self.m.add(hi, minus_one);
+                let lo = self.m.neg(neg_lo);
+                // Between two neighbours there is no integer, and the upper one stands in.
+                (neg_lo, self.m.max(last_but_one, lo))
+            }
+            Part::High => {
+                let is_bounded = self.m.lt(hi, infinity);
+                (self.m.select(is_bounded, neg_hi, neg_lo), hi)
+            }
+        }
+    }
+
+    pub(super) fn floor(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
         let neg_lo = self.m.ceil(a.value.neg_lo);
         let hi = self.m.floor(a.value.hi);
-        self.steps(a, neg_lo, hi)
+        self.steps(a, neg_lo, hi, part)
     }
 
-    pub(super) fn ceil(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+    pub(super) fn ceil(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
         let neg_lo = self.m.floor(a.value.neg_lo);
         let hi = self.m.ceil(a.value.hi);
-        self.steps(a, neg_lo, hi)
+        self.steps(a, neg_lo, hi, part)
     }
 
-    pub(super) fn round(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+    pub(super) fn round(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
         let neg_lo = self.m.nearest(a.value.neg_lo);
         let hi = self.m.nearest(a.value.hi);
-        self.steps(a, neg_lo, hi)
+        self.steps(a, neg_lo, hi, part)
     }
 
-    pub(super) fn trunc(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+    pub(super) fn trunc(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
         let neg_lo = self.m.trunc(a.value.neg_lo);
         let hi = self.m.trunc(a.value.hi);
-        self.steps(a, neg_lo, hi)
+        self.steps(a, neg_lo, hi, part)
     }
 
-    pub(super) fn sign(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+    pub(super) fn sign(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
         let neg_lo = self.sign_of(a.value.neg_lo);
         let hi = self.sign_of(a.value.hi);
-        self.steps(a, neg_lo, hi)
+        self.steps(a, neg_lo, hi, part)
     }
 
     /// −1, 0 or 1.
@@ -55,23 +90,33 @@ impl<M: Machine> Rule<'_, M> {
         self.m.or(up, down)
     }
 
-    pub(super) fn fract(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+    pub(super) fn fract(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
         let (zero, one) = (self.zero(), self.number(1.0));
-        let floor = self.floor(a);
+        let floor = self.floor(a, part);
         let floor_lo = self.m.neg(floor.neg_lo);
         let one_cell = self.m.eq(floor_lo, floor.hi);
-        let neg_lo = self.m.add(a.value.neg_lo, floor.hi);
+        let mut neg_lo = self.m.add(a.value.neg_lo, floor.hi);
+        let mut hi = self.m.sub(a.value.hi, floor.hi);
+        if part != Part::Whole {
+            // A part's cell may be one of several in the box.
+            neg_lo = self.m.min(neg_lo, zero);
+            hi = self.m.min(hi, one);
+        }
         let neg_lo = self.m.select(one_cell, neg_lo, zero);
-        let hi = self.m.sub(a.value.hi, floor.hi);
         let hi = self.m.select(one_cell, hi, one);
         Enclosure { neg_lo, hi, ..floor }
     }
 
     /// a − b·floor(a/b), within [0, b) for b > 0 and (b, 0] for b < 0.
-    pub(super) fn modulo(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+    pub(super) fn modulo(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+        part: Part,
+    ) -> Enclosure<M::V> {
         let entire = Interval::ENTIRE;
         let quotient = Operand::new(self.div(a, b), entire);
-        let cells = Operand::new(self.floor(&quotient), entire);
+        let cells = Operand::new(self.floor(&quotient, part), entire);
         // Whole cells; unbounded range, so the product is guarded.
         let multiple = Operand::new(self.mul(b, &cells), entire);
         let direct = self.add(a, &multiple.negated());
@@ -82,6 +127,12 @@ impl<M: Machine> Rule<'_, M> {
         let within_hi = self.m.max(b.value.hi, zero);
         let neg_lo = self.m.min(direct.neg_lo, within_neg_lo);
         let hi = self.m.min(direct.hi, within_hi);
+        if part != Part::Whole {
+            // A cell that is there by rounding only has no point; its bounds are kept within those of the others.
+            let (least, most) = (self.m.neg(within_neg_lo), self.m.neg(within_hi));
+            let (neg_lo, hi) = (self.m.max(neg_lo, most), self.m.max(hi, least));
+            return Enclosure { neg_lo, hi, ..direct };
+        }
         // Keep lo ≤ hi also in lanes that are nowhere defined.
         let lo = self.m.neg(neg_lo);
         let hi = self.m.max(hi, lo);

@@ -1,0 +1,420 @@
+//! Where a function that jumps may vanish: its enclosures over parts of a box, one part at a time.
+//!
+//! At a jump, the enclosure of a function is the hull of both branches, and holds 0 though neither does. A box is free of
+//! zeros if it is so over each of some parts that cover it. Which operations split a box, and how, the rules say.
+
+use crate::real::Real;
+use crate::tape::{Step, Tape};
+use zeroset_interval::{
+    Enclosure, Fact, Format, Interval, Machine, Operand, Part, Parting, enclose, enclose_part,
+};
+
+/// Combinations of parts, at most.
+const COMBINATIONS: usize = 8;
+/// Operations over all combinations, at most: with more, fewer are told apart.
+const OPERATIONS: usize = 4_000;
+
+/// Which steps of a tape split boxes, and how their parts are combined.
+#[derive(Clone, Debug)]
+pub(crate) struct Branches {
+    /// The choices to be made; a combination holds one part of each.
+    choices: Vec<Choice>,
+    /// Per step, the choice that it makes, if any.
+    makes: Vec<Option<usize>>,
+    /// Per step, the choices that its value depends on, as bits.
+    depends: Vec<u32>,
+    /// Enclosures to be computed, over all combinations.
+    operations: usize,
+}
+
+/// A choice between parts. Several steps may make the same: then it counts for the first of them that does jump in a
+/// box, and the others keep their whole boxes.
+#[derive(Clone, Copy, Debug)]
+struct Choice {
+    parting: Parting,
+    is_shared: bool,
+}
+
+impl Choice {
+    fn parts(self) -> &'static [Part] {
+        self.parting.parts()
+    }
+}
+
+impl Branches {
+    /// `None` if the last output depends on no step that splits boxes, or code for two branches would be too long.
+    pub fn new<T: Real>(tape: &Tape<T>) -> Option<Self> {
+        let mut combinations = COMBINATIONS;
+        while combinations > 1 {
+            let branches = Self::within(tape, combinations);
+            let last = tape.outputs_at().last()?;
+            if branches.depends[*last] == 0 {
+                return None;
+            }
+            if branches.operations <= OPERATIONS {
+                return Some(branches);
+            }
+            combinations /= 2;
+        }
+        None
+    }
+
+    fn within<T: Real>(tape: &Tape<T>, combinations: usize) -> Self {
+        let partings: Vec<Parting> =
+            (0..tape.steps().len()).map(|index| parting(tape, index)).collect();
+        let mut choices: Vec<Choice> = Vec::new();
+        let mut makes = vec![None; partings.len()];
+        let mut left = combinations;
+        // Jumps before poles: most poles have been cleared away already, or are no jumps of the whole function.
+        for poles in [false, true] {
+            let first = choices.len();
+            let mut next = first;
+            for (index, &parting) in partings.iter().enumerate() {
+                let parts = parting.parts().len();
+                if parts < 2 || (parting == Parting::AtPole) != poles {
+                    continue;
+                }
+                if parts <= left {
+                    left /= parts;
+                    makes[index] = Some(choices.len());
+                    choices.push(Choice { parting, is_shared: false });
+                } else if let Some(own) = shared(&choices[first..], parting, next - first) {
+                    choices[first + own].is_shared = true;
+                    makes[index] = Some(first + own);
+                    next = first + own + 1;
+                }
+            }
+        }
+        let mut branches = Self { choices, makes, depends: Vec::new(), operations: 0 };
+        branches.find_dependences(tape);
+        branches
+    }
+
+    fn find_dependences<T: Real>(&mut self, tape: &Tape<T>) {
+        // What decides whether a shared choice has been made.
+        let mut made = vec![0_u32; self.choices.len()];
+        for (index, step) in tape.steps().iter().enumerate() {
+            let Step::Apply(_, operands) = step else {
+                self.depends.push(0);
+                continue;
+            };
+            let mut depends = operands.iter().fold(0, |all, &i| all | self.depends[i]);
+            if let Some(choice) = self.makes[index] {
+                depends |= 1 << choice | made[choice];
+                made[choice] |= depends;
+            }
+            self.depends.push(depends);
+            self.operations += self.variants(depends);
+        }
+    }
+
+    /// The number of combinations that differ in the choices of a set.
+    fn variants(&self, depends: u32) -> usize {
+        let chosen = self.choices.iter().enumerate().filter(|(k, _)| depends >> k & 1 == 1);
+        chosen.map(|(_, choice)| choice.parts().len()).product()
+    }
+
+    /// Enclosures to be computed.
+    pub fn operations(&self) -> usize {
+        self.operations
+    }
+
+    /// The parts of each combination, by choice.
+    fn combinations(&self) -> Vec<Vec<Part>> {
+        let mut all = vec![Vec::new()];
+        for choice in &self.choices {
+            let longer = |parts: &Vec<Part>, part: Part| {
+                let mut parts = parts.clone();
+                parts.push(part);
+                parts
+            };
+            all = all
+                .iter()
+                .flat_map(|parts| choice.parts().iter().map(|&part| longer(parts, part)))
+                .collect();
+        }
+        all
+    }
+}
+
+/// One of `choices`, in turn from `next` on, that offers this parting.
+fn shared(choices: &[Choice], parting: Parting, next: usize) -> Option<usize> {
+    let mut turn = (0..choices.len()).map(|k| (next + k) % choices.len());
+    turn.find(|&k| choices[k].parting == parting)
+}
+
+fn parting<T: Real>(tape: &Tape<T>, index: usize) -> Parting {
+    match &tape.steps()[index] {
+        Step::Apply(op, operands) => {
+            let ranges: Vec<Interval> = operands.iter().map(|&i| tape.range(i)).collect();
+            Parting::of(*op, &ranges, tape.exponent(operands))
+        }
+        Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => Parting::Whole,
+    }
+}
+
+/// What is carried from step to step while a tape is written for one combination.
+struct Combination<V> {
+    parts: Vec<Part>,
+    /// Per step, its value.
+    values: Vec<Operand<V>>,
+    /// Per choice that is shared, the lanes in which it has been made.
+    made: Vec<Fact<V>>,
+    /// Per step that makes a shared choice, the lanes in which it has been made then.
+    made_at: Vec<Fact<V>>,
+}
+
+impl<V: Copy> Combination<V> {
+    /// Whether `other` is the same as far as a set of choices goes.
+    fn agrees(&self, other: &Self, choices: u32) -> bool {
+        let mut pairs = self.parts.iter().zip(&other.parts).enumerate();
+        pairs.all(|(choice, (a, b))| choices >> choice & 1 == 0 || a == b)
+    }
+}
+
+impl<T: Real> Tape<T> {
+    /// Writes where all outputs may vanish together: the enclosure of the first over the whole box, but empty where in
+    /// each combination of parts some output has no zero. `leaf` gives the steps that are no operations.
+    pub(crate) fn enclose_branches<M: Machine>(
+        &self,
+        m: &mut M,
+        branches: &Branches,
+        mut leaf: impl FnMut(&mut M, &Step) -> Option<Enclosure<M::V>>,
+    ) -> Enclosure<M::V> {
+        let mut done: Vec<Combination<M::V>> = Vec::new();
+        for parts in branches.combinations() {
+            let made = vec![Fact::False; branches.choices.len()];
+            let mut now = Combination { parts, values: Vec::new(), made, made_at: Vec::new() };
+            for (index, step) in self.steps().iter().enumerate() {
+                let depends = branches.depends[index];
+                let same = done.iter().find(|other| other.agrees(&now, depends));
+                let (operand, made) = if let Some(other) = same {
+                    (other.values[index], other.made_at[index])
+                } else {
+                    let (value, made) = match leaf(m, step) {
+                        Some(value) => (value, Fact::False),
+                        None => self.enclose_step(m, branches, &now, index),
+                    };
+                    let (range, exponent) = (self.range(index), step.exponent());
+                    (Operand { value, range, exponent }, made)
+                };
+                if let Some(choice) = branches.makes[index] {
+                    now.made[choice] = made;
+                }
+                now.values.push(operand);
+                now.made_at.push(made);
+            }
+            done.push(now);
+        }
+        let outputs = |one: &Combination<M::V>| -> Vec<Enclosure<M::V>> {
+            self.outputs_at().iter().map(|&output| one.values[output].value).collect()
+        };
+        let combinations: Vec<_> = done.iter().map(outputs).collect();
+        zeros(m, T::FORMAT, &combinations)
+    }
+
+    /// An operation in one combination, and the lanes in which its choice has been made then.
+    fn enclose_step<M: Machine>(
+        &self,
+        m: &mut M,
+        branches: &Branches,
+        now: &Combination<M::V>,
+        index: usize,
+    ) -> (Enclosure<M::V>, Fact<M::V>) {
+        let Step::Apply(op, operands) = &self.steps()[index] else {
+            unreachable!("other steps are leaves");
+        };
+        let operands: Vec<_> = operands.iter().map(|&i| now.values[i]).collect();
+        let Some(choice) = branches.makes[index] else {
+            return (enclose(m, T::FORMAT, *op, &operands), Fact::False);
+        };
+        let part = enclose_part(m, T::FORMAT, *op, &operands, now.parts[choice]);
+        if !branches.choices[choice].is_shared {
+            return (part, Fact::False);
+        }
+        let whole = enclose(m, T::FORMAT, *op, &operands);
+        let made = now.made[choice];
+        // Where it does not jump, there is no choice to be made.
+        let jumps = whole.continuous.not(m, T::FORMAT);
+        (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
+    }
+}
+
+/// `whole` in the lanes of `mask`, else `part`.
+fn pick<M: Machine>(
+    m: &mut M,
+    format: Format,
+    mask: Fact<M::V>,
+    whole: &Enclosure<M::V>,
+    part: &Enclosure<M::V>,
+) -> Enclosure<M::V> {
+    let lanes = match mask {
+        Fact::False => return *part,
+        Fact::True => return *whole,
+        Fact::Lanes(lanes) => lanes,
+    };
+    let others = mask.not(m, format);
+    let mut fact = |whole: Fact<M::V>, part: Fact<M::V>| {
+        let (whole, part) = (whole.and(m, mask), part.and(m, others));
+        whole.or(m, part)
+    };
+    let nowhere = fact(whole.nowhere, part.nowhere);
+    let defined = fact(whole.defined, part.defined);
+    let continuous = fact(whole.continuous, part.continuous);
+    Enclosure {
+        neg_lo: m.select(lanes, whole.neg_lo, part.neg_lo),
+        hi: m.select(lanes, whole.hi, part.hi),
+        nowhere,
+        defined,
+        continuous,
+    }
+}
+
+/// The hull of the first output over all combinations, empty where in none of them all outputs may vanish.
+fn zeros<M: Machine>(
+    m: &mut M,
+    format: Format,
+    combinations: &[Vec<Enclosure<M::V>>],
+) -> Enclosure<M::V> {
+    let zero = m.number(format, 0.0);
+    let mut hull = combinations[0][0];
+    let mut some = Fact::False;
+    for outputs in combinations {
+        hull.neg_lo = m.max(hull.neg_lo, outputs[0].neg_lo);
+        hull.hi = m.max(hull.hi, outputs[0].hi);
+        let mut all = Fact::True;
+        for output in outputs {
+            let least = m.min(output.neg_lo, output.hi);
+            let holds_zero = Fact::Lanes(m.le(zero, least));
+            let somewhere = output.nowhere.not(m, format);
+            all = all.and(m, holds_zero).and(m, somewhere);
+        }
+        some = some.or(m, all);
+    }
+    let nowhere = some.not(m, format);
+    Enclosure { nowhere, defined: Fact::False, continuous: Fact::False, ..hull }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packet::{BoxPacket, EnclosurePacket};
+    use crate::{Assumptions, Binding, IntervalKernel, Reference};
+    use zeroset_interval::Facts;
+    use zeroset_ir::{Axis, Graph, NodeId};
+    use zeroset_ops::Op;
+
+    /// A graph in the making.
+    #[derive(Default)]
+    struct Sheet(Graph);
+
+    impl Sheet {
+        fn of(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
+            self.0.apply(op, operands)
+        }
+
+        fn plus(&mut self, a: NodeId, n: i64) -> NodeId {
+            let n = self.0.integer(n);
+            self.of(Op::Add, &[a, n])
+        }
+
+        fn weighted(&mut self, a: NodeId, n: i64, sum: NodeId) -> NodeId {
+            let n = self.0.integer(n);
+            let product = self.of(Op::Mul, &[a, n]);
+            self.of(Op::Add, &[product, sum])
+        }
+
+        fn branches(&self, root: NodeId) -> Option<Tape> {
+            Tape::branches(&self.0, &[root], &Assumptions::none(0))
+        }
+
+        /// Whether `root` is proven to have no zero for x, y and z in these ranges.
+        fn is_empty(&self, root: NodeId, ranges: [[f32; 2]; 3]) -> bool {
+            let tape = self.branches(root).expect("it jumps");
+            let packet = BoxPacket {
+                neg_lo: ranges.map(|[lo, _]| [-lo; 4]),
+                hi: ranges.map(|[_, hi]| [hi; 4]),
+            };
+            let mut out = [EnclosurePacket::default()];
+            Reference::new(tape, Binding::empty()).enclose(&[packet], &mut out);
+            Facts::from_bits(out[0].facts[0]).has(Facts::NOWHERE)
+        }
+    }
+
+    /// Seven jumps for three choices. The fourth jumps in one branch of the second only, and then the seventh, which
+    /// makes the same choice, must not: whether it does depends on the second as well.
+    #[test]
+    fn a_choice_already_made_by_another_jump_is_not_made_again() {
+        let mut sheet = Sheet::default();
+        let [x, y, z] = Axis::ALL.map(|axis| sheet.0.variable(axis));
+        let still = |sheet: &mut Sheet, n| {
+            let sum = sheet.plus(y, n);
+            sheet.of(Op::Floor, &[sum])
+        };
+        let first = still(&mut sheet, 0);
+        let second = sheet.of(Op::Floor, &[x]);
+        let third = still(&mut sheet, 1);
+        let product = sheet.of(Op::Mul, &[second, z]);
+        let fourth = sheet.of(Op::Floor, &[product]);
+        let fifth = still(&mut sheet, 2);
+        let sixth = still(&mut sheet, 3);
+        let two = sheet.0.integer(2);
+        let falling = sheet.of(Op::Sub, &[two, z]);
+        let seventh = sheet.of(Op::Floor, &[falling]);
+        let mut sum = seventh;
+        for (n, jump) in
+            [(0, first), (100, second), (0, third), (10, fourth), (0, fifth), (0, sixth)]
+        {
+            sum = sheet.weighted(jump, n, sum);
+        }
+        let near = [[0.875, 1.125], [0.5, 0.5], [0.875, 1.125]];
+        // At x = 1.1, z = 0.9: 100·1 + 10·0 + 1.
+        let root = sheet.plus(sum, -101);
+        assert!(!sheet.is_empty(root, near));
+        // The values are 0, 1, 101 and 110 (and 111 at z = 1).
+        for (value, is_taken) in [(0, true), (1, true), (50, false), (110, true), (115, false)] {
+            let root = sheet.plus(sum, -value);
+            assert_eq!(!sheet.is_empty(root, near), is_taken, "{value}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_jump_has_no_branches() {
+        let mut sheet = Sheet::default();
+        let [x, y, _] = Axis::ALL.map(|axis| sheet.0.variable(axis));
+        let smooth = sheet.of(Op::Add, &[x, y]);
+        assert!(sheet.branches(smooth).is_none());
+        // Of several roots the last counts.
+        let jump = sheet.of(Op::Floor, &[x]);
+        let tape = |roots: &[NodeId]| Tape::<f32>::branches(&sheet.0, roots, &Assumptions::none(0));
+        assert!(tape(&[jump, smooth]).is_none());
+        assert!(tape(&[smooth, jump]).is_some());
+        assert_eq!(tape(&[smooth, jump]).expect("it jumps").outputs(), 1);
+    }
+
+    #[test]
+    fn long_formulas_are_written_for_fewer_branches_or_none() {
+        let written = |length: usize| {
+            let mut sheet = Sheet::default();
+            let [x, y, z] = Axis::ALL.map(|axis| sheet.0.variable(axis));
+            let mut sum = sheet.of(Op::Floor, &[x]);
+            for axis in [y, z] {
+                let jump = sheet.of(Op::Floor, &[axis]);
+                sum = sheet.of(Op::Add, &[sum, jump]);
+            }
+            for _ in 0..length {
+                sum = sheet.of(Op::Sin, &[sum]);
+            }
+            sheet.branches(sum).map(|tape| tape.operations())
+        };
+        let over = |all: usize, length: usize| Some(all * length);
+        let near = |found: Option<usize>, expected: Option<usize>| match (found, expected) {
+            (Some(a), Some(b)) => a.abs_diff(b) < 40,
+            (a, b) => a == b,
+        };
+        assert!(near(written(400), over(8, 400)), "{:?}", written(400));
+        assert!(near(written(900), over(4, 900)), "{:?}", written(900));
+        assert!(near(written(1900), over(2, 1900)), "{:?}", written(1900));
+        assert_eq!(written(2100), None);
+    }
+}
