@@ -1,9 +1,12 @@
 //! Pictures of the whole gallery against exact first roots: no claim is false, and how far off the paint is.
 
+#[path = "truth_support/table.rs"]
+mod table;
 mod truth_support;
 
 use glam::DVec3;
-use truth_support::{Row, SIDE, Table, Truth, read};
+use table::{Row, Table};
+use truth_support::{SIDE, Truth, read};
 use zeroset::gallery::example;
 use zeroset::picture::{Settings, render};
 use zeroset::scene::{DomainChoice, bounds, region};
@@ -71,7 +74,7 @@ fn expect_none(contradictions: &[String]) {
 fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     let mut rows = Vec::new();
     let mut false_claims = Vec::new();
-    for truth in read() {
+    for truth in read("truth") {
         let (frame, buffer) = picture(&truth, DEPTH, PacketWidth::Four);
         false_claims.extend(contradictions(&truth, &frame, &buffer));
         rows.push(Row::new(&truth, &buffer, DEPTH));
@@ -101,7 +104,7 @@ fn no_claim_of_wider_packets_or_thinner_slabs_contradicts_an_exact_root() {
         (MAX_DEPTH, PacketWidth::Four),
     ];
     let mut false_claims = Vec::new();
-    for truth in read() {
+    for truth in read("truth") {
         for (depth, packet) in cases {
             let (frame, buffer) = picture(&truth, depth, packet);
             let found = contradictions(&truth, &frame, &buffer);
@@ -113,7 +116,7 @@ fn no_claim_of_wider_packets_or_thinner_slabs_contradicts_an_exact_root() {
 
 #[test]
 fn false_claims_are_noticed() {
-    let truths = read();
+    let truths = read("truth");
     let sphere = truths.iter().find(|truth| truth.view.slug == "sphere").expect("a sphere");
     let (frame, right) = picture(sphere, DEPTH, PacketWidth::Four);
     let noticed = |buffer: &GBuffer| contradictions(sphere, &frame, buffer).len();

@@ -1,8 +1,4 @@
-//! The exact first roots of `tests/data/truth`, which were found without this project's code.
-
-mod table;
-
-pub use table::{Row, Table};
+//! The exact first roots of `tests/data/truth` and `tests/data/stability`, which were found without this project's code.
 
 use serde::Deserialize;
 use std::fs::File;
@@ -35,6 +31,7 @@ pub struct View {
 #[derive(Clone, Copy, Debug)]
 pub struct Pixel {
     /// The first root at which the function changes sign; infinite if there is none.
+    #[allow(dead_code)] // not every test asks for it
     pub crossing: f64,
     /// The first root of any multiplicity; infinite if there is none.
     pub zero: f64,
@@ -52,14 +49,15 @@ pub fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
 
-/// Everything that is known, in the order of `index.json`.
-pub fn read() -> Vec<Truth> {
-    let index = File::open(path("truth/index.json")).expect("an index");
+/// Everything that is known in a directory of the reference, in the order of its `index.json`.
+pub fn read(directory: &str) -> Vec<Truth> {
+    let file = |name: &str| format!("{directory}/{name}");
+    let index = File::open(path(&file("index.json"))).expect("an index");
     let views: Vec<View> = serde_json::from_reader(index).expect("a valid index");
-    let kinds: Vec<u8> = array("truth/pixels.npy");
+    let kinds: Vec<u8> = array(&file("pixels.npy"));
     assert_eq!(kinds.len(), views.len() * SIDE * SIDE);
-    let mut crossings = array::<f64>("truth/crossing.npy").into_iter();
-    let mut touching = array::<f64>("truth/touching.npy").into_iter();
+    let mut crossings = array::<f64>(&file("crossing.npy")).into_iter();
+    let mut touching = array::<f64>(&file("touching.npy")).into_iter();
     let mut next = |kind: u8| {
         let crossing = if kind & CROSSES == 0 { Some(f64::INFINITY) } else { crossings.next() };
         let crossing = crossing.expect("a distance for each crossing");

@@ -1,6 +1,6 @@
 //! What the method `knoll` makes of the gallery, as a table of text.
 
-use super::Truth;
+use crate::truth_support::Truth;
 use std::fmt::{Display, Formatter, Result};
 use zeroset_trace::{GBuffer, Status};
 
