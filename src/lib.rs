@@ -24,5 +24,6 @@ pub mod model;
 pub mod picture;
 pub mod program;
 pub mod scene;
+pub mod uniforms;
 pub mod work;
 pub mod zeros;

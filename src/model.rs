@@ -3,12 +3,14 @@
 use crate::picture::{Normals, Picture, Settings, Statistics, Times};
 use crate::program::{Program, ProgramError};
 use crate::scene;
+use crate::uniforms::Bound;
 use crate::work::{Counted, Work};
 use crate::zeros::ZeroKernel;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 use zeroset_eval::{GradientKernel, GradientPacket, LANES, PointKernel, PointPacket, ValuePacket};
+use zeroset_interval::Interval;
 use zeroset_jit::{NativeGradient, NativePoint};
 use zeroset_syntax::{Color, Document, Kind};
 use zeroset_trace::{
@@ -19,12 +21,10 @@ use zeroset_trace::{
 /// All surfaces of a document over one region, as native code. The code is freed when the model is dropped.
 pub struct Model {
     region: Region,
+    program: Program,
     surfaces: Vec<(Look, Kernels)>,
-    /// Nodes of the graph as typed, and after simplification.
-    nodes: (usize, usize),
-    undefined: bool,
-    /// Time to simplify and to compile.
-    times: Times,
+    /// Time to simplify and to compile; none if that was done for another model.
+    times: Option<Times>,
 }
 
 /// What of a surface is not its function.
@@ -40,8 +40,8 @@ struct Kernels {
 }
 
 enum NormalKernel {
-    Gradient(NativeGradient),
-    Central(NativePoint),
+    Gradient(Bound<NativeGradient>),
+    Central(Bound<NativePoint>),
 }
 
 impl Model {
@@ -63,17 +63,52 @@ impl Model {
             .map(|surface| compile(&program, surface, normals))
             .collect::<Result<Vec<_>, _>>()?;
         times.compile = watch.lap();
-        let looks = document
-            .surfaces
-            .iter()
-            .map(|surface| Look { kind: surface.kind, color: surface.color });
         Ok(Self {
             region: *region,
-            undefined: (0..kernels.len()).any(|surface| program.is_undefined(surface)),
-            surfaces: looks.zip(kernels).collect(),
-            nodes: program.nodes(),
-            times,
+            surfaces: looks(document).zip(kernels).collect(),
+            program,
+            times: Some(times),
         })
+    }
+
+    /// The same code for the parameter values of another document, or `None` if that differs in more than values and
+    /// colours, or if the values are beyond what the code was made for; a slider may be set to anything in its range.
+    ///
+    /// # Errors
+    /// If a formula is constant or defined nowhere.
+    pub fn rebound(&self, document: &Document) -> Option<Result<Self, ProgramError>> {
+        let program = match self.program.rebound(document)? {
+            Ok(program) => program,
+            Err(error) => return Some(Err(error)),
+        };
+        let kernels = self.surfaces.iter().map(|(_, kernels)| kernels.with(program.values()));
+        let kernels: Vec<Kernels> = kernels.collect::<Option<_>>()?;
+        let surfaces = looks(document).zip(kernels).collect();
+        Some(Ok(Self { region: self.region, program, surfaces, times: None }))
+    }
+
+    /// Whether both run the same code, all of it compiled once.
+    pub fn shares_code(&self, other: &Self) -> bool {
+        let shares = |(one, other): (&(Look, Kernels), &(Look, Kernels))| {
+            let normals = match (&one.1.normals, &other.1.normals) {
+                (Some(NormalKernel::Gradient(one)), Some(NormalKernel::Gradient(other))) => {
+                    one.shares_code(other)
+                }
+                (Some(NormalKernel::Central(one)), Some(NormalKernel::Central(other))) => {
+                    one.shares_code(other)
+                }
+                (None, None) => true,
+                _ => false,
+            };
+            normals && one.1.zeros.shares_code(&other.1.zeros)
+        };
+        self.surfaces.len() == other.surfaces.len()
+            && self.surfaces.iter().zip(&other.surfaces).all(shares)
+    }
+
+    /// Whether the code was made for another model.
+    pub fn is_rebound(&self) -> bool {
+        self.times.is_none()
     }
 
     /// Where the surfaces are looked for.
@@ -91,14 +126,14 @@ impl Model {
     pub fn sample(&self, surface: usize, point: DVec3) -> (f32, [f32; 3]) {
         let at = PointPacket { at: point.to_array().map(|c| [c as f32; LANES]) };
         match self.surfaces.get(surface).and_then(|(_, kernels)| kernels.normals.as_ref()) {
-            Some(NormalKernel::Gradient(kernel)) => {
+            Some(NormalKernel::Gradient(bound)) => {
                 let mut out = [GradientPacket::default()];
-                kernel.gradient(&[at], &mut out);
+                bound.kernel.gradient(&[at], &mut out);
                 (out[0].value[0], out[0].gradient.map(|lanes| lanes[0]))
             }
-            Some(NormalKernel::Central(kernel)) => {
+            Some(NormalKernel::Central(bound)) => {
                 let mut out = [ValuePacket::default()];
-                kernel.sample(&[at], &mut out);
+                bound.kernel.sample(&[at], &mut out);
                 (out[0].value[0], [f32::NAN; 3])
             }
             None => (f32::NAN, [f32::NAN; 3]),
@@ -117,7 +152,7 @@ impl Model {
     ) -> Picture {
         let region = &self.region;
         let mut watch = Stopwatch::start();
-        let mut times = self.times;
+        let mut times = self.times.unwrap_or_default();
         let frame = camera.frame(settings.width, settings.height);
         let light = match settings.light {
             Some(place) => Light::Positional(place),
@@ -194,9 +229,10 @@ impl Model {
             pixels: buffer.counts(),
             work,
             code_bytes: self.surfaces.iter().map(|(_, kernels)| kernels.code_bytes()).sum(),
-            nodes: self.nodes,
+            nodes: self.program.nodes(),
         };
-        Picture { buffer, rgb, statistics, undefined: self.undefined }
+        let undefined = (0..self.surfaces.len()).any(|surface| self.program.is_undefined(surface));
+        Picture { buffer, rgb, statistics, undefined }
     }
 }
 
@@ -210,21 +246,39 @@ fn compile(
         || match normals {
             None => Ok(None),
             Some(Normals::Gradient) => {
-                program.gradient_kernel(surface).map(|k| Some(NormalKernel::Gradient(k)))
+                program.bound_gradient(surface).map(|k| Some(NormalKernel::Gradient(k)))
             }
             Some(Normals::Central) => {
-                program.point_kernel(surface).map(|k| Some(NormalKernel::Central(k)))
+                program.bound_point(surface).map(|k| Some(NormalKernel::Central(k)))
             }
         },
     );
     Ok(Kernels { zeros: zeros?, normals: normals? })
 }
 
+fn looks(document: &Document) -> impl Iterator<Item = Look> {
+    document.surfaces.iter().map(|surface| Look { kind: surface.kind, color: surface.color })
+}
+
 impl Kernels {
+    /// The same code for other parameter values, or `None` if it does not hold for them.
+    fn with(&self, parameters: &[Interval]) -> Option<Self> {
+        let normals = match &self.normals {
+            Some(NormalKernel::Gradient(bound)) => {
+                Some(NormalKernel::Gradient(bound.with(parameters)?))
+            }
+            Some(NormalKernel::Central(bound)) => {
+                Some(NormalKernel::Central(bound.with(parameters)?))
+            }
+            None => None,
+        };
+        Some(Self { zeros: self.zeros.with(parameters)?, normals })
+    }
+
     fn code_bytes(&self) -> usize {
         let normals = match &self.normals {
-            Some(NormalKernel::Gradient(kernel)) => kernel.code_bytes(),
-            Some(NormalKernel::Central(kernel)) => kernel.code_bytes(),
+            Some(NormalKernel::Gradient(bound)) => bound.kernel.code_bytes(),
+            Some(NormalKernel::Central(bound)) => bound.kernel.code_bytes(),
             None => 0,
         };
         self.zeros.code_bytes() + normals
@@ -246,13 +300,13 @@ fn fill_normals(
 ) {
     let step = 2.0 * region.half_extent() * STEP;
     match &kernels.normals {
-        Some(NormalKernel::Gradient(kernel)) => {
-            let counted = Counted::new(kernel);
+        Some(NormalKernel::Gradient(bound)) => {
+            let counted = Counted::new(&bound.kernel);
             normals(layer, frame, NormalSource::Gradient(&counted), step);
             work.gradient += counted.count();
         }
-        Some(NormalKernel::Central(kernel)) => {
-            let counted = Counted::new(kernel);
+        Some(NormalKernel::Central(bound)) => {
+            let counted = Counted::new(&bound.kernel);
             normals(layer, frame, NormalSource::Central(&counted), step);
             work.point += counted.count();
         }

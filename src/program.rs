@@ -1,30 +1,45 @@
 //! A document made ready to run: simplified over a domain, parameters bound, kernels compiled as asked for.
 
 use crate::enclosure;
+use crate::uniforms::{Bound, Uniforms};
 use crate::zeros::ZeroKernel;
+use std::sync::Arc;
 use thiserror::Error;
 use zeroset_eval::{Assumptions, Binding, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, IrError, NodeId, clear, fix_exponents, gradient, hoist, rewrite, simplify,
+    Constant, Graph, IrError, NodeId, clear, fix_exponents, gradient, rewrite, simplify,
 };
 use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
-use zeroset_syntax::{Document, Kind};
+use zeroset_syntax::{Document, Kind, Parameter, ParameterKind};
 
 /// The surfaces of a document over one domain.
 #[derive(Clone, Debug)]
 pub struct Program {
+    shared: Arc<Simplified>,
+    /// The parameters' values, within what is assumed.
+    values: Vec<Interval>,
+    undefined: Vec<bool>,
+}
+
+/// What does not depend on the parameters' values, as long as they are within what is assumed.
+#[derive(Debug)]
+struct Simplified {
     graph: Graph,
     roots: Vec<NodeId>,
     /// Before constants are folded to bounds, so that derivatives simplify as well as the functions.
     symbolic: (Graph, Vec<NodeId>),
+    /// As typed, but for exponents: what all of the above was made from.
+    typed: (Graph, Vec<NodeId>),
     assumptions: Assumptions,
     /// Nodes as typed.
     nodes_before: usize,
-    undefined: Vec<bool>,
     /// Per surface, whether it bounds a solid.
     solid: Vec<bool>,
 }
+
+/// Time is expected to stay within this of 0 if nobody says otherwise: beyond it code is compiled anew.
+const TIME: f64 = 16.0;
 
 /// Steps to run, and the parameters' values as these steps read them.
 #[derive(Clone, Debug)]
@@ -33,6 +48,8 @@ pub struct Routine {
     pub tape: Tape,
     /// The values.
     pub binding: Binding,
+    /// How other values are bound.
+    pub uniforms: Uniforms,
 }
 
 /// Why a document cannot be drawn, though it reads well.
@@ -67,25 +84,7 @@ impl Program {
     /// If a formula is too large, depends on no coordinate, or is defined nowhere.
     pub fn new(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
         let program = Self::unchecked(document, domain)?;
-        for (surface, &root) in document.surfaces.iter().zip(&program.roots) {
-            let side = surface.echo.strip_suffix(" = 0");
-            let echo = || side.unwrap_or(&surface.echo).to_owned();
-            let (bounds, facts) = enclosure::enclose(&program.graph, root, &program.assumptions);
-            if facts.has(Facts::NOWHERE) {
-                // Undefined on this domain; the formula as typed tells whether that is so everywhere.
-                let anywhere = Assumptions {
-                    domain: [Interval::ENTIRE; 3],
-                    parameters: program.assumptions.parameters.clone(),
-                };
-                let typed = enclosure::enclose(&document.graph, surface.root, &anywhere);
-                if typed.1.has(Facts::NOWHERE) {
-                    return Err(ProgramError::Nowhere { echo: echo() });
-                }
-            } else if !enclosure::coordinates(&program.graph, root).contains(&true) {
-                let value = describe(bounds, side.is_some());
-                return Err(ProgramError::Constant { echo: echo(), value });
-            }
-        }
+        program.check(document)?;
         Ok(program)
     }
 
@@ -94,43 +93,94 @@ impl Program {
     /// # Errors
     /// If a formula is too large.
     pub fn unchecked(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        let parameters: Vec<Interval> =
-            document.parameters.iter().map(|parameter| parameter.value.bounds()).collect();
-        let typed: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
-        let values: Vec<Constant> =
-            document.parameters.iter().map(|parameter| parameter.value.clone()).collect();
-        let (exact, surfaces) = fix_exponents(&document.graph, &typed, &values);
-        let symbolic = rewrite(&exact, &surfaces, &domain, &parameters)?;
+        let typed = typed(document);
+        let parameters: Vec<Interval> = document.parameters.iter().map(assumed).collect();
+        let symbolic = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
         let (graph, roots) = simplify(&symbolic.0, &symbolic.1, &domain, &parameters)?;
         let assumptions = Assumptions { domain, parameters };
+        let before: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
+        let nodes_before = count(&document.graph, &before);
+        let solid = solid(document);
+        let shared = Simplified { graph, roots, symbolic, typed, assumptions, nodes_before, solid };
+        Ok(Self { shared: Arc::new(shared), values: Vec::new(), undefined: Vec::new() }
+            .with(values(document)))
+    }
+
+    /// The same program for the parameter values of another document, or `None` if that differs in more than values, or if
+    /// these are beyond what was assumed. A slider is assumed to stay within its range.
+    ///
+    /// # Errors
+    /// If a formula depends on no coordinate or is defined nowhere.
+    pub fn rebound(&self, document: &Document) -> Option<Result<Self, ProgramError>> {
+        let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.shared;
+        let assumed = document.parameters.iter().map(assumed);
+        let same = assumed.eq(assumptions.parameters.iter().copied())
+            && solid(document) == *solids
+            && typed(document) == *before;
+        if !same {
+            return None;
+        }
+        let program = self.with(values(document));
+        Some(program.check(document).map(|()| program))
+    }
+
+    /// The same program for all values together that the document's sliders can be set to: what it says holds for each.
+    #[must_use]
+    pub fn over_ranges(&self, document: &Document) -> Self {
+        let parameters = document.parameters.iter().zip(&self.shared.assumptions.parameters);
+        let range = |(parameter, assumed): (&Parameter, &Interval)| match parameter.range {
+            Some(_) => *assumed,
+            None => parameter.value.bounds(),
+        };
+        self.with(parameters.map(range).collect())
+    }
+
+    fn with(&self, values: Vec<Interval>) -> Self {
+        let Simplified { graph, roots, assumptions, .. } = &*self.shared;
+        let assumptions = Assumptions { parameters: values.clone(), ..assumptions.clone() };
         let undefined = roots
             .iter()
-            .map(|&root| enclosure::enclose(&graph, root, &assumptions).1.has(Facts::NOWHERE))
+            .map(|&root| enclosure::enclose(graph, root, &assumptions).1.has(Facts::NOWHERE))
             .collect();
-        Ok(Self {
-            graph,
-            roots,
-            symbolic,
-            assumptions,
-            nodes_before: count(&document.graph, &typed),
-            undefined,
-            solid: document.surfaces.iter().map(|surface| surface.kind == Kind::Solid).collect(),
-        })
+        Self { shared: Arc::clone(&self.shared), values, undefined }
+    }
+
+    /// Refuses what has no surface.
+    fn check(&self, document: &Document) -> Result<(), ProgramError> {
+        let parameters = self.values.clone();
+        let here = Assumptions { domain: self.shared.assumptions.domain, parameters };
+        for (surface, &root) in document.surfaces.iter().zip(self.roots()) {
+            let side = surface.echo.strip_suffix(" = 0");
+            let echo = || side.unwrap_or(&surface.echo).to_owned();
+            let (bounds, facts) = enclosure::enclose(self.graph(), root, &here);
+            if facts.has(Facts::NOWHERE) {
+                // Undefined on this domain; the formula as typed tells whether that is so everywhere.
+                let anywhere = Assumptions { domain: [Interval::ENTIRE; 3], ..here.clone() };
+                let typed = enclosure::enclose(&document.graph, surface.root, &anywhere);
+                if typed.1.has(Facts::NOWHERE) {
+                    return Err(ProgramError::Nowhere { echo: echo() });
+                }
+            } else if !enclosure::coordinates(self.graph(), root).contains(&true) {
+                let value = describe(bounds, side.is_some());
+                return Err(ProgramError::Constant { echo: echo(), value });
+            }
+        }
+        Ok(())
     }
 
     /// The simplified graph of all surfaces.
     pub fn graph(&self) -> &Graph {
-        &self.graph
+        &self.shared.graph
     }
 
     /// The function of each surface in the graph.
     pub fn roots(&self) -> &[NodeId] {
-        &self.roots
+        &self.shared.roots
     }
 
     /// Nodes as typed and after simplification, all surfaces together.
     pub fn nodes(&self) -> (usize, usize) {
-        (self.nodes_before, count(&self.graph, &self.roots))
+        (self.shared.nodes_before, count(self.graph(), self.roots()))
     }
 
     /// Whether a surface's function is proven to have no value on the whole domain.
@@ -143,7 +193,7 @@ impl Program {
     /// # Panics
     /// If there is no such surface.
     pub fn routine(&self, surface: usize) -> Routine {
-        self.hoisted(&self.graph, &[self.roots[surface]])
+        self.hoisted(self.graph(), &[self.roots()[surface]])
     }
 
     /// What computes a surface's function and its three derivatives.
@@ -154,7 +204,8 @@ impl Program {
     /// # Panics
     /// If there is no such surface.
     pub fn gradient_routine(&self, surface: usize) -> Result<Routine, ProgramError> {
-        let (mut graph, root) = (self.symbolic.0.clone(), self.symbolic.1[surface]);
+        let (graph, roots) = &self.shared.symbolic;
+        let (mut graph, root) = (graph.clone(), roots[surface]);
         let [x, y, z] = gradient(&mut graph, root);
         let (graph, roots) = self.simplified(&graph, &[root, x, y, z])?;
         Ok(self.hoisted(&graph, &roots))
@@ -169,7 +220,8 @@ impl Program {
     /// # Panics
     /// If there is no such surface.
     pub fn cleared(&self, surface: usize) -> Result<Option<(Graph, [NodeId; 3])>, ProgramError> {
-        let (mut graph, root) = (self.symbolic.0.clone(), self.symbolic.1[surface]);
+        let (graph, roots) = &self.shared.symbolic;
+        let (mut graph, root) = (graph.clone(), roots[surface]);
         let Some(cleared) = clear(&mut graph, root) else { return Ok(None) };
         let typed = [cleared.numerator, cleared.denominator, root];
         let (graph, roots) = self.simplified(&graph, &typed)?;
@@ -181,8 +233,7 @@ impl Program {
     /// # Errors
     /// If no code can be made.
     pub fn interval_kernel(&self, surface: usize) -> Result<NativeInterval, ProgramError> {
-        let Routine { tape, binding } = self.routine(surface);
-        Ok(NativeInterval::compile(&tape, &binding)?)
+        Ok(interval(self.routine(surface))?.kernel)
     }
 
     /// Native code that tells where a surface's function may vanish: its enclosures, near poles those of its cleared form,
@@ -194,20 +245,19 @@ impl Program {
     /// # Errors
     /// If no code can be made.
     pub fn zero_kernel(&self, surface: usize) -> Result<ZeroKernel, ProgramError> {
-        let function = self.interval_kernel(surface)?;
-        if self.solid[surface] {
+        let function = interval(self.routine(surface))?;
+        if self.shared.solid[surface] {
             return Ok(ZeroKernel::new(function, None, None));
         }
-        let compile = |Routine { tape, binding }: Routine| NativeInterval::compile(&tape, &binding);
         let cleared = self.cleared(surface)?;
         let (numerator, branches) = match &cleared {
             Some((graph, [numerator, _, function])) => (
-                Some(compile(self.hoisted(graph, &[*numerator]))?),
+                Some(interval(self.hoisted(graph, &[*numerator]))?),
                 self.branches(graph, &[*function, *numerator]),
             ),
-            None => (None, self.branches(&self.graph, &[self.roots[surface]])),
+            None => (None, self.branches(self.graph(), &[self.roots()[surface]])),
         };
-        let branches = branches.map(compile).transpose()?;
+        let branches = branches.map(interval).transpose()?;
         Ok(ZeroKernel::new(function, numerator, branches))
     }
 
@@ -216,8 +266,12 @@ impl Program {
     /// # Errors
     /// If no code can be made.
     pub fn point_kernel(&self, surface: usize) -> Result<NativePoint, ProgramError> {
-        let Routine { tape, binding } = self.routine(surface);
-        Ok(NativePoint::compile(&tape, &binding)?)
+        Ok(self.bound_point(surface)?.kernel)
+    }
+
+    pub(crate) fn bound_point(&self, surface: usize) -> Result<Bound<NativePoint>, ProgramError> {
+        let Routine { tape, binding, uniforms } = self.routine(surface);
+        Ok(Bound::new(NativePoint::compile(&tape, &binding)?, uniforms))
     }
 
     /// Native code that samples a surface's function and its gradient.
@@ -225,8 +279,20 @@ impl Program {
     /// # Errors
     /// If no code can be made.
     pub fn gradient_kernel(&self, surface: usize) -> Result<NativeGradient, ProgramError> {
-        let Routine { tape, binding } = self.gradient_routine(surface)?;
-        Ok(NativeGradient::compile(&tape, &binding)?)
+        Ok(self.bound_gradient(surface)?.kernel)
+    }
+
+    pub(crate) fn bound_gradient(
+        &self,
+        surface: usize,
+    ) -> Result<Bound<NativeGradient>, ProgramError> {
+        let Routine { tape, binding, uniforms } = self.gradient_routine(surface)?;
+        Ok(Bound::new(NativeGradient::compile(&tape, &binding)?, uniforms))
+    }
+
+    /// The parameters' values.
+    pub(crate) fn values(&self) -> &[Interval] {
+        &self.values
     }
 
     fn simplified(
@@ -234,49 +300,72 @@ impl Program {
         graph: &Graph,
         roots: &[NodeId],
     ) -> Result<(Graph, Vec<NodeId>), ProgramError> {
-        let Assumptions { domain, parameters } = &self.assumptions;
+        let Assumptions { domain, parameters } = &self.shared.assumptions;
         Ok(simplify(graph, roots, domain, parameters)?)
     }
 
     /// The steps that tell where `roots` may all vanish, branch by branch; `None` if the last does not jump.
     fn branches(&self, graph: &Graph, roots: &[NodeId]) -> Option<Routine> {
-        let (tape, binding) = self.bind(graph, roots, Tape::branches);
-        Some(Routine { tape: tape?, binding })
+        let (tape, binding, uniforms) = self.bind(graph, roots, Tape::branches);
+        Some(Routine { tape: tape?, binding, uniforms })
     }
 
     /// The steps for `roots`, what depends on parameters alone computed beforehand.
     fn hoisted(&self, graph: &Graph, roots: &[NodeId]) -> Routine {
-        let (tape, binding) = self.bind(graph, roots, Tape::new);
-        Routine { tape, binding }
+        let (tape, binding, uniforms) = self.bind(graph, roots, Tape::new);
+        Routine { tape, binding, uniforms }
     }
 
     /// What is made of `roots` where what depends on parameters alone has become parameters, and their values.
+    ///
+    /// # Panics
+    /// Never: values are bound only where they are within what is assumed.
     fn bind<T>(
         &self,
         graph: &Graph,
         roots: &[NodeId],
         make: impl FnOnce(&Graph, &[NodeId], &Assumptions) -> T,
-    ) -> (T, Binding) {
-        let Assumptions { domain, parameters } = &self.assumptions;
-        let mut known: Vec<_> = parameters.iter().map(|bounds| (*bounds, Facts::TOTAL)).collect();
-        let hoisted = hoist(graph, roots, parameters.len() as u32);
-        let values = hoisted
-            .uniforms
-            .iter()
-            .map(|(_, node)| enclosure::enclose(graph, *node, &self.assumptions));
-        let values: Vec<_> = values.collect();
-        // A value that may be undefined stays where it is: a choice between branches need not reach it.
-        let (graph, roots) = if values.iter().all(|(_, facts)| facts.has(Facts::DEFINED)) {
-            known.extend(values);
-            (&hoisted.graph, &hoisted.roots[..])
-        } else {
-            (graph, roots)
-        };
-        let binding = Binding::new(&known);
-        let parameters = binding.bounds().to_vec();
-        let assumptions = Assumptions { domain: *domain, parameters };
-        (make(graph, roots, &assumptions), binding)
+    ) -> (T, Binding, Uniforms) {
+        let assumptions = &self.shared.assumptions;
+        let (uniforms, graph, roots) = Uniforms::split(graph, roots, assumptions, &self.values);
+        let assumed: Binding = Binding::new(&uniforms.assumed());
+        let assumptions =
+            Assumptions { domain: assumptions.domain, parameters: assumed.bounds().to_vec() };
+        let values = uniforms.values(&self.values).expect("split for these values");
+        (make(&graph, &roots, &assumptions), Binding::new(&values), uniforms)
     }
+}
+
+fn interval(routine: Routine) -> Result<Bound<NativeInterval>, ProgramError> {
+    let Routine { tape, binding, uniforms } = routine;
+    Ok(Bound::new(NativeInterval::compile(&tape, &binding)?, uniforms))
+}
+
+/// All surfaces as typed, with parameters in exponents replaced by their values.
+fn typed(document: &Document) -> (Graph, Vec<NodeId>) {
+    let surfaces: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
+    let values: Vec<Constant> =
+        document.parameters.iter().map(|parameter| parameter.value.clone()).collect();
+    fix_exponents(&document.graph, &surfaces, &values)
+}
+
+fn solid(document: &Document) -> Vec<bool> {
+    document.surfaces.iter().map(|surface| surface.kind == Kind::Solid).collect()
+}
+
+fn values(document: &Document) -> Vec<Interval> {
+    document.parameters.iter().map(|parameter| parameter.value.bounds()).collect()
+}
+
+/// Where a parameter is assumed to stay: in its range, if it is there.
+fn assumed(parameter: &Parameter) -> Interval {
+    let value = parameter.value.bounds();
+    let range = match (&parameter.range, parameter.kind) {
+        (Some((low, high)), _) => Interval { lo: low.bounds().lo, hi: high.bounds().hi },
+        (None, ParameterKind::Time) => Interval { lo: -TIME, hi: TIME },
+        (None, ParameterKind::Slider) => value,
+    };
+    if range.lo <= value.lo && value.hi <= range.hi { range } else { value }
 }
 
 fn count(graph: &Graph, roots: &[NodeId]) -> usize {
@@ -315,7 +404,7 @@ mod tests {
     #[test]
     fn what_depends_on_parameters_alone_is_computed_beforehand() {
         let rolling = program("w = 2\nsin(w)*x + cos(w)*y + z").expect("a surface");
-        let Routine { tape, binding } = rolling.routine(0);
+        let Routine { tape, binding, .. } = rolling.routine(0);
         assert_eq!((tape.operations(), binding.values().len()), (4, 3));
         // A value that does not exist is left to the steps, which may not need it.
         let choice = program("w = -2\nstep(0, x)*sqrt(1+w*y) + sqrt(w+y^2)").expect("a surface");
@@ -335,8 +424,9 @@ mod tests {
         let enclosed = |formula: &str| {
             let program = program(formula).expect("a surface");
             let left = [Interval { lo: -2.0, hi: -1.0 }; 3];
-            let assumptions = Assumptions { domain: left, ..program.assumptions.clone() };
-            enclosure::enclose(&program.graph, program.roots[0], &assumptions)
+            let parameters = program.values.clone();
+            let assumptions = Assumptions { domain: left, parameters };
+            enclosure::enclose(program.graph(), program.roots()[0], &assumptions)
         };
         assert_eq!(enclosed("n = 3\nx^n - y"), enclosed("x^3 - y"));
         assert_eq!(enclosed("n = 2\nx^(2n) - y"), enclosed("x^4 - y"));

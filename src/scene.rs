@@ -99,12 +99,14 @@ pub fn region(
     Ok((region, searched))
 }
 
-/// The surface found by intervals, whatever domain the document gives.
+/// The surface found by intervals, whatever domain the document gives and whatever its sliders are set to: a surface
+/// that grows with a slider would else always look the same.
 ///
 /// # Errors
 /// If there is no surface, or no code can be made.
 pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
     let program = Program::new(document, [Interval { lo: -REACH, hi: REACH }; 3])?;
+    let program = program.over_ranges(document);
     let kernels = (0..program.roots().len())
         .map(|surface| program.zero_kernel(surface))
         .collect::<Result<Vec<_>, _>>()?;
@@ -112,6 +114,13 @@ pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
         kernels.iter().map(|kernel| kernel as &dyn IntervalKernel).collect();
     let periodic = program.roots().iter().any(|&root| is_periodic(program.graph(), root));
     Ok(domain::find(&kernels, periodic))
+}
+
+/// Whether [`search`] finds the same for two documents that differ in nothing but the values of parameters, of which each
+/// is within its range.
+pub fn same_search(one: &Document, other: &Document) -> bool {
+    let parameters = one.parameters.iter().zip(&other.parameters);
+    { parameters }.all(|(one, other)| one.range.is_some() || one.value == other.value)
 }
 
 /// The box of a region as bounds of x, y and z.

@@ -1,7 +1,8 @@
 //! Where a function may vanish: its own enclosures, and those of its cleared form.
 
+use crate::uniforms::Bound;
 use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
-use zeroset_interval::Facts;
+use zeroset_interval::{Facts, Interval};
 use zeroset_jit::NativeInterval;
 
 /// Encloses, in each lane, either a function or what has its zeros, as precisely as it takes to see that there is none.
@@ -12,38 +13,63 @@ use zeroset_jit::NativeInterval;
 /// vanishes is called undefined, as is the function restricted to where it is 0.
 #[derive(Clone)]
 pub struct ZeroKernel {
-    function: NativeInterval,
-    numerator: Option<NativeInterval>,
-    branches: Option<NativeInterval>,
+    function: Bound<NativeInterval>,
+    numerator: Option<Bound<NativeInterval>>,
+    branches: Option<Bound<NativeInterval>>,
 }
 
 impl ZeroKernel {
     /// The function's own code, and if there are such, that of its numerator, and that which is empty where no branch
     /// vanishes ([`Tape::branches`](zeroset_eval::Tape::branches)).
     pub(crate) fn new(
-        function: NativeInterval,
-        numerator: Option<NativeInterval>,
-        branches: Option<NativeInterval>,
+        function: Bound<NativeInterval>,
+        numerator: Option<Bound<NativeInterval>>,
+        branches: Option<Bound<NativeInterval>>,
     ) -> Self {
         Self { function, numerator, branches }
     }
 
+    /// The same code for other parameter values, or `None` if it does not hold for them.
+    pub(crate) fn with(&self, parameters: &[Interval]) -> Option<Self> {
+        let other = |kernel: &Option<Bound<NativeInterval>>| match kernel {
+            Some(kernel) => kernel.with(parameters).map(Some),
+            None => Some(None),
+        };
+        Some(Self {
+            function: self.function.with(parameters)?,
+            numerator: other(&self.numerator)?,
+            branches: other(&self.branches)?,
+        })
+    }
+
+    /// Whether both run the same code, compiled once.
+    pub(crate) fn shares_code(&self, other: &Self) -> bool {
+        let share = |one: &Option<Bound<NativeInterval>>, other: &Option<_>| match (one, other) {
+            (Some(one), Some(other)) => one.shares_code(other),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        self.function.shares_code(&other.function)
+            && share(&self.numerator, &other.numerator)
+            && share(&self.branches, &other.branches)
+    }
+
     /// The function alone: its enclosures tell on which side of the surface a box lies, which those of a numerator do not.
     pub fn function(&self) -> &NativeInterval {
-        &self.function
+        &self.function.kernel
     }
 
     /// Size of the machine code in bytes.
     pub fn code_bytes(&self) -> usize {
         let others = [&self.numerator, &self.branches];
-        let others = others.into_iter().flatten().map(NativeInterval::code_bytes);
-        self.function.code_bytes() + others.sum::<usize>()
+        let others = others.into_iter().flatten().map(|bound| bound.kernel.code_bytes());
+        self.function.kernel.code_bytes() + others.sum::<usize>()
     }
 }
 
 impl IntervalKernel for ZeroKernel {
     fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
-        self.function.enclose(boxes, out);
+        self.function.kernel.enclose(boxes, out);
         if self.numerator.is_none() && self.branches.is_none() {
             return;
         }
@@ -51,12 +77,12 @@ impl IntervalKernel for ZeroKernel {
             if let Some(numerator) = &self.numerator
                 && (0..LANES).any(|lane| may_vanish(out, lane))
             {
-                clear(numerator, packet, out);
+                clear(&numerator.kernel, packet, out);
             }
             if let Some(branches) = &self.branches
                 && (0..LANES).any(|lane| may_vanish(out, lane) && may_jump(out, lane))
             {
-                part(branches, packet, out);
+                part(&branches.kernel, packet, out);
             }
         }
     }
@@ -102,7 +128,6 @@ fn may_vanish(packet: &EnclosurePacket, lane: usize) -> bool {
 mod tests {
     use super::*;
     use crate::program::Program;
-    use zeroset_interval::Interval;
     use zeroset_syntax::{Options, read};
 
     /// Whether `formula` may vanish for x in a range around 0, y and z in [1, 2].

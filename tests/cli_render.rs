@@ -181,6 +181,9 @@ fn a_number_means_the_same_wherever_it_is_typed() {
     assert_eq!(literal, status("a = 1\nx^2+y^2+z^2 = a", &["-D", "a=0.1"]));
     assert_eq!(literal, status("a = 0.1\nx^2+y^2+z^2 = a", &[]));
     assert_eq!(literal, status("x^2+y^2+z^2 = t", &["--time", "0.1"]));
+    // Code made for the whole range of a slider, too.
+    assert_eq!(literal, status("domain 2\na = 0.1 in [-1, 1]\nx^2+y^2+z^2 = a", &[]));
+    assert_eq!(literal, status("domain 2\nt = 0.3 in [0, 1]\nx^2+y^2+z^2 = t", &["--time", "0.1"]));
 }
 
 #[test]

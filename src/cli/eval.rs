@@ -150,7 +150,7 @@ impl Function {
             let program = &self.program;
             self.interval = Some(if reference {
                 {
-                    let Routine { tape, binding } = program.routine(0);
+                    let Routine { tape, binding, .. } = program.routine(0);
                     Box::new(Reference::new(tape, binding))
                 }
             } else {
@@ -165,7 +165,7 @@ impl Function {
             let program = &self.program;
             self.gradient = Some(if reference {
                 let routine = program.gradient_routine(0).map_err(|error| error.to_string())?;
-                let Routine { tape, binding } = routine;
+                let Routine { tape, binding, .. } = routine;
                 Box::new(Reference::new(tape, binding))
             } else {
                 Box::new(program.gradient_kernel(0).map_err(|error| error.to_string())?)

@@ -4,8 +4,8 @@ use std::ops::Range;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
 
-/// The text after `line` has been entered into it: a definition takes the place of the one with the same name; a drawing
-/// takes the place of all others, or joins them if `adding`; a `domain`, `view` or `color` line takes the place of the
+/// The text after `line` has been entered into it: a definition replaces the one with the same name, a single value where
+/// that stands; a drawing replaces all others, or joins them if `adding`; a `domain`, `view` or `color` line replaces the
 /// one before. Text or line may be wrong; reading the result tells where. A text that is wrong itself is given up.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
@@ -33,6 +33,9 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let start = base.len() + 1;
     let (old, new): (Vec<_>, Vec<_>) =
         statements.iter().map(|one| (extent(one), one)).partition(|(span, _)| span.start < start);
+    if let Some(text) = revalued(base, line, &old, &new) {
+        return text;
+    }
     let draws = new.iter().any(|(_, one)| matches!(one, Statement::Draw { .. }));
     let replaced = |one: &Statement| {
         match one {
@@ -48,6 +51,28 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     }
     kept.trim_start_matches('\n').to_owned()
 }
+
+/// The text with one value replaced where it stands, so that parameters keep their order, if that is all that `line` does.
+fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> Option<String> {
+    let name = |(_, one): &Placed<'_>| match one {
+        Statement::Define(value) if value.parameters.is_none() => Some(value.name.text.clone()),
+        Statement::Define(_) | Statement::Draw { .. } => None,
+    };
+    let [one] = new else { return None };
+    let wanted = name(one)?;
+    let mut places = old.iter().filter(|other| name(other).as_ref() == Some(&wanted));
+    let (Some((span, _)), None) = (places.next(), places.next()) else { return None };
+    if line.contains(['\n', ';', '#']) {
+        return None;
+    }
+    let rest = &base[span.end..];
+    let end = span.end + rest.find(['\n', ';', '#']).unwrap_or(rest.len());
+    let space = if base[end..].starts_with('#') { " " } else { "" };
+    Some(format!("{}{line}{space}{}", &base[..span.start], &base[end..]))
+}
+
+/// A statement and where it stands.
+type Placed<'a> = (Range<usize>, &'a Statement);
 
 /// The first word of a line that is about the scene rather than a formula.
 fn scene_word(line: &str) -> Option<&'static str> {
@@ -102,8 +127,9 @@ mod tests {
             ("", " x+y ", "x+y"),
             ("x+y", "x-y", "x-y"),
             ("r = 2\nx^2+y^2 = r", "z = r", "r = 2\nz = r"),
-            ("r = 2\nx^2+y^2 = r", "r = 3", "x^2+y^2 = r\nr = 3"),
-            ("r = 2 in [0, 5]\nx = r", "r = 3 in [1, 9]", "x = r\nr = 3 in [1, 9]"),
+            ("r = 2\nx^2+y^2 = r", "r = 3", "r = 3\nx^2+y^2 = r"),
+            ("s = 1; r = 2 # old\nx = r", "r = 3", "s = 1; r = 3 # old\nx = r"),
+            ("r = 2 in [0, 5]\nx = r", "r = 3 in [1, 9]", "r = 3 in [1, 9]\nx = r"),
             ("x = 1; y = 2; r = 3", "z = r", " r = 3\nz = r"),
             ("x = 1 # one; two\ny = 3", "z", "z"),
             ("x = 1 {y > 0,\n z > 0}\nr = 1", "z = r", "r = 1\nz = r"),
@@ -117,7 +143,7 @@ mod tests {
     #[test]
     fn a_drawing_may_join_the_others() {
         assert_eq!(entered("x = 1", "y = 1", true), "x = 1\ny = 1");
-        assert_eq!(entered("r = 1\nx = r", "r = 2", true), "x = r\nr = 2");
+        assert_eq!(entered("r = 1\nx = r", "r = 2", true), "r = 2\nx = r");
     }
 
     #[test]

@@ -353,16 +353,28 @@ impl Worker {
         wish: &Arc<Wish>,
         document: &Arc<Document>,
     ) -> Result<(Arc<Model>, Option<AutoDomain>), SceneError> {
-        if let Some(built) = &self.built
+        let old = self.built.as_ref().filter(|built| {
+            (built.wish.domain, built.wish.clip) == (wish.domain, wish.clip)
+                && built.wish.settings.normals == wish.settings.normals
+        });
+        if let Some(built) = old
             && Arc::ptr_eq(&built.document, document)
-            && (built.wish.domain, built.wish.clip) == (wish.domain, wish.clip)
-            && built.wish.settings.normals == wish.settings.normals
         {
             return Ok((Arc::clone(&built.model), built.searched));
         }
-        let (region, searched) = scene::region(document, wish.domain, wish.clip)?;
-        let model = Arc::new(Model::new(document, &region, wish.settings.normals)?);
-        self.pixel = None;
+        // Code holds for other values of parameters too, in the same region.
+        let rebound = old.and_then(|built| {
+            let same = built.document.domain == document.domain
+                && (built.searched.is_none() || scene::same_search(&built.document, document));
+            if same { Some((built.model.rebound(document)?, built.searched)) } else { None }
+        });
+        let (model, searched) = if let Some((model, searched)) = rebound {
+            (Arc::new(model?), searched)
+        } else {
+            let (region, searched) = scene::region(document, wish.domain, wish.clip)?;
+            self.pixel = None;
+            (Arc::new(Model::new(document, &region, wish.settings.normals)?), searched)
+        };
         self.built = Some(Built {
             wish: Arc::clone(wish),
             document: Arc::clone(document),

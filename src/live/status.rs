@@ -40,12 +40,15 @@ pub(super) fn describe(view: &View) -> String {
         if frame.coarse { " (coarse)" } else { "" },
     );
     let times = &statistics.times;
+    let made = if frame.model.is_rebound() {
+        "not compiled again".to_owned()
+    } else {
+        format!("simplify {}, compile {}", ms(times.simplify), ms(times.compile))
+    };
     let _ = write!(
         text,
-        "time        read {}, simplify {}, compile {}, trace {}, shade {}",
+        "time        read {}, {made}, trace {}, shade {}",
         ms(frame.parse),
-        ms(times.simplify),
-        ms(times.compile),
         ms(times.trace),
         ms(times.shade)
     );
@@ -65,11 +68,15 @@ impl Frame {
         let (width, height) = (self.picture.buffer.width, self.picture.buffer.height);
         let undecided = statistics.pixels.undecided;
         let times = &statistics.times;
+        let made = if self.model.is_rebound() {
+            "not compiled again".to_owned()
+        } else {
+            format!("compiled in {}", ms(times.simplify + times.compile))
+        };
         format!(
-            "{} · {width}x{height} · knoll {} · {undecided} undecided · compiled in {}",
+            "{} · {width}x{height} · knoll {} · {undecided} undecided · {made}",
             ms(times.trace + times.shade),
             self.wish.settings.max_depth,
-            ms(times.simplify + times.compile),
         )
     }
 

@@ -59,11 +59,17 @@ impl std::ops::Deref for Operands {
     }
 }
 
-/// A growing set of expressions, each stored once.
+/// A growing set of expressions, each stored once. Graphs are equal if the same nodes have the same places.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
     index: FxHashMap<Node, NodeId>,
+}
+
+impl PartialEq for Graph {
+    fn eq(&self, other: &Self) -> bool {
+        self.nodes == other.nodes
+    }
 }
 
 impl Graph {

@@ -71,6 +71,11 @@ macro_rules! kernel {
                 Self { parameters: Self::vectors(binding), compiled, format: PhantomData }
             }
 
+            /// Whether both run the same code, compiled once.
+            pub fn shares_code(&self, other: &Self) -> bool {
+                Arc::ptr_eq(&self.compiled.code, &other.compiled.code)
+            }
+
             /// Size of the machine code in bytes.
             pub fn code_bytes(&self) -> usize {
                 self.compiled.code.bytes
