@@ -1,6 +1,7 @@
 //! What the tests, fuzz targets and benches of `zeroset` share; no product code depends on it.
 //!
 //! - The independent [`Oracle`] says what is certain of a function at one exact point.
+//! - The [`certified`] tracer finds the first root on a ray, slowly, by the oracle alone.
 //! - Seeded generators draw adversarial numbers, boxes, points, rays and graphs over every row of
 //!   the table of operations, internal ones included.
 //! - The [`suite`] holds any evaluator against the oracle over the whole table.
@@ -10,6 +11,7 @@
 //! - [`reproduce`] prints a failing case as a line that `zeroset eval` reads.
 
 mod case;
+pub mod certified;
 mod effort;
 mod minimise;
 pub mod npy;
@@ -22,7 +24,7 @@ pub mod suite;
 pub use case::{Case, pack_boxes};
 pub use effort::Effort;
 pub use minimise::minimise;
-pub use oracle::{Claim, Defined, Oracle, enclose_at};
+pub use oracle::{BoxClaim, Claim, Defined, Oracle, enclose_at};
 pub use random::{
     Adversarial, Ends, GraphOptions, Ray, Rng, point_in_box, random_box, random_constant,
     random_domain, random_graph, random_parameters, random_ray, range_within,

@@ -1,10 +1,13 @@
-//! The oracle: a rigorous `f64` enclosure of a function at one exact point.
+//! The oracle: a rigorous `f64` enclosure of a function, at one exact point or over a box.
 //!
 //! It exists to contradict the evaluators, so it shares no arithmetic with them: every operation is
 //! done in round-to-nearest `f64` (elementary functions by CORE-MATH, which rounds correctly) and
-//! widened by one unit in the last place unless it is known to be exact. Boxes, `f32`, derivatives
-//! and simplified graphs are deliberately unknown here.
+//! widened by one unit in the last place unless it is known to be exact. `f32`, derivatives and
+//! simplified graphs are deliberately unknown here. Over boxes its bounds are those of plain interval arithmetic, so
+//! what it says of a box is true but may be wide.
 
+#[cfg(test)]
+mod box_tests;
 mod elementary;
 mod power;
 mod rounded;
@@ -16,7 +19,7 @@ mod tests;
 use num_bigint::BigInt;
 use num_traits::{FromPrimitive, ToPrimitive};
 use power::Exponent;
-use span::Span;
+pub(crate) use span::Span;
 use zeroset_ir::{Graph, Node, NodeId};
 
 /// Whether a function is defined at a point.
@@ -76,6 +79,16 @@ impl Claim {
     }
 }
 
+/// What is certain of a function over a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoxClaim {
+    /// Bounds on all values that the function has there; [`Defined::Yes`] if it is defined throughout,
+    /// [`Defined::No`] if nowhere.
+    pub values: Claim,
+    /// Whether it is certainly defined and continuous throughout.
+    pub continuous: bool,
+}
+
 /// A graph prepared for many points: constants are enclosed once.
 #[derive(Clone, Debug)]
 pub struct Oracle<'a> {
@@ -125,15 +138,45 @@ impl<'a> Oracle<'a> {
     /// missing, or whose bounds are not in order, may be any real; so may a coordinate that is not
     /// finite. The calling thread must round to nearest, as Rust code always does.
     pub fn at(&self, point: [f64; 3], parameters: &[(f64, f64)]) -> Vec<Claim> {
+        let claims = self.claims(point.map(Span::point), parameters);
+        self.roots.iter().map(|id| claims[id.index()]).collect()
+    }
+
+    /// What is certain over the box with these ranges of x, y and z, one claim per root. `parameters` are as for
+    /// [`Oracle::at`]; a range whose bounds are not in order stands for all reals.
+    pub fn over(&self, ranges: [(f64, f64); 3], parameters: &[(f64, f64)]) -> Vec<BoxClaim> {
+        let claims = self.claims(ranges.map(|(lo, hi)| Span::new(lo, hi)), parameters);
+        let mut continuous: Vec<bool> = Vec::with_capacity(claims.len());
+        for (id, node) in self.graph.iter() {
+            let holds = match node {
+                Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => true,
+                Node::Apply(op, operands) if self.needed[id.index()] => {
+                    let values = operands.iter().map(|id| claims[id.index()]);
+                    let operands = operands.iter().map(|id| continuous[id.index()]);
+                    let value = claims[id.index()];
+                    value.defined == Defined::Yes
+                        && rules::is_continuous(*op, value, values, operands)
+                }
+                Node::Apply(..) => false,
+            };
+            continuous.push(holds);
+        }
+        let claim = |id: &NodeId| BoxClaim {
+            values: claims[id.index()],
+            continuous: continuous[id.index()],
+        };
+        self.roots.iter().map(claim).collect()
+    }
+
+    /// What is certain of each node.
+    fn claims(&self, coordinates: [Span; 3], parameters: &[(f64, f64)]) -> Vec<Claim> {
         let nowhere = Claim::new(Span::ENTIRE, Defined::No);
         let mut claims: Vec<Claim> = Vec::with_capacity(self.graph.len());
         for (id, node) in self.graph.iter() {
             let index = id.index();
             let claim = match node {
                 _ if !self.needed[index] => nowhere,
-                Node::Variable(axis) => {
-                    Claim::new(Span::point(point[*axis as usize]), Defined::Yes)
-                }
+                Node::Variable(axis) => Claim::new(coordinates[*axis as usize], Defined::Yes),
                 Node::Parameter(number) => {
                     let bounds = parameters.get(*number as usize);
                     let span = bounds.map_or(Span::ENTIRE, |&(lo, hi)| Span::new(lo, hi));
@@ -153,7 +196,7 @@ impl<'a> Oracle<'a> {
             debug_assert!(claim.lo <= claim.hi, "{claim:?} of {node:?}");
             claims.push(claim);
         }
-        self.roots.iter().map(|id| claims[id.index()]).collect()
+        claims
     }
 }
 

@@ -4,7 +4,7 @@ use super::power::{self, Exponent};
 use super::rounded::{self, Rounded};
 use super::span::Span;
 use super::{Claim, Defined, elementary};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Continuity, Law, Op};
 
 /// What is certain of `op` applied to `operands`, of which there are as many as its arity says.
 /// `exponent` describes the last operand and matters for powers alone.
@@ -52,6 +52,33 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     let defined =
         operands[..op.arity()].iter().fold(local, |all, operand| all.and(operand.defined));
     Claim::new(value, defined)
+}
+
+/// Whether `op` is certainly continuous where its value is `value`, given its operands' values and whether they are
+/// continuous. It is taken to be defined.
+pub(super) fn is_continuous(
+    op: Op,
+    value: Claim,
+    values: impl Iterator<Item = Claim>,
+    operands: impl Iterator<Item = bool>,
+) -> bool {
+    let mut spans = [Span::ENTIRE; 3];
+    spans.iter_mut().zip(values).for_each(|(span, value)| *span = value.span());
+    let mut continuous = [true; 3];
+    continuous.iter_mut().zip(operands).for_each(|(held, operand)| *held = operand);
+    let [a, b, _] = spans;
+    let all = continuous == [true; 3];
+    let one_step = |steps: Span| steps.lo.floor() == steps.hi.floor() && steps.lo.is_finite();
+    match (op.row().continuity, op.row().class) {
+        (Continuity::Domain, _) => all,
+        (Continuity::Jumps, Class::Choice) => {
+            (a.hi < 0.0 && continuous[1]) || (a.lo >= 0.0 && continuous[2])
+        }
+        (Continuity::Jumps, Class::Remainder) => all && one_step(a.div(b)),
+        (Continuity::Jumps, Class::Function(Law::Fraction)) => all && one_step(a),
+        // The others are constant between jumps.
+        (Continuity::Jumps, _) => all && value.lo == value.hi,
+    }
 }
 
 fn nonneg(a: Span) -> Defined {

@@ -8,16 +8,16 @@ use zeroset_ir::Constant;
 
 /// The reals from `lo` to `hi`. Never NaN, `lo ≤ hi`, `lo < +∞`, `hi > −∞`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
-    pub(super) lo: f64,
-    pub(super) hi: f64,
+pub(crate) struct Span {
+    pub(crate) lo: f64,
+    pub(crate) hi: f64,
 }
 
 impl Span {
-    pub(super) const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+    pub(crate) const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
     /// From `lo` to `hi`; everything, if that is no range.
-    pub(super) fn new(lo: f64, hi: f64) -> Self {
+    pub(crate) fn new(lo: f64, hi: f64) -> Self {
         if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
             // Adding +0 turns −0 into +0, so that no rule meets a signed zero.
             Self { lo: lo + 0.0, hi: hi + 0.0 }
@@ -26,7 +26,7 @@ impl Span {
         }
     }
 
-    pub(super) fn point(value: f64) -> Self {
+    pub(crate) fn point(value: f64) -> Self {
         if value.is_finite() { Self::new(value, value) } else { Self::ENTIRE }
     }
 
@@ -43,35 +43,39 @@ impl Span {
     }
 
     /// Around a constant of a graph.
-    pub(super) fn constant(value: &Constant) -> Self {
+    pub(crate) fn constant(value: &Constant) -> Self {
         match value {
             Constant::Exact(value) => rational(value),
             Constant::Enclosed([lo, hi]) => Self::new(f64::from_bits(*lo), f64::from_bits(*hi)),
         }
     }
 
-    pub(super) fn has_zero(self) -> bool {
+    pub(crate) fn has_zero(self) -> bool {
         self.lo <= 0.0 && 0.0 <= self.hi
     }
 
-    pub(super) fn is_zero(self) -> bool {
+    pub(crate) fn is_bounded(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
+    }
+
+    pub(crate) fn is_zero(self) -> bool {
         self.lo == 0.0 && self.hi == 0.0
     }
 
-    pub(super) fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self::new(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 
     /// The part between `lo` and `hi`, where the true value is known to lie.
-    pub(super) fn within(self, lo: f64, hi: f64) -> Self {
+    pub(crate) fn within(self, lo: f64, hi: f64) -> Self {
         Self::new(self.lo.clamp(lo, hi), self.hi.clamp(lo, hi))
     }
 
-    pub(super) fn neg(self) -> Self {
+    pub(crate) fn neg(self) -> Self {
         Self::new(-self.hi, -self.lo)
     }
 
-    pub(super) fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         if self.lo >= 0.0 {
             self
         } else if self.hi <= 0.0 {
@@ -81,25 +85,25 @@ impl Span {
         }
     }
 
-    pub(super) fn add(self, other: Self) -> Self {
+    pub(crate) fn add(self, other: Self) -> Self {
         Self::hull(rounded::add(self.lo, other.lo), rounded::add(self.hi, other.hi))
     }
 
-    pub(super) fn sub(self, other: Self) -> Self {
+    pub(crate) fn sub(self, other: Self) -> Self {
         self.add(other.neg())
     }
 
-    pub(super) fn mul(self, other: Self) -> Self {
+    pub(crate) fn mul(self, other: Self) -> Self {
         Self::of(&self.corners(other, rounded::mul))
     }
 
-    pub(super) fn sqr(self) -> Self {
+    pub(crate) fn sqr(self) -> Self {
         let a = self.abs();
         Self::hull(rounded::mul(a.lo, a.lo), rounded::mul(a.hi, a.hi))
     }
 
     /// Quotients by the members of `other` that are not 0.
-    pub(super) fn div(self, other: Self) -> Self {
+    pub(crate) fn div(self, other: Self) -> Self {
         if self.is_zero() {
             return Self::point(0.0);
         }

@@ -1,0 +1,213 @@
+//! Halving a ray until every piece is proven empty or is too small to tell.
+
+use super::line::{Along, Clip, Line};
+use super::{Certificate, Crossing, Reason, Unresolved};
+use crate::oracle::{BoxClaim, Defined, Oracle, Span};
+
+/// Pieces are not halved below this share of the ray's way through the box; those in which the function is smooth end
+/// where rounding hides what is going on, which is mostly earlier.
+const SMALLEST: f64 = f64::from_bits((1023 - 44) << 52); // 2^-44
+
+/// More undecided pieces than this are one.
+const MOST_UNRESOLVED: usize = 64;
+
+/// A Newton step that leaves more than this share of a piece is not worth its two remainders.
+const NEWTON_LEAVES: f64 = 0.5;
+/// By this share of its width a Newton step's result is widened, so that what is cut off can be proven empty.
+const NEWTON_MARGIN: f64 = 0.125;
+
+/// What an evaluation says of a piece.
+enum Verdict {
+    /// There is no zero; the sign of the values, if there are any.
+    Empty(Option<Sign>),
+    /// To be cut here.
+    Cut(Vec<f64>),
+    /// It is as small as makes sense, because of this if not of rounding.
+    Leaf(Option<Reason>),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sign {
+    Negative,
+    Positive,
+}
+
+/// Neighbouring leaves.
+#[derive(Clone, Copy)]
+struct Cluster {
+    near: f64,
+    far: f64,
+    before: Option<Sign>,
+    reason: Option<Reason>,
+}
+
+/// The search on one line.
+pub(super) struct Search<'a> {
+    value: Oracle<'a>,
+    both: Oracle<'a>,
+    parameters: Vec<(f64, f64)>,
+    left: u32,
+    budget: u32,
+    smallest: f64,
+    found: Vec<Unresolved>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(function: &'a Along, line: &Line, budget: u32) -> Self {
+        let Along { graph, root, slope } = function;
+        Self {
+            value: Oracle::new(graph, &[*root]),
+            both: Oracle::new(graph, &[*root, *slope]),
+            parameters: line.parameters(),
+            left: budget,
+            budget,
+            smallest: 0.0,
+            found: Vec::new(),
+        }
+    }
+
+    pub(super) fn run(mut self, clip: Option<Clip>) -> Certificate {
+        let crossing = clip.and_then(|clip| self.search(&clip));
+        Certificate { unresolved: self.found, crossing, evaluations: self.budget - self.left }
+    }
+
+    fn search(&mut self, clip: &Clip) -> Option<Crossing> {
+        let [start, end] = clip.outer;
+        if !end.is_finite() {
+            self.give_up(start, end);
+            return None;
+        }
+        self.smallest = (end - start) * SMALLEST;
+        let mut pieces = vec![(start, end)];
+        let mut cluster: Option<Cluster> = None;
+        let mut before = None;
+        while let Some((near, far)) = pieces.pop() {
+            if self.left == 0 || self.found.len() >= MOST_UNRESOLVED {
+                self.give_up(cluster.map_or(near, |cluster| cluster.near), end);
+                return None;
+            }
+            match self.look(near, far) {
+                Verdict::Empty(sign) => {
+                    let crossing = cluster.take().and_then(|c| self.close(c, sign, clip));
+                    if crossing.is_some() {
+                        return crossing;
+                    }
+                    before = sign;
+                }
+                Verdict::Cut(at) => {
+                    let mut ends = vec![near];
+                    ends.extend(at);
+                    ends.push(far);
+                    pieces.extend(ends.windows(2).rev().map(|ends| (ends[0], ends[1])));
+                }
+                Verdict::Leaf(reason) => {
+                    let open = cluster.get_or_insert(Cluster { near, far, before, reason });
+                    open.far = far;
+                    open.reason = open.reason.max(reason);
+                }
+            }
+        }
+        cluster.and_then(|cluster| self.close(cluster, None, clip))
+    }
+
+    fn give_up(&mut self, near: f64, far: f64) {
+        self.found.push(Unresolved { near, far, reason: Reason::Budget });
+    }
+
+    /// Decides on neighbouring leaves, from the signs on either side.
+    ///
+    /// At a common end of a leaf in which the function is defined and of a piece that has a sign, the function has a
+    /// value, and the value that sign.
+    fn close(&mut self, cluster: Cluster, after: Option<Sign>, clip: &Clip) -> Option<Crossing> {
+        let Cluster { near, far, before, reason } = cluster;
+        let inside = clip.inner[0] <= near && far <= clip.inner[1];
+        let reason = match (reason, before, after) {
+            (Some(reason), ..) => reason,
+            (None, Some(before), Some(after)) if before == after => Reason::Touching,
+            (None, Some(_), Some(_)) if inside => {
+                let [_, slope] = self.slope(near, far);
+                let simple = slope.values.defined == Defined::Yes && !span(&slope).has_zero();
+                return Some(Crossing { near, far, simple });
+            }
+            (None, ..) => Reason::Edge,
+        };
+        self.found.push(Unresolved { near, far, reason });
+        None
+    }
+
+    fn look(&mut self, near: f64, far: f64) -> Verdict {
+        let natural = self.value(near, far);
+        if natural.values.defined == Defined::No {
+            return Verdict::Empty(None);
+        }
+        if let Some(sign) = sign(span(&natural)) {
+            return Verdict::Empty(Some(sign));
+        }
+        let middle = near + (far - near) / 2.0;
+        let small = far - near <= self.smallest || middle <= near || far <= middle;
+        if !natural.continuous {
+            let reason = if natural.values.defined == Defined::Yes {
+                Reason::Jump
+            } else {
+                Reason::Undefined
+            };
+            return if small { Verdict::Leaf(Some(reason)) } else { Verdict::Cut(vec![middle]) };
+        }
+        let [_, slope] = self.slope(near, far);
+        let usable = slope.values.defined == Defined::Yes && span(&slope).is_bounded();
+        if !usable {
+            return if small { Verdict::Leaf(None) } else { Verdict::Cut(vec![middle]) };
+        }
+        // The mean value theorem: f(t) lies in f(m) + F'·(t − m).
+        let slope = span(&slope);
+        let (from, at_middle) = (Span::point(middle), span(&self.value(middle, middle)));
+        let change = slope.mul(Span::new(near, far).sub(from));
+        let mean = at_middle.add(change);
+        if let Some(sign) = sign(mean) {
+            return Verdict::Empty(Some(sign));
+        }
+        let noise = at_middle.hi - at_middle.lo;
+        if small || change.hi.max(-change.lo) <= noise {
+            return Verdict::Leaf(None);
+        }
+        Verdict::Cut(newton(near, far, middle, at_middle, slope).unwrap_or(vec![middle]))
+    }
+
+    fn value(&mut self, near: f64, far: f64) -> BoxClaim {
+        self.left = self.left.saturating_sub(1);
+        self.value.over([(near, far), (0.0, 0.0), (0.0, 0.0)], &self.parameters)[0]
+    }
+
+    fn slope(&mut self, near: f64, far: f64) -> [BoxClaim; 2] {
+        self.left = self.left.saturating_sub(1);
+        let claims = self.both.over([(near, far), (0.0, 0.0), (0.0, 0.0)], &self.parameters);
+        [claims[0], claims[1]]
+    }
+}
+
+/// Where to cut a piece such that all zeros lie between the cuts, if that is worth it.
+fn newton(near: f64, far: f64, middle: f64, value: Span, slope: Span) -> Option<Vec<f64>> {
+    if slope.has_zero() {
+        return None;
+    }
+    let zeros = Span::point(middle).sub(value.div(slope));
+    let margin = (zeros.hi - zeros.lo) * NEWTON_MARGIN;
+    let (lo, hi) = (zeros.lo - margin, zeros.hi + margin);
+    let worth = hi.min(far) - lo.max(near) < (far - near) * NEWTON_LEAVES;
+    let cuts: Vec<f64> = [lo, hi].into_iter().filter(|cut| near < *cut && *cut < far).collect();
+    (worth && !cuts.is_empty()).then_some(cuts)
+}
+
+fn span(claim: &BoxClaim) -> Span {
+    Span::new(claim.values.lo, claim.values.hi)
+}
+
+fn sign(values: Span) -> Option<Sign> {
+    if values.hi < 0.0 {
+        Some(Sign::Negative)
+    } else if values.lo > 0.0 {
+        Some(Sign::Positive)
+    } else {
+        None
+    }
+}
