@@ -2,10 +2,12 @@
 
 use crate::branches::Branches;
 use crate::real::Real;
+use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_interval::{
-    Enclosure, Exponent, Facts, Interval, Lanes, Machine, Operand, Software, enclose, evaluate,
+    Enclosure, Exponent, Facts, Interval, Lanes, Machine, Operand, Software, enclose,
+    enclose_twins, evaluate, evaluate_twins,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -176,12 +178,18 @@ impl<T: Real> Tape<T> {
             return vec![self.enclose_branches(m, branches, leaf)];
         }
         let mut values: Vec<Operand<M::V>> = Vec::with_capacity(self.steps.len());
+        let mut twins = Twins::default();
         for (step, &range) in self.steps.iter().zip(&self.ranges) {
             let value = match (step, leaf(m, step)) {
                 (_, Some(value)) => value,
                 (Step::Apply(op, operands), None) => {
-                    let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-                    enclose(m, T::FORMAT, *op, &operands)
+                    let both = || enclose_twins(m, T::FORMAT, *op, &values[operands[0]]);
+                    if let Some(value) = twins.take(*op, operands[0], both) {
+                        value
+                    } else {
+                        let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
+                        enclose(m, T::FORMAT, *op, &operands)
+                    }
                 }
                 (Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..), None) => {
                     unreachable!("leaves have values")
@@ -200,19 +208,48 @@ impl<T: Real> Tape<T> {
         mut parameter: impl FnMut(&mut M, u32) -> M::V,
     ) -> Vec<M::V> {
         let mut values: Vec<M::V> = Vec::with_capacity(self.steps.len());
+        let mut twins = Twins::default();
         for step in &self.steps {
             values.push(match step {
                 Step::Coordinate(axis) => coordinate(m, *axis),
                 Step::Parameter(number) => parameter(m, *number),
                 Step::Constant(bounds, _) => m.number(T::FORMAT, middle::<T>(*bounds)),
                 Step::Apply(op, operands) => {
-                    let exponent = self.exponent(operands);
-                    let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-                    evaluate(m, T::FORMAT, *op, &operands, exponent)
+                    let (first, range) = (operands[0], self.ranges[operands[0]]);
+                    let both = || evaluate_twins(m, T::FORMAT, *op, values[first], range);
+                    if let Some(value) = twins.take(*op, first, both) {
+                        value
+                    } else {
+                        let exponent = self.exponent(operands);
+                        let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
+                        evaluate(m, T::FORMAT, *op, &operands, exponent)
+                    }
                 }
             });
         }
         self.outputs.iter().map(|&output| values[output]).collect()
+    }
+}
+
+/// Values computed together with their twins and not yet asked for, by operation and the step of its operand.
+struct Twins<V>(HashMap<(Op, usize), V>);
+
+impl<V> Default for Twins<V> {
+    fn default() -> Self {
+        Self(HashMap::new())
+    }
+}
+
+impl<V> Twins<V> {
+    /// The value of `op` at a step: kept, or from `both`, which gives it before its twin's; `None` if it has no twin.
+    fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
+        let twin = op.row().twin?;
+        if let Some(value) = self.0.remove(&(op, operand)) {
+            return Some(value);
+        }
+        let [value, other] = both()?;
+        self.0.insert((twin, operand), other);
+        Some(value)
     }
 }
 

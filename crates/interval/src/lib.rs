@@ -23,6 +23,6 @@ pub use facts::Facts;
 pub use fold::{Value, fold};
 pub use machine::{Format, Machine};
 pub use part::{Part, Parting};
-pub use point::evaluate;
-pub use rules::{enclose, enclose_part};
+pub use point::{evaluate, evaluate_twins};
+pub use rules::{enclose, enclose_part, enclose_twins};
 pub use software::{Lanes, Software};

@@ -3,6 +3,7 @@
 //! Values carry no bound: they shade pictures and start searches. Where an operation is undefined the value is NaN, or
 //! infinite at a pole.
 
+use crate::bounds::Interval;
 use crate::enclosure::Exponent;
 use crate::machine::{Format, Machine};
 use crate::rules::{ANGLE_LIMIT, Rule, by_halves};
@@ -96,6 +97,22 @@ pub fn evaluate<M: Machine>(
             rule.nan_unless(inside, a)
         }
     }
+}
+
+/// Evaluates `op` and its twin over lanes of their operand, which lie in `range`, or `None` if they share no work there.
+pub fn evaluate_twins<M: Machine>(
+    m: &mut M,
+    format: Format,
+    op: Op,
+    a: M::V,
+    range: Interval,
+) -> Option<[M::V; 2]> {
+    let mut rule = Rule { m, format };
+    if !matches!(op, Op::Sin | Op::Cos) || !rule.is_near(range) {
+        return None;
+    }
+    let [sin, cos] = rule.near_waves_at(a);
+    Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
 }
 
 impl<M: Machine> Rule<'_, M> {

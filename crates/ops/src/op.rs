@@ -82,6 +82,8 @@ pub struct Row {
     pub values: &'static [(i32, i32)],
     /// Two functions without poles whose quotient it is, if it has poles and is such a quotient.
     pub quotient: Option<[Op; 2]>,
+    /// A function of the same operand that shares most of its work, so that both are computed together.
+    pub twin: Option<Op>,
     /// Whether its bounds come from an approximation, so that they are not exactly monotone in the operands' bounds.
     /// Saying so where they are not costs width; not saying so where they are is unsound.
     pub approximated: bool,

@@ -13,7 +13,7 @@ const STRIDE: u64 = 20_011;
 fn enclosures_hold_and_are_tight_on_a_slice_of_all_floats() {
     for function in sweep::functions() {
         let report = function.sweep(STRIDE);
-        let name = function.op.row().name;
+        let name = function.name();
         println!("{name}: {report:?}");
         assert!(report.tried > 200_000, "{name}: too few floats: {report:?}");
         assert_eq!(report.violations, 0, "{name}: {report:?}");

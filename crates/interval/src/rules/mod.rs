@@ -86,6 +86,21 @@ pub fn enclose_part<M: Machine>(
     }
 }
 
+/// Encloses `op` and its twin over lanes of their operand, or `None` if they share no work there.
+pub fn enclose_twins<M: Machine>(
+    m: &mut M,
+    format: Format,
+    op: Op,
+    a: &Operand<M::V>,
+) -> Option<[Enclosure<M::V>; 2]> {
+    let mut rule = Rule { m, format };
+    if !matches!(op, Op::Sin | Op::Cos) || !rule.is_near(a.range) {
+        return None;
+    }
+    let [sin, cos] = rule.near_waves(a);
+    Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
+}
+
 /// The machine and format that a rule writes for.
 pub(crate) struct Rule<'a, M> {
     pub(crate) m: &'a mut M,

@@ -37,7 +37,7 @@ fn main() -> ExitCode {
         let report = function.sweep(stride);
         println!(
             "{:8}{:>12}{:>12}{:>12}{:>12}{:>12}{:>8}{:>10.4}{:>10.1}",
-            function.op.row().name,
+            function.name(),
             report.tried,
             report.violations,
             report.beyond,
@@ -79,10 +79,10 @@ fn arguments() -> Result<(u64, Vec<Function>), String> {
         }
     }
     let mut all = functions();
-    if let Some(name) = names.iter().find(|name| all.iter().all(|f| f.op.row().name != **name)) {
-        let known: Vec<_> = all.iter().map(|function| function.op.row().name).collect();
+    if let Some(name) = names.iter().find(|name| all.iter().all(|f| f.name() != **name)) {
+        let known: Vec<_> = all.iter().map(|function| function.name()).collect();
         return Err(format!("no function {name}; there are {}", known.join(" ")));
     }
-    all.retain(|function| names.is_empty() || names.iter().any(|n| n == function.op.row().name));
+    all.retain(|function| names.is_empty() || names.iter().any(|n| *n == function.name()));
     Ok((stride, all))
 }

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use zeroset_eval::{Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Tape};
-use zeroset_interval::Facts;
+use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{Axis, Graph};
 use zeroset_jit::NativeInterval;
 use zeroset_ops::Op;
@@ -18,6 +18,8 @@ const PACKETS: usize = 256;
 const CHUNK: u64 = 1 << 16;
 /// Angles up to here are enclosed tightly; beyond, an enclosure is the function's range.
 const ANGLE_LIMIT: f32 = 1_048_576.0;
+/// Sine and cosine have a text of their own for operands that never leave these bounds.
+const NEAR_LIMIT: f32 = 192.0;
 /// An enclosure wider than the tightest by more than this many ulps is reported with its place.
 pub const WIDE: u64 = 2;
 
@@ -29,6 +31,8 @@ pub struct Function {
     /// Between which numbers all its values lie.
     range: [f64; 2],
     limit: f32,
+    /// Bounds that the code may assume of its operand, if any: other floats are not tried then.
+    within: Option<f32>,
 }
 
 /// What is certain of a value.
@@ -46,7 +50,7 @@ enum Truth {
 pub fn functions() -> Vec<Function> {
     const REALS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
     const UNIT: [f64; 2] = [-1.0, 1.0];
-    let all = |op, range, limit, truth| Function { op, truth, range, limit };
+    let all = |op, range, limit, truth| Function { op, truth, range, limit, within: None };
     vec![
         all(Op::Sqrt, [0.0, f64::INFINITY], f32::MAX, |x| {
             let root = f64::from(x).sqrt();
@@ -85,6 +89,18 @@ pub fn functions() -> Vec<Function> {
         all(Op::Cos, UNIT, ANGLE_LIMIT, |x| {
             where_defined(true, core_math::cos(f64::from(x)), x == 0.0)
         }),
+        Function {
+            within: Some(NEAR_LIMIT),
+            ..all(Op::Sin, UNIT, ANGLE_LIMIT, |x| {
+                where_defined(true, core_math::sin(f64::from(x)), x == 0.0)
+            })
+        },
+        Function {
+            within: Some(NEAR_LIMIT),
+            ..all(Op::Cos, UNIT, ANGLE_LIMIT, |x| {
+                where_defined(true, core_math::cos(f64::from(x)), x == 0.0)
+            })
+        },
         all(Op::Tan, REALS, ANGLE_LIMIT, |x| {
             where_defined(true, core_math::tan(f64::from(x)), x == 0.0)
         }),
@@ -168,6 +184,12 @@ fn smaller(a: Option<f32>, b: Option<f32>) -> Option<f32> {
 }
 
 impl Function {
+    /// The function's name, and what is assumed of its operand.
+    pub fn name(&self) -> String {
+        let name = self.op.row().name;
+        self.within.map_or(name.to_owned(), |limit| format!("{name}-{limit}"))
+    }
+
     /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`, on all processors.
     ///
     /// # Panics
@@ -176,7 +198,11 @@ impl Function {
         let mut graph = Graph::new();
         let x = graph.variable(Axis::X);
         let root = graph.apply(self.op, &[x]);
-        let tape = Tape::new(&graph, &[root], &Assumptions::none(0));
+        let mut assumptions = Assumptions::none(0);
+        if let Some(limit) = self.within {
+            assumptions.domain = [Interval { lo: -f64::from(limit), hi: f64::from(limit) }; 3];
+        }
+        let tape = Tape::new(&graph, &[root], &assumptions);
         let kernel = NativeInterval::compile(&tape, &Binding::empty()).expect("compiles");
         let count = (1_u64 << 32).div_ceil(stride);
         let (next, total) = (AtomicU64::new(0), Mutex::new(Report::default()));
@@ -206,7 +232,7 @@ impl Function {
         xs: impl Iterator<Item = f32>,
         report: &mut Report,
     ) {
-        let xs: Vec<f32> = xs.filter(|x| x.is_finite()).collect();
+        let xs: Vec<f32> = xs.filter(|x| x.abs() <= self.within.unwrap_or(f32::MAX)).collect();
         let mut boxes = vec![BoxPacket::default(); PACKETS];
         let mut out = vec![EnclosurePacket::default(); PACKETS];
         for xs in xs.chunks(PACKETS * LANES) {

@@ -1,5 +1,6 @@
 //! Exponentials, logarithms and trigonometric functions: bounds from the texts in [`wide`].
 
+pub(crate) mod near;
 pub(crate) mod wide;
 
 use super::Rule;
@@ -106,11 +107,17 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(super) fn sin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        if self.is_near(a.range) {
+            return self.near_waves(a)[0];
+        }
         // The maximum 1 is at π/2 + 2πj, the minimum at −π/2 + 2πj.
         self.wave(a, |text, x| text.sin(x), 0.25, -0.25)
     }
 
     pub(super) fn cos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        if self.is_near(a.range) {
+            return self.near_waves(a)[1];
+        }
         self.wave(a, |text, x| text.cos(x), 0.0, 0.5)
     }
 
