@@ -32,7 +32,7 @@ pub struct Function {
     range: [f64; 2],
     limit: f32,
     /// Bounds that the code may assume of its operand, if any: other floats are not tried then.
-    within: Option<f32>,
+    pub within: Option<f32>,
 }
 
 /// What is certain of a value.

@@ -196,9 +196,10 @@ impl<M: Machine> Rule<'_, M> {
 const COS_SERIES: [f32; 3] = [0.041_666_646, -0.001_388_736_2, 2.443_777_5e-5];
 const SIN_SERIES: [f32; 3] = [-0.166_666_51, 0.008_331_974, -0.000_194_949_93];
 
-/// How far the cosine's sum may be above the truth and below it: 1 − z/2 rounds up by less than 2⁻²⁴, z by as much, so
-/// that −z/2 is too low by less than 2⁻²⁵; the tail adds 2⁻²⁶.
-const COS_SLACK: [f64; 2] = [1.25 / (1 << 24) as f64, 0.75 / (1 << 24) as f64];
+/// How far the cosine's sum may be above the truth and below it, in units of 2⁻²⁴ = ulp(cos s). For z ≥ ½, −z/2 is a
+/// multiple of ½ and too low by less than that, so that 1 − z/2 is too high by ½ at most, and the tail adds less than ¼;
+/// for smaller z, 1 − z/2 is too high by less than 1 − z/4, −z/2 too low by less than ¼, the tail wrong by less than z/4.
+const COS_SLACK: [f64; 2] = [1.0 / (1 << 24) as f64, 0.75 / (1 << 24) as f64];
 /// A bound on the error of the sine's tail, in parts of |s|.
 const SIN_SLACK: f64 = 0.75 / (1 << 24) as f64;
 
