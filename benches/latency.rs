@@ -1,9 +1,9 @@
 //! From typed text to native code, warm: the first interval kernel, and all kernels of the default picture.
 //!
-//! `cargo bench --bench latency` prints the median and the worst surface of the gallery against the targets of
-//! 2 ms and 8 ms, then the slowest surfaces with the time of each stage; `-- gyroid` at the end of the command
-//! looks only at surfaces with such a name. A surface's time is the median over
-//! rounds; each round goes through all surfaces, so that a disturbance falls on one round and not on one surface.
+//! `cargo bench --bench latency` prints, for kernels of `f32` and then of `f64`, the median and the worst surface of the
+//! gallery against the targets of 2 ms and 8 ms, then the slowest surfaces with the time of each stage; `-- gyroid` at
+//! the end of the command looks only at surfaces with such a name. A surface's time is the median over rounds; each
+//! round goes through all surfaces, so that a disturbance falls on one round and not on one surface.
 
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use zeroset::gallery::{Example, examples};
 use zeroset::program::Program;
 use zeroset::scene::{self, DomainChoice};
+use zeroset_eval::Real;
 use zeroset_jit::{NativeGradient, NativeInterval};
 use zeroset_syntax::{Document, Options, read};
 
@@ -34,18 +35,18 @@ fn program(document: &Document) -> Program {
 }
 
 /// All that stands between a text and the first question a traverser asks.
-fn first(example: &Example) -> NativeInterval {
+fn first<T: Real>(example: &Example) -> NativeInterval<T> {
     program(&document(example)).interval_kernel(0).expect(example.slug)
 }
 
 /// All kernels that a picture with normals uses, compiled side by side as a picture does.
-fn all(example: &Example) -> usize {
+fn all<T: Real>(example: &Example) -> usize {
     let document = document(example);
     let program = program(&document);
     let kernels = (0..document.surfaces.len()).into_par_iter().map(|surface| {
         rayon::join(
-            || program.zero_kernel(surface).expect(example.slug),
-            || program.gradient_kernel(surface).expect(example.slug),
+            || program.zero_kernel::<T>(surface).expect(example.slug),
+            || program.gradient_kernel::<T>(surface).expect(example.slug),
         )
     });
     kernels.collect::<Vec<_>>().len()
@@ -59,19 +60,19 @@ fn time<T>(run: impl FnOnce() -> T) -> (T, Duration) {
 }
 
 /// One round of one surface; the stages run one after the other, on one thread.
-fn round(example: &Example) -> [Duration; NAMES.len()] {
-    let (_, first) = time(|| first(example));
-    let (_, all) = time(|| all(example));
+fn round<T: Real>(example: &Example) -> [Duration; NAMES.len()] {
+    let (_, first) = time(|| first::<T>(example));
+    let (_, all) = time(|| all::<T>(example));
     let (document, parse) = time(|| document(example));
     let (program, simplify) = time(|| program(&document));
-    let (routine, tape) = time(|| program.routine(0));
+    let (routine, tape) = time(|| program.routine::<T>(0));
     let (kernel, code) = time(|| NativeInterval::compile(&routine.tape, &routine.binding));
     kernel.expect(example.slug);
     // The zero kernel compiles the function again; what the poles cost is the difference.
-    let (kernel, zeros) = time(|| program.zero_kernel(0));
+    let (kernel, zeros) = time(|| program.zero_kernel::<T>(0));
     kernel.expect(example.slug);
     let poles = zeros.saturating_sub(tape + code);
-    let (routine, gradient_tape) = time(|| program.gradient_routine(0).expect(example.slug));
+    let (routine, gradient_tape) = time(|| program.gradient_routine::<T>(0).expect(example.slug));
     let (kernel, gradient_code) = time(|| NativeGradient::compile(&routine.tape, &routine.binding));
     kernel.expect(example.slug);
     [first, all, parse, simplify, tape, code, poles, gradient_tape, gradient_code]
@@ -88,20 +89,29 @@ fn main() {
     let mut examples = examples();
     examples.retain(|example| filter.as_ref().is_none_or(|part| example.slug.contains(part)));
     assert!(!examples.is_empty(), "no surface has a name like {filter:?}");
+    println!("kernels of f32");
+    report::<f32>(&examples);
+    println!("\nkernels of f64");
+    report::<f64>(&examples);
+}
+
+/// Measures all surfaces and prints a table.
+fn report<T: Real>(examples: &[Example]) {
     for _ in 0..WARM_UP {
-        for example in &examples {
-            round(example);
+        for example in examples {
+            round::<T>(example);
         }
     }
     let mut rounds: Vec<Vec<[Duration; NAMES.len()]>> = vec![Vec::new(); examples.len()];
     for _ in 0..ROUNDS {
         for (example, rounds) in examples.iter().zip(&mut rounds) {
-            rounds.push(round(example));
+            rounds.push(round::<T>(example));
         }
     }
     // Milliseconds per surface and column.
     let table: Vec<(Example, [f64; NAMES.len()])> = examples
-        .into_iter()
+        .iter()
+        .copied()
         .zip(rounds)
         .map(|(example, rounds)| {
             let column = |column: usize| {

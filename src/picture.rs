@@ -4,6 +4,7 @@ use crate::model::Model;
 use crate::program::ProgramError;
 use crate::work::Work;
 use glam::DVec3;
+use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use zeroset_syntax::Document;
@@ -32,6 +33,25 @@ pub struct Settings {
     pub ambient: f32,
     /// Shown where there is nothing; `None` for the default.
     pub background: Option<Colour>,
+}
+
+/// The floats in which kernels compute. Enclosures are rigorous in either.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Precision {
+    /// 32 bits: twice as fast.
+    #[default]
+    F32,
+    /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their surroundings.
+    F64,
+}
+
+impl fmt::Display for Precision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        })
+    }
 }
 
 /// Where normals come from.

@@ -5,7 +5,7 @@ use crate::uniforms::{Bound, Uniforms};
 use crate::zeros::ZeroKernel;
 use std::sync::Arc;
 use thiserror::Error;
-use zeroset_eval::{Assumptions, Binding, Tape};
+use zeroset_eval::{Assumptions, Binding, Real, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
     Constant, Graph, IrError, NodeId, clear, fix_exponents, gradient, rewrite, simplify,
@@ -43,11 +43,11 @@ const TIME: f64 = 16.0;
 
 /// Steps to run, and the parameters' values as these steps read them.
 #[derive(Clone, Debug)]
-pub struct Routine {
+pub struct Routine<T: Real = f32> {
     /// The steps.
-    pub tape: Tape,
+    pub tape: Tape<T>,
     /// The values.
-    pub binding: Binding,
+    pub binding: Binding<T>,
     /// How other values are bound.
     pub uniforms: Uniforms,
 }
@@ -192,7 +192,7 @@ impl Program {
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn routine(&self, surface: usize) -> Routine {
+    pub fn routine<T: Real>(&self, surface: usize) -> Routine<T> {
         self.hoisted(self.graph(), &[self.roots()[surface]])
     }
 
@@ -203,7 +203,7 @@ impl Program {
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn gradient_routine(&self, surface: usize) -> Result<Routine, ProgramError> {
+    pub fn gradient_routine<T: Real>(&self, surface: usize) -> Result<Routine<T>, ProgramError> {
         let (graph, roots) = &self.shared.symbolic;
         let (mut graph, root) = (graph.clone(), roots[surface]);
         let [x, y, z] = gradient(&mut graph, root);
@@ -232,7 +232,10 @@ impl Program {
     ///
     /// # Errors
     /// If no code can be made.
-    pub fn interval_kernel(&self, surface: usize) -> Result<NativeInterval, ProgramError> {
+    pub fn interval_kernel<T: Real>(
+        &self,
+        surface: usize,
+    ) -> Result<NativeInterval<T>, ProgramError> {
         Ok(interval(self.routine(surface))?.kernel)
     }
 
@@ -244,7 +247,7 @@ impl Program {
     ///
     /// # Errors
     /// If no code can be made.
-    pub fn zero_kernel(&self, surface: usize) -> Result<ZeroKernel, ProgramError> {
+    pub fn zero_kernel<T: Real>(&self, surface: usize) -> Result<ZeroKernel<T>, ProgramError> {
         let function = interval(self.routine(surface))?;
         if self.shared.solid[surface] {
             return Ok(ZeroKernel::new(function, None, None));
@@ -265,11 +268,14 @@ impl Program {
     ///
     /// # Errors
     /// If no code can be made.
-    pub fn point_kernel(&self, surface: usize) -> Result<NativePoint, ProgramError> {
+    pub fn point_kernel<T: Real>(&self, surface: usize) -> Result<NativePoint<T>, ProgramError> {
         Ok(self.bound_point(surface)?.kernel)
     }
 
-    pub(crate) fn bound_point(&self, surface: usize) -> Result<Bound<NativePoint>, ProgramError> {
+    pub(crate) fn bound_point<T: Real>(
+        &self,
+        surface: usize,
+    ) -> Result<Bound<NativePoint<T>>, ProgramError> {
         let Routine { tape, binding, uniforms } = self.routine(surface);
         Ok(Bound::new(NativePoint::compile(&tape, &binding)?, uniforms))
     }
@@ -278,14 +284,17 @@ impl Program {
     ///
     /// # Errors
     /// If no code can be made.
-    pub fn gradient_kernel(&self, surface: usize) -> Result<NativeGradient, ProgramError> {
+    pub fn gradient_kernel<T: Real>(
+        &self,
+        surface: usize,
+    ) -> Result<NativeGradient<T>, ProgramError> {
         Ok(self.bound_gradient(surface)?.kernel)
     }
 
-    pub(crate) fn bound_gradient(
+    pub(crate) fn bound_gradient<T: Real>(
         &self,
         surface: usize,
-    ) -> Result<Bound<NativeGradient>, ProgramError> {
+    ) -> Result<Bound<NativeGradient<T>>, ProgramError> {
         let Routine { tape, binding, uniforms } = self.gradient_routine(surface)?;
         Ok(Bound::new(NativeGradient::compile(&tape, &binding)?, uniforms))
     }
@@ -305,13 +314,13 @@ impl Program {
     }
 
     /// The steps that tell where `roots` may all vanish, branch by branch; `None` if the last does not jump.
-    fn branches(&self, graph: &Graph, roots: &[NodeId]) -> Option<Routine> {
+    fn branches<T: Real>(&self, graph: &Graph, roots: &[NodeId]) -> Option<Routine<T>> {
         let (tape, binding, uniforms) = self.bind(graph, roots, Tape::branches);
         Some(Routine { tape: tape?, binding, uniforms })
     }
 
     /// The steps for `roots`, what depends on parameters alone computed beforehand.
-    fn hoisted(&self, graph: &Graph, roots: &[NodeId]) -> Routine {
+    fn hoisted<T: Real>(&self, graph: &Graph, roots: &[NodeId]) -> Routine<T> {
         let (tape, binding, uniforms) = self.bind(graph, roots, Tape::new);
         Routine { tape, binding, uniforms }
     }
@@ -320,15 +329,15 @@ impl Program {
     ///
     /// # Panics
     /// Never: values are bound only where they are within what is assumed.
-    fn bind<T>(
+    fn bind<T: Real, R>(
         &self,
         graph: &Graph,
         roots: &[NodeId],
-        make: impl FnOnce(&Graph, &[NodeId], &Assumptions) -> T,
-    ) -> (T, Binding, Uniforms) {
+        make: impl FnOnce(&Graph, &[NodeId], &Assumptions) -> R,
+    ) -> (R, Binding<T>, Uniforms) {
         let assumptions = &self.shared.assumptions;
         let (uniforms, graph, roots) = Uniforms::split(graph, roots, assumptions, &self.values);
-        let assumed: Binding = Binding::new(&uniforms.assumed());
+        let assumed: Binding<T> = Binding::new(&uniforms.assumed());
         let assumptions =
             Assumptions { domain: assumptions.domain, parameters: assumed.bounds().to_vec() };
         let values = uniforms.values(&self.values).expect("split for these values");
@@ -336,7 +345,7 @@ impl Program {
     }
 }
 
-fn interval(routine: Routine) -> Result<Bound<NativeInterval>, ProgramError> {
+fn interval<T: Real>(routine: Routine<T>) -> Result<Bound<NativeInterval<T>>, ProgramError> {
     let Routine { tape, binding, uniforms } = routine;
     Ok(Bound::new(NativeInterval::compile(&tape, &binding)?, uniforms))
 }
@@ -404,11 +413,11 @@ mod tests {
     #[test]
     fn what_depends_on_parameters_alone_is_computed_beforehand() {
         let rolling = program("w = 2\nsin(w)*x + cos(w)*y + z").expect("a surface");
-        let Routine { tape, binding, .. } = rolling.routine(0);
+        let Routine { tape, binding, .. } = rolling.routine::<f32>(0);
         assert_eq!((tape.operations(), binding.values().len()), (4, 3));
         // A value that does not exist is left to the steps, which may not need it.
         let choice = program("w = -2\nstep(0, x)*sqrt(1+w*y) + sqrt(w+y^2)").expect("a surface");
-        assert_eq!(choice.routine(0).binding.values().len(), 1);
+        assert_eq!(choice.routine::<f32>(0).binding.values().len(), 1);
     }
 
     #[test]

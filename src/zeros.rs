@@ -1,7 +1,7 @@
 //! Where a function may vanish: its own enclosures, and those of its cleared form.
 
 use crate::uniforms::Bound;
-use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
+use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES, Real};
 use zeroset_interval::{Facts, Interval};
 use zeroset_jit::NativeInterval;
 
@@ -12,26 +12,26 @@ use zeroset_jit::NativeInterval;
 /// is. Where that holds 0 too and the function may jump, its branches are asked one by one; a lane in which none
 /// vanishes is called undefined, as is the function restricted to where it is 0.
 #[derive(Clone)]
-pub struct ZeroKernel {
-    function: Bound<NativeInterval>,
-    numerator: Option<Bound<NativeInterval>>,
-    branches: Option<Bound<NativeInterval>>,
+pub struct ZeroKernel<T: Real = f32> {
+    function: Bound<NativeInterval<T>>,
+    numerator: Option<Bound<NativeInterval<T>>>,
+    branches: Option<Bound<NativeInterval<T>>>,
 }
 
-impl ZeroKernel {
+impl<T: Real> ZeroKernel<T> {
     /// The function's own code, and if there are such, that of its numerator, and that which is empty where no branch
     /// vanishes ([`Tape::branches`](zeroset_eval::Tape::branches)).
     pub(crate) fn new(
-        function: Bound<NativeInterval>,
-        numerator: Option<Bound<NativeInterval>>,
-        branches: Option<Bound<NativeInterval>>,
+        function: Bound<NativeInterval<T>>,
+        numerator: Option<Bound<NativeInterval<T>>>,
+        branches: Option<Bound<NativeInterval<T>>>,
     ) -> Self {
         Self { function, numerator, branches }
     }
 
     /// The same code for other parameter values, or `None` if it does not hold for them.
     pub(crate) fn with(&self, parameters: &[Interval]) -> Option<Self> {
-        let other = |kernel: &Option<Bound<NativeInterval>>| match kernel {
+        let other = |kernel: &Option<Bound<NativeInterval<T>>>| match kernel {
             Some(kernel) => kernel.with(parameters).map(Some),
             None => Some(None),
         };
@@ -44,7 +44,7 @@ impl ZeroKernel {
 
     /// Whether both run the same code, compiled once.
     pub(crate) fn shares_code(&self, other: &Self) -> bool {
-        let share = |one: &Option<Bound<NativeInterval>>, other: &Option<_>| match (one, other) {
+        let share = |one: &Option<Bound<NativeInterval<T>>>, other: &Option<_>| match (one, other) {
             (Some(one), Some(other)) => one.shares_code(other),
             (None, None) => true,
             (Some(_), None) | (None, Some(_)) => false,
@@ -55,7 +55,7 @@ impl ZeroKernel {
     }
 
     /// The function alone: its enclosures tell on which side of the surface a box lies, which those of a numerator do not.
-    pub fn function(&self) -> &NativeInterval {
+    pub fn function(&self) -> &NativeInterval<T> {
         &self.function.kernel
     }
 
@@ -67,8 +67,8 @@ impl ZeroKernel {
     }
 }
 
-impl IntervalKernel for ZeroKernel {
-    fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
+impl<T: Real> IntervalKernel<T> for ZeroKernel<T> {
+    fn enclose(&self, boxes: &[BoxPacket<T>], out: &mut [EnclosurePacket<T>]) {
         self.function.kernel.enclose(boxes, out);
         if self.numerator.is_none() && self.branches.is_none() {
             return;
@@ -89,7 +89,11 @@ impl IntervalKernel for ZeroKernel {
 }
 
 /// Replaces the enclosures in which the function may vanish, but its numerator does not.
-fn clear(numerator: &NativeInterval, packet: &BoxPacket, out: &mut EnclosurePacket) {
+fn clear<T: Real>(
+    numerator: &NativeInterval<T>,
+    packet: &BoxPacket<T>,
+    out: &mut EnclosurePacket<T>,
+) {
     let mut cleared = [EnclosurePacket::default()];
     numerator.enclose(std::slice::from_ref(packet), &mut cleared);
     for lane in 0..LANES {
@@ -97,31 +101,36 @@ fn clear(numerator: &NativeInterval, packet: &BoxPacket, out: &mut EnclosurePack
             out.neg_lo[lane] = cleared[0].neg_lo[lane];
             out.hi[lane] = cleared[0].hi[lane];
             // What is proven of the numerator is not proven of the function, except that neither has a value.
-            let nowhere = Facts::from_bits(cleared[0].facts[lane]) & Facts::NOWHERE;
-            out.facts[lane] |= nowhere.bits();
+            let nowhere = cleared[0].facts(lane) & Facts::NOWHERE;
+            out.facts[lane] |= nowhere.bits().into();
         }
     }
 }
 
 /// Empties the enclosures in which the function may vanish, but none of its branches does.
-fn part(branches: &NativeInterval, packet: &BoxPacket, out: &mut EnclosurePacket) {
+fn part<T: Real>(
+    branches: &NativeInterval<T>,
+    packet: &BoxPacket<T>,
+    out: &mut EnclosurePacket<T>,
+) {
     let mut zeros = [EnclosurePacket::default()];
     branches.enclose(std::slice::from_ref(packet), &mut zeros);
     for lane in 0..LANES {
-        let nowhere = Facts::from_bits(zeros[0].facts[lane]).has(Facts::NOWHERE);
+        let nowhere = zeros[0].facts(lane).has(Facts::NOWHERE);
         if nowhere && may_vanish(out, lane) && may_jump(out, lane) {
-            out.facts[lane] = Facts::NOWHERE.bits();
+            out.facts[lane] = Facts::NOWHERE.bits().into();
         }
     }
 }
 
-fn may_jump(packet: &EnclosurePacket, lane: usize) -> bool {
-    !Facts::from_bits(packet.facts[lane]).has(Facts::CONTINUOUS)
+fn may_jump<T: Real>(packet: &EnclosurePacket<T>, lane: usize) -> bool {
+    !packet.facts(lane).has(Facts::CONTINUOUS)
 }
 
-fn may_vanish(packet: &EnclosurePacket, lane: usize) -> bool {
-    let nowhere = Facts::from_bits(packet.facts[lane]).has(Facts::NOWHERE);
-    !nowhere && packet.neg_lo[lane] >= 0.0 && packet.hi[lane] >= 0.0
+fn may_vanish<T: Real>(packet: &EnclosurePacket<T>, lane: usize) -> bool {
+    let zero = T::default();
+    let nowhere = packet.facts(lane).has(Facts::NOWHERE);
+    !nowhere && packet.neg_lo[lane] >= zero && packet.hi[lane] >= zero
 }
 
 #[cfg(test)]
@@ -135,7 +144,7 @@ mod tests {
         let document = read(formula, &Options::default()).expect("reads");
         let program = Program::new(&document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("fits");
         let kernel = program.zero_kernel(0).expect("compiles");
-        let packet = BoxPacket {
+        let packet = BoxPacket::<f32> {
             neg_lo: [[-x[0]; LANES], [-1.0; LANES], [-1.0; LANES]],
             hi: [[x[1]; LANES], [2.0; LANES], [2.0; LANES]],
         };

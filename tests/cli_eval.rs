@@ -19,7 +19,7 @@ fn answer(request: &Value) -> Value {
 #[test]
 fn points_have_values_and_gradients() {
     let found = answer(&json!({"f": "x^2*y - z", "at": [3, 2, 1]}));
-    assert_eq!(found, json!({"value": 17.0, "grad": [12.0, 9.0, -1.0]}));
+    assert_eq!(found, json!({"value": 17.0, "grad": [12.0, 9.0, -1.0], "precision": "f32"}));
     let pole = answer(&json!({"f": "1/x", "at": [0, 0, 0]}));
     assert!(pole["value"].is_string(), "{pole}");
 }
@@ -27,9 +27,12 @@ fn points_have_values_and_gradients() {
 #[test]
 fn boxes_have_bounds_and_facts() {
     let all = answer(&json!({"f": "x^2", "box": [[-1, 2], [0, 0], [0, 0]]}));
-    let expected =
-        json!({"lo": 0.0, "hi": 4.0, "empty": false, "defined": true, "continuous": true});
-    assert_eq!(all, expected);
+    let bounds = json!({"lo": 0.0, "hi": 4.0, "precision": "f32"});
+    let facts = json!({"empty": false, "defined": true, "continuous": true});
+    for (key, value) in [&bounds, &facts].iter().flat_map(|part| part.as_object().expect("keys")) {
+        assert_eq!(&all[key], value, "{key}");
+    }
+    assert_eq!(all.as_object().map(serde_json::Map::len), Some(6));
     let part = answer(&json!({"f": "sqrt(x)", "box": [[-1, 4], [0, 0], [0, 0]]}));
     assert_eq!((&part["defined"], &part["empty"]), (&json!(false), &json!(false)));
     let none = answer(&json!({"f": "sqrt(x)", "box": [[-4, -1], [0, 0], [0, 0]]}));
@@ -46,6 +49,28 @@ fn bounds_that_are_no_f32_are_rounded_outward() {
     let end = |key: &str| found[key].as_f64().expect("a number");
     assert!(end("lo") < 0.1 && 0.1 < end("hi"));
     assert_eq!(end("lo") as f32, (end("hi") as f32).next_down());
+}
+
+#[test]
+fn in_double_precision_numbers_stay_as_they_are() {
+    let line = json!({"f": "x", "box": [[0.1, 0.1], [0, 0], [0, 0]], "precision": "f64"});
+    let found = answer(&line);
+    assert_eq!((&found["lo"], &found["hi"]), (&json!(0.1), &json!(0.1)));
+    assert_eq!(found["precision"], "f64");
+    // The flag counts where a line does not say.
+    let square = |precision: Option<&str>| {
+        let mut line = json!({"f": "x^2 - 1e8", "box": [[1e4, 1e4], [0, 0], [0, 0]]});
+        if let Some(precision) = precision {
+            line["precision"] = precision.into();
+        }
+        line["box"][0][1] = 10_000.000_001.into();
+        let found = answers(&["-", "--precision", "f64"], &line.to_string()).remove(0);
+        found["hi"].as_f64().expect("a bound") - found["lo"].as_f64().expect("a bound")
+    };
+    assert!(square(None) < 0.021 && square(Some("f64")) < 0.021, "{}", square(None));
+    assert!(square(Some("f32")) > 1.0, "{}", square(Some("f32")));
+    let value = answers(&["-", "--precision", "f64"], r#"{"f":"x/3","at":[1,0,0]}"#).remove(0);
+    assert_eq!(value["value"], (1.0_f64 / 3.0).next_up());
 }
 
 #[test]
@@ -73,9 +98,12 @@ fn compiled_code_and_the_reference_agree() {
             input += "\n";
         }
     }
-    let compiled = answers(&["-"], &input);
-    assert_eq!(compiled.len(), 160);
-    assert_eq!(compiled, answers(&["-", "--reference"], &input));
+    for precision in ["f32", "f64"] {
+        let compiled = answers(&["-", "--precision", precision], &input);
+        assert_eq!(compiled.len(), 160);
+        assert!(compiled.iter().all(|answer| answer["precision"] == precision));
+        assert_eq!(compiled, answers(&["-", "--reference", "--precision", precision], &input));
+    }
 }
 
 #[test]
@@ -96,6 +124,7 @@ fn a_bad_line_is_answered_and_the_next_one_too() {
         r#"{"f":"x","box":[["inf","inf"],[0,1],[0,1]]}"#,
         r#"{"f":"x","box":[["nan",1],[0,1],[0,1]]}"#,
         r#"{"f":"x","at":[0,0,0],"typo":1}"#,
+        r#"{"f":"x","at":[0,0,0],"precision":"f16"}"#,
         &long,
     ];
     let input: String =

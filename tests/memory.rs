@@ -26,7 +26,7 @@ fn cycle(document: &Document) -> usize {
     let interval = program.interval_kernel(0).expect("compiles");
     let point = program.point_kernel(0).expect("compiles");
     let gradient = program.gradient_kernel(0).expect("compiles");
-    let mut out = [EnclosurePacket::default()];
+    let mut out = [EnclosurePacket::<f32>::default()];
     interval.enclose(&[BoxPacket::default()], &mut out);
     interval.code_bytes() + point.code_bytes() + gradient.code_bytes()
 }

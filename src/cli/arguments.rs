@@ -4,6 +4,7 @@ use super::vector::{Domain, Numbers, Size};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
+use zeroset::picture;
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -251,6 +252,23 @@ pub enum Normals {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Precision {
+    /// 32 bits, outward
+    F32,
+    /// 64 bits, outward: at most half as fast
+    F64,
+}
+
+impl From<Precision> for picture::Precision {
+    fn from(precision: Precision) -> Self {
+        match precision {
+            Precision::F32 => Self::F32,
+            Precision::F64 => Self::F64,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Undecided {
     /// As hits
     Shade,
@@ -267,6 +285,10 @@ pub struct Eval {
     /// A file of JSON lines, or - for standard input
     #[arg(value_name = "FILE|-", default_value = "-")]
     pub source: PathBuf,
+
+    /// The floats to compute in, where a line does not say
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
 
     /// Use the reference evaluator in place of compiled code
     #[arg(long)]

@@ -1,6 +1,7 @@
 //! `zeroset eval`: JSON lines in, JSON lines out.
 //!
-//! Kernels compute in 32-bit floats: points are rounded to the nearest, boxes outward. Answers are the kernels' own bits.
+//! Kernels compute in floats of 32 or 64 bits. Numbers are read as the nearest of 64; for kernels of 32, points are
+//! rounded to the nearest and boxes outward. Answers are the kernels' own bits.
 
 use super::{arguments, number};
 use anyhow::{Context, Result};
@@ -10,12 +11,13 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use zeroset::picture::Precision;
 use zeroset::program::{Program, Routine};
 use zeroset_eval::{
-    BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, PointPacket,
+    BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, PointPacket, Real,
     Reference,
 };
-use zeroset_interval::{Facts, Interval, round::f32_up};
+use zeroset_interval::{Facts, Interval};
 use zeroset_syntax::Options;
 
 /// Longer lines are refused; the parser's own limit on a formula is lower.
@@ -34,7 +36,11 @@ pub fn run(arguments: &arguments::Eval) -> Result<ExitCode> {
         Box::new(BufReader::new(File::open(source).with_context(cannot)?))
     };
     let mut out = BufWriter::new(std::io::stdout().lock());
-    let mut functions = Functions { reference: arguments.reference, compiled: HashMap::new() };
+    let mut functions = Functions {
+        precision: arguments.precision.into(),
+        reference: arguments.reference,
+        compiled: HashMap::new(),
+    };
     let mut line = Vec::new();
     loop {
         line.clear();
@@ -81,14 +87,28 @@ fn skip_line(input: &mut dyn BufRead) -> std::io::Result<()> {
 
 /// Formulas by their text, with the kernels asked for so far.
 struct Functions {
+    /// Of lines that do not say.
+    precision: Precision,
     reference: bool,
     compiled: HashMap<String, Function>,
 }
 
 struct Function {
     program: Program,
-    interval: Option<Box<dyn IntervalKernel>>,
-    gradient: Option<Box<dyn GradientKernel>>,
+    single: Kernels<f32>,
+    double: Kernels<f64>,
+}
+
+/// The kernels asked for so far.
+struct Kernels<T: Real> {
+    interval: Option<Box<dyn IntervalKernel<T>>>,
+    gradient: Option<Box<dyn GradientKernel<T>>>,
+}
+
+/// Where a formula is evaluated.
+enum Place {
+    At([f64; 3]),
+    Over([Interval; 3]),
 }
 
 impl Functions {
@@ -100,25 +120,29 @@ impl Functions {
             Some(other) => return Err(format!("\"f\" must be a string, not {other}")),
             None => return Err("\"f\" is missing: the formula".to_owned()),
         };
-        let (at, over) = (request.get("at"), request.get("box"));
-        if let Some(other) = request.keys().find(|key| !["f", "at", "box"].contains(&key.as_str()))
-        {
+        let known = ["f", "at", "box", "precision"];
+        if let Some(other) = request.keys().find(|key| !known.contains(&key.as_str())) {
             return Err(format!("\"{other}\" has no meaning here"));
         }
+        let place = match (request.get("at"), request.get("box")) {
+            (Some(at), None) => Place::At(three(at, number::read)?),
+            (None, Some(over)) => Place::Over(three(over, interval)?),
+            _ => return Err("either \"at\" or \"box\" is needed".to_owned()),
+        };
+        let precision = match request.get("precision") {
+            None => self.precision,
+            Some(Value::String(name)) if name == "f32" => Precision::F32,
+            Some(Value::String(name)) if name == "f64" => Precision::F64,
+            Some(other) => return Err(format!("\"precision\" is \"f32\" or \"f64\", not {other}")),
+        };
         let reference = self.reference;
-        match (at, over) {
-            (Some(at), None) => {
-                let point = three(at, number::read)?;
-                let kernel = self.function(formula)?.gradient(reference)?;
-                Ok(sample(kernel, point))
-            }
-            (None, Some(over)) => {
-                let bounds = three(over, interval)?;
-                let kernel = self.function(formula)?.interval(reference)?;
-                Ok(enclose(kernel, bounds))
-            }
-            _ => Err("either \"at\" or \"box\" is needed".to_owned()),
-        }
+        let Function { program, single, double } = self.function(formula)?;
+        let mut answer = match precision {
+            Precision::F32 => single.answer(program, &place, reference)?,
+            Precision::F64 => double.answer(program, &place, reference)?,
+        };
+        answer["precision"] = precision.to_string().into();
+        Ok(answer)
     }
 
     fn function(&mut self, formula: &str) -> Result<&mut Function, String> {
@@ -142,17 +166,38 @@ impl Function {
         }
         let program = Program::unchecked(&document, [Interval::ENTIRE; 3])
             .map_err(|error| error.to_string())?;
-        Ok(Self { program, interval: None, gradient: None })
+        Ok(Self { program, single: Kernels::default(), double: Kernels::default() })
+    }
+}
+
+impl<T: Real> Default for Kernels<T> {
+    fn default() -> Self {
+        Self { interval: None, gradient: None }
+    }
+}
+
+impl<T: Real> Kernels<T> {
+    fn answer(
+        &mut self,
+        program: &Program,
+        place: &Place,
+        reference: bool,
+    ) -> Result<Value, String> {
+        Ok(match place {
+            Place::At(point) => sample(self.gradient(program, reference)?, *point),
+            Place::Over(bounds) => enclose(self.interval(program, reference)?, *bounds),
+        })
     }
 
-    fn interval(&mut self, reference: bool) -> Result<&dyn IntervalKernel, String> {
+    fn interval(
+        &mut self,
+        program: &Program,
+        reference: bool,
+    ) -> Result<&dyn IntervalKernel<T>, String> {
         if self.interval.is_none() {
-            let program = &self.program;
             self.interval = Some(if reference {
-                {
-                    let Routine { tape, binding, .. } = program.routine(0);
-                    Box::new(Reference::new(tape, binding))
-                }
+                let Routine { tape, binding, .. } = program.routine(0);
+                Box::new(Reference::new(tape, binding))
             } else {
                 Box::new(program.interval_kernel(0).map_err(|error| error.to_string())?)
             });
@@ -160,9 +205,12 @@ impl Function {
         self.interval.as_deref().ok_or_else(|| "there is no kernel".to_owned())
     }
 
-    fn gradient(&mut self, reference: bool) -> Result<&dyn GradientKernel, String> {
+    fn gradient(
+        &mut self,
+        program: &Program,
+        reference: bool,
+    ) -> Result<&dyn GradientKernel<T>, String> {
         if self.gradient.is_none() {
-            let program = &self.program;
             self.gradient = Some(if reference {
                 let routine = program.gradient_routine(0).map_err(|error| error.to_string())?;
                 let Routine { tape, binding, .. } = routine;
@@ -190,27 +238,27 @@ fn interval(value: &Value) -> Result<Interval, String> {
     Interval::new(ends.0, ends.1).ok_or_else(|| format!("{} to {} is no range", ends.0, ends.1))
 }
 
-fn sample(kernel: &dyn GradientKernel, point: [f64; 3]) -> Value {
-    let packet = PointPacket { at: point.map(|c| [c as f32; 4]) };
+fn sample<T: Real>(kernel: &dyn GradientKernel<T>, point: [f64; 3]) -> Value {
+    let packet = PointPacket { at: point.map(|c| [T::nearest(c); 4]) };
     let mut out = [GradientPacket::default()];
     kernel.gradient(&[packet], &mut out);
-    let gradient = out[0].gradient.map(|lanes| number::write(f64::from(lanes[0])));
-    json!({ "value": number::write(f64::from(out[0].value[0])), "grad": gradient })
+    let gradient = out[0].gradient.map(|lanes| number::write(lanes[0].into()));
+    json!({ "value": number::write(out[0].value[0].into()), "grad": gradient })
 }
 
-fn enclose(kernel: &dyn IntervalKernel, bounds: [Interval; 3]) -> Value {
+fn enclose<T: Real>(kernel: &dyn IntervalKernel<T>, bounds: [Interval; 3]) -> Value {
     let packet = BoxPacket {
-        neg_lo: bounds.map(|b| [f32_up::from_f64(-b.lo); 4]),
-        hi: bounds.map(|b| [f32_up::from_f64(b.hi); 4]),
+        neg_lo: bounds.map(|b| [T::above(-b.lo); 4]),
+        hi: bounds.map(|b| [T::above(b.hi); 4]),
     };
     let mut out = [EnclosurePacket::default()];
     kernel.enclose(&[packet], &mut out);
-    let facts = Facts::from_bits(out[0].facts[0]);
-    // Subtracted from 0, so that no bound is printed as -0.
-    let (low, high) = (0.0 - out[0].neg_lo[0], out[0].hi[0] + 0.0);
+    let facts = out[0].facts(0);
+    // Added to 0, so that no bound is printed as -0.
+    let (low, high) = (0.0 - out[0].neg_lo[0].into(), 0.0 + out[0].hi[0].into());
     json!({
-        "lo": number::write(f64::from(low)),
-        "hi": number::write(f64::from(high)),
+        "lo": number::write(low),
+        "hi": number::write(high),
         "empty": facts.has(Facts::NOWHERE),
         "defined": facts.has(Facts::DEFINED),
         "continuous": facts.has(Facts::CONTINUOUS),

@@ -48,16 +48,16 @@ pub fn explain(subject: &Subject) -> Result<String> {
         writeln!(text, "\nread as     {}", surface.echo)?;
         writeln!(text, "simplified  {}", display(program.graph(), root, &names))?;
         let interval = program.routine(index).tape;
-        let gradient = program.gradient_routine(index)?.tape;
+        let gradient = program.gradient_routine::<f32>(index)?.tape;
         if let Some((graph, [numerator, denominator, _])) = program.cleared(index)? {
             let show = |node| display(&graph, node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
         writeln!(text, "operations  {}", operations(&interval))?;
         let bytes = [
-            program.interval_kernel(index)?.code_bytes(),
-            program.point_kernel(index)?.code_bytes(),
-            program.gradient_kernel(index)?.code_bytes(),
+            program.interval_kernel::<f32>(index)?.code_bytes(),
+            program.point_kernel::<f32>(index)?.code_bytes(),
+            program.gradient_kernel::<f32>(index)?.code_bytes(),
         ];
         writeln!(
             text,

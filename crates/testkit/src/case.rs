@@ -6,7 +6,7 @@ use crate::random::{
     Adversarial, Ends, GraphOptions, Rng, point_in_box, random_box, random_domain, random_graph,
     random_parameters, range_within,
 };
-use crate::{Place, reproduce};
+use crate::{Place, reproduce_in};
 use std::fmt;
 use zeroset_eval::{Assumptions, BoxPacket, LANES, Real};
 use zeroset_interval::Interval;
@@ -80,10 +80,10 @@ impl Case {
         self.graph.reachable(&[self.root]).into_iter().filter(|needed| *needed).count()
     }
 
-    /// A line for `zeroset eval` about this case, and what was assumed.
-    pub fn describe(&self, place: &Place) -> String {
+    /// A line for `zeroset eval` about this case and a kernel of `T`, and what was assumed.
+    pub fn describe<T: Real>(&self, place: &Place) -> String {
         let values: Vec<(f64, f64)> = self.parameters.iter().map(|v| (v.lo, v.hi)).collect();
-        let line = reproduce(&self.graph, self.root, &values, place);
+        let line = reproduce_in::<T>(&self.graph, self.root, &values, place);
         format!("{line}\nunder {}", Assumed(&self.assumptions))
     }
 }

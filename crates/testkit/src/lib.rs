@@ -29,4 +29,4 @@ pub use random::{
     Adversarial, Ends, GraphOptions, Ray, Rng, point_in_box, random_box, random_constant,
     random_domain, random_graph, random_parameters, random_ray, range_within,
 };
-pub use reproduce::{Place, hexadecimal, reproduce, typed};
+pub use reproduce::{Place, hexadecimal, reproduce, reproduce_in, typed};

@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use zeroset_eval::Real;
+use zeroset_interval::Format;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_ops::Notation;
 
@@ -62,6 +63,23 @@ pub fn reproduce(graph: &Graph, root: NodeId, parameters: &[(f64, f64)], place: 
     } else {
         let notes = notes.into_iter().collect::<Vec<_>>().join("; ");
         format!("{{\"f\":\"{formula}\",{place},\"note\":\"not typable as it stands: {notes}\"}}")
+    }
+}
+
+/// [`reproduce`], for kernels of `T`.
+///
+/// # Panics
+/// If `root` does not belong to `graph`.
+pub fn reproduce_in<T: Real>(
+    graph: &Graph,
+    root: NodeId,
+    parameters: &[(f64, f64)],
+    place: &Place,
+) -> String {
+    let line = reproduce(graph, root, parameters, place);
+    match T::FORMAT {
+        Format::F32 => line,
+        Format::F64 => line.replacen('{', "{\"precision\":\"f64\",", 1),
     }
 }
 
@@ -245,6 +263,17 @@ mod tests {
         ] {
             assert_eq!(hexadecimal(value), text);
         }
+    }
+
+    #[test]
+    fn the_precision_is_part_of_the_line() {
+        let mut graph = Graph::new();
+        let x = graph.variable(Axis::X);
+        let place = Place::over(&[[0.5, 1.0]; 3]);
+        let single = reproduce_in::<f32>(&graph, x, &[], &place);
+        assert_eq!(single, reproduce(&graph, x, &[], &place));
+        let double = reproduce_in::<f64>(&graph, x, &[], &place);
+        assert_eq!(double, single.replace("{\"f\"", "{\"precision\":\"f64\",\"f\""));
     }
 
     #[test]

@@ -88,22 +88,30 @@ fn binding<T: Real>(case: &Case) -> Binding<T> {
 
 /// A kernel's four lanes of answers: four floats, exactly, and the bits of facts.
 trait Lanes: Default + Clone + Debug {
+    /// What the kernel computes in.
+    type Float: Real;
     fn words(&self, lane: usize) -> ([f64; 4], u64);
 }
 
 impl<T: Real> Lanes for EnclosurePacket<T> {
+    type Float = T;
+
     fn words(&self, lane: usize) -> ([f64; 4], u64) {
         ([self.neg_lo[lane].into(), self.hi[lane].into(), 0.0, 0.0], self.facts[lane].into())
     }
 }
 
 impl<T: Real> Lanes for ValuePacket<T> {
+    type Float = T;
+
     fn words(&self, lane: usize) -> ([f64; 4], u64) {
         ([self.value[lane].into(), 0.0, 0.0, 0.0], 0)
     }
 }
 
 impl<T: Real> Lanes for GradientPacket<T> {
+    type Float = T;
+
     fn words(&self, lane: usize) -> ([f64; 4], u64) {
         let [x, y, z] = self.gradient.map(|lanes| lanes[lane].into());
         ([self.value[lane].into(), x, y, z], 0)
@@ -191,6 +199,6 @@ fn compare<I: Debug, O: Lanes>(
     };
     let least = minimise(case, &mut differs);
     let answers = both(&least, simple, packet);
-    let case = least.describe(&Place::At([0.0; 3]));
+    let case = least.describe::<O::Float>(&Place::At([0.0; 3]));
     Err(Failure::new(format!("{case}\n{packet:?}\n{answers:#?}")))
 }

@@ -149,5 +149,5 @@ fn smaller(case: &Case, place: &Place, wrong: &dyn Fn(&Case) -> Option<String>) 
     let after = Versions::of(&least)
         .map(|versions| display(&versions.simplified.0, versions.simplified.1, &[]))
         .unwrap_or_default();
-    Failure::new(format!("{what}\n{}\nsimplified to {after}", least.describe(place)))
+    Failure::new(format!("{what}\n{}\nsimplified to {after}", least.describe::<f32>(place)))
 }

@@ -109,5 +109,5 @@ fn explain<T: Adversarial>(
     let least = minimise(case, &mut |case| ask(case).is_some());
     let what = ask(&least).unwrap_or_else(|| "it depends on the other lanes".to_owned());
     let at = point.map(hexadecimal);
-    Failure(format!("at {at:?}, {what}\n{}", least.describe(&Place::over(region))))
+    Failure(format!("at {at:?}, {what}\n{}", least.describe::<T>(&Place::over(region))))
 }

@@ -2,7 +2,7 @@
 
 use super::subjects::{Subject, subjects};
 use super::{Failure, MakeGradient, Tally};
-use crate::{Defined, Oracle, Place, Rng, reproduce};
+use crate::{Defined, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{GradientPacket, LANES, PointPacket, Real};
 use zeroset_ops::Op;
 
@@ -53,7 +53,8 @@ pub fn check_gradients<T: Real>(
                 let got = out[index / LANES].gradient[axis][index % LANES].into();
                 let close = (got - slope).abs() <= relative * slope.abs().max(1.0);
                 if !close {
-                    let line = reproduce(&subject.graph, subject.root, &[], &Place::At(point));
+                    let line =
+                        reproduce_in::<T>(&subject.graph, subject.root, &[], &Place::At(point));
                     return Err(Failure(format!(
                         "derivative {axis} is {got:e}, the slope {slope:e}\n{line}\nseed {seed:#x}"
                     )));

@@ -4,7 +4,7 @@ use super::subjects::subjects;
 use super::{Failure, MakeInterval, Tally};
 use crate::{
     Adversarial, Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
-    point_in_box, random_box, random_graph, reproduce,
+    point_in_box, random_box, random_graph, reproduce_in,
 };
 use zeroset_eval::{EnclosurePacket, LANES, Real};
 use zeroset_interval::Facts;
@@ -74,7 +74,7 @@ fn check<T: Adversarial>(
     for (index, region) in regions.iter().enumerate() {
         let answer = Answer::of(&enclosures[index / LANES], index % LANES);
         let fail = |what: &str| {
-            let line = reproduce(graph, root, &[], &Place::over(region));
+            let line = reproduce_in::<T>(graph, root, &[], &Place::over(region));
             Failure(format!("{what}: {answer:?}\n{line}"))
         };
         answer.well_formed().map_err(fail)?;

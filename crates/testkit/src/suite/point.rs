@@ -2,7 +2,7 @@
 
 use super::subjects::{Subject, subjects};
 use super::{Failure, MakePoint, Tally};
-use crate::{Adversarial, Claim, Defined, Ends, Oracle, Place, Rng, reproduce};
+use crate::{Adversarial, Claim, Defined, Ends, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, PointPacket, Real, ValuePacket};
 use zeroset_ops::Op;
 
@@ -41,7 +41,7 @@ pub fn check_points<T: Adversarial>(
             tally.defined += u64::from(claim.defined == Defined::Yes);
             let allowed = tolerance(subject.op, point, claim);
             if let Err(what) = agrees(value, claim, allowed) {
-                let line = reproduce(&subject.graph, subject.root, &[], &Place::At(point));
+                let line = reproduce_in::<T>(&subject.graph, subject.root, &[], &Place::At(point));
                 return Err(Failure(format!(
                     "{what}: {value:?} against {claim:?}\n{line}\nseed {seed:#x}"
                 )));
