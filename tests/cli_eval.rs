@@ -37,6 +37,9 @@ fn boxes_have_bounds_and_facts() {
     assert_eq!((&part["defined"], &part["empty"]), (&json!(false), &json!(false)));
     let none = answer(&json!({"f": "sqrt(x)", "box": [[-4, -1], [0, 0], [0, 0]]}));
     assert_eq!(none["empty"], true);
+    // Undefined, and still no bound is beyond all reals.
+    let power = answer(&json!({"f": "0^x*x", "box": [[-2, -1], [0, 0], [0, 0]]}));
+    assert!(power["empty"] == true && power["hi"] != "-inf", "{power}");
     let jump = answer(&json!({"f": "floor(x)", "box": [[0.5, 1.5], [0, 0], [0, 0]]}));
     assert_eq!((&jump["defined"], &jump["continuous"]), (&json!(true), &json!(false)));
     let unbounded = answer(&json!({"f": "exp(x)", "box": [["-inf", "inf"], [0, 0], [0, 0]]}));

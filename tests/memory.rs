@@ -24,8 +24,8 @@ fn resident_kilobytes() -> i64 {
 fn cycle(document: &Document) -> usize {
     let program = Program::new(document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("simplifies");
     let interval = program.interval_kernel(0).expect("compiles");
-    let point = program.point_kernel(0).expect("compiles");
-    let gradient = program.gradient_kernel(0).expect("compiles");
+    let point = program.point_kernel::<f32>(0).expect("compiles");
+    let gradient = program.gradient_kernel::<f32>(0).expect("compiles");
     let mut out = [EnclosurePacket::<f32>::default()];
     interval.enclose(&[BoxPacket::default()], &mut out);
     interval.code_bytes() + point.code_bytes() + gradient.code_bytes()

@@ -143,8 +143,28 @@ impl<M: Machine> Rule<'_, M> {
         self.m.max(far, near)
     }
 
-    /// exp(b·ln a) with 0^b = 0 for b > 0, in `f64` whatever the format.
+    /// exp(b·ln a) with 0^b = 0 for b > 0.
     fn real_power(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
+        let (neg_lo, hi) = if a.range.hi > 0.0 {
+            self.real_power_ends(a, b)
+        } else {
+            // No base is positive: 0 where there is a value at all.
+            (self.zero(), self.zero())
+        };
+        let value = self.combine(neg_lo, hi, a, b);
+        // Defined for a > 0, or a = 0 and b > 0.
+        let (not_positive, positive) = self.positive(a);
+        let (negative, nonneg) = self.nonneg(a);
+        let (never_up, always_up) = self.positive(b);
+        let nowhere = not_positive.and(self.m, never_up);
+        let nowhere = nowhere.or(self.m, negative);
+        let throughout = nonneg.and(self.m, always_up);
+        let throughout = throughout.or(self.m, positive);
+        self.restrict(value, nowhere, throughout)
+    }
+
+    /// (−lo, hi) of a power whose base may be positive, in `f64` whatever the format.
+    fn real_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
         // Where the base reaches 0, its ends are raised to the least positive number for the logarithm, and the
         // result is corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);
@@ -180,20 +200,12 @@ impl<M: Machine> Rule<'_, M> {
             let grows = self.m.and(from_zero, some_negative);
             let infinity = self.infinity();
             hi = self.m.select(grows, infinity, hi);
-            // A base of 0 alone. Where it has no power at all, the bounds stay within those over any larger box.
+            // A base of 0 alone. Where it has no power at all, the bounds stay within those over any larger
+            // box that holds positive bases.
             let no_positive = self.m.le(a.value.hi, zero);
             let only_zero = self.m.and(no_positive, some_positive);
             hi = self.m.select(only_zero, zero, hi);
         }
-        let value = self.combine(neg_lo, hi, a, b);
-        // Defined for a > 0, or a = 0 and b > 0.
-        let (not_positive, positive) = self.positive(a);
-        let (negative, nonneg) = self.nonneg(a);
-        let (never_up, always_up) = self.positive(b);
-        let nowhere = not_positive.and(self.m, never_up);
-        let nowhere = nowhere.or(self.m, negative);
-        let throughout = nonneg.and(self.m, always_up);
-        let throughout = throughout.or(self.m, positive);
-        self.restrict(value, nowhere, throughout)
+        (neg_lo, hi)
     }
 }
