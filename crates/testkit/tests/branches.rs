@@ -117,7 +117,7 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
                 native = Some(kernel);
                 let expected = enclosed(&Reference::new(branches.clone(), binding), &packet);
                 let context = || {
-                    let line = case.describe(&Place::Box(region.map(|ends| ends.map(Into::into))));
+                    let line = case.describe::<T>(&Place::over(&region));
                     let at = point.map(hexadecimal);
                     format!(
                         "{line}\nat {at:?}, {claim:?}\nnative {answer:?}\nreference {expected:?}\n\
