@@ -5,16 +5,23 @@
 
 mod agreement;
 mod enclosing;
+mod picturing;
 mod reading;
 mod rewriting;
+mod scene;
+mod vanishing;
 
 pub use agreement::{Subject, agree};
 pub use enclosing::{enclose, native_interval};
+pub use picturing::{Claimed, Pixel, picture};
 pub use reading::read_and_print;
 pub use rewriting::keep;
+pub use scene::{Formula, Scene};
+pub use vanishing::vanish;
 
 use crate::suite::{Failure, Tally};
 use crate::{Case, GraphOptions, Rng};
+use zeroset_eval::IntervalKernel;
 
 /// A case of any size, adversarial or plain, with parameters or without.
 pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
@@ -83,4 +90,26 @@ pub fn jit_vs_oracle(data: &[u8]) -> Result<Tally, Failure> {
     } else {
         enclose::<f32>(&case, &mut rng, BOXES)
     }
+}
+
+/// [`picture`] of a scene that bytes choose.
+///
+/// # Errors
+/// The first false claim, with the arguments of `zeroset render` that show it.
+pub fn render(data: &[u8], draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>) -> Result<Tally, Failure> {
+    let mut rng = Rng::from_bytes(data);
+    Scene::random(&mut rng).map_or(Ok(Tally::default()), |scene| picture(&scene, draw))
+}
+
+/// [`vanish`] for a formula that bytes choose.
+///
+/// # Errors
+/// The first zero denied.
+pub fn zeros(
+    data: &[u8],
+    make: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel>>,
+) -> Result<Tally, Failure> {
+    let mut rng = Rng::from_bytes(data);
+    let formula = Formula::random(&mut rng, LARGEST);
+    formula.map_or(Ok(Tally::default()), |formula| vanish(&formula, &mut rng, make))
 }

@@ -46,6 +46,16 @@ impl Line {
         (clip.outer[0] <= clip.outer[1]).then_some(clip)
     }
 
+    /// Bounds of the coordinate along `axis` of the points between two distances, rounded outward.
+    ///
+    /// # Panics
+    /// If there is no such axis.
+    pub fn range(&self, axis: usize, near: f64, far: f64) -> (f64, f64) {
+        let way = Span::point(self.direction[axis]).mul(Span::new(near, far));
+        let range = Span::point(self.eye[axis]).add(way);
+        (range.lo, range.hi)
+    }
+
     /// The values of the parameters that [`Along`] takes.
     pub(super) fn parameters(&self) -> Vec<(f64, f64)> {
         self.eye.iter().chain(&self.direction).map(|value| (*value, *value)).collect()

@@ -1,0 +1,213 @@
+//! Random scenes: a text, a region and a camera.
+
+use crate::certified::{Function, Line};
+use crate::{
+    Adversarial, Case, Defined, GraphOptions, Oracle, Rng, hexadecimal, point_in_box, typed,
+};
+use std::fmt;
+use zeroset_interval::Interval;
+use zeroset_ir::{Axis, Constant, Graph, NodeId};
+use zeroset_ops::{Notation, Op, TABLE};
+use zeroset_syntax::{Document, Options, read};
+
+/// A function as text that can be typed, over a bounded region.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    /// What is typed: one surface, an equation.
+    pub text: String,
+    /// What is read.
+    pub document: Document,
+    /// Per axis, the lower and the upper end, in order and not equal.
+    pub region: [[f64; 2]; 3],
+    /// A point of the region near which there mostly is a zero.
+    pub aim: [f64; 3],
+}
+
+impl Formula {
+    /// A formula that can be typed, mostly one that has a zero near some point of the region; `None` if what was drawn
+    /// cannot be typed.
+    ///
+    /// # Panics
+    /// If what was printed does not read.
+    pub fn random(rng: &mut Rng, largest: u32) -> Option<Self> {
+        let ops = TABLE.iter().filter(|row| row.notation != Notation::Internal).map(|row| row.op);
+        let options = GraphOptions {
+            size: rng.u32(1..=largest),
+            parameters: rng.u32(0..=1),
+            adversarial: rng.u32(0..8) == 0,
+            ops: ops.collect(),
+        };
+        let mut case = Case::random(rng, &options);
+        for value in &mut case.parameters {
+            *value = Interval { lo: value.lo, hi: value.lo }; // a text gives each parameter one value
+        }
+        let values = case.random_values(rng);
+        let region = random_region(rng);
+        let aim = match rng.u32(0..4) {
+            0 => point_in_box(rng, &region),
+            _ => region.map(|[low, high]| low + (high - low) * f64::uniform(rng)),
+        };
+        if rng.bool() {
+            case.root = sloped(&mut case.graph, case.root, rng);
+        }
+        if rng.u32(0..4) > 0 {
+            case.root = through(&mut case.graph, case.root, aim, &values);
+        }
+        let text = typed(&case.graph, case.root, &values)?;
+        let document = read(&text, &Options::default())
+            .unwrap_or_else(|errors| panic!("{}", errors.render(None, &text, false)));
+        (document.surfaces.len() == 1).then_some(Self { text, document, region, aim })
+    }
+
+    /// The function as typed, for certified tracing.
+    pub fn function(&self) -> Function {
+        let values: Vec<Constant> =
+            self.document.parameters.iter().map(|parameter| parameter.value.clone()).collect();
+        Function::new(&self.document.graph, self.document.surfaces[0].root, &values)
+    }
+
+    fn random_target(&self, rng: &mut Rng) -> [f64; 3] {
+        if rng.u32(0..4) == 0 { point_in_box(rng, &self.region) } else { self.aim }
+    }
+
+    /// A line that meets the region, from inside or outside.
+    pub fn random_line(&self, rng: &mut Rng) -> Line {
+        let eye = random_eye(rng, &self.region);
+        let target = self.random_target(rng);
+        let mut direction = [0, 1, 2].map(|axis| target[axis] - eye[axis]);
+        if direction == [0.0; 3] {
+            direction = [1.0, 0.0, 0.0];
+        }
+        Line { eye, direction }
+    }
+}
+
+impl fmt::Display for Formula {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ends: Vec<String> =
+            self.region.iter().flatten().map(|end| format!("{end:?}")).collect();
+        write!(f, "{:?} --domain {}", self.text, ends.join(","))
+    }
+}
+
+/// A cube as one might type it, or any box of moderate size.
+fn random_region(rng: &mut Rng) -> [[f64; 2]; 3] {
+    let whole = f64::from(rng.u32(1..=8));
+    match rng.u32(0..3) {
+        0 => [[-whole, whole]; 3],
+        1 => [[-whole / 10.0, whole / 10.0]; 3],
+        _ => [(); 3].map(|()| {
+            let low = f64::uniform(rng) * 8.0 - 6.0;
+            [low, low + 0.0625 + f64::uniform(rng) * whole]
+        }),
+    }
+}
+
+/// A point in the region or up to four of its extents away.
+fn random_eye(rng: &mut Rng, region: &[[f64; 2]; 3]) -> [f64; 3] {
+    if rng.u32(0..4) == 0 {
+        return point_in_box(rng, region);
+    }
+    region.map(|[low, high]| {
+        let share = match rng.u32(0..4) {
+            0 => [0.0, 0.5, 1.0, 4.0][rng.u32(0..4) as usize],
+            _ => f64::uniform(rng) * 8.0 - 3.5,
+        };
+        low + (high - low) * share
+    })
+}
+
+/// `root` plus a multiple of each coordinate: many random formulas depend on few, or are flat.
+fn sloped(graph: &mut Graph, root: NodeId, rng: &mut Rng) -> NodeId {
+    Axis::ALL.into_iter().fold(root, |sum, axis| {
+        let factor = graph.integer(i64::from(rng.i32(-3..=3)));
+        let coordinate = graph.variable(axis);
+        let term = graph.apply(Op::Mul, &[factor, coordinate]);
+        graph.apply(Op::Add, &[sum, term])
+    })
+}
+
+/// `root` minus a number, so that it is 0 near `point`; or `root`, if it has no value there.
+fn through(graph: &mut Graph, root: NodeId, point: [f64; 3], values: &[(f64, f64)]) -> NodeId {
+    let claim = Oracle::new(graph, &[root]).at(point, values)[0];
+    let level = claim.lo.midpoint(claim.hi);
+    if claim.defined != Defined::Yes || !level.is_finite() {
+        return root;
+    }
+    let level = graph.constant(Constant::enclosed(Interval { lo: level, hi: level }));
+    graph.apply(Op::Sub, &[root, level])
+}
+
+/// A formula seen by a camera.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// What is drawn, and where.
+    pub formula: Formula,
+    /// Where the camera stands.
+    pub eye: [f64; 3],
+    /// What it looks at.
+    pub target: [f64; 3],
+    /// What is up.
+    pub up: [f64; 3],
+    /// The vertical angle of view in degrees, or else the height of an orthographic picture.
+    pub fov: Result<f64, f64>,
+    /// Pixels in a row, and rows.
+    pub size: [usize; 2],
+    /// How often a ray's way is halved.
+    pub depth: u32,
+    /// Rays that advance together: 4, 8 or 16.
+    pub packet: u32,
+}
+
+impl Scene {
+    /// A small scene, or `None` if what was drawn cannot be typed. The camera may be impossible.
+    pub fn random(rng: &mut Rng) -> Option<Self> {
+        /// Operations in the largest formula.
+        const LARGEST: u32 = 10;
+        /// Pixels on the longest side.
+        const WIDEST: u32 = 6;
+        /// Deeper pictures cost a fuzzer much.
+        const DEEPEST: u32 = 12;
+        let formula = Formula::random(rng, LARGEST)?;
+        let eye = random_eye(rng, &formula.region);
+        let target = formula.random_target(rng);
+        let up = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 2.0, -1.0]][rng.u32(0..3) as usize];
+        let extent = formula.region.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+        let fov = match rng.u32(0..4) {
+            0 => Err(extent * (0.01 + f64::uniform(rng))),
+            1 => Ok(0.5 + 179.0 * f64::uniform(rng)),
+            _ => Ok(40.0),
+        };
+        let size = [(); 2].map(|()| rng.u32(1..=WIDEST) as usize);
+        let depth = rng.u32(1..=DEEPEST);
+        let packet = [4, 8, 16][rng.u32(0..3) as usize];
+        Some(Self { formula, eye, target, up, fov, size, depth, packet })
+    }
+}
+
+impl fmt::Display for Scene {
+    /// As arguments of `zeroset render`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let point = |v: [f64; 3]| format!("{:?},{:?},{:?}", v[0], v[1], v[2]);
+        let [width, height] = self.size;
+        write!(
+            f,
+            "zeroset render {} --eye {} --target {} --up {} {} --size {width}x{height} --depth {} --packet {}",
+            self.formula,
+            point(self.eye),
+            point(self.target),
+            point(self.up),
+            match self.fov {
+                Ok(degrees) => format!("--fov {degrees:?}"),
+                Err(height) => format!("--ortho {height:?}"),
+            },
+            self.depth,
+            self.packet,
+        )
+    }
+}
+
+/// A line's numbers, exactly.
+pub(super) fn describe(line: &Line) -> String {
+    format!("eye {:?}, direction {:?}", line.eye.map(hexadecimal), line.direction.map(hexadecimal))
+}

@@ -1,0 +1,71 @@
+//! Where the certified tracer finds a zero, no kernel says that there is none.
+
+use super::scene::{Formula, describe};
+use crate::certified::{Crossing, Line};
+use crate::suite::{Failure, Tally};
+use crate::{Rng, pack_boxes};
+use zeroset_eval::{EnclosurePacket, IntervalKernel};
+use zeroset_interval::{Facts, round::f32_up};
+
+/// Lines tried on each formula, and boxes around each crossing.
+const LINES: usize = 6;
+const BOXES: usize = 4;
+
+/// Evaluations per line.
+const BUDGET: u32 = 2000;
+
+/// Asks the kernel that `make` gives for a formula about boxes around certain zeros: it must not say that there is none.
+/// `defined` counts the boxes.
+///
+/// # Errors
+/// The first zero denied.
+pub fn vanish(
+    formula: &Formula,
+    rng: &mut Rng,
+    make: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel>>,
+) -> Result<Tally, Failure> {
+    let mut tally = Tally::default();
+    let function = formula.function();
+    let mut kernel = None;
+    for _ in 0..LINES {
+        let line = formula.random_line(rng);
+        tally.compared += 1;
+        let certificate = function.trace(&line, &formula.region, BUDGET);
+        let Some(crossing) = certificate.crossing else { continue };
+        // Most formulas have no zero, and code is dear.
+        if kernel.is_none() {
+            kernel = make(formula);
+        }
+        let Some(kernel) = &kernel else { return Ok(tally) };
+        let regions: Vec<_> = (0..BOXES).map(|_| around(formula, &line, &crossing, rng)).collect();
+        let mut out = [EnclosurePacket::default()];
+        kernel.enclose(&pack_boxes(&regions), &mut out);
+        for (lane, region) in regions.iter().enumerate() {
+            tally.defined += 1;
+            let (low, high, facts) = (-out[0].neg_lo[lane], out[0].hi[lane], out[0].facts(lane));
+            if facts.has(Facts::NOWHERE) || low > 0.0 || high < 0.0 {
+                return Err(Failure::new(format!(
+                    "a zero denied: [{low:?}, {high:?}] {facts:?} over {region:?}, but {crossing:?} on\n\
+                     {}\n{formula}",
+                    describe(&line)
+                )));
+            }
+        }
+    }
+    Ok(tally)
+}
+
+/// A box that holds the piece of the line between the ends of a crossing, which is inside the region; not further
+/// outside than a rounding.
+fn around(formula: &Formula, line: &Line, crossing: &Crossing, rng: &mut Rng) -> [[f32; 2]; 3] {
+    let margin = if rng.bool() { 0.0 } else { 2f64.powi(-rng.i32(0..=40)) };
+    let mut region = [[0.0; 2]; 3];
+    for (axis, range) in region.iter_mut().enumerate() {
+        let (low, high) = line.range(axis, crossing.near, crossing.far);
+        let [least, most] = formula.region[axis];
+        let low = (low - margin).clamp(least, most);
+        let high = (high + margin).clamp(least, most);
+        *range = [-f32_up::from_f64(-low), f32_up::from_f64(high)];
+    }
+    region
+}

@@ -1,0 +1,16 @@
+//! What small pictures claim of their rays is true.
+
+#![no_main]
+
+#[path = "../../tests/property_support/mod.rs"]
+mod property_support;
+
+use libfuzzer_sys::fuzz_target;
+use property_support::draw;
+use zeroset_testkit::property::render;
+
+fuzz_target!(|data: &[u8]| {
+    if let Err(failure) = render(data, &draw) {
+        panic!("{failure}");
+    }
+});

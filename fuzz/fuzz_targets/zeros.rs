@@ -1,0 +1,16 @@
+//! No kernel denies a zero that is certain.
+
+#![no_main]
+
+#[path = "../../tests/property_support/mod.rs"]
+mod property_support;
+
+use libfuzzer_sys::fuzz_target;
+use property_support::zero_kernel;
+use zeroset_testkit::property::zeros;
+
+fuzz_target!(|data: &[u8]| {
+    if let Err(failure) = zeros(data, &zero_kernel) {
+        panic!("{failure}");
+    }
+});
