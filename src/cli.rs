@@ -11,6 +11,8 @@ mod canvas;
 mod eval;
 mod explain;
 mod gallery;
+#[cfg(feature = "window")]
+mod help;
 mod interactive;
 #[cfg(feature = "window")]
 mod line_edit;

@@ -26,7 +26,12 @@ impl Canvas {
 
     /// Height of a line of text in pixels, with some space.
     pub fn line_height(&self) -> usize {
-        (HEIGHT.val() + 4) * self.scale
+        Self::line_height_at(self.scale)
+    }
+
+    /// The same for letters of this scale.
+    pub fn line_height_at(scale: usize) -> usize {
+        (HEIGHT.val() + 4) * scale
     }
 
     /// Mixes `colour` into a pixel; `share` is 255 for all of it. Pixels outside are ignored.

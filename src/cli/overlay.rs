@@ -85,9 +85,9 @@ impl<'a> Projector<'a> {
     }
 }
 
-/// Draws the box and ticks on one edge for each coordinate.
-pub fn draw_box(canvas: &mut Canvas, frame: &Frame) {
-    let (width, height) = (canvas.width, canvas.height);
+/// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height` pixels.
+pub fn draw_box(canvas: &mut Canvas, frame: &Frame, height: usize) {
+    let width = canvas.width;
     let projector = Projector::new(frame, width, height);
     let region = frame.model.region();
     let (low, high) = (region.low(), region.high());
@@ -131,29 +131,48 @@ fn ticks(
     let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
     let outward = (middle - centre).normalize_or(DVec2::Y);
     let scale = canvas.scale as f64;
-    let write = |canvas: &mut Canvas, value: f64, text: &str, reach: f64| {
+    // Where a label of this text belongs, and where it goes: where the box is cut off, its labels are not.
+    let size = DVec2::new(canvas.width as f64, projector.rays.height() as f64);
+    let letter = DVec2::new(canvas.advance() as f64, canvas.line_height() as f64);
+    let place = |value: f64, text: &str, reach: f64| {
         let mut point = from;
         point[axis] = value;
-        let Some((at, _)) = projector.project(point) else { return };
-        let half = DVec2::new(
-            (text.chars().count() * canvas.advance()) as f64 / 2.0,
-            canvas.line_height() as f64 / 2.0,
-        );
+        let (at, _) = projector.project(point)?;
+        let half = letter * DVec2::new(text.chars().count() as f64, 1.0) / 2.0;
         let place = at + outward * (reach * scale + half.dot(outward.abs())) - half;
-        canvas.write(text, place.x.round() as i64, place.y.round() as i64, INK);
-        for dot in 0..(5.0 * scale) as i64 {
-            let at = at + outward * dot as f64;
-            if text.parse::<f64>().is_ok() {
-                canvas.blend(at.x.round() as i64, at.y.round() as i64, INK, SEEN);
-            }
-        }
+        let place = place.clamp(DVec2::ZERO, (size - 2.0 * half).max(DVec2::ZERO));
+        Some((at, place, 2.0 * half))
     };
+    let mut taken: Vec<(DVec2, DVec2)> = Vec::new();
     // No more than a screen could show, whatever rounding does.
     for tick in (first..=last).take(16) {
         let value = tick as f64 * step;
-        write(canvas, value, &shown(value, step), 7.0);
+        let text = shown(value, step);
+        let Some((at, place, size)) = place(value, &text, 7.0) else { continue };
+        canvas.write(&text, place.x.round() as i64, place.y.round() as i64, INK);
+        for dot in 0..(5.0 * scale) as i64 {
+            let at = at + outward * dot as f64;
+            canvas.blend(at.x.round() as i64, at.y.round() as i64, INK, SEEN);
+        }
+        taken.push((place, size));
     }
-    write(canvas, low.midpoint(high), ["x", "y", "z"][axis], 40.0);
+    // The name stands beside the middle, or as near to that as is free.
+    let name = ["x", "y", "z"][axis];
+    let places = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75].into_iter().filter_map(|steps| {
+        let (_, place, size) = place(low.midpoint(high) + steps * step, name, 40.0)?;
+        Some((place, size))
+    });
+    let free = |(place, size): &(DVec2, DVec2)| {
+        !taken.iter().any(|(other, extent)| {
+            // With a letter's space between them.
+            let space = DVec2::new(letter.x, 0.0);
+            let (before, after) = (other + extent + space, place + size + space);
+            place.cmplt(before).all() && other.cmplt(after).all()
+        })
+    };
+    if let Some((place, _)) = { places }.find(free) {
+        canvas.write(name, place.x.round() as i64, place.y.round() as i64, INK);
+    }
 }
 
 /// The smallest of 1, 2 and 5 times a power of ten that is not below `least`.

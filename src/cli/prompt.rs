@@ -100,6 +100,10 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             }
             Err(error) => {
                 session.print_with(None);
+                if interactive {
+                    // The terminal has gone, and whoever sat there.
+                    session.end();
+                }
                 return Err(error);
             }
         };

@@ -2,6 +2,7 @@
 //! is made.
 
 use super::canvas::{Canvas, Rgb};
+use super::help;
 use super::interactive::Session;
 use super::line_edit::LineEdit;
 use super::overlay::draw_box;
@@ -37,18 +38,6 @@ const ZOOM: f64 = 0.85;
 
 /// Windows at least this high get letters twice as large, unless told otherwise.
 const HIGH: usize = 1400;
-
-const HELP: &[&str] = &[
-    "drag         turn            arrows  turn",
-    "right drag   move            + -     zoom",
-    "wheel        zoom            R       reset view",
-    "click        print a point   F       fit",
-    "/ or Enter   type a formula  P       perspective or parallel",
-    "Tab          complete        X       box and axes",
-    "Up, Down     history         U       mark undecided pixels",
-    "Esc          close           S       save a PNG",
-    "F1           this help       Q       quit",
-];
 
 /// What was typed, in order. A key that is pressed and let go between two looks at the keyboard is not lost.
 #[derive(Clone, Copy)]
@@ -163,10 +152,8 @@ impl Window {
     /// If the window can no longer be drawn to.
     pub fn run(mut self, session: &Arc<Session>) -> Result<()> {
         while self.native.is_open() && !session.has_ended() {
-            let (width, height) = self.native.get_size();
-            if width > 0 && height > 0 {
-                session.live.resize(width, height);
-            }
+            let (width, height) = self.picture_size();
+            session.live.resize(width, height);
             self.keys(session);
             let view = session.live.view();
             self.mouse(session, &view);
@@ -178,6 +165,18 @@ impl Window {
     fn size(&self) -> (usize, usize) {
         let (width, height) = self.native.get_size();
         (width.max(1), height.max(1))
+    }
+
+    /// The part above the status line.
+    fn picture_size(&self) -> (usize, usize) {
+        let (width, height) = self.size();
+        let status = Canvas::line_height_at(self.scale_at(height));
+        (width, height.saturating_sub(status).max(1))
+    }
+
+    /// Pixels on the side of one dot of a letter, in a window this high.
+    fn scale_at(&self, height: usize) -> usize {
+        self.scale.unwrap_or(if height >= HIGH { 2 } else { 1 })
     }
 
     fn say(&mut self, text: &str) {
@@ -258,7 +257,7 @@ impl Window {
 
     fn shortcut(&mut self, session: &Arc<Session>, letter: char) {
         let live = &session.live;
-        let height = self.size().1;
+        let height = self.picture_size().1;
         match letter.to_ascii_lowercase() {
             '/' | ':' => {
                 let mut line = LineEdit::default();
@@ -289,8 +288,8 @@ impl Window {
 
     fn mouse(&mut self, session: &Arc<Session>, view: &View) {
         let Some(at) = self.pointer(MouseMode::Pass) else { return };
-        let (width, height) = self.size();
-        let inside = self.pointer(MouseMode::Discard).is_some();
+        let (width, height) = self.picture_size();
+        let inside = self.pointer(MouseMode::Discard).is_some_and(|(_, y)| y < height as f64);
         if let Some((_, steps)) = self.native.get_scroll_wheel()
             && steps != 0.0
             && inside
@@ -345,7 +344,11 @@ impl Window {
     fn draw(&mut self, view: &View) -> Result<()> {
         let size = self.size();
         let place = self.pointer(MouseMode::Discard);
-        let pick = view.frame.as_ref().zip(place).and_then(|(frame, at)| Pick::at(frame, at, size));
+        let pick = view
+            .frame
+            .as_ref()
+            .zip(place)
+            .and_then(|(frame, at)| Pick::at(frame, at, self.picture_size()));
         let hover = pick.and_then(|pick| pick.coordinates());
         if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE) {
             self.message = None;
@@ -367,7 +370,7 @@ impl Window {
             self.native.update();
             return Ok(());
         }
-        self.base.follow(view.frame.as_ref(), size);
+        self.base.follow(view.frame.as_ref(), self.picture_size(), size);
         let canvas = self.compose(&look);
         self.native
             .update_with_buffer(&canvas.pixels, canvas.width, canvas.height)
@@ -378,10 +381,10 @@ impl Window {
 
     fn compose(&self, look: &Look) -> Canvas {
         let (width, height) = look.size;
-        let scale = self.scale.unwrap_or(if height >= HIGH { 2 } else { 1 });
+        let scale = self.scale_at(height);
         let mut canvas = Canvas { width, height, pixels: self.base.pixels.clone(), scale };
         if let Some(frame) = self.base.frame.as_ref().filter(|_| look.axes) {
-            draw_box(&mut canvas, frame);
+            draw_box(&mut canvas, frame, self.picture_size().1);
         }
         if look.wrong {
             canvas.border(2 * scale, WRONG);
@@ -391,7 +394,7 @@ impl Window {
         let room = width.saturating_sub(2 * margin);
         let bottom = height as i64 - row as i64;
         // The status line, then what lies above it.
-        canvas.fill(0, bottom, width, row, 0x0020_2028, 208);
+        canvas.fill(0, bottom, width, row, 0x0020_2028, 255);
         let status = match &self.base.frame {
             Some(frame) if frame.coarse => format!("{} · refining", frame.summary()),
             Some(frame) => frame.summary(),
@@ -400,8 +403,14 @@ impl Window {
         let hover = look.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
         let taken = hover.chars().count() * canvas.advance();
         let text_y = bottom + 2 * scale as i64;
-        canvas.write(&hover, (width - margin) as i64 - taken as i64, text_y, DIM);
-        let left = canvas.fitting(&status, room.saturating_sub(taken + 2 * margin));
+        let right = (width as i64 - margin as i64 - taken as i64).max(0);
+        if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
+            canvas.write(&hover, right, text_y, DIM);
+        } else if look.line.is_none() {
+            // Both do not fit one line.
+            canvas.label(&hover, right, bottom - row as i64, DIM);
+        }
+        let left = canvas.fitting(&status, room);
         canvas.write(&left, margin as i64, text_y, LIGHT);
         let mut above = bottom - row as i64;
         if let Some((text, column)) = &look.line {
@@ -429,24 +438,9 @@ impl Window {
             canvas.label(&text, 0, 0, LIGHT);
         }
         if look.help {
-            Self::draw_help(&mut canvas);
+            help::draw(&mut canvas);
         }
         canvas
-    }
-
-    fn draw_help(canvas: &mut Canvas) {
-        let row = canvas.line_height();
-        let longest = HELP.iter().map(|line| line.chars().count()).max().unwrap_or(0);
-        let pad = 10 * canvas.scale;
-        let (width, height) = (longest * canvas.advance() + 2 * pad, HELP.len() * row + 2 * pad);
-        // In a small window the left column is what is needed.
-        let left = ((canvas.width as i64 - width as i64) / 2).max(0);
-        let top = (canvas.height as i64 - height as i64) / 2;
-        canvas.fill(left, top, width, height, 0x0020_2028, 232);
-        for (index, line) in (0_i64..).zip(HELP) {
-            let y = top + pad as i64 + index * row as i64;
-            canvas.write(line, left + pad as i64, y, LIGHT);
-        }
     }
 }
 
@@ -463,24 +457,29 @@ fn turn(session: &Arc<Session>, key: Key) {
 }
 
 impl Base {
-    /// Scales the frame's picture to the window, if either has changed.
-    fn follow(&mut self, frame: Option<&Arc<Frame>>, size: (usize, usize)) {
+    /// Scales the frame's picture to its part of the window, if either has changed.
+    fn follow(
+        &mut self,
+        frame: Option<&Arc<Frame>>,
+        picture: (usize, usize),
+        window: (usize, usize),
+    ) {
         let same = match (&self.frame, frame) {
             (Some(old), Some(new)) => Arc::ptr_eq(old, new),
             (None, None) => !self.pixels.is_empty(),
-            _ => false,
+            (Some(_), None) | (None, Some(_)) => false,
         };
-        if same && self.size == size {
+        if same && self.size == window {
             return;
         }
         self.frame = frame.cloned();
-        self.size = size;
-        let (width, height) = size;
+        self.size = window;
         self.pixels.clear();
-        self.pixels.resize(width * height, PAPER);
+        self.pixels.resize(window.0 * window.1, PAPER);
         let Some(frame) = frame else { return };
+        let (width, height) = picture;
         let buffer = &frame.picture.buffer;
-        for (y, row) in self.pixels.chunks_exact_mut(width).enumerate() {
+        for (y, row) in self.pixels.chunks_exact_mut(width).take(height).enumerate() {
             let line = y * buffer.height / height * buffer.width;
             for (x, pixel) in row.iter_mut().enumerate() {
                 let at = 3 * (line + x * buffer.width / width);

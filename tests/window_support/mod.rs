@@ -1,11 +1,15 @@
 //! A display, a window on it, and a terminal for its prompt: all real, but seen by nobody.
 
+#[allow(dead_code)] // each test file uses its own part
+pub mod scene;
+
 use image::RgbImage;
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -70,15 +74,30 @@ pub struct Terminal {
     master: File,
     log: Arc<Mutex<Log>>,
     directory: tempfile::TempDir,
+    /// Ends the thread that reads, and with it the terminal's last user.
+    closed: Arc<AtomicBool>,
 }
 
 #[allow(dead_code)] // each test file uses its own part
 impl Terminal {
     /// Starts `zeroset` with these arguments, on this display or on none.
     pub fn start(arguments: &[&str], display: Option<&str>) -> Self {
+        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display)
+    }
+
+    /// The same, with the terminal as the one that controls the program: its end is a signal.
+    pub fn controlling(arguments: &[&str], display: Option<&str>) -> Self {
+        let mut command = Command::new("setsid");
+        command.args(["--ctty", env!("CARGO_BIN_EXE_zeroset")]);
+        Self::of(command, arguments, display)
+    }
+
+    fn of(mut command: Command, arguments: &[&str], display: Option<&str>) -> Self {
         use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
         let directory = tempfile::tempdir().expect("a directory");
-        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a terminal");
+        // A program that inherits the terminal's other end would keep it open.
+        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
+        let master = openpt(flags).expect("a terminal");
         grantpt(&master).expect("granted");
         unlockpt(&master).expect("unlocked");
         let name = ptsname(&master, Vec::new()).expect("a name").into_string().expect("UTF-8");
@@ -86,7 +105,6 @@ impl Terminal {
         let slave = File::options().read(true).write(true).open(name).expect("opened");
         rustix::termios::tcsetwinsize(&slave, size).expect("sized");
         let stdio = || Stdio::from(slave.try_clone().expect("cloned"));
-        let mut command = Command::new(env!("CARGO_BIN_EXE_zeroset"));
         command
             .args(arguments)
             .current_dir(directory.path())
@@ -104,14 +122,23 @@ impl Terminal {
         let log = Arc::new(Mutex::new(Log::default()));
         let master = File::from(master);
         let (mut output, reader) = (master.try_clone().expect("cloned"), Arc::clone(&log));
+        let closed = Arc::new(AtomicBool::new(false));
+        let stop = Arc::clone(&closed);
         std::thread::spawn(move || {
+            use rustix::event::{PollFd, PollFlags, Timespec, poll};
             let mut part = [0; 4096];
-            // At the program's end the terminal can no longer be read.
-            while let Ok(length @ 1..) = output.read(&mut part) {
+            let pause = Timespec { tv_sec: 0, tv_nsec: 20_000_000 };
+            while !stop.load(Ordering::Relaxed) {
+                match poll(&mut [PollFd::new(&output, PollFlags::IN)], Some(&pause)) {
+                    Ok(0) | Err(_) => continue,
+                    Ok(_) => {}
+                }
+                // At the program's end the terminal can no longer be read.
+                let Ok(length @ 1..) = output.read(&mut part) else { break };
                 reader.lock().expect("whole").add(&part[..length]);
             }
         });
-        Self { child, master, log, directory }
+        Self { child, master, log, directory, closed }
     }
 
     pub fn place(&self) -> &Path {
@@ -154,12 +181,24 @@ impl Terminal {
 
     /// Waits for the end and returns the exit code.
     pub fn ends(mut self) -> i32 {
+        self.end().code().expect("a code")
+    }
+
+    fn end(&mut self) -> ExitStatus {
         let mut status = None;
         until("the program ends", || {
             status = self.child.try_wait().expect("waited for");
             status.is_some()
         });
-        status.and_then(|status| status.code()).expect("a code")
+        status.expect("one")
+    }
+
+    /// Closes the terminal as if somebody shut its window, waits for the program's end, and returns what it has left.
+    pub fn hang_up(mut self) -> tempfile::TempDir {
+        self.closed.store(true, Ordering::Relaxed);
+        self.master = File::open("/dev/null").expect("there is one");
+        self.end();
+        std::mem::replace(&mut self.directory, tempfile::tempdir().expect("a directory"))
     }
 }
 

@@ -1,0 +1,98 @@
+//! A window in which something is drawn, and hands for it.
+
+use super::{Display, Terminal, until};
+use image::RgbImage;
+
+pub const PROGRAMS: &[&str] = &["Xvfb", "xdotool", "import"];
+pub const CUBE: &[&str] = &["max(abs(x),abs(y),abs(z)) = 1", "--size", "400x320"];
+
+/// A window that shows a cube, and all that belongs to it.
+pub struct Scene {
+    pub terminal: Terminal,
+    pub display: Display,
+    pub window: String,
+}
+
+impl Scene {
+    pub fn start(arguments: &[&str]) -> Self {
+        let display = Display::start();
+        let terminal = Terminal::start(arguments, Some(&display.name));
+        let window = display.window();
+        let scene = Self { terminal, display, window };
+        scene.point(200, 160);
+        until("the picture is there", || painted(&scene.picture()).is_some());
+        scene.rest();
+        scene
+    }
+
+    pub fn picture(&self) -> RgbImage {
+        self.display.picture(&self.window)
+    }
+
+    /// The picture without the lines of text at top and bottom.
+    pub fn middle(&self) -> RgbImage {
+        let picture = self.picture();
+        let (width, height) = picture.dimensions();
+        image::imageops::crop_imm(&picture, 0, 24, width, height - 90).to_image()
+    }
+
+    /// Waits until nothing changes any more.
+    pub fn rest(&self) -> RgbImage {
+        let mut last = self.middle();
+        let mut same = 0;
+        until("the picture comes to rest", || {
+            std::thread::sleep(std::time::Duration::from_millis(100));
+            let now = self.middle();
+            same = if now == last { same + 1 } else { 0 };
+            last = now;
+            same >= 3
+        });
+        last
+    }
+
+    pub fn point(&self, x: i32, y: i32) {
+        let (x, y) = (x.to_string(), y.to_string());
+        self.display.tool(&["mousemove", "--window", &self.window, &x, &y]);
+    }
+
+    /// Does something and waits until the picture is another.
+    pub fn changes(&self, what: &str, act: impl FnOnce()) -> RgbImage {
+        let before = self.rest();
+        act();
+        until(&format!("{what} changes the picture"), || self.middle() != before);
+        self.display.keep(&self.window, what);
+        self.rest()
+    }
+
+    pub fn key(&self, key: &str) {
+        self.display.tool(&["key", key]);
+    }
+
+    pub fn drag(&self, button: &str, from: (i32, i32), to: (i32, i32)) {
+        self.point(from.0, from.1);
+        self.display.tool(&["mousedown", button]);
+        for step in 1..=5 {
+            std::thread::sleep(std::time::Duration::from_millis(40));
+            let at = |a: i32, b: i32| a + (b - a) * step / 5;
+            self.point(at(from.0, to.0), at(from.1, to.1));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(60));
+        self.display.tool(&["mouseup", button]);
+    }
+}
+
+/// Bounds of what is not background between the lines of text: left, right, top, bottom.
+pub fn painted(picture: &RgbImage) -> Option<[u32; 4]> {
+    let (width, height) = picture.dimensions();
+    let mut bounds = None;
+    for y in 24..height.saturating_sub(66) {
+        for x in 4..width - 4 {
+            let [r, g, b] = picture.get_pixel(x, y).0.map(i32::from);
+            if (r - b).abs() > 30 || (r - g).abs() > 30 {
+                let [l, r, t, u] = bounds.unwrap_or([x, x, y, y]);
+                bounds = Some([l.min(x), r.max(x), t.min(y), u.max(y)]);
+            }
+        }
+    }
+    bounds
+}
