@@ -8,8 +8,8 @@ use zeroset_jit::NativeInterval;
 /// Encloses, in each lane, either a function or what has its zeros, as precisely as it takes to see that there is none.
 ///
 /// The function is asked first. Where its enclosure holds 0, the numerator of its cleared form is, which vanishes at the
-/// same points of the function's domain: so poles are proven empty, and a slab is known to be unbounded if the function
-/// is. Where that holds 0 too and the function may jump, its branches are asked one by one; a lane in which none
+/// same points of the function's domain: so poles are proven empty, and where the function is unbounded, a root near its
+/// pole has bounds. Where that holds 0 too and the function may jump, its branches are asked one by one; a lane in which none
 /// vanishes is called undefined, as is the function restricted to where it is 0.
 #[derive(Clone)]
 pub struct ZeroKernel<T: Real = f32> {
@@ -88,7 +88,8 @@ impl<T: Real> IntervalKernel<T> for ZeroKernel<T> {
     }
 }
 
-/// Replaces the enclosures in which the function may vanish, but its numerator does not.
+/// Replaces the enclosures in which the function may vanish, but its numerator does not, or has bounds where the function
+/// has none.
 fn clear<T: Real>(
     numerator: &NativeInterval<T>,
     packet: &BoxPacket<T>,
@@ -97,7 +98,7 @@ fn clear<T: Real>(
     let mut cleared = [EnclosurePacket::default()];
     numerator.enclose(std::slice::from_ref(packet), &mut cleared);
     for lane in 0..LANES {
-        if may_vanish(out, lane) && !may_vanish(&cleared[0], lane) {
+        if may_vanish(out, lane) && (!may_vanish(&cleared[0], lane) || is_unbounded(out, lane)) {
             out.neg_lo[lane] = cleared[0].neg_lo[lane];
             out.hi[lane] = cleared[0].hi[lane];
             // What is proven of the numerator is not proven of the function, except that neither has a value.
@@ -105,6 +106,10 @@ fn clear<T: Real>(
             out.facts[lane] |= nowhere.bits().into();
         }
     }
+}
+
+fn is_unbounded<T: Real>(packet: &EnclosurePacket<T>, lane: usize) -> bool {
+    packet.neg_lo[lane].into() == f64::INFINITY || packet.hi[lane].into() == f64::INFINITY
 }
 
 /// Empties the enclosures in which the function may vanish, but none of its branches does.
