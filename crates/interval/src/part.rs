@@ -62,6 +62,7 @@ impl Parting {
             | Class::Remainder
             | Class::Extremum
             | Class::Choice
+            | Class::Fallback
             | Class::Restriction(_)
             | Class::Function(_) => false,
         };

@@ -76,6 +76,10 @@ pub fn evaluate<M: Machine>(
             let rest = rule.nan_unless(nonneg, operands[2]);
             rule.m.select(negative, operands[1], rest)
         }
+        Op::Otherwise => {
+            let is_number = rule.m.eq(a, a);
+            rule.m.select(is_number, a, operands[1])
+        }
         Op::WhereNonneg => {
             let zero = rule.zero();
             let inside = rule.m.le(zero, operands[1]);

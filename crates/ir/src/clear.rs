@@ -186,6 +186,7 @@ fn combine(
         | Class::Remainder
         | Class::Extremum
         | Class::Choice
+        | Class::Fallback
         | Class::Restriction(_) => None,
     }
 }

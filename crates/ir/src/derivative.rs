@@ -142,6 +142,11 @@ fn chain(graph: &mut Graph, op: Op, id: NodeId, operands: &[NodeId], inner: &[No
             choose(graph, order, inner[1], da)
         }
         Op::SelectNegative => choose(graph, a, inner[1], inner[2]),
+        Op::Otherwise => {
+            // Where a has a value and no derivative, that of the other operand stands in as well.
+            let here = graph.apply(Op::WhereDefined, &[da, a]);
+            graph.apply(op, &[here, inner[1]])
+        }
     }
 }
 

@@ -104,6 +104,7 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
                 | Class::Remainder
                 | Class::Extremum
                 | Class::Choice
+                | Class::Fallback
                 | Class::Restriction(_)
                 | Class::Function(_) => {
                     debug_assert!(!matches!(op.row().notation, Notation::Infix { .. }));

@@ -121,6 +121,9 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
                     chosen.map(|(v, w)| (v, if a.abs() <= e { f64::INFINITY } else { w }))
                 })
             }
+            Node::Apply(Op::Otherwise, operands) => {
+                values[operands[0].index()].or(values[operands[1].index()])
+            }
             Node::Apply(op, operands) => {
                 operands.iter().map(|id| values[id.index()]).collect::<Option<Vec<_>>>().and_then(
                     |v| {
@@ -231,7 +234,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
         }
         Op::Min => (a.min(b), ea.max(eb)),
         Op::Max => (a.max(b), ea.max(eb)),
-        Op::SelectNegative => unreachable!("evaluated by the caller"),
+        Op::SelectNegative | Op::Otherwise => unreachable!("evaluated by the caller"),
         Op::WhereNonneg => {
             if b < 0.0 && b.abs() > eb {
                 return None;

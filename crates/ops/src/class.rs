@@ -26,6 +26,8 @@ pub enum Class {
     Extremum,
     /// The second or the third operand, by the sign of the first.
     Choice,
+    /// The first operand where it is defined, else the second.
+    Fallback,
     /// The first operand, where the second meets a condition.
     Restriction(Restriction),
     /// A function of one operand.

@@ -64,7 +64,9 @@ mod tests {
                 Class::Negation => (1, true),
                 Class::Square | Class::Function(_) => (1, false),
                 Class::Sum | Class::Product | Class::Quotient | Class::Power => (2, true),
-                Class::Remainder | Class::Extremum | Class::Restriction(_) => (2, false),
+                Class::Remainder | Class::Extremum | Class::Fallback | Class::Restriction(_) => {
+                    (2, false)
+                }
                 Class::Choice => (3, false),
             };
             assert_eq!(row.arity, arity, "{}", row.name);

@@ -37,6 +37,7 @@ pub enum Op {
     Min,
     Max,
     SelectNegative,
+    Otherwise,
     WhereNonneg,
     WherePositive,
     WhereNonzero,

@@ -295,7 +295,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
     };
     let (root, kind) = match lowering.equation(expr)? {
         Some(root) => (root, Kind::Equation),
-        None => (lowering.solid(expr)?, Kind::Solid),
+        None => (lowering.solid(expr, false)?, Kind::Solid),
     };
     let root = restrictions.iter().try_fold(root, |root, condition| match kind {
         Kind::Equation => lowering.restrict(root, condition),

@@ -15,6 +15,7 @@
 mod application;
 pub mod ast;
 mod build;
+mod condition;
 mod constant;
 mod cycle;
 mod diagnose;

@@ -41,6 +41,8 @@ pub(crate) struct Lowering<'a> {
     values: FxHashMap<&'a str, NodeId>,
     levels: usize,
     visits: usize,
+    /// Per node, as far as has been asked, whether it is defined everywhere.
+    pub(crate) total: Vec<bool>,
 }
 
 impl<'a> Lowering<'a> {
@@ -58,6 +60,7 @@ impl<'a> Lowering<'a> {
             values: FxHashMap::default(),
             levels: 0,
             visits: 0,
+            total: Vec::new(),
         }
     }
 
@@ -79,7 +82,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// `left − right`, without the subtraction where one side is the number 0.
-    fn difference(&mut self, left: &'a Expr, right: &'a Expr) -> Fallible<NodeId> {
+    pub(crate) fn difference(&mut self, left: &'a Expr, right: &'a Expr) -> Fallible<NodeId> {
         let zero =
             |expr: &Expr| expr.number().and_then(Constant::decimal).is_some_and(|c| c.is_zero());
         if zero(right) {
@@ -93,155 +96,9 @@ impl<'a> Lowering<'a> {
         Ok(self.graph.apply(Op::Sub, &[left_node, right_node]))
     }
 
-    /// The function that is ≤ 0 inside the solid that a condition describes.
-    pub(crate) fn solid(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
-        match &expr.kind {
-            ExprKind::And(items) => self.fold_solids(Op::Max, items),
-            ExprKind::Or(items) => self.fold_solids(Op::Min, items),
-            ExprKind::Not(inner) => {
-                let inner = self.solid(inner)?;
-                Ok(self.graph.apply(Op::Neg, &[inner]))
-            }
-            ExprKind::Compare(first, rest) => {
-                let mut left: &Expr = first;
-                let mut all: Option<NodeId> = None;
-                for (relation, right) in rest {
-                    let one = match relation {
-                        Relation::Less | Relation::LessEqual => self.difference(left, right)?,
-                        Relation::Greater | Relation::GreaterEqual => {
-                            self.difference(right, left)?
-                        }
-                        Relation::Equal => {
-                            let span = left.span.to(right.span);
-                            return Err(Error::new(span, ErrorKind::EquationInCondition));
-                        }
-                        Relation::Unequal => {
-                            let span = left.span.to(right.span);
-                            return Err(Error::new(span, ErrorKind::UnequalOutsideBraces));
-                        }
-                    };
-                    all = Some(match all {
-                        Some(before) => self.graph.apply(Op::Max, &[before, one]),
-                        None => one,
-                    });
-                    left = right;
-                }
-                Ok(all.expect("a comparison has two sides"))
-            }
-            _ => Err(Error::new(expr.span, ErrorKind::ValueAsCondition { word: "and".to_owned() })),
-        }
-    }
-
-    fn fold_solids(&mut self, op: Op, items: &'a [Expr]) -> Fallible<NodeId> {
-        let mut nodes = Vec::new();
-        for item in items {
-            nodes.push(self.solid(item)?);
-        }
-        Ok(self.fold(op, &nodes))
-    }
-
     /// `op` over all `nodes`, from the left.
-    fn fold(&mut self, op: Op, nodes: &[NodeId]) -> NodeId {
+    pub(crate) fn fold(&mut self, op: Op, nodes: &[NodeId]) -> NodeId {
         nodes[1..].iter().fold(nodes[0], |all, node| self.graph.apply(op, &[all, *node]))
-    }
-
-    /// `root`, defined only where `condition` holds.
-    pub(crate) fn restrict(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
-        match &condition.kind {
-            ExprKind::And(items) => {
-                items.iter().try_fold(root, |root, item| self.restrict(root, item))
-            }
-            ExprKind::Compare(first, rest) => {
-                let mut left: &Expr = first;
-                let mut root = root;
-                for (relation, right) in rest {
-                    let span = left.span.to(right.span);
-                    let (op, bound) = match relation {
-                        Relation::Less => (Op::WherePositive, self.difference(right, left)?),
-                        Relation::LessEqual => (Op::WhereNonneg, self.difference(right, left)?),
-                        Relation::Greater => (Op::WherePositive, self.difference(left, right)?),
-                        Relation::GreaterEqual => (Op::WhereNonneg, self.difference(left, right)?),
-                        Relation::Unequal => (Op::WhereNonzero, self.difference(left, right)?),
-                        Relation::Equal => {
-                            return Err(Error::new(span, ErrorKind::RestrictionIsEquation));
-                        }
-                    };
-                    root = self.graph.apply(op, &[root, bound]);
-                    left = right;
-                }
-                Ok(root)
-            }
-            ExprKind::Or(_) | ExprKind::Not(_) => {
-                let (bound, strict) = self.margin(condition, false)?;
-                let op = if strict == Some(true) { Op::WherePositive } else { Op::WhereNonneg };
-                Ok(self.graph.apply(op, &[root, bound]))
-            }
-            _ => Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
-        }
-    }
-
-    /// The solid `root` where `condition` holds as well, so that the cut is a face of it. A cut that has no inside
-    /// (`!=`) only takes points away.
-    pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
-        match &condition.kind {
-            ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),
-            _ if bounds_a_solid(condition) => {
-                let other = self.solid(condition)?;
-                Ok(self.graph.apply(Op::Max, &[root, other]))
-            }
-            _ => self.restrict(root, condition),
-        }
-    }
-
-    /// A function that is positive (strict) or nonnegative (not strict) just where `condition`, or with `negated`
-    /// its opposite, holds.
-    fn margin(&mut self, condition: &'a Expr, negated: bool) -> Fallible<(NodeId, Option<bool>)> {
-        let (items, op): (Vec<(NodeId, Option<bool>)>, Op) = match &condition.kind {
-            ExprKind::Not(inner) => return self.margin(inner, !negated),
-            ExprKind::And(items) | ExprKind::Or(items) => {
-                let is_and = matches!(condition.kind, ExprKind::And(_));
-                let op = if is_and == negated { Op::Max } else { Op::Min };
-                let parts: Fallible<Vec<_>> =
-                    items.iter().map(|item| self.margin(item, negated)).collect();
-                (parts?, op)
-            }
-            ExprKind::Compare(first, rest) => {
-                let mut left: &Expr = first;
-                let mut parts = Vec::new();
-                for (relation, right) in rest {
-                    let span = left.span.to(right.span);
-                    let (less, strict) = match relation {
-                        Relation::Less => (true, true),
-                        Relation::LessEqual => (true, false),
-                        Relation::Greater => (false, true),
-                        Relation::GreaterEqual => (false, false),
-                        Relation::Equal => {
-                            return Err(Error::new(span, ErrorKind::RestrictionIsEquation));
-                        }
-                        Relation::Unequal => {
-                            return Err(Error::new(span, ErrorKind::MixedRestriction));
-                        }
-                    };
-                    let node = if less == negated {
-                        self.difference(left, right)?
-                    } else {
-                        self.difference(right, left)?
-                    };
-                    parts.push((node, Some(strict != negated)));
-                    left = right;
-                }
-                (parts, if negated { Op::Max } else { Op::Min })
-            }
-            _ => {
-                return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition));
-            }
-        };
-        let strict = items[0].1;
-        if items.iter().any(|(_, other)| *other != strict) {
-            return Err(Error::new(condition.span, ErrorKind::MixedRestriction));
-        }
-        let nodes: Vec<NodeId> = items.into_iter().map(|(node, _)| node).collect();
-        Ok((self.fold(op, &nodes), strict))
     }
 
     /// Counts a visit, and fails where the formula has grown too large.
@@ -462,16 +319,4 @@ fn at_use(mut error: Box<Error>, span: Span) -> Box<Error> {
         error.span = span;
     }
     error
-}
-
-/// Whether a condition is made of inequalities only.
-fn bounds_a_solid(condition: &Expr) -> bool {
-    match &condition.kind {
-        ExprKind::And(items) | ExprKind::Or(items) => items.iter().all(bounds_a_solid),
-        ExprKind::Not(inner) => bounds_a_solid(inner),
-        ExprKind::Compare(_, rest) => {
-            rest.iter().all(|(sign, _)| !matches!(sign, Relation::Equal | Relation::Unequal))
-        }
-        _ => false,
-    }
 }

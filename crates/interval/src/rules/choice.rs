@@ -66,6 +66,37 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
+    /// a where it is defined, else b; their hull where a is defined in a part of the box, but for a part.
+    pub(super) fn otherwise(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+        part: Part,
+    ) -> Enclosure<M::V> {
+        let (a, b) = (&a.value, &b.value);
+        let only_a = a.defined.mask(self.m, self.format);
+        let only_b = a.nowhere.mask(self.m, self.format);
+        let pick = |rule: &mut Self, a: M::V, b: M::V| {
+            let both = match part {
+                Part::Whole | Part::Middle => rule.m.max(a, b),
+                Part::Low => a,
+                Part::Rest | Part::High => b,
+            };
+            let rest = rule.m.select(only_b, b, both);
+            rule.m.select(only_a, a, rest)
+        };
+        let neg_lo = pick(self, a.neg_lo, b.neg_lo);
+        let hi = pick(self, a.hi, b.hi);
+        let continuous_b = b.continuous.and(self.m, a.nowhere);
+        Enclosure {
+            neg_lo,
+            hi,
+            nowhere: a.nowhere.and(self.m, b.nowhere),
+            defined: a.defined.or(self.m, b.defined),
+            continuous: a.continuous.or(self.m, continuous_b),
+        }
+    }
+
     /// `a` with its bounds, defined only where `b` is.
     pub(super) fn with_facts_of(
         &mut self,

@@ -79,6 +79,7 @@ pub fn enclose_part<M: Machine>(
         Op::Min => rule.min(a, &operands[1]),
         Op::Max => rule.max(a, &operands[1]),
         Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], part),
+        Op::Otherwise => rule.otherwise(a, &operands[1], part),
         Op::WhereNonneg => rule.where_nonneg(a, &operands[1]),
         Op::WherePositive => rule.where_positive(a, &operands[1]),
         Op::WhereNonzero => rule.where_nonzero(a, &operands[1]),

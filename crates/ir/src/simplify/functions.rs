@@ -6,6 +6,7 @@ use super::value::{Condition, Product, Value};
 use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
+use zeroset_interval::Facts;
 use zeroset_ops::{Class, Domain, Law, Op, Parity, Restriction};
 
 impl Rewriter<'_> {
@@ -188,6 +189,20 @@ impl Rewriter<'_> {
         result.conditions.extend(conditions);
         self.require(&mut result.conditions, Condition::Defined(a));
         Value::Product(result)
+    }
+
+    /// `otherwise(a, b)`: where a is defined stays with a, and so do its conditions.
+    pub(super) fn fallback(&mut self, first: Value, second: Value) -> Value {
+        let a = self.node_of(first);
+        let b = self.node_of(second);
+        let facts = self.known(a).facts;
+        if facts.has(Facts::DEFINED) {
+            Value::Node(a)
+        } else if facts.has(Facts::NOWHERE) {
+            Value::Node(b)
+        } else {
+            Value::Node(self.node(Op::Otherwise, &[a, b]))
+        }
     }
 
     /// The first operand, where the second meets a condition.

@@ -350,6 +350,11 @@ impl Rewriter<'_> {
                 self.extremum(op, first, second)
             }
             Class::Choice => self.choice(operands),
+            Class::Fallback => {
+                let second = operands.remove(1);
+                let first = operands.remove(0);
+                self.fallback(first, second)
+            }
             Class::Restriction(restriction) => self.restriction(restriction, operands),
         }
     }

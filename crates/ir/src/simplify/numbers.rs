@@ -71,6 +71,7 @@ pub(super) fn function(op: Op, a: &BigRational) -> Option<BigRational> {
         | Class::Remainder
         | Class::Extremum
         | Class::Choice
+        | Class::Fallback
         | Class::Restriction(_) => None,
     }
 }

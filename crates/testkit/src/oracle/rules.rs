@@ -12,6 +12,9 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     if op == Op::SelectNegative {
         return select_negative(operands);
     }
+    if op == Op::Otherwise {
+        return otherwise(operands);
+    }
     let [a, b, _] = operands.map(Claim::span);
     let everywhere = |value: Span| (value, Defined::Yes);
     let (value, local) = match op {
@@ -43,7 +46,9 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         Op::Mod => (modulo(a, b), nonzero(b)),
         Op::Min => everywhere(Span::new(a.lo.min(b.lo), a.hi.min(b.hi))),
         Op::Max => everywhere(Span::new(a.lo.max(b.lo), a.hi.max(b.hi))),
-        Op::SelectNegative => unreachable!("done above: its branches need not all be defined"),
+        Op::SelectNegative | Op::Otherwise => {
+            unreachable!("done above: their operands need not all be defined")
+        }
         Op::WhereNonneg => (a, nonneg(b)),
         Op::WherePositive => (a, positive(b)),
         Op::WhereNonzero => (a, nonzero(b)),
@@ -143,4 +148,15 @@ fn select_negative([a, b, c]: [Claim; 3]) -> Claim {
         }
     };
     Claim::new(chosen.span(), chosen.defined.and(a.defined))
+}
+
+/// a where it is defined, else b.
+fn otherwise([a, b, _]: [Claim; 3]) -> Claim {
+    match (a.defined, b.defined) {
+        (Defined::Yes, _) => a,
+        (Defined::No, _) => b,
+        // Only a can give a value, if anything does.
+        (Defined::Unknown, Defined::No) => a,
+        (Defined::Unknown, defined) => Claim::new(a.span().union(b.span()), defined),
+    }
 }

@@ -431,7 +431,7 @@ fn powers_are_defined_as_the_table_says() {
     assert_eq!(at(0.0)[2].defined, No);
 }
 
-/// Every operation is undefined where an operand is, except the branch that is not chosen.
+/// Every operation is undefined where an operand is, except the branch that is not chosen, and where another stands in.
 #[test]
 fn undefined_operands_spread() {
     for row in zeroset_ops::TABLE {
@@ -444,7 +444,8 @@ fn undefined_operands_spread() {
             operands[usize::from(hole)] = undefined;
             let root = graph.apply(row.op, &operands);
             let got = enclose_at(&graph, &[root], [0.0, 1.0, 0.0], &[])[0];
-            let chosen = row.op != Op::SelectNegative || hole != 1;
+            let spared = [(Op::SelectNegative, 1), (Op::Otherwise, 0), (Op::Otherwise, 1)];
+            let chosen = !spared.contains(&(row.op, hole));
             let expected = if chosen { Defined::No } else { Defined::Yes };
             assert_eq!(got.defined, expected, "{} with hole {hole}", row.name);
         }
@@ -458,6 +459,19 @@ fn selection_follows_the_sign() {
     assert!(is_exactly(at(0.0), 3.0) && is_exactly(at(-0.0), 3.0));
     let got = claim_over(Op::SelectNegative, &[(-1.0, 1.0), (2.0, 2.0), (3.0, 3.0)]);
     assert_eq!((got.lo, got.hi, got.defined), (2.0, 3.0, Defined::Yes));
+}
+
+#[test]
+fn another_value_stands_in_where_there_is_none() {
+    let mut graph = Graph::new();
+    let x = graph.variable(Axis::X);
+    let seven = graph.integer(7);
+    let root = graph.apply(Op::Sqrt, &[x]);
+    let otherwise = graph.apply(Op::Otherwise, &[root, seven]);
+    let neither = graph.apply(Op::Otherwise, &[root, root]);
+    let at = |x: f64| enclose_at(&graph, &[otherwise, neither], [x, 0.0, 0.0], &[]);
+    assert!(is_exactly(at(4.0)[0], 2.0) && is_exactly(at(-4.0)[0], 7.0));
+    assert_eq!((at(4.0)[1].defined, at(-4.0)[1].defined), (Defined::Yes, Defined::No));
 }
 
 #[test]
