@@ -182,6 +182,10 @@ impl<M: Machine> Rule<'_, M> {
         if b.range.hi < 0.0 {
             return self.quotient_positive(&a.negated(), &b.negated());
         }
+        if b.range.hi <= 0.0 {
+            // So that the bounds over b = [0, 0] are within those over all of b's range.
+            return self.quotient(&a.negated(), &b.negated());
+        }
         self.quotient(a, b)
     }
 

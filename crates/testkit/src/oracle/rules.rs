@@ -153,10 +153,9 @@ fn select_negative([a, b, c]: [Claim; 3]) -> Claim {
 /// a where it is defined, else b.
 fn otherwise([a, b, _]: [Claim; 3]) -> Claim {
     match (a.defined, b.defined) {
-        (Defined::Yes, _) => a,
         (Defined::No, _) => b,
-        // Only a can give a value, if anything does.
-        (Defined::Unknown, Defined::No) => a,
+        // Without a value of b, only a can give one, if anything does.
+        (Defined::Yes, _) | (Defined::Unknown, Defined::No) => a,
         (Defined::Unknown, defined) => Claim::new(a.span().union(b.span()), defined),
     }
 }
