@@ -10,7 +10,7 @@ use zeroset_interval::{
     enclose_twins, evaluate, evaluate_twins,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
-use zeroset_ops::{Class, Op};
+use zeroset_ops::Op;
 
 /// What code may take for granted: it is only ever asked about boxes and parameters within these bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -298,13 +298,6 @@ fn range_of<T: Real>(
             let range = match Interval::new(lo, hi) {
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),
-            };
-            // Of 0^b only 0 is a value, for b > 0; but boxes with b < 0 alone have bounds next to a pole.
-            let has_hole = !facts_of::<T>(&value)[0].has(Facts::DEFINED);
-            let range = if op.row().class == Class::Power && has_hole && range.lo >= 0.0 {
-                range.hull(Interval { lo: 0.0, hi: f64::INFINITY })
-            } else {
-                range
             };
             given(if op.row().approximated { inflate(range) } else { range }).with_facts(&value)
         }
