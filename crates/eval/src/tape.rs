@@ -264,7 +264,8 @@ pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
 
 /// A number of `T` within the bounds, near their middle.
 pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
-    let middle = 0.5 * bounds.lo + 0.5 * bounds.hi;
+    // Nothing is known of some constants, like 0 times one beyond all floats.
+    let middle = if bounds == Interval::ENTIRE { 0.0 } else { 0.5 * bounds.lo + 0.5 * bounds.hi };
     let most = T::LARGEST.into();
     let nearest: f64 = T::nearest(middle.clamp(-most, most)).into();
     nearest.clamp(bounds.lo, bounds.hi)
@@ -341,4 +342,18 @@ pub(crate) fn facts_of<T: Real>(value: &Enclosure<Lanes>) -> [Facts; 4] {
 fn inflate(range: Interval) -> Interval {
     let out = |end: f64, sign: f64| end + sign * end.abs() * NOT_MONOTONE;
     Interval { lo: out(range.lo, -1.0), hi: out(range.hi, 1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn middles_are_numbers() {
+        let middle_of = |lo, hi| middle::<f32>(outward::<f32>(Interval { lo, hi }));
+        assert_eq!(middle_of(1.0, 2.0), 1.5);
+        assert_eq!(middle_of(f64::NEG_INFINITY, f64::INFINITY), 0.0);
+        assert_eq!(middle_of(f64::MAX, f64::INFINITY), f64::from(f32::MAX));
+        assert_eq!(middle_of(f64::NEG_INFINITY, -1e300), -f64::from(f32::MAX));
+    }
 }

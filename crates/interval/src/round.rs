@@ -161,14 +161,16 @@ pub mod f64_up {
     }
 }
 
-/// The exact error of `sum = a + b` rounded to nearest (Knuth's two-sum), or 0 if the sum is not finite.
+/// The exact error of `sum = a + b` rounded to nearest (Dekker's fast two-sum), or 0 if the sum is not finite.
+///
+/// Taking the larger operand away first is exact and cannot overflow: what is left is about the smaller one. Knuth's
+/// two-sum, which needs no order, overflows for sums like −MAX/2 + MAX.
 fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
     if !sum.is_finite() {
         return 0.0;
     }
-    let b_part = sum - a;
-    let a_part = sum - b_part;
-    (a - a_part) + (b - b_part)
+    let (large, small) = if a.abs() >= b.abs() { (a, b) } else { (b, a) };
+    small - (sum - large)
 }
 
 #[cfg(test)]
@@ -205,6 +207,11 @@ mod tests {
         assert_eq!(f32_up::mul(-f32::MAX, 2.0), -f32::MAX);
         assert_eq!(f32_up::mul(1e-40, 1e-40), f32::from_bits(1));
         assert_eq!(f32_up::mul(-1e-40, 1e-40), 0.0);
+        let near_overflow = [-7.217_819_377_978_075e307, f64::MAX];
+        for (a, b) in [(near_overflow[0], near_overflow[1]), (near_overflow[1], near_overflow[0])] {
+            let (sum, opposite) = (f64_up::add(a, b), -f64_up::add(-a, -b));
+            assert_eq!(sum, opposite.next_up(), "inexact, so its bounds are neighbours");
+        }
         assert_eq!(f64_up::mul(-f64::MAX, 2.0), -f64::MAX);
         assert_eq!(f64_up::mul(1e-200, 1e-200), f64::from_bits(1));
         assert_eq!(f64_up::mul(-1e-200, 1e-200), 0.0);

@@ -9,6 +9,17 @@ use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 /// Inputs per kernel: enough that compiling is a small part of the work.
 const INPUTS: usize = 256;
 
+/// Tells the seed of the case at hand when something panics.
+struct Told(u64);
+
+impl Drop for Told {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("ZEROSET_SEED={:#x} ZEROSET_CASES=1", self.0);
+        }
+    }
+}
+
 /// Compares until `effort.cases` inputs agreed, and tells the first that does not, made smaller.
 fn check<T: Adversarial>(seed: u64, subject: Subject, simple: bool, options: &GraphOptions) {
     let effort = Effort::from_environment(seed, 100_000);
@@ -17,11 +28,12 @@ fn check<T: Adversarial>(seed: u64, subject: Subject, simple: bool, options: &Gr
         if compared >= effort.cases {
             break;
         }
+        let _told = Told(seed);
         let mut rng = Rng::with_seed(seed);
         let case = Case::random(&mut rng, options);
         match agree::<T>(subject, simple, &case, &mut rng, INPUTS) {
             Ok(tally) => compared += tally.compared,
-            Err(failure) => panic!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1"),
+            Err(failure) => panic!("{failure}"),
         }
     }
     println!("{compared} inputs agree");
