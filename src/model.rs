@@ -9,8 +9,11 @@ use crate::zeros::ZeroKernel;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
-use zeroset_eval::{GradientKernel, GradientPacket, LANES, PointKernel, PointPacket, ValuePacket};
-use zeroset_interval::Interval;
+use zeroset_eval::{
+    BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, LANES, PointKernel,
+    PointPacket, ValuePacket,
+};
+use zeroset_interval::{Facts, Interval};
 use zeroset_jit::{NativeGradient, NativePoint};
 use zeroset_syntax::{Color, Document, Kind};
 use zeroset_trace::{
@@ -49,26 +52,48 @@ impl Model {
     ///
     /// # Errors
     /// If a formula is constant or defined nowhere, or too large to compile.
+    ///
+    /// # Panics
+    /// Never: the model is wanted to the end.
     pub fn new(
         document: &Document,
         region: &Region,
         normals: Option<Normals>,
     ) -> Result<Self, ProgramError> {
+        let model = Self::new_while(document, region, normals, &|| true)?;
+        Ok(model.expect("wanted to the end"))
+    }
+
+    /// As [`Model::new`], but asks between kernels whether the model is still wanted; `None` if not.
+    ///
+    /// # Errors
+    /// If a formula is constant or defined nowhere, or too large to compile.
+    pub fn new_while(
+        document: &Document,
+        region: &Region,
+        normals: Option<Normals>,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Self>, ProgramError> {
         let mut watch = Stopwatch::start();
         let mut times = Times::default();
         let program = Program::new(document, scene::bounds(region))?;
         times.simplify = watch.lap();
         let kernels = (0..document.surfaces.len())
             .into_par_iter()
-            .map(|surface| compile(&program, surface, normals))
-            .collect::<Result<Vec<_>, _>>()?;
+            .map(
+                |surface| {
+                    if wanted() { compile(&program, surface, normals, wanted) } else { Ok(None) }
+                },
+            )
+            .collect::<Result<Option<Vec<_>>, _>>()?;
+        let Some(kernels) = kernels else { return Ok(None) };
         times.compile = watch.lap();
-        Ok(Self {
+        Ok(Some(Self {
             region: *region,
             surfaces: looks(document).zip(kernels).collect(),
             program,
             times: Some(times),
-        })
+        }))
     }
 
     /// The same code for the parameter values of another document, or `None` if that differs in more than values and
@@ -140,6 +165,27 @@ impl Model {
         }
     }
 
+    /// Whether the function of some surface cannot be told from 0 at any of some points strewn over the region: then either
+    /// it is 0 everywhere, or far too small for its own rounding.
+    fn is_flat(&self) -> bool {
+        let (low, high) = (self.region.low(), self.region.high());
+        let points = (1..=FLAT_POINTS).map(|n| {
+            let place = (FLAT_STEPS * n as f64).fract();
+            (low + (high - low) * place).as_vec3().to_array()
+        });
+        let boxes: Vec<BoxPacket> = points
+            .map(|at| BoxPacket { neg_lo: at.map(|c| [-c; LANES]), hi: at.map(|c| [c; LANES]) })
+            .collect();
+        self.surfaces.iter().any(|(_, kernels)| {
+            let mut out = vec![EnclosurePacket::default(); boxes.len()];
+            kernels.zeros.function().enclose(&boxes, &mut out);
+            out.iter().all(|packet| {
+                let defined = Facts::from_bits(packet.facts[0]).has(Facts::DEFINED);
+                defined && packet.neg_lo[0] >= 0.0 && packet.hi[0] >= 0.0
+            })
+        })
+    }
+
     /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since it was last called,
     /// and ends the work early by returning `false`: the picture then is incomplete and of no use.
     ///
@@ -208,9 +254,13 @@ impl Model {
                     zeros,
                     &light,
                     offset,
+                    &|| advance(0),
                 );
                 work.add_traversal(&done);
                 hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
+                if !advance(0) {
+                    break;
+                }
             }
             buffer.shadow = hidden;
             times.trace += watch.lap();
@@ -232,19 +282,22 @@ impl Model {
             nodes: self.program.nodes(),
         };
         let undefined = (0..self.surfaces.len()).any(|surface| self.program.is_undefined(surface));
-        Picture { buffer, rgb, statistics, undefined }
+        Picture { buffer, rgb, statistics, undefined, flat: self.is_flat() }
     }
 }
 
+/// The kernels of one surface, or `None` if they are no longer wanted before all are there.
 fn compile(
     program: &Program,
     surface: usize,
     normals: Option<Normals>,
-) -> Result<Kernels, ProgramError> {
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Kernels>, ProgramError> {
     let (zeros, normals) = rayon::join(
         || program.zero_kernel(surface),
         || match normals {
             None => Ok(None),
+            Some(_) if !wanted() => Ok(None),
             Some(Normals::Gradient) => {
                 program.bound_gradient(surface).map(|k| Some(NormalKernel::Gradient(k)))
             }
@@ -253,7 +306,8 @@ fn compile(
             }
         },
     );
-    Ok(Kernels { zeros: zeros?, normals: normals? })
+    let kernels = Kernels { zeros: zeros?, normals: normals? };
+    Ok(wanted().then_some(kernels))
 }
 
 fn looks(document: &Document) -> impl Iterator<Item = Look> {
@@ -284,6 +338,11 @@ impl Kernels {
         self.zeros.code_bytes() + normals
     }
 }
+
+/// At so many points a function is looked at to see whether it is 0 everywhere.
+const FLAT_POINTS: usize = 64;
+/// Multiples of these fractions fill a cube evenly (Roberts 2018, generalised golden ratios).
+const FLAT_STEPS: DVec3 = DVec3::new(0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9);
 
 /// Shadow rays start this many of their own slabs away from the surface, so that it does not shade itself.
 const SHADOW_OFFSET_SLABS: f64 = 2.0;

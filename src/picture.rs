@@ -91,6 +91,8 @@ pub struct Picture {
     pub statistics: Statistics,
     /// Whether some surface is proven to have no value anywhere in the domain.
     pub undefined: bool,
+    /// Whether some surface's function could not be told from 0 wherever it was looked at: it may be 0 everywhere.
+    pub flat: bool,
 }
 
 /// What a picture took to make.

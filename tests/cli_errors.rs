@@ -164,6 +164,19 @@ fn outputs_that_cannot_be_written() {
 }
 
 #[test]
+fn pictures_in_another_format_than_png() {
+    let place = Place::new();
+    for (name, meant) in [("c.jpg", "'c.png'"), ("a.b.svg", "'a.b.png'")] {
+        let run = place.run(&["render", "x+y", "-o", name]);
+        assert_refused(&place, &run, &format!("PNG only: '{name}'"), name);
+        assert!(run.stderr.contains(meant), "{}", run.stderr);
+    }
+    for name in ["C.PNG", "c"] {
+        place.run(&["render", "x+y", "--size", "8", "-o", name]).ok();
+    }
+}
+
+#[test]
 fn an_error_leaves_an_old_picture_as_it_was() {
     let place = Place::new();
     place.write(PICTURE, "old");
@@ -201,7 +214,7 @@ fn numbers_out_of_range() {
         (["--depth", "99"], "--max-depth must be between 1 and"),
         (["--threads", "0"], "--threads must be between 1 and"),
         (["--ambient", "nan"], "--ambient must be between 0 and 1"),
-        (["--background", "red"], "not a colour"),
+        (["--background", "reddish"], "not a colour"),
         (["--time", "soon"], "--time 'soon' is not a finite number"),
         (["-D", "r"], "not of the form name=value"),
         (["-D", "q=1"], "`q` occurs nowhere"),

@@ -253,6 +253,33 @@ fn an_empty_picture_says_why() {
 }
 
 #[test]
+fn a_function_that_may_be_0_everywhere_is_remarked_on() {
+    let place = Place::new();
+    let note = |formula: &str| {
+        let run = place.run(&["render", formula, "--domain", "2", "--size", "16", "--json"]).ok();
+        run.stderr.contains("0 everywhere")
+    };
+    assert!(note("sin(x)^2 + cos(x)^2 - 1"));
+    assert!(note("(x+y)^2 - x^2 - 2x y - y^2"));
+    // Small is not 0, and neither is what is 0 on a half of space.
+    assert!(!note("1e-20*(x^2+y^2+z^2-1)"));
+    assert!(!note("x + abs(x)"));
+    assert!(!note("x+y+z"));
+}
+
+#[test]
+fn a_background_has_a_name_or_a_number() {
+    let place = Place::new();
+    let ground = |colour: &str| {
+        let all = ["render", "x^2+y^2+z^2=1", "--size", "8", "-o", "p.png", "--background", colour];
+        place.run(&all).ok();
+        picture(&place, "p.png").get_pixel(0, 0).0
+    };
+    assert_eq!([ground("navy"), ground("Orange")], [[0, 0, 128], [255, 165, 0]]);
+    assert_eq!(ground("navy"), ground("000080"));
+}
+
+#[test]
 fn output_is_plain_where_nobody_sees_colours() {
     let place = Place::new();
     let run = place.run(&["render", "x+", "-o", "a.png"]);

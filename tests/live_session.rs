@@ -74,9 +74,33 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
     }
     let refusal = live.enter("x^2+y^2+foo = 1").expect_err("wrong");
     assert!(refusal.render(false).contains('^'), "no caret: {}", refusal.render(false));
+    // What has no surface is refused too.
+    for (line, expected) in [("3", "is constant: it is 3"), ("sqrt(-1)", "defined nowhere")] {
+        let refusal = live.enter(line).expect_err(line).render(false);
+        assert!(refusal.contains(expected), "{line}: {refusal}");
+        assert_eq!(live.text(), "x^2+y^2+z^2 = 1");
+    }
     live.type_line("");
     assert_eq!(settled(&live).picture.rgb, good.picture.rgb);
     assert_eq!(live.text(), "x^2+y^2+z^2 = 1");
+}
+
+#[test]
+fn typing_goes_on_from_the_last_text_that_could_be_read() {
+    let live = start("r = 0.5\nx^2+y^2+z^2 = r", 32);
+    settled(&live);
+    // As a file that was saved half written.
+    live.load("test", "r = 0.5\nx^2+(", true);
+    assert!(live.wait(LIMIT) && live.view().fault.is_some());
+    live.type_line("z = r");
+    assert_eq!(settled(&live).document.surfaces[0].echo, "z = r");
+    live.enter("r = 0.7").expect("valid");
+    settled(&live);
+    assert_eq!(live.text(), "r = 0.7\nx^2+y^2+z^2 = r");
+    // A new document that is wrong is not the old one.
+    live.load("other", "y^2+(", false);
+    live.enter("x = y").expect("valid");
+    assert_eq!(live.text(), "x = y");
 }
 
 #[test]

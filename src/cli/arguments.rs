@@ -222,8 +222,8 @@ pub struct Look {
     #[arg(long, value_name = "SHARE", default_value_t = 0.3, allow_hyphen_values = true)]
     pub ambient: f32,
 
-    /// Colour where nothing is seen [default: f4f4f6]
-    #[arg(long, value_name = "RRGGBB")]
+    /// Colour where nothing is seen, as six hexadecimal digits or by a CSS name [default: f4f4f6]
+    #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }
 

@@ -4,7 +4,7 @@
 
 use super::arguments::Interactive;
 use super::notes;
-use super::output::{Output, write_png};
+use super::output::{Output, check_png, write_png};
 use super::prompt;
 use super::render::camera_choice;
 use super::source::{self, Source};
@@ -244,6 +244,7 @@ impl Session {
                 .find(|path| !path.exists())
                 .context("every name is taken")?,
         };
+        check_png(&path)?;
         let output = Output::create(&path)?;
         self.live.wait(PATIENCE);
         let frame = self.live.view().frame.filter(|frame| !frame.coarse);

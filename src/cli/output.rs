@@ -117,6 +117,24 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
+/// Refuses a path that asks for another format than PNG. A path without an extension asks for none.
+///
+/// # Errors
+/// If it does.
+pub fn check_png(path: &Path) -> Result<()> {
+    match path.extension() {
+        Some(extension) if !extension.eq_ignore_ascii_case("png") => {
+            let other = path.with_extension("png");
+            anyhow::bail!(
+                "pictures are written as PNG only: '{}' would not be one; say '{}'",
+                path.display(),
+                other.display()
+            )
+        }
+        Some(_) | None => Ok(()),
+    }
+}
+
 /// Writes rows of red, green and blue bytes as PNG.
 ///
 /// # Errors

@@ -2,7 +2,7 @@
 
 use super::arguments::{self, Outputs, Packet, Render, Undecided};
 use super::notes;
-use super::output::{Output, print, write_png};
+use super::output::{Output, check_png, print, write_png};
 use super::progress::Progress;
 use super::subject::{self, Subject};
 use super::{array, report};
@@ -13,6 +13,7 @@ use std::process::ExitCode;
 use zeroset::domain::AutoDomain;
 use zeroset::picture::{self, Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice};
+use zeroset_syntax::Color;
 use zeroset_trace::{
     Colour, HalfSpace, MAX_DEPTH, PacketWidth, Projection, Status, UndecidedStyle, View,
 };
@@ -115,10 +116,12 @@ fn settings(arguments: &Render) -> Result<Settings> {
     ensure!((0.0..=1.0).contains(&look.ambient), "--ambient must be between 0 and 1");
     let background = match &look.background {
         None => None,
-        Some(text) => Some(
-            Colour::from_hex(text)
-                .with_context(|| format!("--background '{text}' is not a colour such as ffffff"))?,
-        ),
+        Some(text) => {
+            let named = Color::named(text).map(|color| Colour::from_srgb(color.rgb));
+            Some(named.or_else(|| Colour::from_hex(text)).with_context(|| {
+                format!("--background '{text}' is not a colour such as white or ffffff")
+            })?)
+        }
     };
     if let Some(light) = look.light {
         ensure!(light.0.iter().all(|c| c.is_finite()), "--light needs finite numbers");
@@ -188,6 +191,9 @@ impl Files {
             let twice = path.as_path() != Path::new("-") && files[..index].contains(path);
             ensure!(!twice, "'{}' is given for two outputs", path.display());
         }
+        if let Some(path) = output {
+            check_png(path)?;
+        }
         let create =
             |path: &Option<_>| path.as_ref().map(|path: &std::path::PathBuf| Output::create(path));
         Ok(Self {
@@ -228,6 +234,9 @@ fn remark(
     picture: &Picture,
     searched: Option<AutoDomain>,
 ) {
+    if picture.flat {
+        notes::note(zeroset::live::FLAT);
+    }
     let pixels = picture.statistics.pixels;
     let seen = pixels.hit + pixels.undecided;
     if seen == 0 {

@@ -29,3 +29,4 @@ pub use draft::entered;
 pub use orbit::Orbit;
 pub use pipeline::{Fault, Frame, View, Wish};
 pub use session::{Live, Refusal, Reply, Start};
+pub use status::FLAT;

@@ -226,6 +226,9 @@ struct Built {
     searched: Option<AutoDomain>,
 }
 
+/// A model, and what was found if its domain was searched for.
+type Made = (Arc<Model>, Option<AutoDomain>);
+
 /// A wish being worked on.
 struct Job {
     wish: Arc<Wish>,
@@ -275,7 +278,8 @@ impl Worker {
             return Ok(());
         }
         let scene = |error: SceneError| Reason::Scene(error);
-        let (model, searched) = self.model(&job.wish, &document).map_err(scene)?;
+        let made = self.model(job, &document).map_err(scene)?;
+        let Some((model, searched)) = made else { return Ok(()) };
         let region = model.region();
         let camera = match &job.wish.orbit {
             Some(orbit) => orbit.camera(region),
@@ -348,11 +352,9 @@ impl Worker {
         Ok(document)
     }
 
-    fn model(
-        &mut self,
-        wish: &Arc<Wish>,
-        document: &Arc<Document>,
-    ) -> Result<(Arc<Model>, Option<AutoDomain>), SceneError> {
+    /// The surfaces compiled, or `None` if there is a newer wish before that is done.
+    fn model(&mut self, job: &Job, document: &Arc<Document>) -> Result<Option<Made>, SceneError> {
+        let wish = &job.wish;
         let old = self.built.as_ref().filter(|built| {
             (built.wish.domain, built.wish.clip) == (wish.domain, wish.clip)
                 && built.wish.settings.normals == wish.settings.normals
@@ -360,7 +362,7 @@ impl Worker {
         if let Some(built) = old
             && Arc::ptr_eq(&built.document, document)
         {
-            return Ok((Arc::clone(&built.model), built.searched));
+            return Ok(Some((Arc::clone(&built.model), built.searched)));
         }
         // Code holds for other values of parameters too, in the same region.
         let rebound = old.and_then(|built| {
@@ -372,8 +374,14 @@ impl Worker {
             (Arc::new(model?), searched)
         } else {
             let (region, searched) = scene::region(document, wish.domain, wish.clip)?;
+            let wanted = || self.wanted(job);
+            if !wanted() {
+                return Ok(None);
+            }
+            let model = Model::new_while(document, &region, wish.settings.normals, &wanted)?;
+            let Some(model) = model else { return Ok(None) };
             self.pixel = None;
-            (Arc::new(Model::new(document, &region, wish.settings.normals)?), searched)
+            (Arc::new(model), searched)
         };
         self.built = Some(Built {
             wish: Arc::clone(wish),
@@ -381,7 +389,7 @@ impl Worker {
             model: Arc::clone(&model),
             searched,
         });
-        Ok((model, searched))
+        Ok(Some((model, searched)))
     }
 
     /// How long the full picture will take, as far as the present model's cost is known.

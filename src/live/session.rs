@@ -5,10 +5,12 @@ use super::draft::entered;
 use super::orbit::Orbit;
 use super::pipeline::{Pipeline, View, Wish};
 use crate::picture::Settings;
+use crate::program::{Program, ProgramError};
 use crate::scene::{CameraChoice, DomainChoice};
 use std::fmt::Write as _;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+use zeroset_interval::Interval;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, language_names, parse};
 use zeroset_trace::{HalfSpace, MAX_DEPTH, Region, UndecidedStyle};
@@ -47,7 +49,17 @@ struct Desk {
     wish: Wish,
     /// The text last wished for, with what is being typed.
     shown: Arc<str>,
+    /// The last text that could be read, from which typing goes on when a watched file no longer can.
+    good: Arc<str>,
     revision: u64,
+}
+
+impl Desk {
+    /// What a line is entered into.
+    fn base(&self) -> &str {
+        let limits = Limits::default();
+        if parse(&self.wish.text, &limits).is_ok() { &self.wish.text } else { &self.good }
+    }
 }
 
 /// What a line that was entered leads to.
@@ -79,6 +91,8 @@ pub enum Refusal {
         /// What is wrong with it.
         errors: Errors,
     },
+    /// A formula would have no surface: it is constant, or defined nowhere.
+    Program(ProgramError),
     /// The command is wrong.
     Command(String),
 }
@@ -88,6 +102,7 @@ impl Refusal {
     pub fn render(&self, color: bool) -> String {
         match self {
             Self::Text { text, errors } => errors.render(None, text, color),
+            Self::Program(error) => format!("error: {error}"),
             Self::Command(message) => format!("error: {message}"),
         }
     }
@@ -97,6 +112,7 @@ impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Text { errors, .. } => write!(f, "{errors}"),
+            Self::Program(error) => write!(f, "{error}"),
             Self::Command(message) => f.write_str(message),
         }
     }
@@ -111,7 +127,8 @@ impl Live {
         let text: Arc<str> = text.into();
         let wish =
             Wish { name, text, overrides, time, domain, clip, choice, orbit: None, settings };
-        let desk = Desk { shown: Arc::clone(&wish.text), wish: wish.clone(), revision: 0 };
+        let shown = Arc::clone(&wish.text);
+        let desk = Desk { good: Arc::clone(&shown), shown, wish: wish.clone(), revision: 0 };
         let live = Self { desk: Mutex::new(desk), pipeline: Pipeline::new(wish) };
         live.change(|_| {});
         live
@@ -167,8 +184,8 @@ impl Live {
     pub fn type_line(&self, line: &str) {
         let mut desk = self.lock();
         let shown: Arc<str> = match command::line(line) {
-            Ok(Line::Text(typed)) => entered(&desk.wish.text, typed, false).into(),
-            Ok(Line::Command(Command::Add(typed))) => entered(&desk.wish.text, &typed, true).into(),
+            Ok(Line::Text(typed)) => entered(desk.base(), typed, false).into(),
+            Ok(Line::Command(Command::Add(typed))) => entered(desk.base(), &typed, true).into(),
             Ok(Line::Empty | Line::Command(_)) | Err(_) => Arc::clone(&desk.wish.text),
         };
         if shown != desk.shown {
@@ -193,11 +210,14 @@ impl Live {
 
     fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
         let mut desk = self.lock();
-        let text = entered(&desk.wish.text, line, adding);
+        let text = entered(desk.base(), line, adding);
         let options =
             Options { overrides: &desk.wish.overrides, time: desk.wish.time, ..Options::default() };
         let reply = match zeroset_syntax::read(&text, &options) {
-            Ok(_) => Reply::Done,
+            Ok(document) => {
+                Program::new(&document, [Interval::ENTIRE; 3]).map_err(Refusal::Program)?;
+                Reply::Done
+            }
             // A definition may come before the formula that needs it.
             Err(errors) if errors.iter().all(waits) => {
                 Reply::Say("noted; nothing is drawn yet".to_owned())
@@ -205,6 +225,7 @@ impl Live {
             Err(errors) => return Err(Refusal::Text { text, errors }),
         };
         desk.wish.text = text.into();
+        desk.good = Arc::clone(&desk.wish.text);
         if reply == Reply::Done {
             let shown = Arc::clone(&desk.wish.text);
             self.show(&mut desk, shown);
@@ -313,6 +334,10 @@ impl Live {
 
     /// Takes `text` for the document. The view stays if `again`: the text is the same document in a newer version.
     pub fn load(&self, name: &str, text: &str, again: bool) {
+        let readable = parse(text, &Limits::default()).is_ok();
+        if readable || !again {
+            self.lock().good = text.into();
+        }
         self.change(|wish| {
             name.clone_into(&mut wish.name);
             wish.text = text.into();

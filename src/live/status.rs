@@ -7,6 +7,10 @@ use std::fmt::Write as _;
 use std::time::Duration;
 use zeroset_trace::{Projection, UndecidedStyle};
 
+/// What is said of a function that may be 0 everywhere.
+pub const FLAT: &str =
+    "a function could not be told from 0 at any point looked at: it may be 0 everywhere";
+
 /// Several lines on what can be seen.
 pub(super) fn describe(view: &View) -> String {
     let mut text = String::new();
@@ -39,6 +43,9 @@ pub(super) fn describe(view: &View) -> String {
         pixels.undecided,
         if frame.coarse { " (coarse)" } else { "" },
     );
+    if frame.picture.flat {
+        let _ = writeln!(text, "note        {FLAT}");
+    }
     let times = &statistics.times;
     let made = if frame.model.is_rebound() {
         "not compiled again".to_owned()
@@ -74,9 +81,10 @@ impl Frame {
             format!("compiled in {}", ms(times.simplify + times.compile))
         };
         format!(
-            "{} · {width}x{height} · knoll {} · {undecided} undecided · {made}",
+            "{} · {width}x{height} · knoll {} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
             self.wish.settings.max_depth,
+            if self.picture.flat { " · 0 everywhere?" } else { "" },
         )
     }
 

@@ -70,6 +70,14 @@ pub struct Color {
     pub rgb: [u8; 3],
 }
 
+impl Color {
+    /// The color with this name, in any case: one of those that a `color` line takes.
+    pub fn named(name: &str) -> Option<Self> {
+        let found = COLORS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
+        Some(Self { rgb: found.1 })
+    }
+}
+
 /// The colors that have names; values as in CSS Color Module Level 4, section 6.1.
 const COLORS: &[(&str, [u8; 3])] = &[
     ("black", [0, 0, 0]),

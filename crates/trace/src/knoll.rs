@@ -301,6 +301,9 @@ impl Knoll {
     /// Finds which painted points of `buffer` do not see the light, at this traverser's depth. A ray starts
     /// `offset` away from its point (in world units), and what it meets before it is clear of that surface does not
     /// count: otherwise a surface would shade itself wherever enclosures are wide.
+    ///
+    /// `wanted` is asked before each tile, and ends the work early by returning `false`.
+    #[allow(clippy::too_many_arguments)] // what a ray needs, and no two of it belong together
     pub fn shadows<K: IntervalKernel + ?Sized>(
         self,
         buffer: &mut GBuffer,
@@ -309,6 +312,7 @@ impl Knoll {
         kernel: &K,
         light: &crate::light::Light,
         offset: f64,
+        wanted: &(dyn Fn() -> bool + Sync),
     ) -> Work {
         let painted: Vec<usize> =
             (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
@@ -317,6 +321,9 @@ impl Knoll {
             .map(|pixels| {
                 let mut work = Work::default();
                 let mut found = Vec::with_capacity(pixels.len());
+                if !wanted() {
+                    return (found, work);
+                }
                 for four in pixels.chunks(4) {
                     let segment = |lane: usize| {
                         let pixel = four[lane.min(four.len() - 1)];
