@@ -1,4 +1,4 @@
-//! The terminal itself: its size and how it is set up. Elsewhere than on Unix nothing is known of either.
+//! The terminal itself: its size, and how it is set up beside a window, which may end while a line is being typed. Elsewhere than on Unix nothing is known of either.
 
 /// The terminal's columns and rows.
 #[cfg(unix)]
@@ -15,9 +15,10 @@ pub fn size() -> Option<(usize, usize)> {
 }
 
 /// How the terminal was set up before the prompt changed it.
+#[cfg(feature = "window")]
 pub struct State(#[cfg(unix)] Option<rustix::termios::Termios>);
 
-#[cfg(unix)]
+#[cfg(all(unix, feature = "window"))]
 impl State {
     pub fn save() -> Self {
         Self(rustix::termios::tcgetattr(std::io::stdin()).ok())
@@ -34,7 +35,7 @@ impl State {
     }
 }
 
-#[cfg(not(unix))]
+#[cfg(all(not(unix), feature = "window"))]
 impl State {
     pub fn save() -> Self {
         Self()
