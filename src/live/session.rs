@@ -444,12 +444,17 @@ fn help_on(name: &str) -> Result<String, String> {
     if let Some(row) = COMMANDS.iter().find(|row| row.name == bare) {
         return Ok(format!("{}: {}", row.usage(), row.doc));
     }
-    if let Some(row) = zeroset_ops::native(name) {
-        let aliases = match row.aliases {
-            [] => String::new(),
-            aliases => format!(" (also {})", aliases.join(", ")),
-        };
-        return Ok(format!("{}{aliases}: {}", row.name, row.doc));
+    let native: Vec<String> = zeroset_ops::natives(name)
+        .map(|row| {
+            let aliases = match row.aliases {
+                [] => String::new(),
+                aliases => format!(" (also {})", aliases.join(", ")),
+            };
+            format!("{}{aliases}: {}", row.name, row.doc)
+        })
+        .collect();
+    if !native.is_empty() {
+        return Ok(native.join("\n"));
     }
     let composed: Vec<String> = zeroset_ops::composed(name)
         .map(|f| format!("{}({}): {}", f.name, f.parameters.join(", "), f.doc))

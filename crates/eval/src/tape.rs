@@ -262,7 +262,7 @@ pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
     Interval { lo: -T::above(-bounds.lo).into(), hi: T::above(bounds.hi).into() }
 }
 
-/// A number of `T` within the bounds, near their middle.
+/// A number of `T` within the bounds, near their middle; 0 for all reals.
 pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
     // Nothing is known of some constants, like 0 times one beyond all floats.
     let middle = if bounds == Interval::ENTIRE { 0.0 } else { 0.5 * bounds.lo + 0.5 * bounds.hi };

@@ -15,7 +15,7 @@ pub enum Part {
     /// All of them.
     Whole,
     /// Those where an integer-valued function takes the lowest value of the box, a choice its first branch, a divisor is
-    /// negative.
+    /// negative, an angle is below its cut.
     Low,
     /// All but [`Part::Low`].
     Rest,
@@ -60,6 +60,7 @@ impl Parting {
             | Class::Product
             | Class::Square
             | Class::Remainder
+            | Class::FunctionOfTwo
             | Class::Extremum
             | Class::Choice
             | Class::Fallback

@@ -6,7 +6,7 @@
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
 use crate::machine::{Format, Machine};
-use crate::rules::{ANGLE_LIMIT, Rule, by_halves};
+use crate::rules::{ANGLE_LIMIT, Base, Near, Rule, Text, by_halves};
 use zeroset_ops::Op;
 
 /// Evaluates `op` over lanes of operands, all in `format`; `exponent` says what the last operand is as one.
@@ -37,15 +37,28 @@ pub fn evaluate<M: Machine>(
         }
         Op::Sqr => rule.m.mul(a, a),
         Op::Sqrt => rule.m.sqrt(a),
-        Op::Cbrt => rule.at_halves(a, |text, a| text.cbrt(a)),
+        Op::Cbrt => rule.near_at(a, |text, a| text.cbrt(a)),
         Op::Exp => rule.at_halves(a, |text, a| text.exp_near(a)),
-        Op::Ln => rule.logarithm_at(a, 1.0),
-        Op::Log2 => rule.logarithm_at(a, std::f64::consts::LOG2_E),
-        Op::Log10 => rule.logarithm_at(a, std::f64::consts::LOG10_E),
+        Op::Ln => rule.logarithm_at(a, Base::E),
+        Op::Log2 => rule.logarithm_at(a, Base::Two),
+        Op::Log10 => rule.logarithm_at(a, Base::Ten),
         Op::Sin => rule.angle_at(a, |text, a| text.sin(a)[0]),
         Op::Cos => rule.angle_at(a, |text, a| text.cos(a)[0]),
         Op::Tan => rule.angle_at(a, |text, a| text.tan(a)[0]),
-        Op::Atan => rule.at_halves(a, |text, a| text.atan(a)),
+        Op::Asin => rule.within_one_at(a, true, |text, a| text.asin(a)),
+        Op::Acos => rule.within_one_at(a, true, |text, a| text.acos(a)),
+        Op::Atan => rule.near_at(a, |text, a| text.atan(a)),
+        Op::Sinh => rule.near_at(a, |text, a| text.sinh(a)),
+        Op::Cosh => rule.near_at(a, |text, a| text.cosh(a)),
+        Op::Tanh => rule.near_at(a, |text, a| text.tanh(a)),
+        Op::Asinh => rule.unbounded_at(a, |text, a| text.asinh(a)),
+        Op::Acosh => {
+            let value = rule.unbounded_at(a, |text, a| text.acosh(a));
+            let one = rule.number(1.0);
+            let inside = rule.m.le(one, a);
+            rule.nan_unless(inside, value)
+        }
+        Op::Atanh => rule.within_one_at(a, false, |text, a| text.atanh(a)),
         Op::Add => rule.m.add(a, operands[1]),
         Op::Sub => rule.m.sub(a, operands[1]),
         Op::Mul => rule.m.mul(a, operands[1]),
@@ -60,6 +73,7 @@ pub fn evaluate<M: Machine>(
             let multiple = rule.m.mul(operands[1], cells);
             rule.m.sub(a, multiple)
         }
+        Op::Atan2 => rule.angle_of(a, operands[1]),
         // Either operand NaN: NaN, which min and max alone would drop.
         Op::Min => {
             let least = rule.m.min(a, operands[1]);
@@ -141,18 +155,66 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// An elementary text at points; NaN at NaN.
-    fn at_halves(
-        &mut self,
-        a: M::V,
-        mut f: impl FnMut(&mut crate::rules::Text<'_, M>, M::V) -> M::V,
-    ) -> M::V {
+    fn at_halves(&mut self, a: M::V, mut f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V) -> M::V {
         let [value] = by_halves(self.m, self.format, [a], |text, [a]| [f(text, a)]);
         let is_number = self.m.eq(a, a);
         self.nan_unless(is_number, value)
     }
 
-    fn logarithm_at(&mut self, a: M::V, scale: f64) -> M::V {
-        let value = self.at_halves(a, |text, a| text.ln(a, scale));
+    fn near_at(
+        &mut self,
+        a: M::V,
+        mut f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+    ) -> M::V {
+        self.at_halves(a, |text, a| {
+            let near = f(text, a);
+            text.value(&near)
+        })
+    }
+
+    /// A text for finite operands, of a function that is infinite with its operand.
+    fn unbounded_at(
+        &mut self,
+        a: M::V,
+        f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+    ) -> M::V {
+        let value = self.near_at(a, f);
+        let (magnitude, infinity) = (self.m.abs(a), self.infinity());
+        let unbounded = self.m.eq(magnitude, infinity);
+        self.m.select(unbounded, a, value)
+    }
+
+    /// A text for operands from −1 to 1, both included if `closed`.
+    fn within_one_at(
+        &mut self,
+        a: M::V,
+        closed: bool,
+        f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+    ) -> M::V {
+        let value = self.near_at(a, f);
+        let (magnitude, one) = (self.m.abs(a), self.number(1.0));
+        let inside = if closed { self.m.le(magnitude, one) } else { self.m.lt(magnitude, one) };
+        self.nan_unless(inside, value)
+    }
+
+    /// The angle of the point (b, a); NaN at the origin and where either is NaN.
+    fn angle_of(&mut self, a: M::V, b: M::V) -> M::V {
+        let zero = self.zero();
+        // A zero of either sign is on the upper side and on the right, whatever rounding left of it.
+        let (a, b) = (self.m.add(a, zero), self.m.add(b, zero));
+        let [value] = by_halves(self.m, self.format, [a, b], |text, [a, b]| {
+            let near = text.angle(a, b);
+            [text.value(&near)]
+        });
+        let value = self.nan_where_unordered(value, a, b);
+        let (a, b) = (self.m.abs(a), self.m.abs(b));
+        let far = self.m.max(a, b);
+        let off_origin = self.gt(far, zero);
+        self.nan_unless(off_origin, value)
+    }
+
+    fn logarithm_at(&mut self, a: M::V, base: Base) -> M::V {
+        let value = self.near_at(a, |text, a| text.ln(a, base));
         let (zero, infinity) = (self.zero(), self.infinity());
         let unbounded = self.m.eq(a, infinity);
         let value = self.m.select(unbounded, infinity, value);
@@ -160,11 +222,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(positive, value)
     }
 
-    fn angle_at(
-        &mut self,
-        a: M::V,
-        f: impl FnMut(&mut crate::rules::Text<'_, M>, M::V) -> M::V,
-    ) -> M::V {
+    fn angle_at(&mut self, a: M::V, f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V) -> M::V {
         let value = self.at_halves(a, f);
         let magnitude = self.m.abs(a);
         let limit = self.number(ANGLE_LIMIT);
@@ -202,8 +260,8 @@ impl<M: Machine> Rule<'_, M> {
     fn real_power_at(&mut self, a: M::V, b: M::V) -> M::V {
         let zero = self.zero();
         let [value] = by_halves(self.m, self.format, [a, b], |text, [a, b]| {
-            let ln = text.ln(a, 1.0);
-            let exponent = text.m.mul(ln, b);
+            let ln = text.ln(a, Base::E).sum;
+            let exponent = text.times_limited(ln, b);
             [text.exp_near(exponent)]
         });
         let positive = self.gt(a, zero);

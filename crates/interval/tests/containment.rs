@@ -40,7 +40,16 @@ fn samples() -> Vec<Sample> {
         (Op::Sin, f64::sin),
         (Op::Cos, f64::cos),
         (Op::Tan, f64::tan),
+        (Op::Asin, f64::asin),
+        (Op::Acos, f64::acos),
         (Op::Atan, f64::atan),
+        (Op::Sinh, f64::sinh),
+        (Op::Cosh, f64::cosh),
+        (Op::Tanh, f64::tanh),
+        (Op::Asinh, f64::asinh),
+        (Op::Acosh, f64::acosh),
+        // Infinite at ±1, where it is not defined.
+        (Op::Atanh, |a| if a.abs() < 1.0 { a.atanh() } else { f64::NAN }),
     ]
 }
 

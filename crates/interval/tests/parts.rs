@@ -132,6 +132,10 @@ fn parts_are_single_values_where_a_function_takes_two_or_three() {
         of(Op::Div, [(1.0, 2.0), (-0.5, 0.25), none]),
         [(f64::NEG_INFINITY, -2.0), (4.0, f64::INFINITY)]
     );
+    let pi = std::f64::consts::PI.next_up();
+    let cut = of(Op::Atan2, [(-1.0, 1.0), (-2.0, -1.0), none]);
+    assert!(cut[0].0 == -pi && (-2.4..-2.3).contains(&cut[0].1), "{cut:?}");
+    assert!(cut[1].1 == pi && (2.3..2.4).contains(&cut[1].0), "{cut:?}");
     assert_eq!(
         of(Op::SelectNegative, [(-1.0, 1.0), (2.0, 3.0), (4.0, 5.0)]),
         [(2.0, 3.0), (4.0, 5.0)]

@@ -184,6 +184,7 @@ fn combine(
         | Class::Quotient
         | Class::Square
         | Class::Remainder
+        | Class::FunctionOfTwo
         | Class::Extremum
         | Class::Choice
         | Class::Fallback

@@ -61,6 +61,7 @@ pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
 }
 
 /// The derivative of `id = op(operands)`, given the operands' derivatives `inner`.
+#[allow(clippy::too_many_lines)] // one arm per operation
 fn chain(graph: &mut Graph, op: Op, id: NodeId, operands: &[NodeId], inner: &[NodeId]) -> NodeId {
     let a = operands[0];
     let da = inner[0];
@@ -105,8 +106,47 @@ fn chain(graph: &mut Graph, op: Op, id: NodeId, operands: &[NodeId], inner: &[No
             let outer = one_plus_square(graph, id);
             mul(graph, outer, da)
         }
+        Op::Asin => {
+            let below = root_within_one(graph, a);
+            div(graph, da, below)
+        }
+        Op::Acos => {
+            let below = root_within_one(graph, a);
+            let quotient = div(graph, da, below);
+            neg(graph, quotient)
+        }
         Op::Atan => {
             let below = one_plus_square(graph, a);
+            div(graph, da, below)
+        }
+        Op::Sinh => {
+            let cosh = graph.apply(Op::Cosh, &[a]);
+            mul(graph, cosh, da)
+        }
+        Op::Cosh => {
+            let sinh = graph.apply(Op::Sinh, &[a]);
+            mul(graph, sinh, da)
+        }
+        Op::Tanh => {
+            // 1 − tanh² loses all digits, and its sign, where the function is flat.
+            let cosh = graph.apply(Op::Cosh, &[a]);
+            let below = powi(graph, cosh, 2);
+            div(graph, da, below)
+        }
+        Op::Asinh => {
+            let square = one_plus_square(graph, a);
+            let below = graph.apply(Op::Sqrt, &[square]);
+            div(graph, da, below)
+        }
+        Op::Acosh => {
+            let one = graph.integer(1);
+            let (below_one, above) = (sub(graph, a, one), add(graph, a, one));
+            let product = mul(graph, below_one, above);
+            let below = graph.apply(Op::Sqrt, &[product]);
+            div(graph, da, below)
+        }
+        Op::Atanh => {
+            let below = within_one(graph, a);
             div(graph, da, below)
         }
         Op::Add => add(graph, da, inner[1]),
@@ -132,6 +172,14 @@ fn chain(graph: &mut Graph, op: Op, id: NodeId, operands: &[NodeId], inner: &[No
             let floor = graph.apply(Op::Floor, &[quotient]);
             let change = mul(graph, floor, db);
             sub(graph, da, change)
+        }
+        Op::Atan2 => {
+            let b = operands[1];
+            let (left, right) = (mul(graph, b, da), mul(graph, a, inner[1]));
+            let turn = sub(graph, left, right);
+            let (a_square, b_square) = (powi(graph, a, 2), powi(graph, b, 2));
+            let distance = add(graph, a_square, b_square);
+            div(graph, turn, distance)
         }
         Op::Min => {
             let order = sub(graph, operands[1], a);
@@ -162,6 +210,18 @@ fn one_plus_square(graph: &mut Graph, a: NodeId) -> NodeId {
     let square = powi(graph, a, 2);
     let one = graph.integer(1);
     add(graph, one, square)
+}
+
+/// `(1-a)*(1+a)`, which unlike 1 − a² is exact to the end near ±1.
+fn within_one(graph: &mut Graph, a: NodeId) -> NodeId {
+    let one = graph.integer(1);
+    let (below, above) = (sub(graph, one, a), add(graph, one, a));
+    mul(graph, below, above)
+}
+
+fn root_within_one(graph: &mut Graph, a: NodeId) -> NodeId {
+    let product = within_one(graph, a);
+    graph.apply(Op::Sqrt, &[product])
 }
 
 /// The derivative of the logarithm of `a` to an integer base.

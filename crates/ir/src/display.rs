@@ -102,6 +102,7 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
                 Class::Power => infix(Binding::Atom, "", Binding::Power, Binding::Power),
                 Class::Square
                 | Class::Remainder
+                | Class::FunctionOfTwo
                 | Class::Extremum
                 | Class::Choice
                 | Class::Fallback

@@ -190,7 +190,34 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
         Op::Sin => (a.sin(), ea),
         Op::Cos => (a.cos(), ea),
         Op::Tan => (a.tan(), unsure(a.cos(), ea) + ea / a.cos().powi(2)),
+        Op::Asin | Op::Acos => {
+            let room = 1.0 - a.abs();
+            if room < 0.0 {
+                return if -room <= ea { Some((0.0, f64::INFINITY)) } else { None };
+            }
+            let value = if op == Op::Asin { a.asin() } else { a.acos() };
+            (value, unsure(room, ea) + 2.0 * ea / room.sqrt().max(f64::MIN_POSITIVE))
+        }
         Op::Atan => (a.atan(), ea),
+        Op::Sinh => (a.sinh(), (a.abs() + ea).cosh() * ea),
+        Op::Cosh => (a.cosh(), (a.abs() + ea).sinh() * ea),
+        Op::Tanh => (a.tanh(), ea),
+        Op::Asinh => (a.asinh(), ea + a.asinh().abs() * 1e-14),
+        Op::Acosh => {
+            let room = a - 1.0;
+            if room < 0.0 {
+                return if -room <= ea { Some((0.0, f64::INFINITY)) } else { None };
+            }
+            let spread = ea + 1e-15 * a;
+            (a.acosh(), unsure(room, ea) + spread / room.sqrt().max(f64::MIN_POSITIVE))
+        }
+        Op::Atanh => {
+            let room = 1.0 - a.abs();
+            if room <= 0.0 {
+                return if -room <= ea && ea > 0.0 { Some((0.0, f64::INFINITY)) } else { None };
+            }
+            (a.atanh(), unsure(room, ea) + 4.0 * (ea + 1e-15) / room)
+        }
         Op::Add => (a + b, ea + eb),
         Op::Sub => (a - b, ea + eb),
         Op::Mul => (a * b, a.abs() * eb + b.abs() * ea + ea * eb),
@@ -231,6 +258,16 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
             let quotient = a / b;
             let spread = (ea + quotient.abs() * eb) / b.abs() + quotient.abs() * 1e-12;
             (a - b * quotient.floor(), jump(quotient, spread) + ea + quotient.abs() * eb)
+        }
+        Op::Atan2 => {
+            if a.abs() <= ea && b.abs() <= eb {
+                let exact = ea == 0.0 && eb == 0.0;
+                return if exact { None } else { Some((0.0, f64::INFINITY)) };
+            }
+            let cut = if b < 0.0 { unsure(a, ea) } else { 0.0 };
+            // A zero that is exact is on the upper side.
+            let cut = if ea == 0.0 { 0.0 } else { cut };
+            ((a + 0.0).atan2(b + 0.0), cut + 4.0 * (ea + eb) / a.hypot(b))
         }
         Op::Min => (a.min(b), ea.max(eb)),
         Op::Max => (a.max(b), ea.max(eb)),

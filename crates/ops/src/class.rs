@@ -32,6 +32,8 @@ pub enum Class {
     Restriction(Restriction),
     /// A function of one operand.
     Function(Law),
+    /// A function of two operands that obeys no law.
+    FunctionOfTwo,
 }
 
 /// Where a restriction lets its first operand through.

@@ -29,17 +29,6 @@ const fn row(
 /// Every composed function.
 #[rustfmt::skip] // one row a line
 pub static COMPOSED: &[Composed] = &[
-    // The half-angle form keeps the denominator at or above 1, so the ends of [-1, 1] stay in the domain.
-    row("asin", &["arcsin"], &["a"], "2*atan(a/(1+sqrt(1-a^2)))", "angle in [-pi/2, pi/2] whose sine is a; defined for |a| <= 1"),
-    row("acos", &["arccos"], &["a"], "pi/2-2*atan(a/(1+sqrt(1-a^2)))", "angle in [0, pi] whose cosine is a; defined for |a| <= 1"),
-    row("atan2", &["atan", "arctan"], &["b", "a"], "select_negative(a, select_negative(b, atan(b/a)-pi, atan(b/a)+pi), 2*atan(b/(a+sqrt(a^2+b^2))))", "angle in (-pi, pi] of the point (a, b) given as atan2(b, a); undefined at the origin"),
-    row("sinh", &[], &["a"], "(exp(a)-exp(-a))/2", "hyperbolic sine"),
-    row("cosh", &[], &["a"], "(exp(abs(a))+exp(-abs(a)))/2", "hyperbolic cosine"),
-    row("tanh", &[], &["a"], "1-2/(exp(2*a)+1)", "hyperbolic tangent"),
-    // Odd by its sign: a + sqrt(a^2+1) cancels for a below 0.
-    row("asinh", &["arsinh"], &["a"], "sign(a)*ln(abs(a)+sqrt(a^2+1))", "inverse hyperbolic sine"),
-    row("acosh", &["arcosh"], &["a"], "ln(a+sqrt(a^2-1))", "inverse hyperbolic cosine; defined for a >= 1"),
-    row("atanh", &["artanh"], &["a"], "ln((1+a)/(1-a))/2", "inverse hyperbolic tangent; defined for |a| < 1"),
     row("recip", &[], &["a"], "1/a", "reciprocal; undefined at 0"),
     row("clamp", &[], &["a", "low", "high"], "min(max(a, low), high)", "a, no smaller than low and no larger than high"),
     row("hypot", &["length"], &["a"], "abs(a)", "distance from the origin"),

@@ -18,8 +18,14 @@ pub use table::TABLE;
 /// The native operation a user may call by `name` (exact spelling, aliases included), or `None`.
 ///
 /// Infix and internal operations have names too, for printing, but cannot be called.
+/// If there are several, of different arity, it is the first; see [`natives`].
 pub fn native(name: &str) -> Option<&'static Row> {
-    TABLE.iter().find(|row| {
+    natives(name).next()
+}
+
+/// The native operations a user may call by `name`, one per arity.
+pub fn natives(name: &str) -> impl Iterator<Item = &'static Row> {
+    TABLE.iter().filter(move |row| {
         matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
             && (row.name == name || row.aliases.contains(&name))
     })
@@ -64,9 +70,11 @@ mod tests {
                 Class::Negation => (1, true),
                 Class::Square | Class::Function(_) => (1, false),
                 Class::Sum | Class::Product | Class::Quotient | Class::Power => (2, true),
-                Class::Remainder | Class::Extremum | Class::Fallback | Class::Restriction(_) => {
-                    (2, false)
-                }
+                Class::Remainder
+                | Class::Extremum
+                | Class::Fallback
+                | Class::Restriction(_)
+                | Class::FunctionOfTwo => (2, false),
                 Class::Choice => (3, false),
             };
             assert_eq!(row.arity, arity, "{}", row.name);
@@ -100,6 +108,7 @@ mod tests {
     fn look_up_finds_names_and_aliases_only() {
         assert_eq!(native("log").map(|row| row.op), Some(Op::Ln));
         assert_eq!(native("pow").map(|row| row.op), Some(Op::Pow));
+        assert_eq!(natives("atan").map(|row| row.op).collect::<Vec<_>>(), [Op::Atan, Op::Atan2]);
         assert!(native("select_negative").is_none());
         assert_eq!(composed("hypot").count(), 3);
         assert!(names().any(|name| name == "smoothstep"));

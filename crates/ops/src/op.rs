@@ -27,13 +27,22 @@ pub enum Op {
     Sin,
     Cos,
     Tan,
+    Asin,
+    Acos,
     Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Asinh,
+    Acosh,
+    Atanh,
     Add,
     Sub,
     Mul,
     Div,
     Pow,
     Mod,
+    Atan2,
     Min,
     Max,
     SelectNegative,
@@ -127,8 +136,16 @@ pub enum Domain {
     LastNonneg,
     /// Where the last operand is > 0.
     LastPositive,
+    /// From −1 to 1.
+    Unit,
+    /// From −1 to 1, without both.
+    UnitInside,
+    /// From 1 on.
+    FromOne,
     /// Where the cosine of the operand is ≠ 0.
     CosineNonzero,
+    /// Where not all operands are 0.
+    AnyNonzero,
     /// That of a power: all reals for an integer exponent ≥ 0, base ≠ 0 for a negative one; otherwise base > 0,
     /// or base = 0 with exponent > 0.
     Power,
@@ -139,7 +156,7 @@ pub enum Domain {
 pub enum Continuity {
     /// Everywhere in its domain.
     Domain,
-    /// Everywhere but where it jumps: at integers, half integers, zero or multiples, as its doc line says.
+    /// Everywhere but where it jumps: at integers, half integers, zero, multiples or a cut, as its doc line says.
     Jumps,
 }
 

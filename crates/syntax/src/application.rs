@@ -183,7 +183,7 @@ fn usage(callee: &Callee) -> Option<String> {
     if let Some(composed) = zeroset_ops::composed(name).next() {
         return Some(format!("`{name}({})`: {}", composed.parameters.join(", "), composed.doc));
     }
-    let row = zeroset_ops::native(name)?;
+    let row = zeroset_ops::natives(name).last()?;
     let operands = ["a", "b", "c"][..row.op.arity()].join(", ");
     let more = if is_variadic(row.op) { ", …" } else { "" };
     Some(format!("`{name}({operands}{more})`: {}", row.doc))

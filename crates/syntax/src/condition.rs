@@ -71,7 +71,11 @@ impl<'a> Lowering<'a> {
                         | Domain::LastNonzero
                         | Domain::LastNonneg
                         | Domain::LastPositive
-                        | Domain::CosineNonzero => false,
+                        | Domain::Unit
+                        | Domain::UnitInside
+                        | Domain::FromOne
+                        | Domain::CosineNonzero
+                        | Domain::AnyNonzero => false,
                     }
                 }
             };

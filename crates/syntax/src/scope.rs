@@ -3,7 +3,7 @@
 use crate::ast::{Function, Name, NamedConstant, Value};
 use rustc_hash::FxHashMap;
 use zeroset_ir::Axis;
-use zeroset_ops::{COMPOSED, Notation, Op, TABLE, composed, names, native};
+use zeroset_ops::{COMPOSED, Notation, Op, TABLE, composed, names, natives};
 
 /// The names that statements can see.
 #[derive(Debug, Default)]
@@ -127,8 +127,8 @@ impl Scope {
         if is_root(name) {
             return Some(Function::Root);
         }
-        let op = operation(name, self.internal);
-        if let Some(op) = op.filter(|op| op.arity() == count || is_variadic(*op)) {
+        let mut natives = operations(name, self.internal);
+        if let Some(op) = natives.find(|op| op.arity() == count || is_variadic(*op)) {
             return Some(Function::Native(op));
         }
         let index = COMPOSED
@@ -231,12 +231,12 @@ fn is_called(own: &str, aliases: &[&str], name: &str) -> bool {
     own == name || aliases.contains(&name)
 }
 
-/// The native operation called `name`.
-fn operation(name: &str, internal: bool) -> Option<Op> {
-    let row = native(name).or_else(|| {
-        TABLE.iter().find(|row| internal && row.notation == Notation::Internal && row.name == name)
-    });
-    row.map(|row| row.op)
+/// The native operations called `name`, one per arity.
+fn operations(name: &str, internal: bool) -> impl Iterator<Item = Op> {
+    let own = TABLE
+        .iter()
+        .filter(move |row| internal && row.notation == Notation::Internal && row.name == name);
+    natives(name).chain(own).map(|row| row.op)
 }
 
 /// Whether an operation of two operands may be called with more, folding from the left.
@@ -248,11 +248,11 @@ fn arities(name: &str, internal: bool) -> Arities {
     if is_root(name) {
         return Arities { counts: vec![2], or_more: false };
     }
-    let op = operation(name, internal);
-    let mut counts: Vec<usize> = op.iter().map(|op| op.arity()).collect();
+    let mut counts: Vec<usize> = operations(name, internal).map(Op::arity).collect();
     counts.extend(composed(name).map(|f| f.parameters.len()));
     counts.sort_unstable();
-    let or_more = op.is_some_and(is_variadic) || composed(name).any(|f| f.name == "hypot");
+    let or_more =
+        operations(name, internal).any(is_variadic) || composed(name).any(|f| f.name == "hypot");
     Arities { counts, or_more }
 }
 

@@ -9,6 +9,8 @@ mod elementary;
 mod power;
 mod step;
 
+pub(crate) use elementary::logarithm::Base;
+pub(crate) use elementary::sum::Near;
 pub(crate) use elementary::wide::{ANGLE_LIMIT, Text, by_halves};
 
 use crate::enclosure::{Enclosure, Operand};
@@ -60,13 +62,21 @@ pub fn enclose_part<M: Machine>(
         Op::Sqrt => rule.sqrt(a),
         Op::Cbrt => rule.cbrt(a),
         Op::Exp => rule.exp(a),
-        Op::Ln => rule.ln(a),
-        Op::Log2 => rule.log2(a),
-        Op::Log10 => rule.log10(a),
+        Op::Ln => rule.logarithm(a, Base::E),
+        Op::Log2 => rule.logarithm(a, Base::Two),
+        Op::Log10 => rule.logarithm(a, Base::Ten),
         Op::Sin => rule.sin(a),
         Op::Cos => rule.cos(a),
         Op::Tan => rule.tan(a),
+        Op::Asin => rule.asin(a),
+        Op::Acos => rule.acos(a),
         Op::Atan => rule.atan(a),
+        Op::Sinh => rule.sinh(a),
+        Op::Cosh => rule.cosh(a),
+        Op::Tanh => rule.tanh(a),
+        Op::Asinh => rule.asinh(a),
+        Op::Acosh => rule.acosh(a),
+        Op::Atanh => rule.atanh(a),
         Op::Add => rule.add(a, &operands[1]),
         Op::Sub => rule.add(a, &operands[1].negated()),
         Op::Mul => rule.mul(a, &operands[1]),
@@ -76,6 +86,7 @@ pub fn enclose_part<M: Machine>(
         }
         Op::Pow => rule.pow(a, &operands[1], part),
         Op::Mod => rule.modulo(a, &operands[1], part),
+        Op::Atan2 => rule.atan2(a, &operands[1], part),
         Op::Min => rule.min(a, &operands[1]),
         Op::Max => rule.max(a, &operands[1]),
         Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], part),

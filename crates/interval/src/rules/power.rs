@@ -1,6 +1,7 @@
 //! Squares, roots and powers.
 
 use super::Rule;
+use super::elementary::logarithm::Base;
 use super::elementary::wide::by_halves;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Exponent, Fact, Operand, Sign};
@@ -169,14 +170,21 @@ impl<M: Machine> Rule<'_, M> {
         // result is corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);
         let bounded = a.range.hi < f64::INFINITY;
-        let ln_range = match self.format {
-            Format::F32 => Interval { lo: -104.0, hi: if bounded { 89.0 } else { f64::INFINITY } },
-            Format::F64 => Interval { lo: -746.0, hi: if bounded { 710.0 } else { f64::INFINITY } },
+        // Of the smallest and the largest f32.
+        let ln_range = Interval { lo: -104.0, hi: if bounded { 89.0 } else { f64::INFINITY } };
+        let base_hi = if self.format == Format::F64 && !bounded {
+            let finite = self.number(f64::MAX); // corrected below
+            self.m.min(base_hi, finite)
+        } else {
+            base_hi
         };
         let ends = [base_lo, base_hi, b.value.neg_lo, b.value.hi];
         let [mut neg_lo, mut hi] = by_halves(self.m, self.format, ends, |text, ends| {
-            let (at_lo, at_hi) = (text.ln(ends[0], 1.0), text.ln(ends[1], 1.0));
-            let (neg_lo, mut hi) = (text.above_negated(at_lo), text.above(at_hi));
+            if text.target == Format::F64 {
+                return text.power([ends[0], ends[1]], [ends[2], ends[3]]);
+            }
+            let (at_lo, at_hi) = (text.ln(ends[0], Base::E), text.ln(ends[1], Base::E));
+            let (neg_lo, mut hi) = (text.negated_lower(&at_lo), text.upper(&at_hi));
             if !bounded {
                 let infinity = text.m.number(Format::F64, f64::INFINITY);
                 let unbounded = text.m.eq(ends[1], infinity);
@@ -188,6 +196,18 @@ impl<M: Machine> Rule<'_, M> {
             text.exp([exponent.neg_lo, exponent.hi])
         });
         let zero = self.zero();
+        if self.format == Format::F64 && !bounded {
+            // Powers of ever larger bases grow without bound for b > 0, and vanish for b < 0.
+            let infinity = self.infinity();
+            let unbounded = self.m.eq(a.value.hi, infinity);
+            let (some_positive, some_negative) =
+                (self.gt(b.value.hi, zero), self.gt(b.value.neg_lo, zero));
+            let grows = self.m.and(unbounded, some_positive);
+            hi = self.m.select(grows, infinity, hi);
+            let vanishes = self.m.and(unbounded, some_negative);
+            let neg_lo_zero = self.m.max(neg_lo, zero);
+            neg_lo = self.m.select(vanishes, neg_lo_zero, neg_lo);
+        }
         if a.range.lo <= 0.0 {
             // 0^b is 0 for b > 0. Next to 0, powers grow without bound for b < 0, and are between 0 and those of the
             // least positive base for b ≥ 0.

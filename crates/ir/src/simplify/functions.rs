@@ -107,7 +107,11 @@ impl Rewriter<'_> {
             | Domain::LastNonzero
             | Domain::LastNonneg
             | Domain::LastPositive
+            | Domain::Unit
+            | Domain::UnitInside
+            | Domain::FromOne
             | Domain::CosineNonzero
+            | Domain::AnyNonzero
             | Domain::Power => None,
         }
     }

@@ -344,6 +344,11 @@ impl Rewriter<'_> {
                 let first = operands.remove(0);
                 self.modulo(first, second)
             }
+            Class::FunctionOfTwo => {
+                let operands: Vec<NodeId> =
+                    operands.into_iter().map(|value| self.node_of(value)).collect();
+                Value::Node(self.node(op, &operands))
+            }
             Class::Extremum => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);

@@ -69,6 +69,7 @@ pub(super) fn function(op: Op, a: &BigRational) -> Option<BigRational> {
         | Class::Quotient
         | Class::Power
         | Class::Remainder
+        | Class::FunctionOfTwo
         | Class::Extremum
         | Class::Choice
         | Class::Fallback

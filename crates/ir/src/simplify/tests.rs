@@ -271,6 +271,10 @@ fn enclosures_do_not_widen() {
                 continue;
             }
             compared += 1;
+            // A coefficient that is no float may move an operand past an end of a domain that it had just reached.
+            let wider = at.map(|a| Interval { lo: a.lo - 1e-12, hi: a.hi + 1e-12 });
+            let keeps_facts = new_facts.has(old_facts)
+                || !enclosure(&graph, root, &wider, &values).1.has(old_facts);
             let slack = 1e-9 * (1.0 + old.magnitude().min(f64::MAX));
             narrower += u32::from(old.lo < new.lo - slack || old.hi > new.hi + slack);
             // What is rounded in another order may fall on the other side of a jump.
@@ -283,7 +287,7 @@ fn enclosures_do_not_widen() {
                 (old, old_facts)
             };
             assert!(
-                new.lo >= old.lo - slack && new.hi <= old.hi + slack && new_facts.has(old_facts),
+                new.lo >= old.lo - slack && new.hi <= old.hi + slack && keeps_facts,
                 "seed {:#x}: {} on {at:?} {values:?}: {old:?} {old_facts:?}, became {}: {new:?} {new_facts:?}",
                 seed + case,
                 display(&graph, root, &["a", "b"]),
@@ -317,7 +321,11 @@ fn rows_state_what_is_true() {
                 Parity::Neither => None,
             };
             if let Some(sign) = sign {
-                let [(plus, _), (minus, _)] = [a, -a].map(|a| value(row.op, a).expect("defined"));
+                let [plus, minus] = [a, -a].map(|a| value(row.op, a));
+                assert_eq!(plus.is_some(), minus.is_some(), "{} at {a}", row.name);
+                let (Some((plus, _)), Some((minus, _))) = (plus, minus) else {
+                    continue; // outside the domain
+                };
                 assert!(near(plus, sign * minus), "{} at {a}: {plus}, {minus}", row.name);
             }
             if let Some(parts) = row.quotient {
@@ -330,8 +338,15 @@ fn rows_state_what_is_true() {
             for step in 1..200 {
                 let a = f64::from(step) * 0.0371;
                 let (between, _) = value(inner, a).expect("defined");
-                let (found, _) = value(row.op, between).expect("undone");
-                assert!(near(found, a), "{}({}({a})) = {found}", row.name, inner.row().name);
+                let Some((found, _)) = value(row.op, between) else {
+                    assert!(between.abs() >= 1.0, "{} of {between}", row.name);
+                    continue; // tanh a rounds to 1
+                };
+                // As near as what is between can say.
+                let step = between.abs() * f64::EPSILON;
+                let (next, _) = value(row.op, between - step).expect("defined");
+                let conditioned = near(found, a) || (found - a).abs() <= (found - next).abs();
+                assert!(conditioned, "{}({}({a})) = {found}", row.name, inner.row().name);
             }
         }
     }

@@ -104,8 +104,32 @@ pub fn functions() -> Vec<Function> {
         all(Op::Tan, REALS, ANGLE_LIMIT, |x| {
             where_defined(true, core_math::tan(f64::from(x)), x == 0.0)
         }),
+        all(Op::Asin, REALS, f32::MAX, |x| {
+            where_defined(x.abs() <= 1.0, core_math::asin(f64::from(x)), x == 0.0)
+        }),
+        all(Op::Acos, REALS, f32::MAX, |x| {
+            where_defined(x.abs() <= 1.0, core_math::acos(f64::from(x)), x == 1.0)
+        }),
         all(Op::Atan, REALS, f32::MAX, |x| {
             where_defined(true, core_math::atan(f64::from(x)), x == 0.0)
+        }),
+        all(Op::Sinh, REALS, f32::MAX, |x| {
+            where_defined(true, core_math::sinh(f64::from(x)), x == 0.0)
+        }),
+        all(Op::Cosh, [1.0, f64::INFINITY], f32::MAX, |x| {
+            where_defined(true, core_math::cosh(f64::from(x)), x == 0.0)
+        }),
+        all(Op::Tanh, UNIT, f32::MAX, |x| {
+            where_defined(true, core_math::tanh(f64::from(x)), x == 0.0)
+        }),
+        all(Op::Asinh, REALS, f32::MAX, |x| {
+            where_defined(true, core_math::asinh(f64::from(x)), x == 0.0)
+        }),
+        all(Op::Acosh, REALS, f32::MAX, |x| {
+            where_defined(x >= 1.0, core_math::acosh(f64::from(x)), x == 1.0)
+        }),
+        all(Op::Atanh, REALS, f32::MAX, |x| {
+            where_defined(x.abs() < 1.0, core_math::atanh(f64::from(x)), x == 0.0)
         }),
     ]
 }

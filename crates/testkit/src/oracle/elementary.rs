@@ -1,6 +1,6 @@
 //! Elementary functions over a small range of operands.
 //!
-//! A non-zero rational operand has an irrational value under exp, ln, sin, cos, tan and atan
+//! A non-zero rational operand has an irrational value under exp, ln, sin, cos, tan, atan and the others of their kind
 //! (Lindemann), except for ln 1, so the exact cases named here are all there are.
 
 use super::rounded::Rounded;
@@ -96,6 +96,63 @@ pub(super) fn tan(a: Span) -> Span {
 
 pub(super) fn atan(a: Span) -> Span {
     a.increasing(|x| Rounded::when(core_math::atan(x), x == 0.0))
+}
+
+/// The arc sine of the members of `a` from −1 to 1.
+pub(super) fn asin(a: Span) -> Span {
+    a.within(-1.0, 1.0).increasing(|x| Rounded::when(core_math::asin(x), x == 0.0))
+}
+
+/// The arc cosine of the members of `a` from −1 to 1.
+pub(super) fn acos(a: Span) -> Span {
+    let a = a.within(-1.0, 1.0);
+    let value = |x: f64| Rounded::when(core_math::acos(x), x == 1.0);
+    Span::hull(value(a.hi), value(a.lo)).within(0.0, f64::INFINITY)
+}
+
+pub(super) fn sinh(a: Span) -> Span {
+    a.increasing(|x| Rounded::when(core_math::sinh(x), x == 0.0 || x.is_infinite()))
+}
+
+pub(super) fn cosh(a: Span) -> Span {
+    let a = a.abs();
+    a.increasing(|x| Rounded::when(core_math::cosh(x), x == 0.0 || x.is_infinite()))
+        .within(1.0, f64::INFINITY)
+}
+
+pub(super) fn tanh(a: Span) -> Span {
+    a.increasing(|x| Rounded::when(core_math::tanh(x), x == 0.0)).within(-1.0, 1.0)
+}
+
+pub(super) fn asinh(a: Span) -> Span {
+    a.increasing(|x| Rounded::when(core_math::asinh(x), x == 0.0 || x.is_infinite()))
+}
+
+/// The inverse hyperbolic cosine of the members of `a` from 1 on.
+pub(super) fn acosh(a: Span) -> Span {
+    a.within(1.0, f64::INFINITY)
+        .increasing(|x| Rounded::when(core_math::acosh(x), x == 1.0 || x.is_infinite()))
+}
+
+/// The inverse hyperbolic tangent of the members of `a` between −1 and 1.
+pub(super) fn atanh(a: Span) -> Span {
+    // Infinite at ±1.
+    a.within(-1.0, 1.0)
+        .increasing(|x| Rounded::when(core_math::atanh(x), x == 0.0 || x.abs() == 1.0))
+}
+
+/// The angles of the points (x, y): every angle if they surround the origin or meet the cut from below.
+pub(super) fn atan2(y: Span, x: Span) -> Span {
+    let everything = Span::new(-core::f64::consts::PI.next_up(), core::f64::consts::PI.next_up());
+    if x.has_zero() && y.has_zero() || x.lo < 0.0 && y.lo < 0.0 && y.hi >= 0.0 {
+        return everything;
+    }
+    // No corner is the origin, and along each edge an angle is monotonic: the extremes are at corners.
+    let value = |y: f64, x: f64| {
+        let (y, x) = (y + 0.0, x + 0.0);
+        Rounded::when(core_math::atan2(y, x), y == 0.0 && x > 0.0)
+    };
+    Span::of(&y.corners(x, value)).within(everything.lo, everything.hi)
 }
 
 fn is_narrow(a: Span) -> bool {

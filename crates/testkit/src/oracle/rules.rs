@@ -37,13 +37,28 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         Op::Cos => everywhere(elementary::cos(a)),
         // Where a cosine is 0 is irrational, so no range is certain to hold nothing else.
         Op::Tan => (elementary::tan(a), Defined::decide(elementary::has_no_pole(a), true)),
+        Op::Asin => (elementary::asin(a), within_one(a)),
+        Op::Acos => (elementary::acos(a), within_one(a)),
         Op::Atan => everywhere(elementary::atan(a)),
+        Op::Sinh => everywhere(elementary::sinh(a)),
+        Op::Cosh => everywhere(elementary::cosh(a)),
+        Op::Tanh => everywhere(elementary::tanh(a)),
+        Op::Asinh => everywhere(elementary::asinh(a)),
+        Op::Acosh => (elementary::acosh(a), Defined::decide(a.lo >= 1.0, a.hi >= 1.0)),
+        Op::Atanh => (
+            elementary::atanh(a),
+            Defined::decide(a.lo > -1.0 && a.hi < 1.0, a.lo < 1.0 && a.hi > -1.0),
+        ),
         Op::Add => everywhere(a.add(b)),
         Op::Sub => everywhere(a.sub(b)),
         Op::Mul => everywhere(a.mul(b)),
         Op::Div => (a.div(b), nonzero(b)),
         Op::Pow => power::pow(operands[0], operands[1], exponent),
         Op::Mod => (modulo(a, b), nonzero(b)),
+        Op::Atan2 => (
+            elementary::atan2(a, b),
+            Defined::decide(!a.has_zero() || !b.has_zero(), !a.is_zero() || !b.is_zero()),
+        ),
         Op::Min => everywhere(Span::new(a.lo.min(b.lo), a.hi.min(b.hi))),
         Op::Max => everywhere(Span::new(a.lo.max(b.lo), a.hi.max(b.hi))),
         Op::SelectNegative | Op::Otherwise => {
@@ -96,6 +111,10 @@ fn positive(a: Span) -> Defined {
 
 fn nonzero(a: Span) -> Defined {
     Defined::decide(!a.has_zero(), !a.is_zero())
+}
+
+fn within_one(a: Span) -> Defined {
+    Defined::decide(a.lo >= -1.0 && a.hi <= 1.0, a.lo <= 1.0 && a.hi >= -1.0)
 }
 
 fn sign(x: f64) -> f64 {

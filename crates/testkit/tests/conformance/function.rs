@@ -7,15 +7,12 @@ use zeroset_interval::{Facts, Interval, Value, fold, round::f32_up};
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_jit::NativeInterval;
 use zeroset_ops::Op;
-use zeroset_syntax::{Options, read};
 
 /// An expression in x, y and z.
 #[derive(Clone)]
 pub struct Function {
     pub graph: Graph,
     pub root: NodeId,
-    /// Whether it is one operation of the table, with a rule of its own.
-    pub native: bool,
 }
 
 /// The function that ITF1788 calls `name`, or why there is none.
@@ -37,7 +34,16 @@ pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str>
         "sin" => Op::Sin,
         "cos" => Op::Cos,
         "tan" => Op::Tan,
+        "asin" => Op::Asin,
+        "acos" => Op::Acos,
         "atan" => Op::Atan,
+        "atan2" => Op::Atan2,
+        "sinh" => Op::Sinh,
+        "cosh" => Op::Cosh,
+        "tanh" => Op::Tanh,
+        "asinh" => Op::Asinh,
+        "acosh" => Op::Acosh,
+        "atanh" => Op::Atanh,
         "add" => Op::Add,
         "sub" => Op::Sub,
         "mul" => Op::Mul,
@@ -52,10 +58,6 @@ pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str>
             let Some(Term::Integer(n)) = operands.last() else { return Err("no exponent") };
             return Ok(with_integer(Op::Pow, i64::from(*n), true));
         }
-        "asin" | "acos" | "sinh" | "cosh" | "tanh" | "asinh" | "acosh" | "atanh" => {
-            return Ok(typed(&format!("{name}(x)")));
-        }
-        "atan2" => return Ok(typed("atan2(x, y)")),
         "pos" => return Err("the identity is not an operation here"),
         "fma" => return Err("no such operation: x*y + z is two"),
         "roundTiesToAway" => return Err("no such operation: halves go to even"),
@@ -64,7 +66,7 @@ pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str>
     let mut graph = Graph::new();
     let variables = Axis::ALL.map(|axis| graph.variable(axis));
     let root = graph.apply(op, &variables[..op.arity()]);
-    Ok(Function { graph, root, native: true })
+    Ok(Function { graph, root })
 }
 
 /// An operation on x and a constant, which is the last operand or else the first.
@@ -72,12 +74,7 @@ fn with_integer(op: Op, integer: i64, last: bool) -> Function {
     let mut graph = Graph::new();
     let (x, n) = (graph.variable(Axis::X), graph.integer(integer));
     let root = graph.apply(op, &if last { [x, n] } else { [n, x] });
-    Function { graph, root, native: true }
-}
-
-fn typed(text: &str) -> Function {
-    let document = read(text, &Options::default()).expect("a formula");
-    Function { root: document.surfaces[0].root, graph: document.graph, native: false }
+    Function { graph, root }
 }
 
 /// Bounds and facts of one enclosure.
@@ -134,7 +131,7 @@ impl Function {
             };
             places.insert(id, place);
         }
-        Self { root: places[&self.root], graph, native: self.native }
+        Self { root: places[&self.root], graph }
     }
 }
 

@@ -1,111 +1,23 @@
-//! Exponentials, logarithms and trigonometric functions: bounds from the texts in [`wide`].
+//! Trigonometric functions: bounds from the texts in [`wide`]. The functions in the files beside it are simpler, as
+//! they only rise or fall.
 
+mod arc;
+mod atan2;
+mod exponential;
+mod hyperbolic;
+pub(crate) mod logarithm;
+mod monotone;
 pub(crate) mod near;
+pub(crate) mod sum;
 pub(crate) mod wide;
 
 use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
-use wide::{ANGLE_LIMIT, Text, at_ends, by_halves};
+use wide::{ANGLE_LIMIT, Text, at_ends};
 
 impl<M: Machine> Rule<'_, M> {
-    /// Bounds of an increasing function from its approximations at both ends.
-    fn increasing(
-        &mut self,
-        a: &Operand<M::V>,
-        mut f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V,
-    ) -> Enclosure<M::V> {
-        let combine = |text: &mut Text<'_, M>, [lo]: [M::V; 1], [hi]: [M::V; 1]| {
-            [text.above_negated(lo), text.above(hi)]
-        };
-        let (neg_lo, hi) = (a.value.neg_lo, a.value.hi);
-        let [neg_lo, hi] =
-            at_ends(self.m, self.format, neg_lo, hi, |text, x| [f(text, x)], combine);
-        Enclosure { neg_lo, hi, ..a.value }
-    }
-
-    pub(super) fn exp(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let ends = [a.value.neg_lo, a.value.hi];
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, ends| text.exp(ends));
-        Enclosure { neg_lo, hi, ..a.value }
-    }
-
-    pub(super) fn ln(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.logarithm(a, 1.0)
-    }
-
-    pub(super) fn log2(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.logarithm(a, std::f64::consts::LOG2_E)
-    }
-
-    pub(super) fn log10(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.logarithm(a, std::f64::consts::LOG10_E)
-    }
-
-    fn logarithm(&mut self, a: &Operand<M::V>, scale: f64) -> Enclosure<M::V> {
-        let ends = self.positive_ends(a);
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [lo, hi]| {
-            let (at_lo, at_hi) = (text.ln(lo, scale), text.ln(hi, scale));
-            [text.above_negated(at_lo), text.above(at_hi)]
-        });
-        let (neg_lo, hi) = self.logarithm_ends(a, neg_lo, hi);
-        let (nowhere, throughout) = self.positive(a);
-        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
-    }
-
-    /// (lo, hi) raised to the least positive number of the format, where a logarithm can start.
-    pub(super) fn positive_ends(&mut self, a: &Operand<M::V>) -> [M::V; 2] {
-        let lo = self.lo(&a.value);
-        if a.range.lo > 0.0 {
-            return [lo, a.value.hi];
-        }
-        let least = self.least_positive();
-        [self.m.max(lo, least), self.m.max(a.value.hi, least)]
-    }
-
-    /// Bounds of a logarithm from those over [`Self::positive_ends`]: −∞ from a lower end at or below 0, +∞ from an
-    /// infinite upper one.
-    pub(super) fn logarithm_ends(
-        &mut self,
-        a: &Operand<M::V>,
-        mut neg_lo: M::V,
-        mut hi: M::V,
-    ) -> (M::V, M::V) {
-        let infinity = self.infinity();
-        if a.range.lo <= 0.0 {
-            let zero = self.zero();
-            let from_zero = self.m.le(zero, a.value.neg_lo);
-            neg_lo = self.m.select(from_zero, infinity, neg_lo);
-        }
-        if a.range.hi == f64::INFINITY {
-            let unbounded = self.m.eq(a.value.hi, infinity);
-            hi = self.m.select(unbounded, infinity, hi);
-        }
-        (neg_lo, hi)
-    }
-
-    pub(super) fn atan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.increasing(a, |text, x| text.atan(x))
-    }
-
-    pub(super) fn cbrt(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let value = self.increasing(a, |text, x| text.cbrt(x));
-        if a.range.is_bounded() {
-            return value;
-        }
-        let infinity = self.infinity();
-        let mut keep = |end: M::V, bound: M::V| {
-            let unbounded = self.m.eq(end, infinity);
-            self.m.select(unbounded, infinity, bound)
-        };
-        Enclosure {
-            neg_lo: keep(a.value.neg_lo, value.neg_lo),
-            hi: keep(a.value.hi, value.hi),
-            ..value
-        }
-    }
-
     pub(super) fn sin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         if self.is_near(a.range) {
             return self.near_waves(a)[0];

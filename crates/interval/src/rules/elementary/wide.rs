@@ -63,11 +63,8 @@ pub(crate) fn at_ends<M: Machine, const MID: usize, const OUT: usize>(
 const F64: Format = Format::F64;
 
 /// ln 2 = `LN_2_HI` + `LN_2_LO` to 2⁻⁹⁵; `LN_2_HI` has 41 bits, so its product with an exponent is exact.
-const LN_2_HI: f64 = f64::from_bits(0x3fe6_2e42_fefa_3000);
-const LN_2_LO: f64 = 2.823_529_056_303_157_7e-13;
-/// Bits of the double nearest to √½, and of 1.
-const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
-const ONE: u64 = 0x3ff0_0000_0000_0000;
+pub(super) const LN_2_HI: f64 = f64::from_bits(0x3fe6_2e42_fefa_3000);
+pub(super) const LN_2_LO: f64 = 2.823_529_056_303_157_7e-13;
 /// π/2 in four parts, the first three of at most 33 bits, so that their products with k are exact. The parts and the
 /// sum are compared with π in the tests.
 const HALF_PI: [f64; 4] = [
@@ -91,11 +88,11 @@ impl<M: Machine> Text<'_, M> {
         }
     }
 
-    fn number(&mut self, value: f64) -> M::V {
+    pub(super) fn number(&mut self, value: f64) -> M::V {
         self.m.number(F64, value)
     }
 
-    fn pick<T>(&self, f32: T, f64: T) -> T {
+    pub(super) fn pick<T>(&self, f32: T, f64: T) -> T {
         match self.target {
             Format::F32 => f32,
             Format::F64 => f64,
@@ -103,7 +100,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// c₀ + z(c₁ + z(c₂ + …)).
-    fn series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
+    pub(super) fn series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
         let (last, rest) = coefficients.split_last().expect("a series has a term");
         let mut sum = self.number(*last);
         for &c in rest.iter().rev() {
@@ -129,184 +126,19 @@ impl<M: Machine> Text<'_, M> {
         self.above(negated)
     }
 
-    /// `[−lo, hi]` of the exponential of `[−lo, hi]`; infinite ends are allowed.
-    pub(crate) fn exp(&mut self, [neg_lo, hi]: [M::V; 2]) -> [M::V; 2] {
-        let lo = self.m.neg(neg_lo);
-        let slack = self.error();
-        let (down, up) = (self.number(-(1.0 - slack)), self.number(1.0 + slack));
-        [self.exp_times(lo, down), self.exp_times(hi, up)]
-    }
-
-    /// exp(x), near enough.
-    pub(crate) fn exp_near(&mut self, x: M::V) -> M::V {
-        let one = self.number(1.0);
-        self.exp_times(x, one)
-    }
-
-    /// exp(x) · factor, each operation on the product rounded up.
-    fn exp_times(&mut self, x: M::V, factor: M::V) -> M::V {
-        // Past these, results overflow or underflow the target whatever x is.
-        let (least, most) = self.pick((-160.0, 128.0), (-760.0, 720.0));
-        let (least, most) = (self.number(least), self.number(most));
-        let x = self.m.max(x, least);
-        let x = self.m.min(x, most);
-        let log2_e = self.number(std::f64::consts::LOG2_E);
-        let scaled = self.m.mul(x, log2_e);
-        let k = self.m.nearest(scaled);
-        let r = self.subtract_multiple(x, k, LN_2_HI);
-        let r = self.subtract_multiple(r, k, LN_2_LO);
-        // |r| ≤ 0.3467: the tail r¹⁰/10! is below 2⁻³⁷, r¹⁴/14! below 2⁻⁵⁷.
-        let terms = self.pick(9, 13);
-        let mut factorial = 1.0;
-        let coefficients: Vec<f64> = (0..=terms)
-            .map(|n| {
-                factorial *= f64::from(n.max(1));
-                1.0 / factorial
-            })
-            .collect();
-        let mantissa = self.series(r, &coefficients);
-        let product = self.m.mul(mantissa, factor);
-        match self.target {
-            Format::F32 => {
-                let power = self.power_of_two(k);
-                self.m.mul(product, power)
-            }
-            Format::F64 => {
-                // 2^k may be out of range where exp(x) is not: two factors.
-                let half = self.number(0.5);
-                let k_half = self.m.mul(k, half);
-                let first = self.m.floor(k_half);
-                let second = self.m.sub(k, first);
-                let first = self.power_of_two(first);
-                let second = self.power_of_two(second);
-                let product = self.m.mul(product, first);
-                self.m.mul(product, second)
-            }
-        }
-    }
-
     /// x − k·c.
-    fn subtract_multiple(&mut self, x: M::V, k: M::V, c: f64) -> M::V {
+    pub(super) fn subtract_multiple(&mut self, x: M::V, k: M::V, c: f64) -> M::V {
         let c = self.number(c);
         let multiple = self.m.mul(k, c);
         self.m.sub(x, multiple)
     }
 
     /// 2^k for integral k with −1022 ≤ k ≤ 1023.
-    fn power_of_two(&mut self, k: M::V) -> M::V {
+    pub(super) fn power_of_two(&mut self, k: M::V) -> M::V {
         // Adding 2^52 + 1023 leaves k + 1023 in the low bits of the significand.
         let magic = self.number(4_503_599_627_370_496.0 + 1023.0);
         let biased = self.m.add(k, magic);
         self.m.shift_left(biased, 52)
-    }
-
-    /// ln(x) for finite x > 0, times `scale`.
-    pub(crate) fn ln(&mut self, x: M::V, scale: f64) -> M::V {
-        let (x, offset) = match self.target {
-            Format::F32 => (x, None), // every positive f32 is a normal f64
-            Format::F64 => {
-                let (tiny, factor) = (self.number(f64::MIN_POSITIVE), self.number(2f64.powi(64)));
-                let subnormal = self.m.lt(x, tiny);
-                let scaled = self.m.mul(x, factor);
-                let bits = self.number(-64.0);
-                (self.m.select(subnormal, scaled, x), Some(self.m.and(subnormal, bits)))
-            }
-        };
-        // x = 2^k · m with √½ ≤ m < √2: shift the bits so that the exponent field steps at √½.
-        let shift = self.m.bits(F64, ONE - ROOT_HALF);
-        let shifted = self.m.int_add(x, shift);
-        let exponent = self.m.shift_right(shifted, 52);
-        let magic = self.number(4_503_599_627_370_496.0);
-        let k = self.m.or(exponent, magic);
-        let bias = self.number(4_503_599_627_370_496.0 + 1023.0);
-        let mut k = self.m.sub(k, bias);
-        if let Some(offset) = offset {
-            k = self.m.add(k, offset);
-        }
-        let field = self.m.bits(F64, 0xfff0_0000_0000_0000);
-        let power = self.m.and(shifted, field);
-        let m = self.m.int_sub(x, power);
-        let one_bits = self.m.bits(F64, ONE);
-        let m = self.m.int_add(m, one_bits);
-        // ln m = 2 artanh s, s = (m − 1)/(m + 1); s² ≤ 0.02944, so the tails are below 2⁻³⁹ and 2⁻⁵⁵.
-        let (one, two) = (self.number(1.0), self.number(2.0));
-        let f = self.m.sub(m, one);
-        let below = self.m.add(f, two);
-        let s = self.m.div(f, below);
-        let z = self.m.mul(s, s);
-        let terms = self.pick(6, 9);
-        let coefficients: Vec<f64> =
-            (1..=terms).map(|n| 2.0 / (2.0 * f64::from(n) + 1.0)).collect();
-        let tail = self.series(z, &coefficients);
-        let tail = self.m.mul(tail, z);
-        let sum = self.m.add(tail, two);
-        let ln_m = self.m.mul(sum, s);
-        let (ln_2_hi, ln_2_lo) = (self.number(LN_2_HI), self.number(LN_2_LO));
-        let rest = self.m.mul(k, ln_2_lo);
-        let rest = self.m.add(rest, ln_m);
-        let main = self.m.mul(k, ln_2_hi);
-        let ln = self.m.add(main, rest);
-        if scale == 1.0 {
-            return ln;
-        }
-        let scale = self.number(scale);
-        self.m.mul(ln, scale)
-    }
-
-    /// ∛x, odd in x, for finite x.
-    pub(crate) fn cbrt(&mut self, x: M::V) -> M::V {
-        let magnitude = self.m.abs(x);
-        // exp(ln|x|/3), then one Newton step, which squares its error.
-        let third = self.number(1.0 / 3.0);
-        let ln = self.ln(magnitude, 1.0);
-        let exponent = self.m.mul(ln, third);
-        let guess = self.exp_near(exponent);
-        let square = self.m.mul(guess, guess);
-        let ratio = self.m.div(magnitude, square);
-        let excess = self.m.sub(ratio, guess);
-        let correction = self.m.mul(excess, third);
-        let root = self.m.add(guess, correction);
-        let sign_bit = self.m.bits(F64, 1 << 63);
-        let sign = self.m.and(x, sign_bit);
-        let signed = self.m.or(root, sign);
-        let zero = self.number(0.0);
-        let is_zero = self.m.eq(x, zero);
-        self.m.select(is_zero, x, signed)
-    }
-
-    /// atan(x), odd in x.
-    pub(crate) fn atan(&mut self, x: M::V) -> M::V {
-        const TAN_EIGHTH_PI: f64 = std::f64::consts::SQRT_2 - 1.0;
-        const TAN_THREE_EIGHTHS_PI: f64 = std::f64::consts::SQRT_2 + 1.0;
-        let t = self.m.abs(x);
-        let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
-        let (middle, far) = (self.m.lt(low, t), self.m.lt(high, t));
-        let (one, minus_one) = (self.number(1.0), self.number(-1.0));
-        // atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t): |quotient| ≤ tan π/8.
-        let (minus, plus) = (self.m.sub(t, one), self.m.add(t, one));
-        let above = self.m.select(middle, minus, t);
-        let above = self.m.select(far, minus_one, above);
-        let below = self.m.select(middle, plus, one);
-        let below = self.m.select(far, t, below);
-        let u = self.m.div(above, below);
-        let (quarter, half) =
-            (self.number(std::f64::consts::FRAC_PI_4), self.number(std::f64::consts::FRAC_PI_2));
-        let base = self.m.and(middle, quarter);
-        let base = self.m.select(far, half, base);
-        // u² ≤ 0.17158: the tails z¹⁴/29 and z²⁰/41 are below 2⁻⁴⁰ and 2⁻⁵⁶.
-        let z = self.m.mul(u, u);
-        let terms = self.pick(13, 19);
-        let coefficients: Vec<f64> = (1..=terms)
-            .map(|n| if n % 2 == 0 { 1.0 } else { -1.0 } / (2.0 * f64::from(n) + 1.0))
-            .collect();
-        let tail = self.series(z, &coefficients);
-        let tail = self.m.mul(tail, z);
-        let tail = self.m.mul(tail, u);
-        let sum = self.m.add(tail, u);
-        let angle = self.m.add(base, sum);
-        let sign_bit = self.m.bits(F64, 1 << 63);
-        let sign = self.m.and(x, sign_bit);
-        self.m.or(angle, sign)
     }
 
     /// Reduces an angle x for |x| ≤ [`ANGLE_LIMIT`].

@@ -1,0 +1,223 @@
+//! Angles of ratios: asin, acos, atan, atan2.
+
+use super::sum::{Near, Sum};
+use super::wide::Text;
+use crate::machine::{Format, Machine};
+
+const F64: Format = Format::F64;
+const SIGN: u64 = 1 << 63;
+const TAN_EIGHTH_PI: f64 = std::f64::consts::SQRT_2 - 1.0;
+const TAN_THREE_EIGHTHS_PI: f64 = std::f64::consts::SQRT_2 + 1.0;
+/// π/4, π/2, 3π/4 and π, each with what the double nearest to it lacks; compared with π in the tests.
+const QUARTER: [f64; 2] = [std::f64::consts::FRAC_PI_4, f64::from_bits(0x3c81_a626_3314_5c07)];
+const HALF: [f64; 2] = [std::f64::consts::FRAC_PI_2, f64::from_bits(0x3c91_a626_3314_5c07)];
+const THREE_QUARTERS: [f64; 2] =
+    [f64::from_bits(0x4002_d97c_7f33_21d2), f64::from_bits(0x3c9a_7939_4c9e_8a0a)];
+const WHOLE: [f64; 2] = [std::f64::consts::PI, f64::from_bits(0x3ca1_a626_3314_5c07)];
+/// What the doubles nearest to −1/3 and 1/6 lack.
+const MINUS_ONE_THIRD_TAIL: f64 = -f64::from_bits(0x3c75_5555_5555_5555);
+const ONE_SIXTH_TAIL: f64 = f64::from_bits(0x3c65_5555_5555_5555);
+/// Points farther from the origin than the first, or nearer than the second, are scaled down or up, so that sums do not
+/// overflow and no remainder underflows but of a ratio below the last, which is its own angle.
+const FAR: f64 = f64::from_bits((1023 + 900) << 52); // 2^900
+const NEAR: f64 = f64::from_bits((1023 - 100) << 52); // 2^-100
+const SCALE: f64 = f64::from_bits((1023 + 500) << 52); // 2^500
+const TINY_RATIO: f64 = f64::from_bits((1023 - 800) << 52); // 2^-800
+
+impl<M: Machine> Text<'_, M> {
+    /// atan x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of [`Text::atan_reduced`].
+    ///
+    /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t): the quotient is at most tan π/8.
+    pub(crate) fn atan(&mut self, x: M::V) -> Near<M::V> {
+        let mut t = self.m.abs(x);
+        if self.has_tails() {
+            let finite = self.number(f64::MAX); // no remainder is ∞ − ∞
+            t = self.m.min(t, finite);
+        }
+        let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
+        let (middle, far) = (self.m.lt(low, t), self.m.lt(high, t));
+        let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+        let (minus, plus) = if self.has_tails() {
+            let (large, small) = (self.m.max(t, one), self.m.min(t, one));
+            let minus_small = self.m.neg(small);
+            let minus = self.plus(large, minus_small);
+            let below_one = self.m.lt(t, one);
+            let sign = self.sign_of(below_one);
+            (self.flipped(minus, sign), self.plus(large, small))
+        } else {
+            (self.m.sub(t, one).into(), self.m.add(t, one).into())
+        };
+        let above = self.choose(middle, minus, t.into());
+        let above = self.choose(far, minus_one.into(), above);
+        let below = self.choose(middle, plus, one.into());
+        let below = self.choose(far, t.into(), below);
+        let u = self.over(above, below);
+        let base = self.masked(middle, QUARTER);
+        let half = self.constant(HALF);
+        let base = self.choose(far, half, base);
+        let angle = self.atan_reduced(u);
+        let angle = self.plus(base, angle);
+        let sign = self.sign_of(x);
+        let angle = self.flipped(angle, sign);
+        let angle = self.or_tiny(x, angle);
+        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
+    }
+
+    /// atan u for |u| ≤ 0.41422, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
+    ///
+    /// z = u² ≤ 0.17158: the tails z¹⁴/29 and z²²/45 are below 2⁻⁴⁰ and 2⁻⁶¹ of u. In `f64` the terms from z²/5 on are
+    /// rounded to a lane: 0.0053 of u, to 2⁻⁵² five times.
+    fn atan_reduced(&mut self, u: Sum<M::V>) -> Sum<M::V> {
+        let terms = self.pick(13, 21);
+        let coefficients: Vec<f64> = (1..=terms)
+            .map(|n| if n % 2 == 0 { 1.0 } else { -1.0 } / (2.0 * f64::from(n) + 1.0))
+            .collect();
+        self.odd_series(u, MINUS_ONE_THIRD_TAIL, &coefficients)
+    }
+
+    /// asin x for |x| ≤ 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`: at most twice that of
+    /// [`Text::arc_sine`].
+    pub(crate) fn asin(&mut self, x: M::V) -> Near<M::V> {
+        let (arc, beyond) = self.arc_sine(x);
+        let half = self.constant(HALF);
+        let minus_arc = self.opposite(arc);
+        let rest = self.plus(half, minus_arc);
+        let angle = self.choose(beyond, rest, arc);
+        let sign = self.sign_of(x);
+        let angle = self.flipped(angle, sign);
+        let angle = self.or_tiny(x, angle);
+        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
+    }
+
+    /// acos x for |x| ≤ 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of [`Text::arc_sine`], which is at
+    /// most half of a result with another term; exactly 0 at 1.
+    pub(crate) fn acos(&mut self, x: M::V) -> Near<M::V> {
+        let (arc, beyond) = self.arc_sine(x);
+        // π/2 − asin x; beyond ½, 2 asin √… itself, and beyond −½, π less that.
+        let sign_bit = self.m.bits(F64, SIGN);
+        let sign = self.m.and(x, sign_bit);
+        let flip = self.m.and(beyond, sign_bit);
+        let flip = self.m.xor(flip, sign_bit);
+        let flip = self.m.xor(flip, sign);
+        let arc = self.flipped(arc, flip);
+        let zero = self.number(0.0);
+        let negative = self.m.lt(x, zero);
+        let straight = self.masked(negative, WHOLE);
+        let half = self.constant(HALF);
+        let base = self.choose(beyond, straight, half);
+        let angle = self.plus(base, arc);
+        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
+    }
+
+    /// For |x| ≤ ½, asin |x|; beyond, 2 asin √((1 − |x|)/2), and the mask of those lanes. To 2⁻³⁵ in `f32`, 2⁻⁵⁷ in
+    /// `f64`.
+    ///
+    /// The argument w of the series has w² ≤ ¼: its tails, 1.34·c₁₄·w²⁸ and 1.34·c₂₆·w⁵², are below 2⁻³⁵ and 2⁻⁶⁰ of w. In
+    /// `f64` the terms from 3w⁴/40 on are rounded to a lane: 0.006 of w, to 2⁻⁵² five times.
+    fn arc_sine(&mut self, x: M::V) -> (Sum<M::V>, M::V) {
+        let t = self.m.abs(x);
+        let (one, half) = (self.number(1.0), self.number(0.5));
+        let beyond = self.m.lt(half, t);
+        let rest = self.m.sub(one, t); // exact beyond ½
+        let rest = self.m.mul(rest, half);
+        let root = self.root(rest.into());
+        let w = self.choose(beyond, root, t.into());
+        let terms = self.pick(13, 25);
+        let mut ratio = 1.0;
+        let coefficients: Vec<f64> = (1..=terms)
+            .map(|n| {
+                let n = f64::from(n);
+                ratio *= (2.0 * n - 1.0) / (2.0 * n);
+                ratio / (2.0 * n + 1.0)
+            })
+            .collect();
+        let arc = self.odd_series(w, ONE_SIXTH_TAIL, &coefficients);
+        let two = self.number(2.0);
+        let factor = self.m.select(beyond, two, one);
+        (self.scaled(arc, factor), beyond)
+    }
+
+    /// The angle of the point (x, y), at most one of which is infinite: above the x-axis or on it where the sign bit
+    /// of y is clear, below it or on it otherwise; and left of the y-axis or on it where that of x is set.
+    ///
+    /// Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`, but 2⁻⁵² more below [`TINY_RATIO`].
+    pub(crate) fn angle(&mut self, y: M::V, x: M::V) -> Near<M::V> {
+        let (t, c) = self.moderate(y, x);
+        let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
+        let (low, high) = (self.m.mul(c, low), self.m.mul(c, high));
+        let (middle, far) = (self.m.lt(low, t), self.m.lt(high, t));
+        let (large, small) = (self.m.max(t, c), self.m.min(t, c));
+        let minus_small = self.m.neg(small);
+        let difference = self.plus(large, minus_small);
+        let flat = self.m.lt(t, c);
+        let flat = self.sign_of(flat);
+        let difference = self.flipped(difference, flat);
+        let sum = self.plus(large, small);
+        let minus_c = self.m.neg(c);
+        let above = self.choose(middle, difference, t.into());
+        let above = self.choose(far, minus_c.into(), above);
+        let below = self.choose(middle, sum, c.into());
+        let mut below = self.choose(far, t.into(), below);
+        // At the origin the ratio is 0, as on the rest of the axis.
+        let least = self.number(f64::MIN_POSITIVE);
+        below.head = self.m.max(below.head, least);
+        let u = self.over(above, below);
+        let arc = self.atan_reduced(u);
+        // Left of the y-axis, π less the angle.
+        let left = self.sign_of(x);
+        let arc = self.flipped(arc, left);
+        let (zero, half) = (self.constant([0.0; 2]), self.constant(HALF));
+        let (quarter, whole) = (self.constant(QUARTER), self.constant(WHOLE));
+        let three = self.constant(THREE_QUARTERS);
+        let right_base = self.choose(middle, quarter, zero);
+        let left_base = self.choose(middle, three, whole);
+        let none = self.m.bits(F64, 0);
+        let on_left = self.m.shift_right(left, 63);
+        let on_left = self.m.int_sub(none, on_left);
+        let base = self.choose(on_left, left_base, right_base);
+        let base = self.choose(far, half, base);
+        let mut angle = self.plus(base, arc);
+        let mut extra = None;
+        if self.has_tails() {
+            // Next to the positive x-axis the angle is the ratio, as it was rounded: by an ulp, or to the least positive
+            // number, also where scaling down has rounded |y|.
+            let tiny = self.number(TINY_RATIO);
+            let magnitude = self.m.abs(angle.head);
+            let is_tiny = self.m.lt(magnitude, tiny);
+            angle = self.choose(is_tiny, u.head.into(), angle);
+            let loose = self.number(2f64.powi(-52));
+            extra = Some(self.m.and(is_tiny, loose));
+        }
+        let sign = self.sign_of(y);
+        let angle = self.flipped(angle, sign);
+        Near { extra, ..Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55))) }
+    }
+
+    /// |y| and |x| at a distance from the origin that is neither huge nor tiny, infinite ones replaced.
+    fn moderate(&mut self, y: M::V, x: M::V) -> (M::V, M::V) {
+        let (t, c) = (self.m.abs(y), self.m.abs(x));
+        let (zero, one, infinity) =
+            (self.number(0.0), self.number(1.0), self.number(f64::INFINITY));
+        let (steep, flat) = (self.m.eq(t, infinity), self.m.eq(c, infinity));
+        let t_finite = self.m.select(steep, one, t);
+        let c_finite = self.m.select(flat, one, c);
+        let t = self.m.select(flat, zero, t_finite);
+        let c = self.m.select(steep, zero, c_finite);
+        if !self.has_tails() {
+            return (t, c); // no f32 is huge or tiny
+        }
+        let large = self.m.max(t, c);
+        let (far, near) = (self.number(FAR), self.number(NEAR));
+        let (is_far, is_near) = (self.m.lt(far, large), self.m.lt(large, near));
+        let (up, down) = (self.number(SCALE), self.number(1.0 / SCALE));
+        let scale = self.m.select(is_far, down, one);
+        let scale = self.m.select(is_near, up, scale);
+        (self.m.mul(t, scale), self.m.mul(c, scale))
+    }
+
+    /// A constant where the mask is set, else 0.
+    fn masked(&mut self, mask: M::V, constant: [f64; 2]) -> Sum<M::V> {
+        let constant = self.constant(constant);
+        self.each(constant, |text, part| text.m.and(mask, part))
+    }
+}

@@ -1,0 +1,133 @@
+//! The angle of a box in the plane.
+//!
+//! Above the x-axis an angle grows from right to left; right of the y-axis it grows with y, left of it it falls. So its
+//! extremes over a box are at two corners, unless the box meets the cut, where angles jump between π and −π.
+
+use super::wide::Text;
+use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::machine::{Format, Machine};
+use crate::part::Part;
+use crate::rules::Rule;
+
+impl<M: Machine> Rule<'_, M> {
+    /// The angle of (b, a) from (1, 0), in (−π, π]; cut on a = 0, b < 0, undefined at the origin. Of a box that meets the
+    /// cut from both sides, the low part is below the x-axis and the rest is on it or above.
+    pub(in crate::rules) fn atan2(
+        &mut self,
+        a: &Operand<M::V>,
+        b: &Operand<M::V>,
+        part: Part,
+    ) -> Enclosure<M::V> {
+        let zero = self.zero();
+        // Zeros are positive where they are ends on the right, and above.
+        let (mut y_lo, mut y_hi) = (self.lo(&a.value), self.m.add(a.value.hi, zero));
+        let cut = self.meets_cut(a, b);
+        if let Fact::Lanes(cut) = cut {
+            match part {
+                Part::Whole | Part::Middle => {}
+                Part::Low => y_hi = self.m.select(cut, zero, y_hi),
+                Part::Rest | Part::High => y_lo = self.m.select(cut, zero, y_lo),
+            }
+        }
+        let (x_lo, x_hi) = (self.lo(&b.value), b.value.hi);
+        let upper = self.m.le(zero, y_lo);
+        let lower = self.m.le(y_hi, zero);
+        let right = self.m.le(zero, x_lo);
+        let reaches_right = self.gt(x_hi, zero);
+        let sign_bit = self.sign_bit();
+        // Above the axis the least angle is at the right end, the greatest at the left; each at the y that the sign
+        // of x picks. Below the axis, where angles are negative, it is the other way round, with y mirrored.
+        let at_right_upper = self.m.select(reaches_right, y_lo, y_hi);
+        let at_left_upper = self.m.select(right, y_hi, y_lo);
+        let at_right_lower = self.m.select(reaches_right, y_hi, y_lo);
+        let at_left_lower = self.m.select(right, y_lo, y_hi);
+        let at_right_lower = self.m.or(at_right_lower, sign_bit);
+        let at_left_lower = self.m.or(at_left_lower, sign_bit);
+        // Left of the y-axis or on it, an end at 0 has the sign of those before it.
+        let negative = self.m.or(x_hi, sign_bit);
+        let x_right = self.m.select(reaches_right, x_hi, negative);
+        // A box across the x-axis and right of the y-axis has both extremes at the left end.
+        let least_y = self.m.select(lower, at_left_lower, y_lo);
+        let least_y = self.m.select(upper, at_right_upper, least_y);
+        let least_x = self.m.select(upper, x_right, x_lo);
+        let greatest_y = self.m.select(lower, at_right_lower, y_hi);
+        let greatest_y = self.m.select(upper, at_left_upper, greatest_y);
+        let not_upper = self.not(upper);
+        let only_lower = self.m.and(lower, not_upper);
+        let greatest_x = self.m.select(only_lower, x_right, x_lo);
+        let [neg_lo, hi] = self.angles([least_y, least_x], [greatest_y, greatest_x]);
+        let pi = self.pi_above();
+        let (mut neg_lo, mut hi) = (self.m.min(neg_lo, pi), self.m.min(hi, pi));
+        let mut smooth = Fact::True;
+        if let (Fact::Lanes(cut), Part::Whole | Part::Middle) = (cut, part) {
+            neg_lo = self.m.select(cut, pi, neg_lo);
+            hi = self.m.select(cut, pi, hi);
+            smooth = Fact::Lanes(self.not(cut));
+        }
+        let ((a_zero, a_nonzero), (b_zero, b_nonzero)) = (self.nonzero(a), self.nonzero(b));
+        let origin = a_zero.and(self.m, b_zero);
+        if !matches!(origin, Fact::False) {
+            // Keep lo ≤ hi also where nothing is defined.
+            let lo = self.m.neg(neg_lo);
+            hi = self.m.max(hi, lo);
+        }
+        let value = self.combine(neg_lo, hi, a, b);
+        let throughout = a_nonzero.or(self.m, b_nonzero);
+        let value = self.restrict(value, origin, throughout);
+        Enclosure { continuous: value.continuous.and(self.m, smooth), ..value }
+    }
+
+    /// −lo and hi from the corners (y, x) with the least and the greatest angle.
+    fn angles(&mut self, least: [M::V; 2], greatest: [M::V; 2]) -> [M::V; 2] {
+        let target = self.format;
+        let at = |text: &mut Text<'_, M>, [y, x]: [M::V; 2]| {
+            let near = text.angle(y, x);
+            [text.negated_lower(&near), text.upper(&near)]
+        };
+        match target {
+            Format::F64 => {
+                let rows = [least, greatest];
+                let [[neg_lo, _], [_, hi]] =
+                    self.m.repeat(rows, |m, corner| at(&mut Text { m, target }, corner));
+                [neg_lo, hi]
+            }
+            Format::F32 => {
+                let [[y0, y1], [x0, x1]] = least.map(|part| self.m.widen(part));
+                let [[v0, v1], [u0, u1]] = greatest.map(|part| self.m.widen(part));
+                let rows = [[y0, x0], [y1, x1], [v0, u0], [v1, u1]];
+                let [l0, l1, h0, h1] =
+                    self.m.repeat(rows, |m, corner| at(&mut Text { m, target }, corner));
+                [self.m.narrow([l0[0], l1[0]]), self.m.narrow([h0[1], h1[1]])]
+            }
+        }
+    }
+
+    /// Lanes where the box meets the cut from both sides.
+    fn meets_cut(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Fact<M::V> {
+        if b.range.lo >= 0.0 || a.range.lo >= 0.0 || a.range.hi < 0.0 {
+            return Fact::False;
+        }
+        let zero = self.zero();
+        let below = self.gt(a.value.neg_lo, zero);
+        let above = self.m.le(zero, a.value.hi);
+        let left = self.gt(b.value.neg_lo, zero);
+        let both = self.m.and(below, above);
+        Fact::Lanes(self.m.and(both, left))
+    }
+
+    /// The least number of the format above π.
+    fn pi_above(&mut self) -> M::V {
+        match self.format {
+            Format::F32 => self.number(f64::from(std::f32::consts::PI)), // above it
+            Format::F64 => self.number(std::f64::consts::PI.next_up()),
+        }
+    }
+
+    fn sign_bit(&mut self) -> M::V {
+        let bit = match self.format {
+            Format::F32 => 1 << 31,
+            Format::F64 => 1 << 63,
+        };
+        self.m.bits(self.format, bit)
+    }
+}

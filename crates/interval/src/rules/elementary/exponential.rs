@@ -1,0 +1,224 @@
+//! The exponential, powers with a real exponent, and the cube root.
+
+use super::logarithm::Base;
+use super::sum::{Near, Sum};
+use super::wide::{LN_2_HI, LN_2_LO, Text};
+use crate::machine::{Format, Machine};
+
+const F64: Format = Format::F64;
+/// Clears all but 17 bits of a significand, so that a cube is exact.
+const UPPER_THIRD: u64 = !((1 << 36) - 1);
+/// Exponents beyond this saturate a power of any base but 1, and products with a logarithm are floats.
+const HUGE_EXPONENT: f64 = f64::from_bits((1023 + 600) << 52); // 2^600
+
+impl<M: Machine> Text<'_, M> {
+    /// `[−lo, hi]` of the exponential of `[−lo, hi]`; infinite ends are allowed.
+    pub(crate) fn exp(&mut self, [neg_lo, hi]: [M::V; 2]) -> [M::V; 2] {
+        let lo = self.m.neg(neg_lo);
+        match self.target {
+            Format::F32 => {
+                let slack = EXP_ERROR_F32;
+                let (down, up) = (self.number(-(1.0 - slack)), self.number(1.0 + slack));
+                [self.exp_times(lo, down), self.exp_times(hi, up)]
+            }
+            Format::F64 => {
+                let (at_lo, at_hi) = (self.exp_of(lo.into()), self.exp_of(hi.into()));
+                [self.negated_lower(&at_lo), self.upper(&at_hi)]
+            }
+        }
+    }
+
+    /// exp(x), near enough.
+    pub(crate) fn exp_near(&mut self, x: impl Into<Sum<M::V>>) -> M::V {
+        let x = x.into();
+        match self.target {
+            Format::F32 => {
+                let one = self.number(1.0);
+                self.exp_times(x.head, one)
+            }
+            Format::F64 => {
+                let near = self.exp_of(x);
+                self.value(&near)
+            }
+        }
+    }
+
+    /// k and x − k·ln 2 for the nearest k, |x − k·ln 2| ≤ 0.3467; x is limited to between `least` and `most`.
+    fn exponent_and_rest(&mut self, x: Sum<M::V>, [least, most]: [f64; 2]) -> (M::V, Sum<M::V>) {
+        let (least, most) = (self.number(least), self.number(most));
+        let head = self.m.max(x.head, least);
+        let head = self.m.min(head, most);
+        let log2_e = self.number(std::f64::consts::LOG2_E);
+        let scaled = self.m.mul(head, log2_e);
+        let k = self.m.nearest(scaled);
+        // The first product and difference are exact; the second product errs by 2⁻⁸³.
+        let rest = self.subtract_multiple(head, k, LN_2_HI);
+        if !self.has_tails() {
+            return (k, self.subtract_multiple(rest, k, LN_2_LO).into());
+        }
+        let minus_lo = self.number(-LN_2_LO);
+        let low = self.m.mul(k, minus_lo);
+        let mut rest = self.plus(rest, low);
+        if let (Some(a), Some(b)) = (rest.tail, x.tail) {
+            // Of a limited x, nothing but the limit counts.
+            let unlimited = self.m.eq(head, x.head);
+            let b = self.m.and(unlimited, b);
+            let tail = self.m.add(a, b);
+            // It may be many ulps of the rest, of which the higher terms take the head alone.
+            rest = self.plus(rest.head, tail);
+        }
+        (k, rest)
+    }
+
+    /// exp(x) · factor in `f32`, each operation on the product rounded up; relative error below [`EXP_ERROR_F32`].
+    fn exp_times(&mut self, x: M::V, factor: M::V) -> M::V {
+        // Past these, results overflow or underflow the target whatever x is.
+        let (k, r) = self.exponent_and_rest(x.into(), [-160.0, 128.0]);
+        // |r| ≤ 0.3467: the tail r¹⁰/10! is below 2⁻³⁷.
+        let mantissa = self.series(r.head, &reciprocal_factorials(10, 0));
+        let product = self.m.mul(mantissa, factor);
+        let power = self.power_of_two(k);
+        self.m.mul(product, power)
+    }
+
+    /// exp(x) in `f64`. Relative error below 2⁻⁵⁵.
+    ///
+    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on are rounded to a lane: 0.0072, to six ulps, over 0.707:
+    /// 0.061 · 2⁻⁵². The tail of x is at most a few ulps of it, where the result is a float.
+    pub(super) fn exp_of(&mut self, x: Sum<M::V>) -> Near<M::V> {
+        let (k, r) = self.exponent_and_rest(x, [-760.0, 720.0]);
+        let (one, half) = (self.number(1.0), self.number(0.5));
+        let square = self.times(r, r);
+        let square_half = self.scaled(square, half);
+        let later = self.series(r.head, &reciprocal_factorials(12, 3));
+        let later = self.m.mul(later, r.head);
+        let later = self.m.mul(later, square.head);
+        let sum = self.plus(one, r);
+        let sum = self.plus(sum, square_half);
+        let sum = self.plus(sum, later);
+        Near { exponent: Some(k), ..Near::new(sum, 2f64.powi(-55)) }
+    }
+
+    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. Relative error of an exponential with
+    /// exponent e below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
+    ///
+    /// The exponents are the products of the ends of ln a and b, with the relative error 2⁻⁶⁰ of the logarithm; the
+    /// extreme ones are picked by head, then tail.
+    pub(crate) fn power(&mut self, a: [M::V; 2], [b_neg_lo, b_hi]: [M::V; 2]) -> [M::V; 2] {
+        let b_lo = self.m.neg(b_neg_lo);
+        let ln = a.map(|a| self.ln(a, Base::E).sum);
+        let mut products = Vec::new();
+        for ln in ln {
+            for b in [b_lo, b_hi] {
+                let product = self.times_limited(ln, b);
+                let tail = product.tail.expect("f64 has tails");
+                products.push(self.plus(product.head, tail));
+            }
+        }
+        let first = products[0];
+        let (mut lo, mut hi) = (first, first);
+        for &product in &products[1..] {
+            let below = self.precedes(product, lo);
+            lo = self.choose(below, product, lo);
+            let above = self.precedes(hi, product);
+            hi = self.choose(above, product, hi);
+        }
+        let [lo, hi] = [lo, hi].map(|exponent| {
+            let near = self.exp_of(exponent);
+            let magnitude = self.m.abs(exponent.head);
+            // Beyond this the result is 0 or ∞, and its bounds are as good with any error.
+            let limit = self.number(1024.0);
+            let magnitude = self.m.min(magnitude, limit);
+            let relative = self.number(2f64.powi(-59));
+            let extra = self.m.mul(magnitude, relative);
+            Near { extra: Some(extra), ..near }
+        });
+        [self.negated_lower(&lo), self.upper(&hi)]
+    }
+
+    /// A logarithm times an exponent, which in `f64` is limited to [`HUGE_EXPONENT`].
+    pub(crate) fn times_limited(&mut self, ln: Sum<M::V>, mut b: M::V) -> Sum<M::V> {
+        if self.has_tails() {
+            let (least, most) = (self.number(-HUGE_EXPONENT), self.number(HUGE_EXPONENT));
+            b = self.m.max(b, least);
+            b = self.m.min(b, most);
+        }
+        self.times(ln, b)
+    }
+
+    /// The mask a < b for sums whose heads are rounded up.
+    fn precedes(&mut self, a: Sum<M::V>, b: Sum<M::V>) -> M::V {
+        let zero = self.number(0.0);
+        let less = self.m.lt(a.head, b.head);
+        let same = self.m.eq(a.head, b.head);
+        let (a, b) = (a.tail.unwrap_or(zero), b.tail.unwrap_or(zero));
+        let smaller = self.m.lt(a, b);
+        let tie = self.m.and(same, smaller);
+        self.m.or(less, tie)
+    }
+
+    /// ∛x, odd in x, for finite x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶³ in `f64`.
+    pub(crate) fn cbrt(&mut self, x: M::V) -> Near<M::V> {
+        let magnitude = self.m.abs(x);
+        if !self.has_tails() {
+            // A Newton step squares the error of the guess.
+            let guess = self.cbrt_guess(magnitude);
+            let square = self.m.mul(guess, guess);
+            let ratio = self.m.div(magnitude, square);
+            let excess = self.m.sub(ratio, guess);
+            let third = self.number(1.0 / 3.0);
+            let correction = self.m.mul(excess, third);
+            let root = self.m.add(guess, correction);
+            return Near::new(self.odd_cbrt(root.into(), x), 2f64.powi(-34));
+        }
+        // |x| = 8ʲ·y, where whatever j is, y is exact.
+        let (k, m) = self.significand(magnitude);
+        let (third, three) = (self.number(1.0 / 3.0), self.number(3.0));
+        let exponent = self.m.mul(k, third);
+        let exponent = self.m.floor(exponent);
+        let whole = self.m.mul(exponent, three);
+        let rest = self.m.sub(k, whole);
+        let power = self.power_of_two(rest);
+        let y = self.m.mul(m, power);
+        // A guess g of 17 bits has an exact cube, and so is y − g³. Then ∛y = g·∛(1 + w), w = (y − g³)/g³ ≤ 2⁻¹⁴: the tail
+        // of the series is below 2⁻⁷², and its terms, below 2⁻¹⁵, are right to 2⁻⁵⁰.
+        let guess = Text { m: self.m, target: Format::F32 }.cbrt_guess(y);
+        let mask = self.m.bits(F64, UPPER_THIRD);
+        let guess = self.m.and(guess, mask);
+        let cube = self.m.mul(guess, guess);
+        let cube = self.m.mul(cube, guess);
+        let excess = self.m.sub(y, cube);
+        let w = self.m.div(excess, cube);
+        let terms = self.series(w, &[1.0 / 3.0, -1.0 / 9.0, 5.0 / 81.0, -10.0 / 243.0]);
+        let terms = self.m.mul(terms, w);
+        let terms = self.m.mul(terms, guess);
+        let root = self.plus(guess, terms);
+        let root = self.odd_cbrt(root, x);
+        Near { exponent: Some(exponent), ..Near::new(root, 2f64.powi(-63)) }
+    }
+
+    /// ∛x for x > 0 to 2⁻³² or so: exp(ln x / 3).
+    fn cbrt_guess(&mut self, x: M::V) -> M::V {
+        let third = self.number(1.0 / 3.0);
+        let ln = self.ln(x, Base::E).sum.head;
+        let exponent = self.m.mul(ln, third);
+        self.exp_near(exponent)
+    }
+
+    /// A cube root with the sign of x, and 0 at 0.
+    fn odd_cbrt(&mut self, root: Sum<M::V>, x: M::V) -> Sum<M::V> {
+        let sign = self.sign_of(x);
+        let signed = self.flipped(root, sign);
+        let zero = self.number(0.0);
+        let is_zero = self.m.eq(x, zero);
+        self.choose(is_zero, x.into(), signed)
+    }
+}
+
+/// A bound on the relative error of [`Text::exp_times`]: truncation 2⁻³⁷ and rounding.
+const EXP_ERROR_F32: f64 = f64::from_bits((1023 - 34) << 52);
+
+/// 1 / (first + n)! for n = 0…terms − 1.
+fn reciprocal_factorials(terms: u32, first: u32) -> Vec<f64> {
+    (0..terms).map(|n| 1.0 / (1..=first + n).map(f64::from).product::<f64>()).collect()
+}

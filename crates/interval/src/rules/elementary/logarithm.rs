@@ -1,0 +1,260 @@
+//! Logarithms, and the inverse hyperbolic functions, which are logarithms: ln, log2, log10, asinh, acosh, atanh.
+//!
+//! A number is 2ᵏ·m with √½ ≤ m < √2, and ln m = 2 artanh s with s = (m − 1)/(m + 1), |s| ≤ 0.1716. Where the number is
+//! 1 + u, k = 0 leaves s = u/(2 + u), so that small u lose nothing.
+
+use super::sum::{Near, Sum};
+use super::wide::{LN_2_HI, LN_2_LO, Text};
+use crate::machine::{Format, Machine};
+
+const F64: Format = Format::F64;
+/// Bits of the double nearest to √½, and of 1.
+const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
+const ONE: u64 = 0x3ff0_0000_0000_0000;
+/// From here on (2³⁰), in `f64`, asinh x and acosh x are ln 2x to 2⁻⁶⁶.
+const LARGE: f64 = 1_073_741_824.0;
+/// Above every `f32`; its square is a float.
+const BEYOND_F32: f64 = f64::from_bits((1023 + 200) << 52); // 2^200
+
+/// Lanes beyond [`LARGE`].
+#[derive(Clone, Copy)]
+struct Large<V> {
+    /// Their mask.
+    lanes: V,
+    /// Finite.
+    x: V,
+}
+
+/// The base of a logarithm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Base {
+    E,
+    Two,
+    Ten,
+}
+
+impl Base {
+    /// The logarithm of 2 as two parts, of which the first has at most 41 bits, so that its product with an exponent is
+    /// exact.
+    fn of_two(self) -> [f64; 2] {
+        match self {
+            Self::E => [LN_2_HI, LN_2_LO],
+            Self::Two => [1.0, 0.0],
+            Self::Ten => [LOG10_2_HI, LOG10_2_LO],
+        }
+    }
+
+    /// The logarithm of e as two parts; `None` for 1.
+    fn of_e(self) -> Option<[f64; 2]> {
+        match self {
+            Self::E => None,
+            Self::Two => Some([std::f64::consts::LOG2_E, LOG2_E_TAIL]),
+            Self::Ten => Some([std::f64::consts::LOG10_E, LOG10_E_TAIL]),
+        }
+    }
+}
+
+/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶; `LOG10_2_HI` has 41 bits. The constants are compared with the
+/// numbers they split in the tests.
+const LOG10_2_HI: f64 = f64::from_bits(0x3fd3_4413_509f_7000);
+const LOG10_2_LO: f64 = f64::from_bits(0x3d43_fde6_23e2_566b);
+/// What the doubles nearest to log₂ e, log₁₀ e and 1/3 lack.
+const LOG2_E_TAIL: f64 = f64::from_bits(0x3c77_77d0_ffda_0d24);
+const LOG10_E_TAIL: f64 = f64::from_bits(0x3c69_5355_baaa_fad3);
+const ONE_THIRD_TAIL: f64 = f64::from_bits(0x3c75_5555_5555_5555);
+
+impl<M: Machine> Text<'_, M> {
+    /// The logarithm of finite x > 0. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
+    ///
+    /// In `f64` only [`Text::twice_artanh`] errs above 2⁻⁷⁰. It is at most half as large as the sum with k·ln 2.
+    pub(crate) fn ln(&mut self, x: M::V, base: Base) -> Near<M::V> {
+        let (k, m) = self.significand(x);
+        let one = self.number(1.0);
+        let f = self.m.sub(m, one);
+        let ln = self.ln_of_parts(k, f.into(), base);
+        Near::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
+    }
+
+    /// x > 0 as 2ᵏ·m with √½ ≤ m < √2, exactly: k and m.
+    pub(super) fn significand(&mut self, x: M::V) -> (M::V, M::V) {
+        let (x, offset) = match self.target {
+            Format::F32 => (x, None), // every positive f32 is a normal f64
+            Format::F64 => {
+                let (tiny, factor) = (self.number(f64::MIN_POSITIVE), self.number(2f64.powi(64)));
+                let subnormal = self.m.lt(x, tiny);
+                let scaled = self.m.mul(x, factor);
+                let bits = self.number(-64.0);
+                (self.m.select(subnormal, scaled, x), Some(self.m.and(subnormal, bits)))
+            }
+        };
+        // Shift the bits so that the exponent field steps at √½.
+        let shift = self.m.bits(F64, ONE - ROOT_HALF);
+        let shifted = self.m.int_add(x, shift);
+        let exponent = self.m.shift_right(shifted, 52);
+        let magic = self.number(4_503_599_627_370_496.0);
+        let k = self.m.or(exponent, magic);
+        let bias = self.number(4_503_599_627_370_496.0 + 1023.0);
+        let mut k = self.m.sub(k, bias);
+        if let Some(offset) = offset {
+            k = self.m.add(k, offset);
+        }
+        let field = self.m.bits(F64, 0xfff0_0000_0000_0000);
+        let power = self.m.and(shifted, field);
+        let m = self.m.int_sub(x, power);
+        let one_bits = self.m.bits(F64, ONE);
+        (k, self.m.int_add(m, one_bits))
+    }
+
+    /// The logarithm of 2ᵏ(1 + f) for √½ ≤ 1 + f ≤ √2.
+    fn ln_of_parts(&mut self, k: M::V, f: Sum<M::V>, base: Base) -> Sum<M::V> {
+        let two = self.number(2.0);
+        let below = self.plus(two, f);
+        let s = self.over(f, below);
+        self.ln_of_quotient(k, s, base)
+    }
+
+    /// The logarithm of 2ᵏ(1 + s)/(1 − s) for |s| ≤ 0.1716.
+    fn ln_of_quotient(&mut self, k: M::V, s: Sum<M::V>, base: Base) -> Sum<M::V> {
+        let mut ln = self.twice_artanh(s);
+        if let Some(scale) = base.of_e() {
+            let scale = self.constant(scale);
+            ln = self.times(ln, scale);
+        }
+        let [unit, rest] = base.of_two();
+        let unit = self.number(unit);
+        let main = self.m.mul(k, unit);
+        if rest == 0.0 {
+            return self.plus(main, ln);
+        }
+        let rest = self.number(rest);
+        let rest = self.m.mul(k, rest);
+        if self.has_tails() {
+            let sum = self.plus(main, ln);
+            return self.plus(sum, rest);
+        }
+        let rest = self.plus(rest, ln);
+        self.plus(main, rest)
+    }
+
+    /// 2 artanh s for |s| ≤ 0.1716, to 2⁻³⁶ in `f32`, 2⁻⁶¹ in `f64`.
+    ///
+    /// s² ≤ 0.02944, so the tails of the series are below 2⁻³⁹ and 2⁻⁶⁵. In `f64` only the terms from z²/5 on are
+    /// rounded to a lane: 0.00018 of s, to 2⁻⁵² five times.
+    fn twice_artanh(&mut self, s: Sum<M::V>) -> Sum<M::V> {
+        let terms = self.pick(6, 11);
+        if self.has_tails() {
+            let coefficients: Vec<f64> =
+                (1..=terms).map(|n| 1.0 / (2.0 * f64::from(n) + 1.0)).collect();
+            let half = self.odd_series(s, ONE_THIRD_TAIL, &coefficients);
+            let two = self.number(2.0);
+            return self.scaled(half, two);
+        }
+        let z = self.m.mul(s.head, s.head);
+        let coefficients: Vec<f64> =
+            (1..=terms).map(|n| 2.0 / (2.0 * f64::from(n) + 1.0)).collect();
+        let tail = self.series(z, &coefficients);
+        let tail = self.m.mul(tail, z);
+        let two = self.number(2.0);
+        let sum = self.m.add(tail, two);
+        self.m.mul(sum, s.head).into()
+    }
+
+    /// ln(1 + u) for 0 ≤ u; ln 2x in the lanes that are `large`.
+    fn ln_one_plus(&mut self, u: Sum<M::V>, large: Option<Large<M::V>>) -> Sum<M::V> {
+        let (one, zero) = (self.number(1.0), self.number(0.0));
+        let mut whole = self.plus_nonneg(one.into(), u);
+        if let Some(Large { lanes, x }) = large {
+            whole = self.choose(lanes, x.into(), whole);
+        }
+        let (mut k, m) = self.significand(whole.head);
+        let f = self.m.sub(m, one);
+        let mut f = Sum::from(f);
+        if let Some(tail) = whole.tail {
+            let minus_k = self.m.neg(k);
+            let power = self.power_of_two(minus_k);
+            let tail = self.m.mul(tail, power);
+            f = self.plus(f, tail);
+        }
+        // 1 + u lost digits of a small u, which is f itself.
+        let near_one = self.m.eq(k, zero);
+        let f = self.choose(near_one, u, f);
+        if let Some(Large { lanes, .. }) = large {
+            let doubled = self.m.and(lanes, one);
+            k = self.m.add(k, doubled);
+        }
+        self.ln_of_parts(k, f, Base::E)
+    }
+
+    /// x limited to [`LARGE`], and what lies beyond.
+    fn large(&mut self, x: M::V) -> (M::V, Option<Large<M::V>>) {
+        let limit = self.pick(BEYOND_F32, LARGE);
+        let limit = self.number(limit);
+        let limited = self.m.min(x, limit);
+        if !self.has_tails() {
+            return (limited, None);
+        }
+        let finite = self.number(f64::MAX);
+        let lanes = self.m.lt(limit, x);
+        let x = self.m.min(x, finite);
+        (limited, Some(Large { lanes, x }))
+    }
+
+    /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Relative error below 2⁻³⁴ in `f32`,
+    /// 2⁻⁶⁰ in `f64`: u has 2⁻⁶⁹, and the logarithm no more than that of [`Text::ln`].
+    pub(crate) fn asinh(&mut self, x: M::V) -> Near<M::V> {
+        let magnitude = self.m.abs(x);
+        let (t, large) = self.large(magnitude);
+        let one = self.number(1.0);
+        let square = self.times(t, t);
+        let below = self.plus_nonneg(one.into(), square);
+        let below = self.root(below);
+        let below = self.plus(below, one);
+        let excess = self.over(square, below);
+        let u = self.plus(t, excess);
+        let ln = self.ln_one_plus(u, large);
+        let sign = self.sign_of(x);
+        let ln = self.flipped(ln, sign);
+        let ln = self.or_tiny(x, ln);
+        Near::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
+    }
+
+    /// acosh x for finite x ≥ 1: ln(1 + u) for u = x − 1 + √((x − 1)(x + 1)). Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰
+    /// in `f64`, as for asinh; exactly 0 at 1.
+    pub(crate) fn acosh(&mut self, x: M::V) -> Near<M::V> {
+        let (x, large) = self.large(x);
+        let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+        let (below, above) = (self.plus(x, minus_one), self.plus(x, one));
+        let product = self.times(below, above);
+        let root = self.root(product);
+        let u = self.plus(root, below);
+        let ln = self.ln_one_plus(u, large);
+        Near::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
+    }
+
+    /// atanh x for |x| < 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
+    ///
+    /// With (1 + |x|)/(1 − |x|) = 2ᵏ·m, s = ((1 + |x|) − 2ᵏ(1 − |x|)) / ((1 + |x|) + 2ᵏ(1 − |x|)), and for k = 0
+    /// it is |x| itself.
+    pub(crate) fn atanh(&mut self, x: M::V) -> Near<M::V> {
+        let t = self.m.abs(x);
+        let (one, zero, minus_t) = (self.number(1.0), self.number(0.0), self.m.neg(t));
+        let (above, below) = (self.plus(one, t), self.plus(one, minus_t));
+        let ratio = self.m.div(above.head, below.head);
+        let (k, _) = self.significand(ratio);
+        let power = self.power_of_two(k);
+        let below = self.scaled(below, power);
+        // The heads are within a factor of 2 of one another, so their difference is exact.
+        let minus_below = self.opposite(below);
+        let (difference, sum) = (self.plus(above, minus_below), self.plus_nonneg(above, below));
+        let s = self.over(difference, sum);
+        let near_zero = self.m.eq(k, zero);
+        let s = self.choose(near_zero, t.into(), s);
+        let twice = self.ln_of_quotient(k, s, Base::E);
+        let half = self.number(0.5);
+        let atanh = self.scaled(twice, half);
+        let sign = self.sign_of(x);
+        let atanh = self.flipped(atanh, sign);
+        let atanh = self.or_tiny(x, atanh);
+        Near::new(atanh, self.pick(2f64.powi(-34), 2f64.powi(-60)))
+    }
+}

@@ -1,0 +1,242 @@
+//! Functions that only rise or fall, at most after taking the magnitude: bounds from the texts at two ends.
+
+use super::logarithm::Base;
+use super::sum::Near;
+use super::wide::{Text, by_halves};
+use crate::bounds::Interval;
+use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::machine::{Format, Machine};
+use crate::rules::Rule;
+
+impl<M: Machine> Rule<'_, M> {
+    /// −lo and hi of a function from approximations at the two operands where it is least and greatest.
+    fn bounds_at(
+        &mut self,
+        [least, greatest]: [M::V; 2],
+        mut f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+    ) -> [M::V; 2] {
+        let target = self.format;
+        match target {
+            Format::F64 => {
+                let [[neg_lo, _], [_, hi]] = self.m.repeat([[least], [greatest]], |m, [x]| {
+                    let mut text = Text { m, target };
+                    let near = f(&mut text, x);
+                    [text.negated_lower(&near), text.upper(&near)]
+                });
+                [neg_lo, hi]
+            }
+            Format::F32 => {
+                let ([l0, l1], [h0, h1]) = (self.m.widen(least), self.m.widen(greatest));
+                let mut error = 0.0;
+                let [l0, l1, h0, h1] = self.m.repeat([[l0], [l1], [h0], [h1]], |m, [x]| {
+                    let near = f(&mut Text { m, target }, x);
+                    error = near.error;
+                    [near.sum.head]
+                });
+                let mut text = Text { m: self.m, target };
+                let lower = [l0, l1].map(|[x]| text.negated_lower(&Near::new(x.into(), error)));
+                let upper = [h0, h1].map(|[x]| text.upper(&Near::new(x.into(), error)));
+                [self.m.narrow(lower), self.m.narrow(upper)]
+            }
+        }
+    }
+
+    /// Bounds of an increasing function that is defined everywhere.
+    fn increasing(
+        &mut self,
+        a: &Operand<M::V>,
+        f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+    ) -> Enclosure<M::V> {
+        let ends = [self.m.neg(a.value.neg_lo), a.value.hi];
+        let [neg_lo, hi] = self.bounds_at(ends, f);
+        Enclosure { neg_lo, hi, ..a.value }
+    }
+
+    /// Bounds of an increasing function that is unbounded where its operand is, from those of finite approximations.
+    fn unbounded_with(&mut self, a: &Operand<M::V>, bounds: Enclosure<M::V>) -> Enclosure<M::V> {
+        if a.range.is_bounded() {
+            return bounds;
+        }
+        let infinity = self.infinity();
+        let mut keep = |end: M::V, bound: M::V| {
+            let unbounded = self.m.eq(end, infinity);
+            self.m.select(unbounded, infinity, bound)
+        };
+        Enclosure {
+            neg_lo: keep(a.value.neg_lo, bounds.neg_lo),
+            hi: keep(a.value.hi, bounds.hi),
+            ..bounds
+        }
+    }
+
+    pub(in crate::rules) fn exp(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let ends = [a.value.neg_lo, a.value.hi];
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, ends| text.exp(ends));
+        Enclosure { neg_lo, hi, ..a.value }
+    }
+
+    pub(in crate::rules) fn logarithm(&mut self, a: &Operand<M::V>, base: Base) -> Enclosure<M::V> {
+        let ends = self.positive_ends(a);
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [lo, hi]| {
+            let (at_lo, at_hi) = (text.ln(lo, base), text.ln(hi, base));
+            [text.negated_lower(&at_lo), text.upper(&at_hi)]
+        });
+        let (neg_lo, hi) = self.logarithm_ends(a, neg_lo, hi);
+        let (nowhere, throughout) = self.positive(a);
+        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+    }
+
+    /// (lo, hi) raised to the least positive number of the format, where a logarithm can start.
+    pub(in crate::rules) fn positive_ends(&mut self, a: &Operand<M::V>) -> [M::V; 2] {
+        let lo = self.lo(&a.value);
+        if a.range.lo > 0.0 {
+            return [lo, a.value.hi];
+        }
+        let least = self.least_positive();
+        [self.m.max(lo, least), self.m.max(a.value.hi, least)]
+    }
+
+    /// Bounds of a logarithm from those over [`Self::positive_ends`]: −∞ from a lower end at or below 0, +∞ from an
+    /// infinite upper one.
+    fn logarithm_ends(
+        &mut self,
+        a: &Operand<M::V>,
+        mut neg_lo: M::V,
+        mut hi: M::V,
+    ) -> (M::V, M::V) {
+        let infinity = self.infinity();
+        if a.range.lo <= 0.0 {
+            let zero = self.zero();
+            let from_zero = self.m.le(zero, a.value.neg_lo);
+            neg_lo = self.m.select(from_zero, infinity, neg_lo);
+        }
+        if a.range.hi == f64::INFINITY {
+            let unbounded = self.m.eq(a.value.hi, infinity);
+            hi = self.m.select(unbounded, infinity, hi);
+        }
+        (neg_lo, hi)
+    }
+
+    pub(in crate::rules) fn cbrt(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let bounds = self.increasing(a, |text, x| text.cbrt(x));
+        self.unbounded_with(a, bounds)
+    }
+
+    pub(in crate::rules) fn atan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        self.increasing(a, |text, x| text.atan(x))
+    }
+
+    pub(in crate::rules) fn asin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let (nowhere, throughout) = self.between(a, -1.0, 1.0);
+        let ends = self.limited_ends(a, -1.0, 1.0);
+        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.asin(x));
+        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+    }
+
+    pub(in crate::rules) fn acos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let (nowhere, throughout) = self.between(a, -1.0, 1.0);
+        let [lo, hi] = self.limited_ends(a, -1.0, 1.0);
+        let [neg_lo, hi] = self.bounds_at([hi, lo], |text, x| text.acos(x));
+        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+    }
+
+    pub(in crate::rules) fn sinh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        self.increasing(a, |text, x| text.sinh(x))
+    }
+
+    pub(in crate::rules) fn cosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let least = self.neg_mignitude(a);
+        let ends = [least, self.magnitude(a)];
+        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.cosh(x));
+        // No value is below 1.
+        let minus_one = self.number(-1.0);
+        Enclosure { neg_lo: self.m.min(neg_lo, minus_one), hi, ..a.value }
+    }
+
+    pub(in crate::rules) fn tanh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let bounds = self.increasing(a, |text, x| text.tanh(x));
+        // No value is beyond ±1.
+        let one = self.number(1.0);
+        let (neg_lo, hi) = (self.m.min(bounds.neg_lo, one), self.m.min(bounds.hi, one));
+        Enclosure { neg_lo, hi, ..bounds }
+    }
+
+    pub(in crate::rules) fn asinh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let bounds = self.increasing(a, |text, x| text.asinh(x));
+        self.unbounded_with(a, bounds)
+    }
+
+    pub(in crate::rules) fn acosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let (nowhere, throughout) = self.between(a, 1.0, f64::INFINITY);
+        let ends = self.limited_ends(a, 1.0, f64::INFINITY);
+        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.acosh(x));
+        let (neg_lo, hi) = (neg_lo, self.infinite_from(a, f64::INFINITY, hi));
+        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+    }
+
+    pub(in crate::rules) fn atanh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
+        let below_one = match self.format {
+            Format::F32 => f64::from(1.0_f32.next_down()),
+            Format::F64 => 1.0_f64.next_down(),
+        };
+        let ends = self.limited_ends(a, -below_one, below_one);
+        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.atanh(x));
+        let hi = self.infinite_from(a, 1.0, hi);
+        let neg_lo = self.infinite_from(&a.negated(), 1.0, neg_lo);
+        let (nowhere, throughout) = self.between_ones(a);
+        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+    }
+
+    /// `bound`, but +∞ where the upper end is `limit` or more.
+    fn infinite_from(&mut self, a: &Operand<M::V>, limit: f64, bound: M::V) -> M::V {
+        if a.range.hi < limit {
+            return bound;
+        }
+        let (limit, infinity) = (self.number(limit), self.infinity());
+        let reached = self.m.le(limit, a.value.hi);
+        self.m.select(reached, infinity, bound)
+    }
+
+    /// Both ends, limited to a domain.
+    fn limited_ends(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> [M::V; 2] {
+        let ends = [self.lo(&a.value), a.value.hi];
+        if (Interval { lo: least, hi: most }).encloses(a.range) {
+            return ends;
+        }
+        let (least, most) = (self.number(least), self.number(most));
+        ends.map(|end| {
+            let end = self.m.max(end, least);
+            self.m.min(end, most)
+        })
+    }
+
+    /// Lanes where an operand is entirely outside a domain with these ends, and those where it is entirely inside.
+    fn between(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> (Fact<M::V>, Fact<M::V>) {
+        if (Interval { lo: least, hi: most }).encloses(a.range) {
+            return (Fact::False, Fact::True);
+        }
+        let (above, below) = (self.number(-least), self.number(-most));
+        let (least, most) = (self.number(least), self.number(most));
+        let outside = [self.m.lt(a.value.hi, least), self.m.lt(a.value.neg_lo, below)];
+        let inside = [self.m.le(a.value.neg_lo, above), self.m.le(a.value.hi, most)];
+        self.domain(outside, inside)
+    }
+
+    /// The same for the domain from −1 to 1 without its ends.
+    fn between_ones(&mut self, a: &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>) {
+        if a.range.lo > -1.0 && a.range.hi < 1.0 {
+            return (Fact::False, Fact::True);
+        }
+        let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+        let ends = [a.value.neg_lo, a.value.hi];
+        let outside = ends.map(|end| self.m.le(end, minus_one));
+        let inside = ends.map(|end| self.m.lt(end, one));
+        self.domain(outside, inside)
+    }
+
+    fn domain(&mut self, outside: [M::V; 2], inside: [M::V; 2]) -> (Fact<M::V>, Fact<M::V>) {
+        let nowhere = self.m.or(outside[0], outside[1]);
+        let throughout = self.m.and(inside[0], inside[1]);
+        (Fact::Lanes(nowhere), Fact::Lanes(throughout))
+    }
+}

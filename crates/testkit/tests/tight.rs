@@ -1,0 +1,189 @@
+//! Software enclosures in `f64` at points: they hold the correctly rounded value, and are as tight as each function's
+//! text says.
+//!
+//! What is true comes from `core-math` alone. Operands are seeded: all exponents, all of the range where a function
+//! bends, and the places where texts go wrong: zeros and poles, ends of domains, edges of overflow and underflow.
+
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use zeroset_interval::{Facts, Interval, fold};
+use zeroset_ops::Op;
+use zeroset_testkit::Rng;
+
+const SEED: u64 = 0x0071_9475;
+const POINTS: usize = 100_000;
+
+/// A function, its correctly rounded value, where operands are drawn, and the most ulps by which an enclosure may be
+/// wider than the tightest.
+struct Case {
+    op: Op,
+    truth: fn(f64) -> f64,
+    hard: &'static [f64],
+    most: u64,
+}
+
+fn cases() -> Vec<Case> {
+    let case = |op, truth, hard, most| Case { op, truth, hard, most };
+    vec![
+        case(Op::Cbrt, core_math::cbrt, &[1.0, 8.0, 27.0, 1e-310], 2),
+        case(Op::Exp, core_math::exp, &[0.0, 709.78, -708.4, -745.1, 0.3466, 1.0397], 4),
+        case(Op::Ln, core_math::log, &[1.0, SQRT_2, FRAC_1_SQRT_2, 1e-310], 4),
+        case(Op::Log2, core_math::log2, &[1.0, SQRT_2, 8.0, 0.125, 1e-310], 4),
+        case(Op::Log10, core_math::log10, &[1.0, 1000.0, 0.01, 1e-310], 4),
+        case(Op::Asin, core_math::asin, &[0.0, 0.5, 1.0, 1e-310], 4),
+        case(Op::Acos, core_math::acos, &[0.0, 0.5, 1.0, -0.5, -1.0], 4),
+        case(Op::Atan, core_math::atan, &[0.0, 0.4142, 1.0, 2.4142, 1e300, 1e-310], 4),
+        case(Op::Sinh, core_math::sinh, &[0.0, 0.3466, 1.0397, 710.4, 19.0, 1e-310], 4),
+        case(Op::Cosh, core_math::cosh, &[0.0, 0.3466, 1.0397, 710.4, 19.0, 1e-310], 4),
+        case(Op::Tanh, core_math::tanh, &[0.0, 0.3466, 1.0397, 22.0, 1e-310], 4),
+        case(Op::Asinh, core_math::asinh, &[0.0, 0.4142, 1e9, 1.1e9, 1e300, 1e-310], 4),
+        case(Op::Acosh, core_math::acosh, &[1.0, 1.1, SQRT_2, 1e9, 1.1e9, 1e300], 4),
+        case(Op::Atanh, core_math::atanh, &[0.0, 0.1716, 0.5, 1.0, -1.0, 1e-310], 4),
+    ]
+}
+
+/// A number from 0 to 1.
+fn unit(random: &mut Rng) -> f64 {
+    random.u64(..) as f64 / u64::MAX as f64
+}
+
+/// An operand: near one of the hard ones, small, or anything.
+fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
+    match random.u32(0..8) {
+        0 => f64::from_bits(random.u64(..)),
+        1 => 40.0 * unit(random) - 20.0,
+        2 => 1600.0 * unit(random) - 800.0,
+        3 => 2.0 * unit(random) - 1.0,
+        4 => {
+            // From the smallest subnormals to 1, by exponent.
+            let size = (unit(random) * 1074.0).floor() as i32;
+            (1.0 + unit(random)) * 2_f64.powi(-size / 2) * 2_f64.powi(-(size - size / 2))
+        }
+        _ => {
+            let near = hard[random.u64(0..hard.len() as u64) as usize];
+            let scale = 2_f64.powi(-random.i32(0..54));
+            near * (1.0 + (2.0 * unit(random) - 1.0) * scale)
+        }
+    }
+}
+
+/// The number of floats between 0 and `x`, with the sign of `x`.
+fn place(x: f64) -> i64 {
+    let magnitude = (x.to_bits() & (u64::MAX >> 1)) as i64;
+    if x.is_sign_negative() { -magnitude } else { magnitude }
+}
+
+/// How many floats wider than the tightest an enclosure of a value that rounds to `value` may be.
+fn excess(bounds: Interval, value: f64) -> u64 {
+    let exact = bounds.lo == bounds.hi;
+    (place(bounds.hi) - place(bounds.lo)).unsigned_abs() - u64::from(!exact && value.is_finite())
+}
+
+/// Powers: of what lies near 1, and of anything to an exponent that keeps the result a float.
+#[test]
+fn powers_of_points_are_as_tight_as_stated() {
+    let mut random = Rng::with_seed(SEED);
+    let (mut worst, mut worst_at, mut count) = (0, [0.0; 2], 0);
+    for _ in 0..POINTS {
+        let x = draw(&mut random, &[1.0, SQRT_2, FRAC_1_SQRT_2, 2.0, 1e-310]).abs();
+        let most = 750.0 / core_math::log(x).abs();
+        let y = match random.u32(0..4) {
+            0 => draw(&mut random, &[0.5, 1.0, -2.0]),
+            _ => most * (2.0 * unit(&mut random) - 1.0),
+        };
+        let (Some(base), Some(exponent)) = (Interval::point(x), Interval::point(y)) else {
+            continue;
+        };
+        if x == 0.0 {
+            continue;
+        }
+        let value = core_math::pow(x, y);
+        let (bounds, facts) = fold(Op::Pow, &[(base, Facts::TOTAL), (exponent, Facts::TOTAL)]);
+        assert_eq!(facts, Facts::TOTAL, "{x:e}^{y:e}, seed {SEED:#x}");
+        assert!(
+            bounds.lo <= value && value <= bounds.hi,
+            "{x:e}^{y:e} = {value:e} is not in {bounds:?}, seed {SEED:#x}"
+        );
+        let ulps = excess(bounds, value);
+        count += 1;
+        if ulps > worst {
+            (worst, worst_at) = (ulps, [x, y]);
+        }
+    }
+    println!("pow      worst {worst} at {worst_at:?} of {count}");
+    assert!(worst <= 64, "seed {SEED:#x}: {worst} ulp at {worst_at:?}");
+}
+
+/// Angles of points, on and next to the axes and the diagonals too, and of any size.
+#[test]
+fn angles_of_points_are_as_tight_as_stated() {
+    let mut random = Rng::with_seed(SEED);
+    let (mut worst, mut worst_at, mut count) = ([0; 2], [[0.0; 2]; 2], 0);
+    for _ in 0..POINTS {
+        let hard = [0.0, 1.0, -1.0, 1e-310, 1e300, 2f64.powi(900), 2f64.powi(-100)];
+        let x = draw(&mut random, &hard);
+        let ratio = [1.0, -1.0, 0.414_213_56, 2.414_213_56, 1e-300, 2f64.powi(-800)];
+        let y = match random.u32(0..2) {
+            0 => x * draw(&mut random, &ratio),
+            _ => draw(&mut random, &hard),
+        };
+        let (Some(a), Some(b)) = (Interval::point(y), Interval::point(x)) else { continue };
+        let (bounds, facts) = fold(Op::Atan2, &[(a, Facts::TOTAL), (b, Facts::TOTAL)]);
+        if x == 0.0 && y == 0.0 {
+            assert_eq!(facts, Facts::NOWHERE, "seed {SEED:#x}");
+            continue;
+        }
+        // A zero of either sign is above the axis.
+        let value = core_math::atan2(y + 0.0, x + 0.0);
+        assert_eq!(facts, Facts::TOTAL, "atan2({y:e}, {x:e}), seed {SEED:#x}");
+        assert!(
+            bounds.lo <= value && value <= bounds.hi,
+            "atan2({y:e}, {x:e}) = {value:e} is not in {bounds:?}, seed {SEED:#x}"
+        );
+        let ulps = excess(bounds, value);
+        count += 1;
+        let tiny = usize::from(value.abs() < 2f64.powi(-799));
+        if ulps > worst[tiny] {
+            (worst[tiny], worst_at[tiny]) = (ulps, [y, x]);
+        }
+    }
+    println!("atan2    worst {worst:?} (below 2^-799) at {worst_at:?} of {count}");
+    assert!(worst[0] <= 4 && worst[1] <= 6, "seed {SEED:#x}: {worst:?} ulp at {worst_at:?}");
+}
+
+#[test]
+fn enclosures_of_points_are_as_tight_as_stated() {
+    let mut wide = Vec::new();
+    for Case { op, truth, hard, most } in cases() {
+        let name = op.row().name;
+        let (mut worst, mut worst_at, mut sum, mut count) = (0, 0.0, 0, 0);
+        let mut random = Rng::with_seed(SEED);
+        for _ in 0..POINTS {
+            let x = draw(&mut random, hard);
+            let Some(point) = Interval::point(x) else { continue };
+            let value = truth(x);
+            let (bounds, facts) = fold(op, &[(point, Facts::TOTAL)]);
+            let has_pole = matches!(op, Op::Ln | Op::Log2 | Op::Log10 | Op::Atanh);
+            if value.is_nan() || (value.is_infinite() && has_pole) {
+                assert_eq!(facts, Facts::NOWHERE, "{name}({x:e}), seed {SEED:#x}");
+                continue;
+            }
+            assert_eq!(facts, Facts::TOTAL, "{name}({x:e}), seed {SEED:#x}");
+            assert!(
+                bounds.lo <= value && value <= bounds.hi,
+                "{name}({x:e}) = {value:e} is not in {bounds:?}, seed {SEED:#x}"
+            );
+            let ulps = excess(bounds, value);
+            count += 1;
+            sum += ulps;
+            if ulps > worst {
+                (worst, worst_at) = (ulps, x);
+            }
+        }
+        let mean = sum as f64 / f64::from(count);
+        println!("{name:8} worst {worst} at {worst_at:e}, mean {mean:.3} of {count}");
+        if worst > most {
+            wide.push(format!("{name}: {worst} ulp at {worst_at:e}, not {most}"));
+        }
+    }
+    assert!(wide.is_empty(), "seed {SEED:#x}: {wide:#?}");
+}
