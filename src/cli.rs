@@ -11,6 +11,7 @@ mod canvas;
 mod eval;
 mod explain;
 mod gallery;
+mod graphics;
 #[cfg(feature = "window")]
 mod help;
 mod interactive;

@@ -65,3 +65,14 @@ fn a_file_is_followed_while_the_prompt_waits() {
     terminal.type_in(":q\r");
     assert_eq!(terminal.ends(), 0);
 }
+
+#[test]
+fn terminals_that_take_pixels_get_them() {
+    let terminal = Terminal::start_in("xterm-kitty", &["--preview", "x^2+y^2+z^2 = 1"]);
+    terminal.shows("undecided");
+    let shown = terminal.shown();
+    // 90 columns and 30 rows, of which 4 are spared; no size in pixels is known.
+    assert!(shown.contains("\u{1b}_Ga=T,f=100,q=2,c=90,r=26,"), "no picture");
+    assert!(shown.contains("720x416"), "another size");
+    assert!(!shown.contains("@@"), "letters too");
+}

@@ -1,5 +1,8 @@
-//! Pictures in a terminal: two pixels to a character, the upper half block in one colour over the other.
+//! Pictures in a terminal: as pixels where it takes them, else two to a character, the upper half block in one colour over
+//! the other, else as letters.
 
+use super::graphics::Protocol;
+use super::output::write_png;
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use zeroset::picture::Picture;
@@ -11,26 +14,56 @@ const ROWS: usize = 24;
 const MOST_COLUMNS: usize = 120;
 /// Lines left for the prompt and what is said above it.
 const SPARE: usize = 4;
+/// Width and height of a character in pixels where the terminal does not say, and at most: what is sent stays small.
+const CHARACTER: (usize, usize) = (8, 16);
 
-/// Columns and rows of pixels that fit.
-pub fn room() -> (usize, usize) {
+/// Columns and rows of characters that a picture may take.
+fn characters() -> (usize, usize) {
     let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
     let known = super::terminal::size();
     let columns = known.map(|size| size.0).or_else(|| number("COLUMNS")).unwrap_or(COLUMNS);
     let rows = known.map(|size| size.1).or_else(|| number("LINES")).unwrap_or(ROWS);
-    let columns = columns.clamp(16, MOST_COLUMNS);
-    // A character is about twice as high as wide, so that pixels are square.
-    let rows = 2 * rows.saturating_sub(SPARE).clamp(8, MOST_COLUMNS / 2);
-    (columns, rows)
+    (columns.clamp(16, MOST_COLUMNS), rows.saturating_sub(SPARE).clamp(8, MOST_COLUMNS / 2))
+}
+
+/// How pixels are sent, if they can be.
+fn protocol() -> Option<Protocol> {
+    let detected = Protocol::detect(|name| std::env::var(name).ok());
+    detected.filter(|_| std::io::stdout().is_terminal())
+}
+
+/// Columns and rows of pixels that fit.
+pub fn room() -> (usize, usize) {
+    let (columns, rows) = characters();
+    match protocol() {
+        Some(_) => {
+            let known = super::terminal::character().unwrap_or(CHARACTER);
+            (columns * known.0.min(CHARACTER.0), rows * known.1.min(CHARACTER.1))
+        }
+        // A character is about twice as high as wide, so that pixels are square.
+        None => (columns, 2 * rows),
+    }
 }
 
 /// Prints a picture that was made to fit.
 pub fn print(picture: &Picture) {
     let coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
         && std::io::stdout().is_terminal();
-    let text = if coloured { blocks(picture) } else { letters(picture) };
+    let text = match protocol().and_then(|protocol| pixels(picture, protocol)) {
+        Some(text) => text,
+        None if coloured => blocks(picture),
+        None => letters(picture),
+    };
     // Nobody is left to tell if that fails.
     let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
+/// The picture as this protocol takes it; `None` if it cannot be packed.
+fn pixels(picture: &Picture, protocol: Protocol) -> Option<String> {
+    let mut png = Vec::new();
+    write_png(&mut png, &picture.rgb, picture.buffer.width, picture.buffer.height).ok()?;
+    let (columns, rows) = characters();
+    Some(protocol.encode(&png, columns, rows) + "\n")
 }
 
 fn pixel(picture: &Picture, x: usize, y: usize) -> [u8; 3] {

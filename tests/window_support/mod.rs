@@ -92,6 +92,13 @@ impl Terminal {
         Self::of(command, arguments, display)
     }
 
+    /// The same without a display, in a terminal of this kind.
+    pub fn start_in(kind: &str, arguments: &[&str]) -> Self {
+        let mut command = Command::new("env");
+        command.arg(format!("TERM={kind}")).arg(env!("CARGO_BIN_EXE_zeroset"));
+        Self::of(command, arguments, None)
+    }
+
     fn of(mut command: Command, arguments: &[&str], display: Option<&str>) -> Self {
         use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
         let directory = tempfile::tempdir().expect("a directory");
@@ -112,6 +119,9 @@ impl Terminal {
             .env("TERM", "xterm")
             .env("NO_COLOR", "1")
             .env_remove("DISPLAY")
+            .env_remove("KITTY_WINDOW_ID")
+            .env_remove("TERM_PROGRAM")
+            .env_remove("TMUX")
             .stdin(stdio())
             .stdout(stdio())
             .stderr(stdio());
