@@ -127,15 +127,11 @@ impl<M: Machine> Rule<'_, M> {
         let within_hi = self.m.max(b.value.hi, zero);
         let neg_lo = self.m.min(direct.neg_lo, within_neg_lo);
         let hi = self.m.min(direct.hi, within_hi);
-        if part != Part::Whole {
-            // A cell that is there by rounding only has no point; its bounds are kept within those of the others.
-            let (least, most) = (self.m.neg(within_neg_lo), self.m.neg(within_hi));
-            let (neg_lo, hi) = (self.m.max(neg_lo, most), self.m.max(hi, least));
-            return Enclosure { neg_lo, hi, ..direct };
-        }
-        // Keep lo ≤ hi also in lanes that are nowhere defined.
-        let lo = self.m.neg(neg_lo);
-        let hi = self.m.max(hi, lo);
+        // A part's cell that is there by rounding only has no point, and a lane that is nowhere defined no value: what
+        // comes next may rely on their bounds, too, to be in order and within those over larger boxes.
+        let (least, most) = (self.m.neg(within_neg_lo), self.m.neg(within_hi));
+        let neg_lo = self.m.max(neg_lo, most);
+        let hi = self.m.max(hi, least);
         Enclosure { neg_lo, hi, ..direct }
     }
 }
