@@ -251,3 +251,50 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
         assert!(picture.buffer.normal.iter().flatten().all(|part| part.is_finite()));
     }
 }
+
+/// Where a gradient is infinite, undefined or 0, a painted point has a normal all the same.
+#[test]
+fn every_painted_point_has_a_normal() {
+    let unit = DVec3::splat(2.0);
+    let region = Region::new(-unit, unit).expect("a cube");
+    for formula in [
+        "sqrt(x^2+y^2) - z",
+        "x^2+y^2 - z^2",
+        "abs(x) - z",
+        "abs(abs(x) - abs(y)) - z",
+        "cbrt(x) - y",
+        "x^(1/3) - y",
+        "x^1.5 - y",
+        "sqrt(x) - y",
+        "sqrt(1-x^2-y^2) - z",
+        "sqrt(abs(x)) + z",
+        "(x^2+y^2+z^2-1)^2",
+        "abs(x^2+y^2+z^2-1)",
+        "max(x, y, z) - 1",
+        "x*(1/x) - 1",
+        "sign(x) - y",
+        "floor(x) > 0.5 and y < 1",
+        "sqrt(x) < 1",
+        "atan2(y, x) - z",
+        "x^y - z",
+        "y/x - z",
+    ] {
+        let document = zeroset_syntax::read(formula, &Options::default()).expect("reads");
+        // From the front, rays meet kinks and edges exactly.
+        for eye in [DVec3::new(4.0, -6.0, 3.0), DVec3::new(0.0, -8.0, 0.0)] {
+            let projection = Projection::Perspective { fov: 40.0 };
+            let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
+            let settings = Settings { width: SIDE + 1, height: SIDE + 1, ..settings() };
+            let picture = render(&document, &region, &camera, &settings, &|_, _| {});
+            let buffer = picture.expect("a picture").buffer;
+            let mut painted = 0;
+            for (drawn, normal) in buffer.drawn.iter().zip(&buffer.normal) {
+                let normal = DVec3::from_array(normal.map(f64::from));
+                let length = if drawn.is_finite() { 1.0 } else { 0.0 };
+                assert!((normal.length() - length).abs() < 1e-5, "{formula}: {normal}");
+                painted += usize::from(drawn.is_finite());
+            }
+            assert!(painted > 20, "{formula} from {eye}: {painted}");
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! From a tape to native code.
 
 use crate::code::Code;
+use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, VECTOR, Vector, type_of};
 use crate::rounding::Entry;
@@ -52,6 +53,10 @@ impl Kind {
 
 /// Operations in one kernel, at most: beyond this even the fast tier takes too long.
 const LIMIT: usize = 20_000;
+/// Instructions in one kernel, at most: some operations are a hundred of them and more. So many become 2 MB of code.
+const INSTRUCTIONS: usize = 200_000;
+/// Bytes of stack that a kernel uses, at most: a quarter of what a thread has by default.
+const STACK: u32 = 512 << 10;
 /// Instructions from which on code is made fast rather than made to be fast: backtracking register allocation takes
 /// about 1.2 µs an instruction, so that larger kernels would come near 2 ms. Its code then runs up to 1.2 times as long (up to
 /// 1.7 times for polynomials, which have to be huge to get here).
@@ -85,6 +90,9 @@ fn target(tier: Tier) -> Result<OwnedTargetIsa, Error> {
                 ("enable_verifier", verifier),
                 ("unwind_info", "false"),
                 ("is_pic", "false"),
+                // Large frames must not reach past the guard page unseen.
+                ("enable_probestack", "true"),
+                ("probestack_strategy", "inline"),
             ] {
                 flags.set(name, value).ok()?;
             }
@@ -116,6 +124,7 @@ pub fn compile<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<Code, Error> {
     check_processor()?;
     let (function, constants) = build(tape, kind)?;
     let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
+    check_stack(function.fixed_stack_size())?;
     let isa = target(tier)?;
     let mut module = JITModule::new(JITBuilder::with_isa(isa, default_libcall_names()));
     let report = |error: cranelift_module::ModuleError| Error::Codegen(format!("{error:?}"));
@@ -126,6 +135,10 @@ pub fn compile<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<Code, Error> {
     let finished = module
         .define_function(id, &mut context)
         .map_err(report)
+        .and_then(|()| {
+            let layout = context.compiled_code().and_then(|code| code.buffer.frame_layout());
+            check_stack(layout.map_or(0, |layout| layout.frame_to_fp_offset))
+        })
         .and_then(|()| module.finalize_definitions().map_err(report));
     match finished {
         Ok(()) => {
@@ -142,6 +155,10 @@ pub fn compile<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<Code, Error> {
             Err(error)
         }
     }
+}
+
+fn check_stack(bytes: u32) -> Result<(), Error> {
+    if bytes > STACK { Err(Error::TooDeep { bytes, limit: STACK }) } else { Ok(()) }
 }
 
 /// The intermediate code of a kernel, as text.
@@ -202,6 +219,10 @@ fn build<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<(Function, Vec<u128>), E
     if tape.operations() > LIMIT {
         return Err(Error::TooLarge { operations: tape.operations(), limit: LIMIT });
     }
+    let instructions = length(tape, kind);
+    if instructions > INSTRUCTIONS {
+        return Err(Error::TooLong { instructions, limit: INSTRUCTIONS });
+    }
     let mut function = Function::new();
     function.signature = signature();
     let mut context = FunctionBuilderContext::new();
@@ -236,6 +257,20 @@ fn build<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<(Function, Vec<u128>), E
     builder.seal_all_blocks();
     builder.finalize(target(Tier::Optimised)?.frontend_config());
     Ok((function, pool))
+}
+
+/// The number of instructions that a kernel will hold, about.
+fn length<T: Real>(tape: &Tape<T>, kind: Kind) -> usize {
+    let mut counter = Counter::default();
+    match kind {
+        Kind::Interval => {
+            tape.enclose(&mut counter, |_, _| ((), ()), |_, _| ((), ()));
+        }
+        Kind::Point | Kind::Gradient => {
+            tape.evaluate(&mut counter, |_, _| (), |_, _| ());
+        }
+    }
+    counter.0
 }
 
 fn args(values: &[Value]) -> Vec<cranelift_codegen::ir::BlockArg> {

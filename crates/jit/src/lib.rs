@@ -5,6 +5,7 @@
 
 mod code;
 mod compiler;
+mod count;
 mod error;
 mod kernel;
 mod lanes;

@@ -2,6 +2,7 @@
 //! kernel goes on rounding to nearest.
 
 use std::hint::black_box;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use zeroset_eval::{
@@ -129,4 +130,30 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     enclose(&interval, &[]);
     assert_rounds_to_nearest();
     out[0].value[0]
+}
+
+/// A thread that panics in a kernel's own check, and goes on to compile and call, again and again, beside others.
+#[test]
+fn threads_that_panic_and_are_used_again_round_to_nearest() {
+    thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                for _ in 0..20 {
+                    assert_eq!(quotient_rounded_up::<f32>().to_bits(), 0x3f33_3334);
+                    let mut graph = Graph::new();
+                    let root = graph.variable(Axis::X);
+                    let tape = Tape::<f32>::new(&graph, &[root], &Assumptions::none(0));
+                    let kernel = NativeInterval::compile(&tape, &Binding::empty());
+                    let kernel = kernel.expect("compiles");
+                    let boxes = [BoxPacket::default(); 2];
+                    let mut short = [EnclosurePacket::default()];
+                    let call = AssertUnwindSafe(|| kernel.enclose(&boxes, &mut short));
+                    assert!(catch_unwind(call).is_err(), "the buffer is short");
+                    assert_rounds_to_nearest();
+                    assert_eq!(enclose(&kernel, &boxes).len(), 2);
+                    assert_rounds_to_nearest();
+                }
+            });
+        }
+    });
 }
