@@ -122,7 +122,9 @@ fn no_page_is_writable_and_executable() {
         })
         .collect();
     let mut out = [EnclosurePacket::default()];
-    kernels.iter().for_each(|kernel| kernel.enclose(&[BoxPacket::default()], &mut out));
+    for kernel in &kernels {
+        kernel.enclose(&[BoxPacket::default()], &mut out);
+    }
     let maps = maps();
     let both: Vec<&str> = maps
         .lines()
