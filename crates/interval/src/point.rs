@@ -42,9 +42,9 @@ pub fn evaluate<M: Machine>(
         Op::Ln => rule.logarithm_at(a, Base::E),
         Op::Log2 => rule.logarithm_at(a, Base::Two),
         Op::Log10 => rule.logarithm_at(a, Base::Ten),
-        Op::Sin => rule.angle_at(a, |text, a| text.sin(a)[0]),
-        Op::Cos => rule.angle_at(a, |text, a| text.cos(a)[0]),
-        Op::Tan => rule.angle_at(a, |text, a| text.tan(a)[0]),
+        Op::Sin => rule.angle_at(a, |text, a| text.sin(a).0),
+        Op::Cos => rule.angle_at(a, |text, a| text.cos(a).0),
+        Op::Tan => rule.angle_at(a, |text, a| text.tan(a).0),
         Op::Asin => rule.within_one_at(a, true, |text, a| text.asin(a)),
         Op::Acos => rule.within_one_at(a, true, |text, a| text.acos(a)),
         Op::Atan => rule.near_at(a, |text, a| text.atan(a)),
@@ -222,8 +222,8 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(positive, value)
     }
 
-    fn angle_at(&mut self, a: M::V, f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V) -> M::V {
-        let value = self.at_halves(a, f);
+    fn angle_at(&mut self, a: M::V, f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>) -> M::V {
+        let value = self.near_at(a, f);
         let magnitude = self.m.abs(a);
         let limit = self.number(ANGLE_LIMIT);
         let near = self.m.le(magnitude, limit);

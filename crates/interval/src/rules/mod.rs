@@ -11,7 +11,8 @@ mod step;
 
 pub(crate) use elementary::logarithm::Base;
 pub(crate) use elementary::sum::Near;
-pub(crate) use elementary::wide::{ANGLE_LIMIT, Text, by_halves};
+pub(crate) use elementary::trigonometric::ANGLE_LIMIT;
+pub(crate) use elementary::wide::{Text, by_halves};
 
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::{Format, Machine};

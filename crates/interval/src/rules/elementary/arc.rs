@@ -16,7 +16,7 @@ const THREE_QUARTERS: [f64; 2] =
 const WHOLE: [f64; 2] = [std::f64::consts::PI, f64::from_bits(0x3ca1_a626_3314_5c07)];
 /// What the doubles nearest to −1/3 and 1/6 lack.
 const MINUS_ONE_THIRD_TAIL: f64 = -f64::from_bits(0x3c75_5555_5555_5555);
-const ONE_SIXTH_TAIL: f64 = f64::from_bits(0x3c65_5555_5555_5555);
+pub(super) const ONE_SIXTH_TAIL: f64 = f64::from_bits(0x3c65_5555_5555_5555);
 /// Points farther from the origin than the first, or nearer than the second, are scaled down or up, so that sums do not
 /// overflow and no remainder underflows but of a ratio below the last, which is its own angle.
 const FAR: f64 = f64::from_bits((1023 + 900) << 52); // 2^900

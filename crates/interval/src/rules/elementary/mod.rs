@@ -1,4 +1,4 @@
-//! Trigonometric functions: bounds from the texts in [`wide`]. The functions in the files beside it are simpler, as
+//! Trigonometric functions: bounds from the texts in [`trigonometric`]. The functions in the files beside it are simpler, as
 //! they only rise or fall.
 
 mod arc;
@@ -9,13 +9,16 @@ pub(crate) mod logarithm;
 mod monotone;
 pub(crate) mod near;
 pub(crate) mod sum;
+pub(crate) mod trigonometric;
 pub(crate) mod wide;
 
 use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
-use wide::{ANGLE_LIMIT, Text, at_ends};
+use sum::Near;
+use trigonometric::{ANGLE_LIMIT, WAVE_ERROR_F32};
+use wide::{Text, at_ends};
 
 impl<M: Machine> Rule<'_, M> {
     pub(super) fn sin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -38,18 +41,28 @@ impl<M: Machine> Rule<'_, M> {
     fn wave(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V) -> [M::V; 2],
+        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
         peak: f64,
         trough: f64,
     ) -> Enclosure<M::V> {
         let one = self.number(1.0);
-        let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
-            let (least, most) = (text.m.min(lo[0], hi[0]), text.m.max(lo[0], hi[0]));
-            let [first, last] = turns(text, lo[1], hi[1], 0.25);
-            [text.above_negated(least), text.above(most), first, last]
+        let [neg_lo, hi, first, last] = match self.format {
+            Format::F32 => {
+                let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
+                    let (least, most) = (text.m.min(lo[0], hi[0]), text.m.max(lo[0], hi[0]));
+                    let [first, last] = turns(text.m, lo[1], hi[1], 0.25);
+                    let [least, most] = [least, most].map(|x| Near::new(x.into(), WAVE_ERROR_F32));
+                    [text.negated_lower(&least), text.upper(&most), first, last]
+                };
+                self.at_ends_f32(a, f, combine)
+            }
+            Format::F64 => {
+                let [lo, hi] = self.at_ends_f64(a, f);
+                let (neg_lo, most) = (self.m.max(lo[0], hi[0]), self.m.max(lo[1], hi[1]));
+                let [first, last] = turns(self.m, lo[2], hi[2], 0.25);
+                [neg_lo, most, first, last]
+            }
         };
-        let (neg_lo, hi) = (a.value.neg_lo, a.value.hi);
-        let [neg_lo, hi, first, last] = at_ends(self.m, self.format, neg_lo, hi, f, combine);
         let mut neg_lo = self.m.min(neg_lo, one);
         let mut hi = self.m.min(hi, one);
         let has_peak = self.has_turn([first, last], peak);
@@ -64,13 +77,22 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
-            let [first, last] = turns(text, lo[1], hi[1], 0.5);
-            [text.above_negated(lo[0]), text.above(hi[0]), first, last]
-        };
-        let (neg_lo, hi) = (a.value.neg_lo, a.value.hi);
         let tan = |text: &mut Text<'_, M>, x| text.tan(x);
-        let [neg_lo, hi, first, last] = at_ends(self.m, self.format, neg_lo, hi, tan, combine);
+        let [neg_lo, hi, first, last] = match self.format {
+            Format::F32 => {
+                let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
+                    let [first, last] = turns(text.m, lo[1], hi[1], 0.5);
+                    let [lo, hi] = [lo, hi].map(|[x, _]| Near::new(x.into(), WAVE_ERROR_F32));
+                    [text.negated_lower(&lo), text.upper(&hi), first, last]
+                };
+                self.at_ends_f32(a, tan, combine)
+            }
+            Format::F64 => {
+                let [lo, hi] = self.at_ends_f64(a, tan);
+                let [first, last] = turns(self.m, lo[2], hi[2], 0.5);
+                [lo[0], hi[1], first, last]
+            }
+        };
         // In half turns, there is a pole at every integer and a half.
         let pole = self.has_turn([first, last], 0.5);
         let mut free = self.not(pole);
@@ -81,6 +103,35 @@ impl<M: Machine> Rule<'_, M> {
         let neg_lo = self.m.select(free, neg_lo, infinity);
         let hi = self.m.select(free, hi, infinity);
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, Fact::False, Fact::Lanes(free))
+    }
+
+    /// `combine` of values and quarter turns at both ends.
+    fn at_ends_f32(
+        &mut self,
+        a: &Operand<M::V>,
+        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
+        combine: impl FnMut(&mut Text<'_, M>, [M::V; 2], [M::V; 2]) -> [M::V; 4],
+    ) -> [M::V; 4] {
+        let ends = [self.m.neg(a.value.neg_lo), a.value.hi];
+        let head = |text: &mut Text<'_, M>, x: M::V| {
+            let (near, quarters) = f(text, x);
+            [near.sum.head, quarters]
+        };
+        at_ends(self.m, ends, head, combine)
+    }
+
+    /// Minus a lower bound, an upper bound and quarter turns at lo and at hi.
+    fn at_ends_f64(
+        &mut self,
+        a: &Operand<M::V>,
+        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
+    ) -> [[M::V; 3]; 2] {
+        let lo = self.m.neg(a.value.neg_lo);
+        self.m.repeat([[lo], [a.value.hi]], |m, [x]| {
+            let mut text = Text { m, target: Format::F64 };
+            let (near, quarters) = f(&mut text, x);
+            [text.negated_lower(&near), text.upper(&near), quarters]
+        })
     }
 
     /// Lanes where the angle, given by [`turns`], passes j + `offset` for some integer j.
@@ -112,8 +163,8 @@ impl<M: Machine> Rule<'_, M> {
 /// Each is half a quarter off a whole number, on the side where the angle is. That side may be wrong only where the
 /// angle is nearer to whole quarters than the error of its reduction; sine and cosine have come to ±1 within their own
 /// bound there, and no float at all is so near to a pole of the tangent.
-fn turns<M: Machine>(text: &mut Text<'_, M>, lo: M::V, hi: M::V, scale: f64) -> [M::V; 2] {
-    let minus = text.m.number(Format::F64, -scale);
-    let plus = text.m.number(Format::F64, scale);
-    [text.m.mul(lo, minus), text.m.mul(hi, plus)]
+fn turns<M: Machine>(m: &mut M, lo: M::V, hi: M::V, scale: f64) -> [M::V; 2] {
+    let minus = m.number(Format::F64, -scale);
+    let plus = m.number(Format::F64, scale);
+    [m.mul(lo, minus), m.mul(hi, plus)]
 }

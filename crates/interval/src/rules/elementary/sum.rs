@@ -60,7 +60,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// The sum of two tails.
-    fn tails(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {
+    pub(super) fn tails(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {
         match (a, b) {
             (Some(a), Some(b)) => Some(self.m.add(a, b)),
             (tail, None) | (None, tail) => tail,
