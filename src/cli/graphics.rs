@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn the_picture_arrives_whole() {
-        let png: Vec<u8> = (0..10_000_u32).map(|n| (n * n >> 3) as u8).collect();
+        let png: Vec<u8> = (0..10_000_u32).map(|n| ((n * n) >> 3) as u8).collect();
         let text = Protocol::Kitty.encode(&png, 40, 20);
         let mut data = String::new();
         let parts: Vec<&str> = text.split_terminator("\x1b\\").collect();

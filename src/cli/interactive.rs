@@ -28,6 +28,9 @@ use zeroset_trace::{HalfSpace, MAX_DEPTH};
 /// What is shown when nothing is asked for.
 const FIRST: &str = "gyroid";
 
+/// A picture to be saved has so many pixels squared, at least.
+const SMALLEST: usize = 128;
+
 /// A picture to be saved or shown in the terminal is waited for so long.
 const PATIENCE: Duration = Duration::from_mins(5);
 
@@ -246,8 +249,18 @@ impl Session {
         };
         check_png(&path)?;
         let output = Output::create(&path)?;
+        // What fits a terminal is too small for a file.
+        let settings = self.live.settings();
+        let small = settings.width * settings.height < SMALLEST * SMALLEST;
+        if small {
+            let usual = Settings::default();
+            self.live.resize(usual.width, usual.height);
+        }
         self.live.wait(PATIENCE);
         let frame = self.live.view().frame.filter(|frame| !frame.coarse);
+        if small {
+            self.live.resize(settings.width, settings.height);
+        }
         let frame = frame.context("there is no finished picture")?;
         let buffer = &frame.picture.buffer;
         output.finish(|out| write_png(out, &frame.picture.rgb, buffer.width, buffer.height))?;

@@ -78,6 +78,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         session.recall(editor.history().iter().cloned());
     }
     let mut known = session.recalled(0).len();
+    let mut last = preview.then(|| session.live.shown());
     let interactive = std::io::stdin().is_terminal();
     if interactive && let Ok(printer) = editor.create_external_printer() {
         session.print_with(Some(Printer(Box::new(printer))));
@@ -117,8 +118,13 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             let _ = editor.append_history(history);
         }
         match session.enter(&line) {
+            // What a command says is not to scroll away behind a picture that was there already.
             Ok(()) if preview && !line.trim().is_empty() && !session.has_ended() => {
-                session.show_preview();
+                let shown = session.live.shown();
+                if last.as_ref() != Some(&shown) {
+                    session.show_preview();
+                    last = Some(shown);
+                }
             }
             Ok(()) => {}
             Err(message) => notes::say(&message),

@@ -17,7 +17,7 @@ use zeroset_syntax::{Document, Errors, Options};
 use zeroset_trace::{Camera, HalfSpace};
 
 /// Everything that a picture depends on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     /// What the text is called in messages.
     pub name: String,

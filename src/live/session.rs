@@ -165,6 +165,11 @@ impl Live {
         self.lock().revision
     }
 
+    /// What the picture is to show when nothing more is typed.
+    pub fn shown(&self) -> Wish {
+        self.lock().wish.clone()
+    }
+
     /// The document as entered so far.
     pub fn text(&self) -> String {
         self.lock().wish.text.to_string()
