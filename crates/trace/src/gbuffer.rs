@@ -34,10 +34,10 @@ pub struct GBuffer {
     /// What is proven.
     pub status: Vec<Status>,
     /// Distance from the ray's origin, in world units: of the hit, or of the start of the first undecided segment;
-    /// infinite for a miss.
-    pub distance: Vec<f32>,
+    /// infinite for a miss. As precise as the kernel: where that computes in `f32`, so are these.
+    pub distance: Vec<f64>,
     /// Distance of the point that is painted; infinite where the background shows.
-    pub drawn: Vec<f32>,
+    pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
     pub surface: Vec<u16>,
     /// Unit normal of what is painted, towards f > 0; zero where unknown or where the background shows.
@@ -56,8 +56,8 @@ impl GBuffer {
             width,
             height,
             status: vec![Status::Miss; pixels],
-            distance: vec![f32::INFINITY; pixels],
-            drawn: vec![f32::INFINITY; pixels],
+            distance: vec![f64::INFINITY; pixels],
+            drawn: vec![f64::INFINITY; pixels],
             surface: vec![surface; pixels],
             normal: vec![[0.0; 3]; pixels],
             cap: vec![false; pixels],
@@ -111,7 +111,7 @@ impl GBuffer {
 mod tests {
     use super::*;
 
-    fn pixel(status: Status, distance: f32, drawn: f32, surface: u16) -> GBuffer {
+    fn pixel(status: Status, distance: f64, drawn: f64, surface: u16) -> GBuffer {
         let mut buffer = GBuffer::new(1, 1, surface);
         buffer.status[0] = status;
         buffer.distance[0] = distance;
@@ -123,7 +123,7 @@ mod tests {
     fn the_nearer_claim_and_the_nearer_paint_win_apart() {
         // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint is the hit's.
         let mut buffer = pixel(Status::Hit, 5.0, 5.0, 0);
-        buffer.merge(&pixel(Status::Undecided, 3.0, f32::INFINITY, 1));
+        buffer.merge(&pixel(Status::Undecided, 3.0, f64::INFINITY, 1));
         assert_eq!((buffer.status[0], buffer.distance[0]), (Status::Undecided, 3.0));
         assert_eq!((buffer.drawn[0], buffer.surface[0]), (5.0, 0));
         // A hit in front decides.

@@ -8,19 +8,22 @@ use crate::frame::Frame;
 use crate::gbuffer::{GBuffer, Status};
 use crate::packet::{Packet, Segment};
 use crate::region::Region;
+use crate::scalar::Scalar;
 use crate::slab::{Pair, Slab};
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
 use zeroset_eval::IntervalKernel;
 
-/// Largest depth: slabs of 2⁻²⁰ of the region are near the resolution of `f32`.
-pub const MAX_DEPTH: u32 = 20;
+/// Largest depth over kernels of `f32`.
+pub const MAX_DEPTH: u32 = <f32 as Scalar>::MAX_DEPTH;
+/// Largest depth over kernels of `f64`.
+pub const MAX_DEPTH_F64: u32 = <f64 as Scalar>::MAX_DEPTH;
 
 /// How the traverser works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Knoll {
-    /// Slabs are halved this many times, within [1, [`MAX_DEPTH`]]: the last are 2^−depth of the region's extent.
+    /// Slabs are halved this many times, within [1, [`Scalar::MAX_DEPTH`]]: the last are 2^−depth of the region's extent.
     pub depth: u32,
     /// Rays in a packet.
     pub width: PacketWidth,
@@ -61,23 +64,23 @@ enum Start {
 /// What became of one ray, as distances from its origin.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
-    drawn: Option<f32>,
-    suppressed: Option<f32>,
+    drawn: Option<f64>,
+    suppressed: Option<f64>,
 }
 
 /// What became of one ray, as shares of its packet's extent.
-#[derive(Clone, Copy, Debug, Default)]
-struct Outcome {
+#[derive(Clone, Copy, Debug)]
+struct Outcome<T> {
     /// τ at the start of the slab that is drawn.
-    drawn: Option<f32>,
+    drawn: Option<T>,
     /// τ at the start of the first slab that was passed over.
-    suppressed: Option<f32>,
+    suppressed: Option<T>,
 }
 
 impl Knoll {
     /// Traces a picture. `advance` is told how many pixels were finished since it was last called, and ends the work
     /// early by returning `false`; pixels not reached are then left as misses.
-    pub fn trace<K: IntervalKernel + ?Sized>(
+    pub fn trace<K: IntervalKernel<T> + ?Sized, T: Scalar>(
         self,
         frame: &Frame,
         region: &Region,
@@ -85,13 +88,13 @@ impl Knoll {
         advance: &(dyn Fn(usize) -> bool + Sync),
     ) -> (GBuffer, Work) {
         match self.width {
-            PacketWidth::Four => self.picture::<K, 1>(frame, region, kernel, advance),
-            PacketWidth::Eight => self.picture::<K, 2>(frame, region, kernel, advance),
-            PacketWidth::Sixteen => self.picture::<K, 4>(frame, region, kernel, advance),
+            PacketWidth::Four => self.picture::<K, T, 1>(frame, region, kernel, advance),
+            PacketWidth::Eight => self.picture::<K, T, 2>(frame, region, kernel, advance),
+            PacketWidth::Sixteen => self.picture::<K, T, 4>(frame, region, kernel, advance),
         }
     }
 
-    fn picture<K: IntervalKernel + ?Sized, const GROUPS: usize>(
+    fn picture<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
         self,
         frame: &Frame,
         region: &Region,
@@ -109,7 +112,7 @@ impl Knoll {
                     return Default::default();
                 }
                 let (left, top) = (TILE * (tile % across), TILE * (tile / across));
-                let done = self.tile::<K, GROUPS>(frame, region, kernel, left, top);
+                let done = self.tile::<K, T, GROUPS>(frame, region, kernel, left, top);
                 advance((width - left).min(TILE) * (height - top).min(TILE));
                 done
             })
@@ -125,7 +128,7 @@ impl Knoll {
         (buffer, work)
     }
 
-    fn tile<K: IntervalKernel + ?Sized, const GROUPS: usize>(
+    fn tile<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
         self,
         frame: &Frame,
         region: &Region,
@@ -167,7 +170,7 @@ impl Knoll {
     }
 
     /// Follows rays, together if they advance together and otherwise one by one.
-    fn rays<K: IntervalKernel + ?Sized, const GROUPS: usize>(
+    fn rays<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
         self,
         segments: &[[Segment; 4]; GROUPS],
         region: &Region,
@@ -193,37 +196,37 @@ impl Knoll {
         // not a number), nothing would be known of the ray.
         let unknown = Found { drawn: None, suppressed: Some(0.0) };
         segments.map(|group| {
-            group.map(|one| match Packet::<1>::new(&[[one; 4]], region) {
+            group.map(|one| match Packet::<T, 1>::new(&[[one; 4]], region) {
                 Some(_) => self.rays(&[[one; 4]], region, kernel, start, work)[0][0],
                 None => unknown,
             })
         })
     }
 
-    fn packet<K: IntervalKernel + ?Sized, const GROUPS: usize>(
+    fn packet<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
         self,
-        packet: &Packet<GROUPS>,
+        packet: &Packet<T, GROUPS>,
         kernel: &K,
         start: Start,
         work: &mut Work,
-    ) -> [[Outcome; 4]; GROUPS] {
+    ) -> [[Outcome<T>; 4]; GROUPS] {
         let mut outcomes = [[Outcome::default(); 4]; GROUPS];
         let mut alive: [u32; GROUPS] =
-            std::array::from_fn(|group| !packet.groups[group].outside().bitmask() & 0b1111);
+            std::array::from_fn(|group| !packet.groups[group].outside() & 0b1111);
         let mut leaving = match start {
             Start::Anywhere => [0; GROUPS],
             Start::OnSurface => alive,
         };
         let mut pair = Pair::default();
         // What was found in the second half of the slab being searched, per level.
-        let mut second = [Slab::<GROUPS>::default(); MAX_DEPTH as usize];
+        let mut second = [Slab::<GROUPS>::default(); MAX_DEPTH_F64 as usize];
         let last = self.depth - 1;
         let mut done = Work::default();
-        // Slab `index` of 2^(level + 1) spans τ from index · 2^−(level + 1) to the next: exact in f32.
-        let (mut level, mut index) = (0_u32, 0_u32);
+        // Slab `index` of 2^(level + 1) spans τ from index · 2^−(level + 1) to the next: exact.
+        let (mut level, mut index) = (0_u32, 0_u64);
         loop {
-            let size = f32::from_bits((126 - level) << 23); // 2^−(level + 1)
-            let from = index as f32 * size;
+            let size = T::halved(level + 1);
+            let from = T::integer(index) * size;
             let mut slab = if index % 2 == 0 {
                 // Both halves of a slab in one call: the second is nearly always needed, and the two overlap in the
                 // processor (two calls would take 1.6 times as long on the sphere).
@@ -277,12 +280,12 @@ impl Knoll {
     }
 
     /// Notes a slab of the last depth in which lanes of a group may vanish; returns the lanes that are drawn there.
-    fn record<const GROUPS: usize>(
+    fn record<T: Scalar, const GROUPS: usize>(
         self,
         slab: &Slab<GROUPS>,
         group: usize,
-        from: f32,
-        outcomes: &mut [Outcome; 4],
+        from: T,
+        outcomes: &mut [Outcome<T>; 4],
     ) -> u32 {
         let mut drawn = slab.vanishing[group];
         if self.suppress_asymptotes {
@@ -304,7 +307,7 @@ impl Knoll {
     ///
     /// `wanted` is asked before each tile, and ends the work early by returning `false`.
     #[allow(clippy::too_many_arguments)] // what a ray needs, and no two of it belong together
-    pub fn shadows<K: IntervalKernel + ?Sized>(
+    pub fn shadows<K: IntervalKernel<T> + ?Sized, T: Scalar>(
         self,
         buffer: &mut GBuffer,
         frame: &Frame,
@@ -328,7 +331,7 @@ impl Knoll {
                     let segment = |lane: usize| {
                         let pixel = four[lane.min(four.len() - 1)];
                         let ray = frame.ray_of(pixel);
-                        let point = ray.at(f64::from(buffer.drawn[pixel]));
+                        let point = ray.at(buffer.drawn[pixel]);
                         let (way, distance) = light.towards(point);
                         // Off the surface on the side of the eye, then along the light.
                         let origin = point - ray.direction * offset + way * offset;
@@ -354,19 +357,25 @@ impl Knoll {
     }
 }
 
+impl<T> Default for Outcome<T> {
+    fn default() -> Self {
+        Self { drawn: None, suppressed: None }
+    }
+}
+
 /// A pixel that is not a miss.
 struct Pixel {
     index: usize,
     status: Status,
-    distance: f32,
-    drawn: f32,
+    distance: f64,
+    drawn: f64,
 }
 
 impl Found {
     /// The pixel that this makes, or `None` for a miss.
     fn pixel(&self, index: usize) -> Option<Pixel> {
-        let drawn = self.drawn.unwrap_or(f32::INFINITY);
-        let distance = self.suppressed.unwrap_or(f32::INFINITY).min(drawn);
+        let drawn = self.drawn.unwrap_or(f64::INFINITY);
+        let distance = self.suppressed.unwrap_or(f64::INFINITY).min(drawn);
         let status = Status::Undecided;
         distance.is_finite().then_some(Pixel { index, status, distance, drawn })
     }

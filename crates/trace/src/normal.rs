@@ -8,15 +8,17 @@ use crate::frame::Frame;
 use crate::gbuffer::GBuffer;
 use glam::DVec3;
 use rayon::prelude::*;
-use zeroset_eval::{GradientKernel, GradientPacket, LANES, PointKernel, PointPacket, ValuePacket};
+use zeroset_eval::{
+    GradientKernel, GradientPacket, LANES, PointKernel, PointPacket, Real, ValuePacket,
+};
 
 /// Which kernel answers for normals.
 #[derive(Clone, Copy)]
-pub enum NormalSource<'a> {
+pub enum NormalSource<'a, T: Real = f32> {
     /// The exact derivative, rounded.
-    Gradient(&'a (dyn GradientKernel + 'a)),
+    Gradient(&'a (dyn GradientKernel<T> + 'a)),
     /// Differences of the values one step to either side on each axis, as in Knoll et al. 2007.
-    Central(&'a (dyn PointKernel + 'a)),
+    Central(&'a (dyn PointKernel<T> + 'a)),
 }
 
 /// Points per call of a kernel: enough to hide the call, few enough to share out among threads.
@@ -34,7 +36,12 @@ const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
 /// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of central differences in
 /// world units; a thousandth of the region's extent serves.
-pub fn normals(buffer: &mut GBuffer, frame: &Frame, source: NormalSource<'_>, step: f64) {
+pub fn normals<T: Real>(
+    buffer: &mut GBuffer,
+    frame: &Frame,
+    source: NormalSource<'_, T>,
+    step: f64,
+) {
     let pixels: Vec<usize> = (0..buffer.drawn.len())
         .filter(|&pixel| buffer.is_drawn(pixel) && buffer.normal[pixel] == [0.0; 3])
         .collect();
@@ -45,7 +52,7 @@ pub fn normals(buffer: &mut GBuffer, frame: &Frame, source: NormalSource<'_>, st
                 .iter()
                 .map(|&pixel| {
                     let ray = frame.ray_of(pixel);
-                    Seen { point: ray.at(f64::from(buffer.drawn[pixel])), direction: ray.direction }
+                    Seen { point: ray.at(buffer.drawn[pixel]), direction: ray.direction }
                 })
                 .collect();
             source.of_batch(&seen, step)
@@ -62,7 +69,7 @@ struct Seen {
     direction: DVec3,
 }
 
-impl NormalSource<'_> {
+impl<T: Real> NormalSource<'_, T> {
     fn of_batch(&self, seen: &[Seen], step: f64) -> Vec<[f32; 3]> {
         let points: Vec<DVec3> = seen.iter().map(|seen| seen.point).collect();
         let mut normals = vec![None; points.len()];
@@ -87,7 +94,7 @@ impl NormalSource<'_> {
             .map(|(k, normal)| {
                 normal.unwrap_or_else(|| {
                     let towards_eye = -seen[k].direction.as_vec3();
-                    (if values[k] < 0.0 { -towards_eye } else { towards_eye }).to_array()
+                    (if values[k] < T::default() { -towards_eye } else { towards_eye }).to_array()
                 })
             })
             .collect()
@@ -103,8 +110,8 @@ impl NormalSource<'_> {
                 std::iter::once(p).chain(DVec3::AXES.into_iter().flat_map(pair))
             })
             .collect();
-        let slope = |here: f32, ahead: f32, behind: f32| {
-            let (here, ahead, behind) = (f64::from(here), f64::from(ahead), f64::from(behind));
+        let slope = |here: T, ahead: T, behind: T| {
+            let (here, ahead, behind) = (here.into(), ahead.into(), behind.into());
             match (ahead.is_finite(), behind.is_finite()) {
                 (true, true) => ahead - behind,
                 (true, false) if here.is_finite() => 2.0 * (ahead - here),
@@ -124,7 +131,7 @@ impl NormalSource<'_> {
             .collect()
     }
 
-    fn sample(&self, points: &[DVec3]) -> Vec<f32> {
+    fn sample(&self, points: &[DVec3]) -> Vec<T> {
         let packets = packed(points);
         let values: Vec<_> = match self {
             Self::Gradient(kernel) => {
@@ -152,13 +159,16 @@ fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<
     }
 }
 
-fn gradients(kernel: &dyn GradientKernel, points: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+fn gradients<T: Real>(
+    kernel: &dyn GradientKernel<T>,
+    points: impl Iterator<Item = DVec3>,
+) -> Vec<DVec3> {
     let points: Vec<DVec3> = points.collect();
     let packets = packed(&points);
     let mut out = vec![GradientPacket::default(); packets.len()];
     kernel.gradient(&packets, &mut out);
     (0..points.len())
-        .map(|k| axes(|axis| f64::from(out[k / LANES].gradient[axis][k % LANES])))
+        .map(|k| axes(|axis| out[k / LANES].gradient[axis][k % LANES].into()))
         .collect()
 }
 
@@ -167,12 +177,12 @@ fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
 }
 
 /// Points in packets; the last packet repeats its last point.
-fn packed(points: &[DVec3]) -> Vec<PointPacket> {
+fn packed<T: Real>(points: &[DVec3]) -> Vec<PointPacket<T>> {
     points
         .chunks(LANES)
         .map(|chunk| PointPacket {
             at: [0, 1, 2].map(|axis| {
-                std::array::from_fn(|lane| chunk[lane.min(chunk.len() - 1)][axis] as f32)
+                std::array::from_fn(|lane| T::nearest(chunk[lane.min(chunk.len() - 1)][axis]))
             }),
         })
         .collect()

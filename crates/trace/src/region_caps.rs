@@ -7,7 +7,7 @@ use crate::frame::Frame;
 use crate::gbuffer::{GBuffer, Status};
 use crate::region::{Entry, Region};
 use rayon::prelude::*;
-use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
+use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES, Real};
 use zeroset_interval::Facts;
 
 /// Rays per call of the kernel.
@@ -24,7 +24,12 @@ enum Inside {
 /// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates what is proven: an
 /// entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is undefined changes nothing, and any other
 /// makes its pixel undecided from there on. A ray that starts inside the region enters nowhere.
-pub fn cap(buffer: &mut GBuffer, frame: &Frame, region: &Region, kernel: &dyn IntervalKernel) {
+pub fn cap<T: Real>(
+    buffer: &mut GBuffer,
+    frame: &Frame,
+    region: &Region,
+    kernel: &dyn IntervalKernel<T>,
+) {
     let entries: Vec<(usize, Entry)> = (0..buffer.status.len())
         .filter_map(|pixel| Some((pixel, region.entry(&frame.ray_of(pixel))?)))
         .collect();
@@ -33,7 +38,7 @@ pub fn cap(buffer: &mut GBuffer, frame: &Frame, region: &Region, kernel: &dyn In
         .flat_map_iter(|batch| judge(batch, frame, region, kernel))
         .collect();
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
-        let distance = entry.distance.0 as f32;
+        let distance = T::nearest(entry.distance.0).into();
         let paint = match inside {
             Inside::No => continue,
             Inside::Yes if entry.certain => {
@@ -58,13 +63,13 @@ pub fn cap(buffer: &mut GBuffer, frame: &Frame, region: &Region, kernel: &dyn In
     }
 }
 
-fn judge(
+fn judge<T: Real>(
     batch: &[(usize, Entry)],
     frame: &Frame,
     region: &Region,
-    kernel: &dyn IntervalKernel,
+    kernel: &dyn IntervalKernel<T>,
 ) -> Vec<Inside> {
-    let boxes: Vec<BoxPacket> = batch
+    let boxes: Vec<BoxPacket<T>> = batch
         .chunks(LANES)
         .map(|chunk| {
             let mut packet = BoxPacket::default();
@@ -73,8 +78,8 @@ fn judge(
                 let ray = frame.ray_of(*pixel);
                 for axis in 0..3 {
                     let (low, high) = enclosed(&ray, entry, region, axis);
-                    packet.neg_lo[axis][lane] = above(-low);
-                    packet.hi[axis][lane] = above(high);
+                    packet.neg_lo[axis][lane] = T::above(-low);
+                    packet.hi[axis][lane] = T::above(high);
                 }
             }
             packet
@@ -85,10 +90,10 @@ fn judge(
     (0..batch.len())
         .map(|k| {
             let (packet, lane) = (&out[k / LANES], k % LANES);
-            let facts = Facts::from_bits(packet.facts[lane]);
-            if facts.has(Facts::NOWHERE) || packet.neg_lo[lane] < 0.0 {
+            let (facts, zero) = (packet.facts(lane), T::default());
+            if facts.has(Facts::NOWHERE) || packet.neg_lo[lane] < zero {
                 Inside::No
-            } else if facts.has(Facts::DEFINED) && packet.hi[lane] < 0.0 {
+            } else if facts.has(Facts::DEFINED) && packet.hi[lane] < zero {
                 Inside::Yes
             } else {
                 Inside::Unknown
@@ -106,12 +111,6 @@ fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64
     // Clamped on both sides, so that the two stay in order even if rounding put the point outside.
     let clamp = |x: f64| x.clamp(region.low()[axis], region.high()[axis]);
     (clamp(low), clamp(high))
-}
-
-/// The least `f32` that is no smaller.
-fn above(value: f64) -> f32 {
-    let nearest = value as f32;
-    if f64::from(nearest) < value { nearest.next_up() } else { nearest }
 }
 
 #[cfg(test)]

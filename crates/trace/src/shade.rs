@@ -129,7 +129,7 @@ fn pixel_colour(
     let base = if facing < 0.0 || buffer.cap[pixel] { colours.negative } else { colours.positive };
     let normal = if facing < 0.0 { -towards_positive } else { towards_positive };
 
-    let point = ray.at(f64::from(buffer.drawn[pixel]));
+    let point = ray.at(buffer.drawn[pixel]);
     let to_light = appearance.light.towards(point).0.as_vec3();
     let (mut direct, mut highlight) = (0.0, 0.0);
     if !buffer.shadow[pixel] {

@@ -3,8 +3,8 @@
 //! Nothing here knows in which order slabs are visited.
 
 use crate::packet::Packet;
+use crate::scalar::{Four, Scalar};
 use crate::work::Work;
-use glam::Vec4;
 use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel};
 use zeroset_interval::Facts;
 
@@ -26,14 +26,14 @@ impl<const GROUPS: usize> Default for Slab<GROUPS> {
 }
 
 /// Two neighbouring slabs on their way through the kernel.
-pub(crate) struct Pair<const GROUPS: usize> {
+pub(crate) struct Pair<T: Scalar, const GROUPS: usize> {
     /// Lanes that ask for each.
     active: [[u32; GROUPS]; 2],
-    boxes: [[BoxPacket; GROUPS]; 2],
-    values: [[EnclosurePacket; GROUPS]; 2],
+    boxes: [[BoxPacket<T>; GROUPS]; 2],
+    values: [[EnclosurePacket<T>; GROUPS]; 2],
 }
 
-impl<const GROUPS: usize> Default for Pair<GROUPS> {
+impl<T: Scalar, const GROUPS: usize> Default for Pair<T, GROUPS> {
     fn default() -> Self {
         Self {
             active: [[0; GROUPS]; 2],
@@ -43,22 +43,22 @@ impl<const GROUPS: usize> Default for Pair<GROUPS> {
     }
 }
 
-impl<const GROUPS: usize> Pair<GROUPS> {
+impl<T: Scalar, const GROUPS: usize> Pair<T, GROUPS> {
     /// Takes the slabs of this size from τ = `from` on; returns whether any lane asks for one.
     #[inline]
     pub fn prepare(
         &mut self,
-        packet: &Packet<GROUPS>,
+        packet: &Packet<T, GROUPS>,
         alive: &[u32; GROUPS],
-        from: f32,
-        size: f32,
+        from: T,
+        size: T,
     ) -> bool {
-        let planes = [from, from + size, from + 2.0 * size]; // exact
+        let planes = [from, from + size, from + T::integer(2) * size]; // exact
         let mut any = 0;
         for half in 0..2 {
             let lanes = self.active[half].iter_mut().zip(alive).zip(&packet.groups);
             for ((active, alive), group) in lanes {
-                *active = alive & group.meets(planes[half], planes[half + 1]).bitmask();
+                *active = alive & group.meets(planes[half], planes[half + 1]);
                 any |= *active;
             }
         }
@@ -68,7 +68,7 @@ impl<const GROUPS: usize> Pair<GROUPS> {
 
     /// Asks the kernel for the slabs that any lane wants.
     #[inline]
-    pub fn enclose<K: IntervalKernel + ?Sized>(
+    pub fn enclose<K: IntervalKernel<T> + ?Sized>(
         &mut self,
         kernel: &K,
         work: &mut Work,
@@ -102,15 +102,19 @@ impl<const GROUPS: usize> Pair<GROUPS> {
 
 /// The lanes whose enclosure contains 0 and that are not proven undefined, and those whose enclosure is unbounded.
 #[inline]
-fn judge(value: &EnclosurePacket) -> (u32, u32) {
-    let (neg_lo, hi) = (Vec4::from_array(value.neg_lo), Vec4::from_array(value.hi));
-    let mut vanishing = neg_lo.min(hi).cmpge(Vec4::ZERO).bitmask();
+fn judge<T: Scalar>(value: &EnclosurePacket<T>) -> (u32, u32) {
+    let (neg_lo, hi) = (T::Four::from_array(value.neg_lo), T::Four::from_array(value.hi));
+    let mut vanishing = T::Four::bits(T::Four::default().at_most(neg_lo.min(hi)));
     // Few functions are undefined anywhere: one test for all lanes.
-    let [a, b, c, d] = value.facts;
-    if (a | b | c | d) & Facts::NOWHERE.bits() != 0 {
-        for (lane, facts) in value.facts.iter().enumerate() {
-            vanishing &= !((facts & Facts::NOWHERE.bits()) << lane);
+    let [mut any, b, c, d] = value.facts;
+    any |= b;
+    any |= c;
+    any |= d;
+    if T::facts(any).has(Facts::NOWHERE) {
+        for lane in 0..4 {
+            vanishing &= !(u32::from(value.facts(lane).has(Facts::NOWHERE)) << lane);
         }
     }
-    (vanishing, neg_lo.max(hi).cmpge(Vec4::INFINITY).bitmask())
+    let unbounded = T::Four::splat(T::LARGEST).less(neg_lo.max(hi));
+    (vanishing, T::Four::bits(unbounded))
 }

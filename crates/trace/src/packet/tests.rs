@@ -78,36 +78,40 @@ fn inside(region: &Region, point: &[BigRational; 3]) -> bool {
 
 #[test]
 fn points_of_rays_lie_in_their_boxes_and_ranges() {
-    let seed = 0x5eed_7001;
+    points_lie_in_boxes::<f32>(0x5eed_7001);
+    points_lie_in_boxes::<f64>(0x5eed_7002);
+}
+
+fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     println!("seed {seed:#x}");
     let mut random = Random(seed);
     let mut checked = 0_u32;
     let mut refused = 0_u32;
     for _ in 0..6_000 {
         let (region, segments) = scene(&mut random);
-        let Some(packet) = Packet::<1>::new(&[segments], &region) else {
+        let Some(packet) = Packet::<T, 1>::new(&[segments], &region) else {
             refused += 1;
             continue;
         };
         let Planes { k, start, extent, .. } = packet.planes;
         for _ in 0..6 {
-            let level = random.next() % 16;
+            let level = random.next() % u64::from(T::MAX_DEPTH - 4);
             let count = 1_u64 << (level + 1);
             let index = (random.next() % count) & !1;
-            let at = |i: u64| (i as f64 / count as f64) as f32;
+            let at = |i: u64| T::nearest(i as f64 / count as f64);
             let planes = [at(index), at(index + 1), at(index + 2)];
             let mut boxes = [[BoxPacket::default(); 1]; 2];
             packet.boxes(planes, &mut boxes);
             for half in 0..2 {
                 // A place within the slab: an end, or anywhere between.
                 let share = match random.next() % 4 {
-                    0 => exact(f64::from(planes[half])),
-                    1 => exact(f64::from(planes[half + 1])),
+                    0 => exact(planes[half].into()),
+                    1 => exact(planes[half + 1].into()),
                     _ => {
                         let part =
                             BigRational::new((random.next() % 1000).into(), BigInt::from(1000));
-                        let width = exact(f64::from(planes[half + 1] - planes[half]));
-                        exact(f64::from(planes[half])) + part * width
+                        let width = exact(planes[half + 1].into() - planes[half].into());
+                        exact(planes[half].into()) + part * width
                     }
                 };
                 for (lane, segment) in segments.iter().enumerate() {
@@ -126,13 +130,13 @@ fn points_of_rays_lie_in_their_boxes_and_ranges() {
                     checked += 1;
                     let meets = packet.groups[0].meets(planes[half], planes[half + 1]);
                     assert!(
-                        meets.bitmask() >> lane & 1 == 1,
+                        meets >> lane & 1 == 1,
                         "out of range: {segment:?} {region:?} {planes:?}"
                     );
-                    assert!(packet.groups[0].outside().bitmask() >> lane & 1 == 0, "{segment:?}");
+                    assert!(packet.groups[0].outside() >> lane & 1 == 0, "{segment:?}");
                     for (axis, point) in point.iter().enumerate() {
-                        let lo = exact(-f64::from(boxes[half][0].neg_lo[axis][lane]));
-                        let hi = exact(f64::from(boxes[half][0].hi[axis][lane]));
+                        let lo = exact(-boxes[half][0].neg_lo[axis][lane].into());
+                        let hi = exact(boxes[half][0].hi[axis][lane].into());
                         assert!(
                             lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
@@ -151,7 +155,7 @@ fn rays_that_do_not_advance_together_are_refused() {
     let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("a box");
     let ray = |direction: DVec3| Segment { origin: DVec3::ZERO, direction, to: f64::INFINITY };
     let packet = |other| {
-        Packet::<1>::new(&[[ray(DVec3::X), ray(DVec3::X), ray(DVec3::X), ray(other)]], &region)
+        Packet::<f32, 1>::new(&[[ray(DVec3::X), ray(DVec3::X), ray(DVec3::X), ray(other)]], &region)
     };
     assert!(packet(DVec3::new(1.0, 0.5, 0.0)).is_some());
     assert!(packet(DVec3::NEG_X).is_none());

@@ -1,0 +1,186 @@
+//! The floats in which rays and slabs are followed, and four of them.
+//!
+//! Everything here rounds to nearest; what that costs is added as slack by whoever computes with it.
+
+use glam::{BVec4, BVec4A, DVec4, Vec4};
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
+use zeroset_eval::Real;
+
+/// A float type in which a traverser follows rays: that of the kernel which it asks.
+pub trait Scalar: Real + Add<Output = Self> + Mul<Output = Self> {
+    /// Four numbers.
+    type Four: Four<Lane = Self>;
+
+    /// Largest depth of a traversal. Slabs of 2⁻²⁰ of the region are near the resolution of `f32`. In `f64`, those of
+    /// 2⁻⁴⁰ are still hundreds of times as thick as what rounding adds to a coordinate of the region's size.
+    const MAX_DEPTH: u32;
+    /// Relative error of a coordinate at any τ: `start` and `extent` are each rounded, as are their product with τ, the
+    /// sum, and what is added to it. In `f32` these are five roundings of 2⁻²⁴ each, and everything before was done in
+    /// `f64`. In `f64` the way to `extent` takes three more of 2⁻⁵³, and the end of the region one. So 8 and 16 units are
+    /// nearly twice what these add up to.
+    const COORDINATE_ERROR: Self;
+    /// What the ends of the range of τ are moved out by: above the error of a quotient that lies within [−1, 2], which is
+    /// at most 4 units in `f32` and 10 in `f64`, where the operands are rounded too.
+    const SHARE_ERROR: Self;
+    /// The least normal number.
+    const LEAST_NORMAL: Self;
+
+    /// An integer, exactly if it is below 2^[`Scalar::MAX_DEPTH`].
+    fn integer(value: u64) -> Self;
+    /// 2^−`n` for n up to [`Scalar::MAX_DEPTH`].
+    fn halved(n: u32) -> Self;
+}
+
+impl Scalar for f32 {
+    type Four = Vec4;
+    const MAX_DEPTH: u32 = 20;
+    const COORDINATE_ERROR: Self = 1.0 / 2_097_152.0; // 2^-21
+    const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
+    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
+
+    #[inline]
+    fn integer(value: u64) -> Self {
+        value as i64 as Self
+    }
+    #[inline]
+    fn halved(n: u32) -> Self {
+        Self::from_bits((127 - n) << 23)
+    }
+}
+
+impl Scalar for f64 {
+    type Four = DVec4;
+    const MAX_DEPTH: u32 = 40;
+    const COORDINATE_ERROR: Self = 8.0 * Self::EPSILON; // 2^-49
+    const SHARE_ERROR: Self = 8.0 * Self::EPSILON;
+    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
+
+    #[inline]
+    fn integer(value: u64) -> Self {
+        value as i64 as Self
+    }
+    #[inline]
+    fn halved(n: u32) -> Self {
+        Self::from_bits((1023 - u64::from(n)) << 52)
+    }
+}
+
+/// Four numbers, and what is asked of all at once. A minimum or maximum with a first operand that is NaN is the second
+/// one; comparisons with NaN are false.
+#[allow(missing_docs, reason = "each is what its name says, lane by lane")]
+pub trait Four:
+    Copy
+    + Debug
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    type Lane;
+    /// A truth per lane.
+    type Mask: Copy + BitAnd<Output = Self::Mask>;
+
+    fn splat(value: Self::Lane) -> Self;
+    fn from_array(lanes: [Self::Lane; 4]) -> Self;
+    fn to_array(self) -> [Self::Lane; 4];
+    #[must_use]
+    fn abs(self) -> Self;
+    #[must_use]
+    fn min(self, other: Self) -> Self;
+    #[must_use]
+    fn max(self, other: Self) -> Self;
+    fn less(self, other: Self) -> Self::Mask;
+    fn at_most(self, other: Self) -> Self::Mask;
+    fn equal(self, other: Self) -> Self::Mask;
+    #[must_use]
+    fn select(mask: Self::Mask, if_set: Self, otherwise: Self) -> Self;
+    /// The lanes in which a mask is set, as the lowest four bits.
+    fn bits(mask: Self::Mask) -> u32;
+}
+
+macro_rules! four {
+    ($four:ty, $lane:ty, $mask:ty) => {
+        impl Four for $four {
+            type Lane = $lane;
+            type Mask = $mask;
+
+            #[inline]
+            fn splat(value: $lane) -> Self {
+                Self::splat(value)
+            }
+            #[inline]
+            fn from_array(lanes: [$lane; 4]) -> Self {
+                Self::from_array(lanes)
+            }
+            #[inline]
+            fn to_array(self) -> [$lane; 4] {
+                Self::to_array(&self)
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                Self::abs(self)
+            }
+            #[inline]
+            fn min(self, other: Self) -> Self {
+                Self::min(self, other)
+            }
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                Self::max(self, other)
+            }
+            #[inline]
+            fn less(self, other: Self) -> $mask {
+                self.cmplt(other)
+            }
+            #[inline]
+            fn at_most(self, other: Self) -> $mask {
+                self.cmple(other)
+            }
+            #[inline]
+            fn equal(self, other: Self) -> $mask {
+                self.cmpeq(other)
+            }
+            #[inline]
+            fn select(mask: $mask, if_set: Self, otherwise: Self) -> Self {
+                Self::select(mask, if_set, otherwise)
+            }
+            #[inline]
+            fn bits(mask: $mask) -> u32 {
+                mask.bitmask()
+            }
+        }
+    };
+}
+
+four!(Vec4, f32, BVec4A);
+four!(DVec4, f64, BVec4);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        for n in 0..=f32::MAX_DEPTH {
+            assert_eq!(f32::halved(n), 0.5_f32.powi(n as i32));
+        }
+        for n in 0..=f64::MAX_DEPTH {
+            assert_eq!(f64::halved(n), 0.5_f64.powi(n as i32));
+        }
+    }
+
+    #[test]
+    fn a_nan_gives_way_to_the_second_operand() {
+        fn check<F: Four<Lane = T>, T: Scalar>() {
+            let number = |x: f64| F::splat(T::nearest(x));
+            let chosen = [number(f64::NAN).min(number(1.0)), number(f64::NAN).max(number(1.0))];
+            assert_eq!(chosen.map(|four| four.to_array()[3].into()), [1.0; 2]);
+            assert_eq!(F::bits(number(f64::NAN).at_most(number(1.0))), 0);
+        }
+        check::<Vec4, f32>();
+        check::<DVec4, f64>();
+    }
+}
