@@ -1,6 +1,6 @@
 //! Surfaces compiled once, of which pictures can be taken from anywhere.
 
-use crate::picture::{Normals, Picture, Settings, Statistics, Times};
+use crate::picture::{Normals, Picture, Precision, Settings, Statistics, Times};
 use crate::program::{Program, ProgramError};
 use crate::scene;
 use crate::uniforms::Bound;
@@ -11,21 +11,22 @@ use rayon::prelude::*;
 use std::time::{Duration, Instant};
 use zeroset_eval::{
     BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, LANES, PointKernel,
-    PointPacket, ValuePacket,
+    PointPacket, Real, ValuePacket,
 };
 use zeroset_interval::{Facts, Interval};
 use zeroset_jit::{NativeGradient, NativePoint};
 use zeroset_syntax::{Color, Document, Kind};
 use zeroset_trace::{
-    Appearance, Camera, Colour, Frame, GBuffer, Knoll, Light, NormalSource, Region, SurfaceColours,
-    cap, normals, shade,
+    Appearance, Camera, Colour, Frame, GBuffer, Knoll, Light, NormalSource, Region, Scalar,
+    SurfaceColours, cap, normals, shade,
 };
 
 /// All surfaces of a document over one region, as native code. The code is freed when the model is dropped.
 pub struct Model {
     region: Region,
     program: Program,
-    surfaces: Vec<(Look, Kernels)>,
+    looks: Vec<Look>,
+    kernels: AllKernels,
     /// Time to simplify and to compile; none if that was done for another model.
     times: Option<Times>,
 }
@@ -36,19 +37,25 @@ struct Look {
     color: Option<Color>,
 }
 
-/// The kernels of one surface.
-struct Kernels {
-    zeros: ZeroKernel,
-    normals: Option<NormalKernel>,
+/// The kernels of all surfaces.
+enum AllKernels {
+    F32(Vec<Kernels<f32>>),
+    F64(Vec<Kernels<f64>>),
 }
 
-enum NormalKernel {
-    Gradient(Bound<NativeGradient>),
-    Central(Bound<NativePoint>),
+/// The kernels of one surface.
+struct Kernels<T: Real> {
+    zeros: ZeroKernel<T>,
+    normals: Option<NormalKernel<T>>,
+}
+
+enum NormalKernel<T: Real> {
+    Gradient(Bound<NativeGradient<T>>),
+    Central(Bound<NativePoint<T>>),
 }
 
 impl Model {
-    /// Compiles all surfaces of `document` in `region`, with what `normals` asks for.
+    /// Compiles all surfaces of `document` in `region`, with what `normals` asks for, in this precision.
     ///
     /// # Errors
     /// If a formula is constant or defined nowhere, or too large to compile.
@@ -59,8 +66,9 @@ impl Model {
         document: &Document,
         region: &Region,
         normals: Option<Normals>,
+        precision: Precision,
     ) -> Result<Self, ProgramError> {
-        let model = Self::new_while(document, region, normals, &|| true)?;
+        let model = Self::new_while(document, region, normals, precision, &|| true)?;
         Ok(model.expect("wanted to the end"))
     }
 
@@ -72,25 +80,28 @@ impl Model {
         document: &Document,
         region: &Region,
         normals: Option<Normals>,
+        precision: Precision,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Self>, ProgramError> {
         let mut watch = Stopwatch::start();
         let mut times = Times::default();
         let program = Program::new(document, scene::bounds(region))?;
         times.simplify = watch.lap();
-        let kernels = (0..document.surfaces.len())
-            .into_par_iter()
-            .map(
-                |surface| {
-                    if wanted() { compile(&program, surface, normals, wanted) } else { Ok(None) }
-                },
-            )
-            .collect::<Result<Option<Vec<_>>, _>>()?;
+        let surfaces = document.surfaces.len();
+        let kernels = match precision {
+            Precision::F32 => {
+                compile_all(&program, surfaces, normals, wanted)?.map(AllKernels::F32)
+            }
+            Precision::F64 => {
+                compile_all(&program, surfaces, normals, wanted)?.map(AllKernels::F64)
+            }
+        };
         let Some(kernels) = kernels else { return Ok(None) };
         times.compile = watch.lap();
         Ok(Some(Self {
             region: *region,
-            surfaces: looks(document).zip(kernels).collect(),
+            looks: looks(document).collect(),
+            kernels,
             program,
             times: Some(times),
         }))
@@ -106,29 +117,23 @@ impl Model {
             Ok(program) => program,
             Err(error) => return Some(Err(error)),
         };
-        let kernels = self.surfaces.iter().map(|(_, kernels)| kernels.with(program.values()));
-        let kernels: Vec<Kernels> = kernels.collect::<Option<_>>()?;
-        let surfaces = looks(document).zip(kernels).collect();
-        Some(Ok(Self { region: self.region, program, surfaces, times: None }))
+        let kernels = match &self.kernels {
+            AllKernels::F32(kernels) => AllKernels::F32(with(kernels, program.values())?),
+            AllKernels::F64(kernels) => AllKernels::F64(with(kernels, program.values())?),
+        };
+        let looks = looks(document).collect();
+        Some(Ok(Self { region: self.region, program, looks, kernels, times: None }))
     }
 
     /// Whether both run the same code, all of it compiled once.
     pub fn shares_code(&self, other: &Self) -> bool {
-        let shares = |(one, other): (&(Look, Kernels), &(Look, Kernels))| {
-            let normals = match (&one.1.normals, &other.1.normals) {
-                (Some(NormalKernel::Gradient(one)), Some(NormalKernel::Gradient(other))) => {
-                    one.shares_code(other)
-                }
-                (Some(NormalKernel::Central(one)), Some(NormalKernel::Central(other))) => {
-                    one.shares_code(other)
-                }
-                (None, None) => true,
-                _ => false,
-            };
-            normals && one.1.zeros.shares_code(&other.1.zeros)
-        };
-        self.surfaces.len() == other.surfaces.len()
-            && self.surfaces.iter().zip(&other.surfaces).all(shares)
+        match (&self.kernels, &other.kernels) {
+            (AllKernels::F32(one), AllKernels::F32(other)) => all_share_code(one, other),
+            (AllKernels::F64(one), AllKernels::F64(other)) => all_share_code(one, other),
+            (AllKernels::F32(_), AllKernels::F64(_)) | (AllKernels::F64(_), AllKernels::F32(_)) => {
+                false
+            }
+        }
     }
 
     /// Whether the code was made for another model.
@@ -143,45 +148,44 @@ impl Model {
 
     /// How many surfaces there are.
     pub fn surfaces(&self) -> usize {
-        self.surfaces.len()
+        self.looks.len()
     }
 
-    /// Value and gradient of a surface's function at a point, rounded to nearest; the gradient is NaN if the model was
-    /// compiled without one, and everything is NaN if there is no such surface.
-    pub fn sample(&self, surface: usize, point: DVec3) -> (f32, [f32; 3]) {
-        let at = PointPacket { at: point.to_array().map(|c| [c as f32; LANES]) };
-        match self.surfaces.get(surface).and_then(|(_, kernels)| kernels.normals.as_ref()) {
-            Some(NormalKernel::Gradient(bound)) => {
-                let mut out = [GradientPacket::default()];
-                bound.kernel.gradient(&[at], &mut out);
-                (out[0].value[0], out[0].gradient.map(|lanes| lanes[0]))
-            }
-            Some(NormalKernel::Central(bound)) => {
-                let mut out = [ValuePacket::default()];
-                bound.kernel.sample(&[at], &mut out);
-                (out[0].value[0], [f32::NAN; 3])
-            }
-            None => (f32::NAN, [f32::NAN; 3]),
+    /// The floats that its code computes in.
+    pub fn precision(&self) -> Precision {
+        match self.kernels {
+            AllKernels::F32(_) => Precision::F32,
+            AllKernels::F64(_) => Precision::F64,
         }
+    }
+
+    /// Value and gradient of a surface's function at a point, which is rounded to the model's precision; the gradient is
+    /// NaN if the model was compiled without one, and everything is NaN if there is no such surface.
+    pub fn sample(&self, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
+        let values = match &self.kernels {
+            AllKernels::F32(kernels) => kernels.get(surface).and_then(|k| k.sample(point)),
+            AllKernels::F64(kernels) => kernels.get(surface).and_then(|k| k.sample(point)),
+        };
+        values.unwrap_or((f64::NAN, [f64::NAN; 3]))
     }
 
     /// Whether the function of some surface cannot be told from 0 at any of some points strewn over the region: then either
     /// it is 0 everywhere, or far too small for its own rounding.
-    fn is_flat(&self) -> bool {
+    fn is_flat<T: Real>(&self, all: &[Kernels<T>]) -> bool {
         let (low, high) = (self.region.low(), self.region.high());
         let points = (1..=FLAT_POINTS).map(|n| {
             let place = (FLAT_STEPS * n as f64).fract();
-            (low + (high - low) * place).as_vec3().to_array()
+            (low + (high - low) * place).to_array().map(T::nearest)
         });
-        let boxes: Vec<BoxPacket> = points
+        let boxes: Vec<BoxPacket<T>> = points
             .map(|at| BoxPacket { neg_lo: at.map(|c| [-c; LANES]), hi: at.map(|c| [c; LANES]) })
             .collect();
-        self.surfaces.iter().any(|(_, kernels)| {
+        all.iter().any(|kernels| {
             let mut out = vec![EnclosurePacket::default(); boxes.len()];
             kernels.zeros.function().enclose(&boxes, &mut out);
             out.iter().all(|packet| {
-                let defined = Facts::from_bits(packet.facts[0]).has(Facts::DEFINED);
-                defined && packet.neg_lo[0] >= 0.0 && packet.hi[0] >= 0.0
+                let (defined, zero) = (packet.facts(0).has(Facts::DEFINED), T::default());
+                defined && packet.neg_lo[0] >= zero && packet.hi[0] >= zero
             })
         })
     }
@@ -192,6 +196,19 @@ impl Model {
     /// `settings.normals` counts only in so far as the model was compiled for them.
     pub fn trace(
         &self,
+        camera: &Camera,
+        settings: &Settings,
+        advance: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Picture {
+        match &self.kernels {
+            AllKernels::F32(kernels) => self.trace_with(kernels, camera, settings, advance),
+            AllKernels::F64(kernels) => self.trace_with(kernels, camera, settings, advance),
+        }
+    }
+
+    fn trace_with<T: Scalar>(
+        &self,
+        all: &[Kernels<T>],
         camera: &Camera,
         settings: &Settings,
         advance: &(dyn Fn(usize) -> bool + Sync),
@@ -212,7 +229,7 @@ impl Model {
             suppress_asymptotes: kind == Kind::Equation,
         };
         let mut buffer = GBuffer::new(settings.width, settings.height, 0);
-        for (index, (look, kernels)) in self.surfaces.iter().enumerate() {
+        for (index, (look, kernels)) in self.looks.iter().zip(all).enumerate() {
             let (mut layer, done) = method(settings.max_depth, look.kind).trace(
                 &frame,
                 region,
@@ -245,7 +262,7 @@ impl Model {
             let offset =
                 2.0 * region.half_extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
             let mut hidden = vec![false; settings.width * settings.height];
-            for (look, kernels) in &self.surfaces {
+            for (look, kernels) in self.looks.iter().zip(all) {
                 let zeros = &kernels.zeros;
                 let done = method(depth, look.kind).shadows(
                     &mut buffer,
@@ -267,10 +284,7 @@ impl Model {
         }
 
         let rgb = match settings.normals {
-            Some(_) => {
-                let looks = self.surfaces.iter().map(|(look, _)| look);
-                shade(&buffer, &frame, &appearance(looks, settings, light))
-            }
+            Some(_) => shade(&buffer, &frame, &appearance(&self.looks, settings, light)),
             None => Vec::new(),
         };
         times.shade += watch.lap();
@@ -278,21 +292,43 @@ impl Model {
             times,
             pixels: buffer.counts(),
             work,
-            code_bytes: self.surfaces.iter().map(|(_, kernels)| kernels.code_bytes()).sum(),
+            code_bytes: all.iter().map(Kernels::code_bytes).sum(),
             nodes: self.program.nodes(),
         };
-        let undefined = (0..self.surfaces.len()).any(|surface| self.program.is_undefined(surface));
-        Picture { buffer, rgb, statistics, undefined, flat: self.is_flat() }
+        let undefined = (0..self.looks.len()).any(|surface| self.program.is_undefined(surface));
+        let (precision, flat) = (self.precision(), self.is_flat(all));
+        Picture { buffer, rgb, precision, statistics, undefined, flat }
     }
 }
 
+/// The kernels of all surfaces, or `None` if they are no longer wanted before all are there.
+fn compile_all<T: Real>(
+    program: &Program,
+    surfaces: usize,
+    normals: Option<Normals>,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Vec<Kernels<T>>>, ProgramError> {
+    let compile =
+        |surface| if wanted() { compile(program, surface, normals, wanted) } else { Ok(None) };
+    (0..surfaces).into_par_iter().map(compile).collect()
+}
+
+/// The same code for other parameter values, or `None` if it does not hold for them.
+fn with<T: Real>(kernels: &[Kernels<T>], parameters: &[Interval]) -> Option<Vec<Kernels<T>>> {
+    kernels.iter().map(|kernels| kernels.with(parameters)).collect()
+}
+
+fn all_share_code<T: Real>(one: &[Kernels<T>], other: &[Kernels<T>]) -> bool {
+    one.len() == other.len() && one.iter().zip(other).all(|(one, other)| one.shares_code(other))
+}
+
 /// The kernels of one surface, or `None` if they are no longer wanted before all are there.
-fn compile(
+fn compile<T: Real>(
     program: &Program,
     surface: usize,
     normals: Option<Normals>,
     wanted: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Kernels>, ProgramError> {
+) -> Result<Option<Kernels<T>>, ProgramError> {
     let (zeros, normals) = rayon::join(
         || program.zero_kernel(surface),
         || match normals {
@@ -314,7 +350,39 @@ fn looks(document: &Document) -> impl Iterator<Item = Look> {
     document.surfaces.iter().map(|surface| Look { kind: surface.kind, color: surface.color })
 }
 
-impl Kernels {
+impl<T: Real> Kernels<T> {
+    /// Whether both run the same code, compiled once.
+    fn shares_code(&self, other: &Self) -> bool {
+        let normals = match (&self.normals, &other.normals) {
+            (Some(NormalKernel::Gradient(one)), Some(NormalKernel::Gradient(other))) => {
+                one.shares_code(other)
+            }
+            (Some(NormalKernel::Central(one)), Some(NormalKernel::Central(other))) => {
+                one.shares_code(other)
+            }
+            (None, None) => true,
+            _ => false,
+        };
+        normals && self.zeros.shares_code(&other.zeros)
+    }
+
+    /// Value and gradient at a point; `None` if there is no code for either, NaN for a gradient alone.
+    fn sample(&self, point: DVec3) -> Option<(f64, [f64; 3])> {
+        let at = PointPacket { at: point.to_array().map(|c| [T::nearest(c); LANES]) };
+        Some(match self.normals.as_ref()? {
+            NormalKernel::Gradient(bound) => {
+                let mut out = [GradientPacket::default()];
+                bound.kernel.gradient(&[at], &mut out);
+                (out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into()))
+            }
+            NormalKernel::Central(bound) => {
+                let mut out = [ValuePacket::default()];
+                bound.kernel.sample(&[at], &mut out);
+                (out[0].value[0].into(), [f64::NAN; 3])
+            }
+        })
+    }
+
     /// The same code for other parameter values, or `None` if it does not hold for them.
     fn with(&self, parameters: &[Interval]) -> Option<Self> {
         let normals = match &self.normals {
@@ -350,11 +418,11 @@ const SHADOW_OFFSET_SLABS: f64 = 2.0;
 /// Reach of central differences, as a share of the domain's largest extent.
 const STEP: f64 = 1e-3;
 
-fn fill_normals(
+fn fill_normals<T: Real>(
     layer: &mut GBuffer,
     frame: &Frame,
     region: &Region,
-    kernels: &Kernels,
+    kernels: &Kernels<T>,
     work: &mut Work,
 ) {
     let step = 2.0 * region.half_extent() * STEP;
@@ -373,13 +441,9 @@ fn fill_normals(
     }
 }
 
-fn appearance<'a>(
-    looks: impl Iterator<Item = &'a Look>,
-    settings: &Settings,
-    light: Light,
-) -> Appearance {
+fn appearance(looks: &[Look], settings: &Settings, light: Light) -> Appearance {
     let plain = Appearance::new(light);
-    let surfaces = looks.enumerate().map(|(index, look)| {
+    let surfaces = looks.iter().enumerate().map(|(index, look)| {
         match look.color {
             // One colour typed serves both sides; the side where f < 0 is darker.
             Some(color) => {

@@ -8,7 +8,10 @@ use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use zeroset_syntax::Document;
-use zeroset_trace::{Camera, Colour, GBuffer, PacketWidth, PixelCounts, Region, UndecidedStyle};
+use zeroset_trace::{
+    Camera, Colour, GBuffer, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, PixelCounts, Region,
+    UndecidedStyle,
+};
 
 /// How a picture is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +20,9 @@ pub struct Settings {
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// How often a ray's way through the domain is halved.
+    /// What kernels compute in.
+    pub precision: Precision,
+    /// How often a ray's way through the domain is halved: at most [`Precision::max_depth`].
     pub max_depth: u32,
     /// How many rays advance together.
     pub packet: PacketWidth,
@@ -45,6 +50,16 @@ pub enum Precision {
     F64,
 }
 
+impl Precision {
+    /// The greatest depth at which slabs are still thicker than what rounding adds to them.
+    pub fn max_depth(self) -> u32 {
+        match self {
+            Self::F32 => MAX_DEPTH,
+            Self::F64 => MAX_DEPTH_F64,
+        }
+    }
+}
+
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -68,6 +83,7 @@ impl Default for Settings {
         Self {
             width: 512,
             height: 512,
+            precision: Precision::F32,
             max_depth: 10,
             packet: PacketWidth::Four,
             shadow_depth: None,
@@ -87,6 +103,8 @@ pub struct Picture {
     pub buffer: GBuffer,
     /// Red, green and blue bytes (sRGB) of each pixel; empty if colours were not asked for.
     pub rgb: Vec<u8>,
+    /// What kernels computed in: how precise its distances are.
+    pub precision: Precision,
     /// What it took.
     pub statistics: Statistics,
     /// Whether some surface is proven to have no value anywhere in the domain.
@@ -137,7 +155,7 @@ pub fn render(
     settings: &Settings,
     progress: Progress<'_>,
 ) -> Result<Picture, ProgramError> {
-    let model = Model::new(document, region, settings.normals)?;
+    let model = Model::new(document, region, settings.normals, settings.precision)?;
     let pixels = settings.width * settings.height * document.surfaces.len();
     let done = AtomicUsize::new(0);
     let advance = |pixels_done: usize| {

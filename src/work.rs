@@ -4,7 +4,7 @@ use std::ops::AddAssign;
 use std::sync::atomic::{AtomicU64, Ordering};
 use zeroset_eval::{
     BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, LANES, PointKernel,
-    PointPacket, ValuePacket,
+    PointPacket, Real, ValuePacket,
 };
 
 /// Calls of one kind of kernel.
@@ -64,22 +64,22 @@ impl<'a, K> Counted<'a, K> {
     }
 }
 
-impl<K: IntervalKernel> IntervalKernel for Counted<'_, K> {
-    fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
+impl<T: Real, K: IntervalKernel<T>> IntervalKernel<T> for Counted<'_, K> {
+    fn enclose(&self, boxes: &[BoxPacket<T>], out: &mut [EnclosurePacket<T>]) {
         self.called(boxes.len());
         self.kernel.enclose(boxes, out);
     }
 }
 
-impl<K: PointKernel> PointKernel for Counted<'_, K> {
-    fn sample(&self, points: &[PointPacket], out: &mut [ValuePacket]) {
+impl<T: Real, K: PointKernel<T>> PointKernel<T> for Counted<'_, K> {
+    fn sample(&self, points: &[PointPacket<T>], out: &mut [ValuePacket<T>]) {
         self.called(points.len());
         self.kernel.sample(points, out);
     }
 }
 
-impl<K: GradientKernel> GradientKernel for Counted<'_, K> {
-    fn gradient(&self, points: &[PointPacket], out: &mut [GradientPacket]) {
+impl<T: Real, K: GradientKernel<T>> GradientKernel<T> for Counted<'_, K> {
+    fn gradient(&self, points: &[PointPacket<T>], out: &mut [GradientPacket<T>]) {
         self.called(points.len());
         self.kernel.gradient(points, out);
     }

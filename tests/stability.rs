@@ -85,7 +85,7 @@ impl Tally {
                 continue;
             }
             let buffer = &picture.buffer;
-            let (distance, drawn) = (buffer.distance[index].into(), buffer.drawn[index].into());
+            let (distance, drawn) = (buffer.distance[index], buffer.drawn[index]);
             tally.add(pixel, buffer.status[index], distance, drawn);
             if let Some(claim) = contradiction(pixel, buffer.status[index], distance) {
                 let (i, j) = (index % SIDE, index / SIDE);

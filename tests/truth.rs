@@ -49,8 +49,8 @@ fn picture(truth: &Truth, max_depth: u32, packet: PacketWidth) -> (Frame, GBuffe
 fn contradictions(truth: &Truth, frame: &Frame, buffer: &GBuffer) -> Vec<String> {
     let mut found = Vec::new();
     for (index, pixel) in truth.pixels.iter().enumerate() {
-        let (status, distance) = (buffer.status[index], f64::from(buffer.distance[index]));
-        let drawn = f64::from(buffer.drawn[index]);
+        let (status, distance) = (buffer.status[index], buffer.distance[index]);
+        let drawn = buffer.drawn[index];
         let lost = status == Status::Miss && pixel.zero.is_finite();
         let beyond = distance > pixel.zero + ROUNDING * (1.0 + pixel.zero);
         if drawn < distance || !pixel.open && (lost || beyond) {
@@ -126,7 +126,7 @@ fn false_claims_are_noticed() {
 
     let mut late = right.clone();
     for (distance, pixel) in late.distance.iter_mut().zip(&sphere.pixels) {
-        *distance = (pixel.zero * (1.0 + 4.0 * ROUNDING)) as f32;
+        *distance = pixel.zero * (1.0 + 4.0 * ROUNDING);
     }
     late.drawn.clone_from(&late.distance);
     assert_eq!(noticed(&late), roots);

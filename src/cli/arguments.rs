@@ -129,7 +129,7 @@ pub struct Outputs {
     #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
     pub size: Size,
 
-    /// Distance from the eye as a float32 array, inf where there is nothing
+    /// Distance from the eye as a float32 array (float64 with --precision f64), inf where there is nothing
     #[arg(long, value_name = "FILE.npy")]
     pub distance: Option<PathBuf>,
 
@@ -183,7 +183,11 @@ pub struct Tracing {
     #[arg(long, value_enum, default_value_t = MethodName::Knoll)]
     pub method: MethodName,
 
-    /// How often a ray's way through the domain is halved
+    /// The floats to compute in
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
+
+    /// How often a ray's way through the domain is halved: at most 20, or 40 in f64
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
 

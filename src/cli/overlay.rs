@@ -56,7 +56,7 @@ impl<'a> Projector<'a> {
         let x = scaled(at.x, self.rays.width(), buffer.width);
         let y = scaled(at.y, self.rays.height(), buffer.height);
         // What lies on the box is not behind itself.
-        f64::from(buffer.drawn[y * buffer.width + x]) > distance * (1.0 - 2e-3)
+        buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
     }
 
     fn line(&self, canvas: &mut Canvas, from: DVec3, to: DVec3) {

@@ -5,6 +5,7 @@ use glam::DVec3;
 use serde_json::json;
 use std::fmt::Write as _;
 use zeroset::live::{Frame, Wish};
+use zeroset::picture::Precision;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
 use zeroset_trace::Status;
@@ -29,7 +30,7 @@ impl<'a> Pick<'a> {
         let row = scaled(place.1, window.1, buffer.height)?;
         let pixel = row * buffer.width + column;
         let ray = frame.camera.frame(buffer.width, buffer.height).ray_of(pixel);
-        let distance = f64::from(buffer.drawn[pixel]);
+        let distance = buffer.drawn[pixel];
         let point = distance.is_finite().then(|| ray.at(distance));
         Some(Self { frame, pixel, point })
     }
@@ -56,15 +57,27 @@ impl<'a> Pick<'a> {
         let Some(p) = self.point else { return text };
         let surface = usize::from(buffer.surface[self.pixel]);
         let echo = self.frame.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
-        let _ = write!(text, "\n  {echo}\n  x {}  y {}  z {}", p.x as f32, p.y as f32, p.z as f32);
-        let (value, gradient) = self.frame.model.sample(surface, p);
+        let model = &self.frame.model;
+        let precision = model.precision();
+        // The shortest digits that say which float it is.
+        let show = |value: f64| match precision {
+            Precision::F32 => (value as f32).to_string(),
+            Precision::F64 => value.to_string(),
+        };
+        let [x, y, z] = p.to_array().map(show);
+        let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}");
+        let (value, gradient) = model.sample(surface, p);
         let [a, b, c] = buffer.normal[self.pixel];
-        let [u, v, w] = gradient;
-        let _ = write!(text, "\n  f = {value}  gradient {u}, {v}, {w}");
+        let [u, v, w] = gradient.map(show);
+        let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}", show(value));
         let _ = write!(text, "\n  normal {a:.4}, {b:.4}, {c:.4}");
         let formula = formula(&self.frame.wish, surface);
-        let point = p.as_vec3().to_array();
-        let question = json!({ "f": formula, "at": point }).to_string();
+        let point = match precision {
+            Precision::F32 => json!(p.as_vec3().to_array()),
+            Precision::F64 => json!(p.to_array()),
+        };
+        let precision = precision.to_string();
+        let question = json!({ "f": formula, "at": point, "precision": precision }).to_string();
         let _ = write!(text, "\n  echo {} | zeroset eval", quote(&question));
         text
     }

@@ -14,9 +14,7 @@ use zeroset::domain::AutoDomain;
 use zeroset::picture::{self, Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice};
 use zeroset_syntax::Color;
-use zeroset_trace::{
-    Colour, HalfSpace, MAX_DEPTH, PacketWidth, Projection, Status, UndecidedStyle, View,
-};
+use zeroset_trace::{Colour, HalfSpace, PacketWidth, Projection, Status, UndecidedStyle, View};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
@@ -82,20 +80,27 @@ pub fn in_threads<T: Send>(
 /// # Errors
 /// If a number is out of range.
 pub fn method_settings(method: &arguments::Tracing, size: super::vector::Size) -> Result<Settings> {
+    let precision = picture::Precision::from(method.precision);
+    let most = precision.max_depth();
+    let hint = match precision {
+        picture::Precision::F32 => ", or 40 with --precision f64",
+        picture::Precision::F64 => "",
+    };
     ensure!(
-        (1..=MAX_DEPTH).contains(&method.max_depth),
-        "--max-depth must be between 1 and {MAX_DEPTH}"
+        (1..=most).contains(&method.max_depth),
+        "--max-depth must be between 1 and {most}{hint}"
     );
     let shadow_depth = method
         .shadow_depth
         .unwrap_or_else(|| method.max_depth.saturating_sub(SHADOW_COARSENESS).max(1));
     ensure!(
-        (1..=MAX_DEPTH).contains(&shadow_depth),
-        "--shadow-depth must be between 1 and {MAX_DEPTH}"
+        (1..=most).contains(&shadow_depth),
+        "--shadow-depth must be between 1 and {most}{hint}"
     );
     Ok(Settings {
         width: size.width,
         height: size.height,
+        precision,
         max_depth: method.max_depth,
         packet: match method.packet {
             Packet::Four => PacketWidth::Four,
@@ -211,9 +216,17 @@ impl Files {
             file.finish(|out| write_png(out, &picture.rgb, width, height))?;
         }
         if let Some(file) = self.distance {
-            file.finish(|out| {
-                array::write(out, &[height, width], buffer.distance.iter().copied())
-            })?;
+            let distance = buffer.distance.iter().copied();
+            let shape = [height, width];
+            match picture.precision {
+                // Exact, as these kernels know no more.
+                picture::Precision::F32 => {
+                    file.finish(|out| array::write(out, &shape, distance.map(|d| d as f32)))?;
+                }
+                picture::Precision::F64 => {
+                    file.finish(|out| array::write(out, &shape, distance))?
+                }
+            }
         }
         if let Some(file) = self.status {
             let bytes = buffer.status.iter().map(|&status| status as u8);

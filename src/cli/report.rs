@@ -34,6 +34,7 @@ pub fn object(
     json!({
         "surfaces": echoes,
         "method": "knoll",
+        "precision": picture.precision.to_string(),
         "size": [settings.width, settings.height],
         "ms": {
             "parse": ms(subject.parse),

@@ -358,6 +358,7 @@ impl Worker {
         let old = self.built.as_ref().filter(|built| {
             (built.wish.domain, built.wish.clip) == (wish.domain, wish.clip)
                 && built.wish.settings.normals == wish.settings.normals
+                && built.wish.settings.precision == wish.settings.precision
         });
         if let Some(built) = old
             && Arc::ptr_eq(&built.document, document)
@@ -378,7 +379,8 @@ impl Worker {
             if !wanted() {
                 return Ok(None);
             }
-            let model = Model::new_while(document, &region, wish.settings.normals, &wanted)?;
+            let Settings { normals, precision, .. } = wish.settings;
+            let model = Model::new_while(document, &region, normals, precision, &wanted)?;
             let Some(model) = model else { return Ok(None) };
             self.pixel = None;
             (Arc::new(model), searched)

@@ -141,8 +141,8 @@ impl Row {
                 zero: pixel.zero,
                 crossing: pixel.crossing,
                 status: buffer.status[index],
-                distance: buffer.distance[index].into(),
-                drawn: buffer.drawn[index].into(),
+                distance: buffer.distance[index],
+                drawn: buffer.drawn[index],
             };
             for (number, kind) in KINDS.iter().enumerate() {
                 // The first kind is of the rays of which nothing is known.
