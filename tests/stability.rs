@@ -8,7 +8,7 @@ use serde::Deserialize;
 use std::fmt::Write;
 use std::fs::File;
 use truth_support::{Pixel, SIDE, Truth, path, read};
-use zeroset::picture::{Picture, Settings, render};
+use zeroset::picture::{Picture, Precision, Settings, render};
 use zeroset_syntax::{Document, Options};
 use zeroset_trace::{Camera, Frame, Projection, Region, Status};
 
@@ -54,11 +54,15 @@ fn settings() -> Settings {
 
 /// The formula as seen by the reference's camera.
 fn picture(case: &Case, truth: &Truth) -> Picture {
+    picture_with(case, truth, &settings())
+}
+
+fn picture_with(case: &Case, truth: &Truth, settings: &Settings) -> Picture {
     let [eye, target, up] =
         [truth.view.eye, truth.view.target, truth.view.up].map(DVec3::from_array);
     let projection = Projection::Perspective { fov: truth.view.fov };
     let camera = Camera::new(eye, target, up, projection).expect("a camera");
-    let picture = render(&document(case), &region(case), &camera, &settings(), &|_, _| {});
+    let picture = render(&document(case), &region(case), &camera, settings, &|_, _| {});
     picture.unwrap_or_else(|error| panic!("{}: {error}", case.slug))
 }
 
@@ -295,6 +299,54 @@ fn every_painted_point_has_a_normal() {
                 painted += usize::from(drawn.is_finite());
             }
             assert!(painted > 20, "{formula} from {eye}: {painted}");
+        }
+    }
+}
+
+/// In `f64` no claim is false either, and less is painted where only rounding keeps `f32` from proving a miss.
+#[test]
+fn no_claim_in_double_precision_is_false() {
+    let mut false_claims = Vec::new();
+    let mut walls = [0; 2];
+    for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {
+        for (precision, walls) in [Precision::F32, Precision::F64].into_iter().zip(&mut walls) {
+            let picture = picture_with(case, &truth, &Settings { precision, ..settings() });
+            let tally = Tally::new(case, &truth, &picture);
+            *walls += tally.walls;
+            if precision == Precision::F64 {
+                false_claims.extend(tally.false_claims);
+            }
+        }
+    }
+    assert!(false_claims.is_empty(), "{}", false_claims.join("\n"));
+    println!("painted without a root: {} in f32, {} in f64", walls[0], walls[1]);
+    assert!(walls[1] < walls[0], "{walls:?}");
+}
+
+/// Where `f32` cannot tell slabs apart, each halving still halves the error of a painted point.
+#[test]
+fn finer_slabs_in_double_precision_are_nearer_to_the_root() {
+    for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {
+        if !["far-sphere", "near-sheets"].contains(&case.slug.as_str()) {
+            continue;
+        }
+        let extent = case.domain.chunks(2).map(|range| range[1] - range[0]).fold(0.0, f64::max);
+        for max_depth in [12, 20, 28, 36] {
+            let settings = Settings { precision: Precision::F64, max_depth, ..settings() };
+            let buffer = picture_with(case, &truth, &settings).buffer;
+            let rooted =
+                truth.pixels.iter().enumerate().filter(|(_, p)| p.zero.is_finite() && !p.open);
+            let errors: Vec<f64> =
+                rooted.map(|(index, pixel)| (buffer.drawn[index] - pixel.zero).abs()).collect();
+            let worst = errors.iter().copied().fold(0.0, f64::max);
+            println!(
+                "{} at depth {max_depth}: {} roots, off by {worst:e}",
+                case.slug,
+                errors.len()
+            );
+            // Along a ray a slab is at most four times as long as along its axis.
+            let slab = 4.0 * extent * 0.5_f64.powi(max_depth as i32);
+            assert!(!errors.is_empty() && worst <= slab + 1e-9, "{worst:e} against {slab:e}");
         }
     }
 }

@@ -8,10 +8,12 @@ use glam::DVec3;
 use table::{Row, Table};
 use truth_support::{SIDE, Truth, read};
 use zeroset::gallery::example;
-use zeroset::picture::{Settings, render};
+use zeroset::picture::{Precision, Settings, render};
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::{Camera, Frame, GBuffer, MAX_DEPTH, PacketWidth, Projection, Status};
+use zeroset_trace::{
+    Camera, Frame, GBuffer, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, Projection, Status,
+};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -19,11 +21,23 @@ const DEPTH: u32 = 12;
 /// Rays with a crossing which the reference decided, over all surfaces.
 const CROSSINGS: usize = 95_746;
 
-/// Distances are `f32`: off by a part in 2²⁴. The rest is room for the last digits of the reference's own rays.
-const ROUNDING: f64 = 1e-6;
+/// Room for what distances are off: in `f32` by a part in 2²⁴, and in both for the last digits of the reference's own rays.
+fn rounding(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => 1e-6,
+        Precision::F64 => 1e-10,
+    }
+}
+
+/// What is varied.
+#[derive(Clone, Copy, Debug)]
+struct Method(u32, PacketWidth, Precision);
+
+/// That of the table.
+const TABLE: Method = Method(DEPTH, PacketWidth::Four, Precision::F32);
 
 /// The surface as seen by the reference's camera.
-fn picture(truth: &Truth, max_depth: u32, packet: PacketWidth) -> (Frame, GBuffer) {
+fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
     let view = &truth.view;
     let example = example(&view.slug).unwrap_or_else(|| panic!("no example {}", view.slug));
     let document = read_document(example.text, &Options::default())
@@ -35,8 +49,16 @@ fn picture(truth: &Truth, max_depth: u32, packet: PacketWidth) -> (Frame, GBuffe
     let projection = Projection::Perspective { fov: view.fov };
     let camera = Camera::new(eye, target, up, projection).expect("a camera");
     let (width, height) = (SIDE, SIDE);
-    let settings =
-        Settings { width, height, max_depth, packet, normals: None, ..Settings::default() };
+    let Method(max_depth, packet, precision) = method;
+    let settings = Settings {
+        width,
+        height,
+        max_depth,
+        packet,
+        precision,
+        normals: None,
+        ..Settings::default()
+    };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {})
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
     (camera.frame(SIDE, SIDE), picture.buffer)
@@ -46,13 +68,18 @@ fn picture(truth: &Truth, max_depth: u32, packet: PacketWidth) -> (Frame, GBuffe
 ///
 /// A miss claims that there is no root, a distance that there is none before it. Both must hold for roots of any
 /// multiplicity, hence for crossings. The painted point claims nothing, but lies nowhere that is proven empty.
-fn contradictions(truth: &Truth, frame: &Frame, buffer: &GBuffer) -> Vec<String> {
+fn contradictions(
+    truth: &Truth,
+    precision: Precision,
+    frame: &Frame,
+    buffer: &GBuffer,
+) -> Vec<String> {
     let mut found = Vec::new();
     for (index, pixel) in truth.pixels.iter().enumerate() {
         let (status, distance) = (buffer.status[index], buffer.distance[index]);
         let drawn = buffer.drawn[index];
         let lost = status == Status::Miss && pixel.zero.is_finite();
-        let beyond = distance > pixel.zero + ROUNDING * (1.0 + pixel.zero);
+        let beyond = distance > pixel.zero + rounding(precision) * (1.0 + pixel.zero);
         if drawn < distance || !pixel.open && (lost || beyond) {
             let (slug, ray) = (&truth.view.slug, frame.ray_of(index));
             let (i, j) = (index % SIDE, index / SIDE);
@@ -75,8 +102,8 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     let mut rows = Vec::new();
     let mut false_claims = Vec::new();
     for truth in read("truth") {
-        let (frame, buffer) = picture(&truth, DEPTH, PacketWidth::Four);
-        false_claims.extend(contradictions(&truth, &frame, &buffer));
+        let (frame, buffer) = picture(&truth, TABLE);
+        false_claims.extend(contradictions(&truth, Precision::F32, &frame, &buffer));
         rows.push(Row::new(&truth, &buffer, DEPTH));
     }
     expect_none(&false_claims);
@@ -94,21 +121,23 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     assert_eq!(table.lines().count(), expected.lines().count(), "{}", path.display());
 }
 
-/// Wide packets hold rays that are less alike; at the greatest depth, slabs are as thin as `f32` can tell apart.
+/// Wide packets hold rays that are less alike; at the greatest depth, slabs are as thin as the floats can tell apart.
 #[test]
 fn no_claim_of_wider_packets_or_thinner_slabs_contradicts_an_exact_root() {
-    let cases = [
-        (DEPTH, PacketWidth::Eight),
-        (DEPTH, PacketWidth::Sixteen),
-        (16, PacketWidth::Four),
-        (MAX_DEPTH, PacketWidth::Four),
+    let methods = [
+        Method(DEPTH, PacketWidth::Eight, Precision::F32),
+        Method(DEPTH, PacketWidth::Sixteen, Precision::F32),
+        Method(16, PacketWidth::Four, Precision::F32),
+        Method(MAX_DEPTH, PacketWidth::Four, Precision::F32),
+        Method(DEPTH, PacketWidth::Sixteen, Precision::F64),
+        Method(MAX_DEPTH_F64, PacketWidth::Four, Precision::F64),
     ];
     let mut false_claims = Vec::new();
     for truth in read("truth") {
-        for (depth, packet) in cases {
-            let (frame, buffer) = picture(&truth, depth, packet);
-            let found = contradictions(&truth, &frame, &buffer);
-            false_claims.extend(found.iter().map(|claim| format!("{packet:?}, {depth}: {claim}")));
+        for method in methods {
+            let (frame, buffer) = picture(&truth, method);
+            let found = contradictions(&truth, method.2, &frame, &buffer);
+            false_claims.extend(found.iter().map(|claim| format!("{method:?}: {claim}")));
         }
     }
     expect_none(&false_claims);
@@ -118,15 +147,15 @@ fn no_claim_of_wider_packets_or_thinner_slabs_contradicts_an_exact_root() {
 fn false_claims_are_noticed() {
     let truths = read("truth");
     let sphere = truths.iter().find(|truth| truth.view.slug == "sphere").expect("a sphere");
-    let (frame, right) = picture(sphere, DEPTH, PacketWidth::Four);
-    let noticed = |buffer: &GBuffer| contradictions(sphere, &frame, buffer).len();
+    let (frame, right) = picture(sphere, TABLE);
+    let noticed = |buffer: &GBuffer| contradictions(sphere, Precision::F32, &frame, buffer).len();
     assert_eq!(noticed(&right), 0);
     let roots = sphere.pixels.iter().filter(|pixel| pixel.zero.is_finite()).count();
     assert_eq!(noticed(&GBuffer::new(SIDE, SIDE, 0)), roots);
 
     let mut late = right.clone();
     for (distance, pixel) in late.distance.iter_mut().zip(&sphere.pixels) {
-        *distance = pixel.zero * (1.0 + 4.0 * ROUNDING);
+        *distance = pixel.zero * (1.0 + 4.0 * rounding(Precision::F32));
     }
     late.drawn.clone_from(&late.distance);
     assert_eq!(noticed(&late), roots);
