@@ -370,3 +370,28 @@ fn completions_are_generated() {
         assert!(place.run(&["completions", shell]).ok().text().contains("--max-depth"), "{shell}");
     }
 }
+
+#[test]
+fn double_precision_reaches_deeper_and_writes_wider_distances() {
+    let place = Place::new();
+    // A sphere of radius 10^4, of which f32 knows the squares to a few units only.
+    let far = |precision: &str, depth: &str| {
+        let arguments = [
+            "render", "x^2+y^2+z^2-1e8", "--domain", "9990,10010,-10,10,-10,10", "--eye", "10050,0,0",
+            "--target", "10000,0,0", "--size", "9", "--precision", precision, "--max-depth", depth,
+            "--distance", "far.npy", "--json",
+        ];
+        let run = place.run(&arguments).ok();
+        assert_eq!(run.json()["precision"], precision);
+    };
+    far("f32", "20");
+    let (_, single) = array::<f32>(&place, "far.npy");
+    far("f64", "36");
+    let (shape, double) = array::<f64>(&place, "far.npy");
+    assert_eq!(shape, [9, 9]);
+    let middle = 4 * 9 + 4;
+    assert!((double[middle] - 50.0).abs() < 1e-8, "{}", double[middle]);
+    assert!((single[middle] - 50.0).abs() < 0.1, "{}", single[middle]);
+    let refused = place.run(&["render", "x", "--max-depth", "21", "--json"]).fails(2);
+    assert!(refused.contains("40 with --precision f64"), "{refused}");
+}
