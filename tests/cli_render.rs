@@ -377,9 +377,23 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     // A sphere of radius 10^4, of which f32 knows the squares to a few units only.
     let far = |precision: &str, depth: &str| {
         let arguments = [
-            "render", "x^2+y^2+z^2-1e8", "--domain", "9990,10010,-10,10,-10,10", "--eye", "10050,0,0",
-            "--target", "10000,0,0", "--size", "9", "--precision", precision, "--max-depth", depth,
-            "--distance", "far.npy", "--json",
+            "render",
+            "x^2+y^2+z^2-1e8",
+            "--domain",
+            "9990,10010,-10,10,-10,10",
+            "--eye",
+            "10050,0,0",
+            "--target",
+            "10000,0,0",
+            "--size",
+            "9",
+            "--precision",
+            precision,
+            "--max-depth",
+            depth,
+            "--distance",
+            "far.npy",
+            "--json",
         ];
         let run = place.run(&arguments).ok();
         assert_eq!(run.json()["precision"], precision);
@@ -392,6 +406,7 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     let middle = 4 * 9 + 4;
     assert!((double[middle] - 50.0).abs() < 1e-8, "{}", double[middle]);
     assert!((single[middle] - 50.0).abs() < 0.1, "{}", single[middle]);
-    let refused = place.run(&["render", "x", "--max-depth", "21", "--json"]).fails(2);
-    assert!(refused.contains("40 with --precision f64"), "{refused}");
+    let refused = place.run(&["render", "x", "--max-depth", "21", "--json"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("40 with --precision f64"), "{}", refused.stderr);
 }
