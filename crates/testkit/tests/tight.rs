@@ -5,7 +5,9 @@
 //! bends, and the places where texts go wrong: zeros and poles, ends of domains, edges of overflow and underflow.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
-use zeroset_interval::{Facts, Interval, fold};
+use zeroset_interval::{
+    Enclosure, Facts, Format, Interval, Lanes, Operand, Software, enclose, fold,
+};
 use zeroset_ops::Op;
 use zeroset_testkit::Rng;
 
@@ -156,6 +158,47 @@ fn angles_of_points_are_as_tight_as_stated() {
     }
     println!("atan2    worst {worst:?} (below 2^-799) at {worst_at:?} of {count}");
     assert!(worst[0] <= 4 && worst[1] <= 6, "seed {SEED:#x}: {worst:?} ulp at {worst_at:?}");
+}
+
+/// The same in `f32`, which no sweep can try: two operands of any exponents, and ratios where the text changes course.
+#[test]
+fn angles_of_f32_points_are_within_two_ulps_of_the_tightest() {
+    let mut random = Rng::with_seed(SEED);
+    let operand = |x: f32| {
+        let lanes = |x| Lanes::from_f32([x; 4]);
+        Operand::new(Enclosure::total(lanes(-x), lanes(x)), Interval::ENTIRE)
+    };
+    let (mut worst, mut worst_at) = (0, [0.0; 2]);
+    for _ in 0..4 * POINTS {
+        let x = f32::from_bits(random.u32(..));
+        let ratio = [1.0, -1.0, 0.414_213_57, 2.414_213_7, 1e-7, 1e7][random.u64(0..6) as usize];
+        let near = 1.0 + (2.0 * unit(&mut random) - 1.0) * 2_f64.powi(-random.i32(0..24));
+        let y = match random.u32(0..2) {
+            0 => f32::from_bits(random.u32(..)),
+            _ => (f64::from(x) * ratio * near) as f32,
+        };
+        if !x.is_finite() || !y.is_finite() || (x == 0.0 && y == 0.0) {
+            continue;
+        }
+        let enclosure = enclose(&mut Software, Format::F32, Op::Atan2, &[operand(y), operand(x)]);
+        let (lo, hi) = (-enclosure.neg_lo.f32()[0], enclosure.hi.f32()[0]);
+        let value = core_math::atan2(f64::from(y) + 0.0, f64::from(x) + 0.0);
+        assert!(
+            f64::from(lo) <= value && value <= f64::from(hi),
+            "atan2({y:e}, {x:e}) = {value:e} is not in [{lo:e}, {hi:e}], seed {SEED:#x}"
+        );
+        let place = |x: f32| {
+            let magnitude = i64::from(x.to_bits() & (u32::MAX >> 1));
+            if x.is_sign_negative() { -magnitude } else { magnitude }
+        };
+        let tightest = i64::from(f64::from(value as f32) != value);
+        let ulps = place(hi) - place(lo) - tightest;
+        if ulps > worst {
+            (worst, worst_at) = (ulps, [y, x]);
+        }
+    }
+    println!("atan2    worst {worst} in f32 at {worst_at:?}");
+    assert!(worst <= 2, "seed {SEED:#x}: {worst} ulp at {worst_at:?}");
 }
 
 #[test]

@@ -221,3 +221,25 @@ impl<M: Machine> Text<'_, M> {
         self.each(constant, |text, part| text.m.and(mask, part))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heads_and_tails_make_up_the_constants() {
+        // The first 121 bits of π/2: OEIS A062964, halved; and as many of 1/3 and 1/6.
+        let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
+        let third = (1_u128 << 120) / 3;
+        let scaled = |part: f64| (part * 2_f64.powi(120)) as u128;
+        let near = |[head, tail]: [f64; 2], exact: u128| {
+            assert!((scaled(head) + scaled(tail)).abs_diff(exact) < 1 << 15, "{head} {tail:e}");
+        };
+        near(QUARTER, half_pi / 2);
+        near(HALF, half_pi);
+        near(THREE_QUARTERS, half_pi * 3 / 2);
+        near(WHOLE, half_pi * 2);
+        near([1.0 / 3.0, -MINUS_ONE_THIRD_TAIL], third);
+        near([1.0 / 6.0, ONE_SIXTH_TAIL], third / 2);
+    }
+}

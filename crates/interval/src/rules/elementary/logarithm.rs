@@ -258,3 +258,25 @@ impl<M: Machine> Text<'_, M> {
         Near::new(atanh, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heads_and_tails_make_up_the_constants() {
+        // The first 127 bits after the point, or 128 with the one before: OEIS A007524, A007525, A002285.
+        let log10_2 = 0x2688_26a1_3ef3_fde6_23e2_566b_02df_245e_u128;
+        let log2_e = 0xb8aa_3b29_5c17_f0bb_be87_fed0_691d_3e88_u128;
+        let log10_e = 0x3796_f62a_4dca_1c65_4d56_eaab_eb4c_f70c_u128;
+        let scaled = |part: f64| (part * 2_f64.powi(127)) as u128;
+        let near = |[head, tail]: [f64; 2], exact: u128| {
+            assert!((scaled(head) + scaled(tail)).abs_diff(exact) < 1 << 31, "{head} {tail:e}");
+        };
+        near(Base::Ten.of_two(), log10_2);
+        near(Base::Two.of_e().expect("two parts"), log2_e);
+        near(Base::Ten.of_e().expect("two parts"), log10_e);
+        near([1.0 / 3.0, ONE_THIRD_TAIL], (1 << 127) / 3);
+        assert!(LOG10_2_HI.to_bits().trailing_zeros() >= 11);
+    }
+}
