@@ -91,7 +91,8 @@ fn main() {
 
 /// The gyroid has no rival here: what a call of its kernels costs, four boxes or four points a packet.
 fn gyroid() {
-    const HALF: f64 = 6.2832;
+    const HALF: f64 = std::f64::consts::TAU;
+    const FEWER: usize = CALLS / 10;
     let formula = "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
     let document = read(formula, &Options::default()).expect("reads");
     let program =
@@ -103,15 +104,18 @@ fn gyroid() {
         boxes.iter().map(|packet| PointPacket { at: packet.hi }).collect();
     let mut enclosures = vec![EnclosurePacket::default(); PACKETS];
     let mut values = vec![ValuePacket::default(); PACKETS];
-    let result = compare(
-        ROUNDS,
-        || {
-            (0..CALLS / 10)
-                .for_each(|_| interval.enclose(black_box(&boxes), black_box(&mut enclosures)))
-        },
-        || (0..CALLS / 10).for_each(|_| point.sample(black_box(&points), black_box(&mut values))),
-    );
-    let per_packet = 1e9 / (CALLS / 10 * PACKETS) as f64;
+    let enclose = || {
+        for _ in 0..FEWER {
+            interval.enclose(black_box(&boxes), black_box(&mut enclosures));
+        }
+    };
+    let sample = || {
+        for _ in 0..FEWER {
+            point.sample(black_box(&points), black_box(&mut values));
+        }
+    };
+    let result = compare(ROUNDS, enclose, sample);
+    let per_packet = 1e9 / (FEWER * PACKETS) as f64;
     println!("\n{:24}{:>12}{:>12}", "ns per packet of 4", "interval", "point");
     println!(
         "{:24}{:12.1}{:12.1}   ({} and {} bytes of code)",
