@@ -27,7 +27,7 @@ fn check(formula: &str, along: DVec3, expected: impl Fn(DVec3) -> Option<f64>) {
     for pixel in 0..SIDE * SIDE {
         let ray = frame.ray_of(pixel);
         let foot = ray.at(8.0);
-        let drawn = f64::from(picture.buffer.drawn[pixel]);
+        let drawn = picture.buffer.drawn[pixel];
         let found = drawn.is_finite().then_some(drawn - 8.0);
         let agrees = match (expected(foot), found) {
             (None, None) => true,

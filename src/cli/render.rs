@@ -224,7 +224,7 @@ impl Files {
                     file.finish(|out| array::write(out, &shape, distance.map(|d| d as f32)))?;
                 }
                 picture::Precision::F64 => {
-                    file.finish(|out| array::write(out, &shape, distance))?
+                    file.finish(|out| array::write(out, &shape, distance))?;
                 }
             }
         }
