@@ -219,7 +219,7 @@ fn check_zero_throughout(case: &Case, frame: &Frame, picture: &Picture) {
         met += 1;
         let (status, distance) = (picture.buffer.status[index], picture.buffer.distance[index]);
         assert_eq!(status, Status::Undecided, "{} pixel {index}", case.slug);
-        assert!(f64::from(distance) <= first + ROUNDING, "{} pixel {index}", case.slug);
+        assert!(distance <= first + ROUNDING, "{} pixel {index}", case.slug);
     }
     assert!(met > 500, "{}: {met} rays meet the solid", case.slug);
     println!("{}: {met} rays undecided from their first point in it", case.slug);
