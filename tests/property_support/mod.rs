@@ -42,8 +42,8 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
         assert!(normal.iter().all(|part| part.is_finite()), "{scene}: {normal:?}");
         let claimed = match buffer.status[index] {
             Status::Miss => Claimed::Miss,
-            Status::Hit => Claimed::Hit(distance.into()),
-            Status::Undecided => Claimed::Undecided(distance.into()),
+            Status::Hit => Claimed::Hit(distance),
+            Status::Undecided => Claimed::Undecided(distance),
         };
         Pixel { line, claimed }
     });
