@@ -6,8 +6,11 @@
 use zeroset_testkit::property::{Subject, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
-/// Inputs per kernel: enough that compiling is a small part of the work.
-const INPUTS: usize = 256;
+/// Inputs per kernel: in a test few, so that there are many formulas; in a long run so many that compiling is a small part
+/// of the work.
+fn inputs(cases: u64) -> usize {
+    if cases <= 1_000_000 { 256 } else { 1024 }
+}
 
 /// Tells the seed of the case at hand when something panics.
 struct Told(u64);
@@ -31,7 +34,7 @@ fn check<T: Adversarial>(seed: u64, subject: Subject, simple: bool, options: &Gr
         let _told = Told(seed);
         let mut rng = Rng::with_seed(seed);
         let case = Case::random(&mut rng, options);
-        match agree::<T>(subject, simple, &case, &mut rng, INPUTS) {
+        match agree::<T>(subject, simple, &case, &mut rng, inputs(effort.cases)) {
             Ok(tally) => compared += tally.compared,
             Err(failure) => panic!("{failure}"),
         }
