@@ -10,7 +10,7 @@ use property_support::zero_kernel;
 use zeroset_testkit::property::zeros;
 
 fuzz_target!(|data: &[u8]| {
-    if let Err(failure) = zeros(data, &zero_kernel) {
+    if let Err(failure) = zeros(data, &zero_kernel, &zero_kernel) {
         panic!("{failure}");
     }
 });

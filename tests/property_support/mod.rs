@@ -3,9 +3,9 @@
 //! Fuzz targets include this file.
 
 use glam::DVec3;
-use zeroset::picture::{Settings, render};
+use zeroset::picture::{Precision, Settings, render};
 use zeroset::program::Program;
-use zeroset_eval::IntervalKernel;
+use zeroset_eval::{IntervalKernel, Real};
 use zeroset_interval::Interval;
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
@@ -28,8 +28,9 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
         _ => PacketWidth::Sixteen,
     };
     let [width, height] = scene.size;
-    let settings =
-        Settings { width, height, max_depth: scene.depth, packet, ..Settings::default() };
+    let precision = if scene.double { Precision::F64 } else { Precision::F32 };
+    let max_depth = scene.depth;
+    let settings = Settings { width, height, precision, max_depth, packet, ..Settings::default() };
     let picture = render(&scene.formula.document, &region, &camera, &settings, &|_, _| {}).ok()?;
     let frame = camera.frame(width, height);
     let pixels = (0..width * height).map(|index| {
@@ -55,7 +56,7 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
 /// # Panics
 /// If its code does not compile.
 #[allow(dead_code)] // each fuzz target needs one of the two
-pub fn zero_kernel(formula: &Formula) -> Option<Box<dyn IntervalKernel>> {
+pub fn zero_kernel<T: Real>(formula: &Formula) -> Option<Box<dyn IntervalKernel<T>>> {
     let domain = formula.region.map(|[lo, hi]| Interval { lo, hi });
     let program = Program::new(&formula.document, domain).ok()?;
     Some(Box::new(program.zero_kernel(0).expect("compiles")))

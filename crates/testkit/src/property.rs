@@ -101,15 +101,19 @@ pub fn render(data: &[u8], draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>) -> Resul
     Scene::random(&mut rng).map_or(Ok(Tally::default()), |scene| picture(&scene, draw))
 }
 
-/// [`vanish`] for a formula that bytes choose.
+/// [`vanish`] for a formula and a precision that bytes choose.
 ///
 /// # Errors
 /// The first zero denied.
 pub fn zeros(
     data: &[u8],
-    make: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel>>,
+    single: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel<f32>>>,
+    double: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel<f64>>>,
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::from_bytes(data);
-    let formula = Formula::random(&mut rng, LARGEST);
-    formula.map_or(Ok(Tally::default()), |formula| vanish(&formula, &mut rng, make))
+    match Formula::random(&mut rng, LARGEST) {
+        None => Ok(Tally::default()),
+        Some(formula) if rng.bool() => vanish(&formula, &mut rng, double),
+        Some(formula) => vanish(&formula, &mut rng, single),
+    }
 }

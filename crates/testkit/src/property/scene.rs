@@ -157,6 +157,8 @@ pub struct Scene {
     pub depth: u32,
     /// Rays that advance together: 4, 8 or 16.
     pub packet: u32,
+    /// Whether kernels compute in `f64`.
+    pub double: bool,
 }
 
 impl Scene {
@@ -181,7 +183,8 @@ impl Scene {
         let size = [(); 2].map(|()| rng.u32(1..=WIDEST) as usize);
         let depth = rng.u32(1..=DEEPEST);
         let packet = [4, 8, 16][rng.u32(0..3) as usize];
-        Some(Self { formula, eye, target, up, fov, size, depth, packet })
+        let double = rng.bool();
+        Some(Self { formula, eye, target, up, fov, size, depth, packet, double })
     }
 }
 
@@ -192,7 +195,7 @@ impl fmt::Display for Scene {
         let [width, height] = self.size;
         write!(
             f,
-            "zeroset render {} --eye {} --target {} --up {} {} --size {width}x{height} --depth {} --packet {}",
+            "zeroset render {} --eye {} --target {} --up {} {} --size {width}x{height} --depth {} --packet {} --precision {}",
             self.formula,
             point(self.eye),
             point(self.target),
@@ -203,6 +206,7 @@ impl fmt::Display for Scene {
             },
             self.depth,
             self.packet,
+            if self.double { "f64" } else { "f32" },
         )
     }
 }

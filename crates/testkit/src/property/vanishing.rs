@@ -3,9 +3,9 @@
 use super::scene::{Formula, describe};
 use crate::certified::{Crossing, Line};
 use crate::suite::{Failure, Tally};
-use crate::{Rng, pack_boxes};
+use crate::{Adversarial, Rng, pack_boxes};
 use zeroset_eval::{EnclosurePacket, IntervalKernel};
-use zeroset_interval::{Facts, round::f32_up};
+use zeroset_interval::Facts;
 
 /// Lines tried on each formula, and boxes around each crossing.
 const LINES: usize = 6;
@@ -19,10 +19,10 @@ const BUDGET: u32 = 2000;
 ///
 /// # Errors
 /// The first zero denied.
-pub fn vanish(
+pub fn vanish<T: Adversarial>(
     formula: &Formula,
     rng: &mut Rng,
-    make: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel>>,
+    make: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel<T>>>,
 ) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     let function = formula.function();
@@ -38,12 +38,13 @@ pub fn vanish(
         }
         let Some(kernel) = &kernel else { return Ok(tally) };
         let regions: Vec<_> = (0..BOXES).map(|_| around(formula, &line, &crossing, rng)).collect();
-        let mut out = [EnclosurePacket::default()];
+        let mut out = [EnclosurePacket::<T>::default()];
         kernel.enclose(&pack_boxes(&regions), &mut out);
         for (lane, region) in regions.iter().enumerate() {
             tally.defined += 1;
-            let (low, high, facts) = (-out[0].neg_lo[lane], out[0].hi[lane], out[0].facts(lane));
-            if facts.has(Facts::NOWHERE) || low > 0.0 || high < 0.0 {
+            let (low, high, facts): (T, T, Facts) =
+                (-out[0].neg_lo[lane], out[0].hi[lane], out[0].facts(lane));
+            if facts.has(Facts::NOWHERE) || low > T::default() || high < T::default() {
                 return Err(Failure::new(format!(
                     "a zero denied: [{low:?}, {high:?}] {facts:?} over {region:?}, but {crossing:?} on\n\
                      {}\n{formula}",
@@ -57,15 +58,20 @@ pub fn vanish(
 
 /// A box that holds the piece of the line between the ends of a crossing, which is inside the region; not further
 /// outside than a rounding.
-fn around(formula: &Formula, line: &Line, crossing: &Crossing, rng: &mut Rng) -> [[f32; 2]; 3] {
+fn around<T: Adversarial>(
+    formula: &Formula,
+    line: &Line,
+    crossing: &Crossing,
+    rng: &mut Rng,
+) -> [[T; 2]; 3] {
     let margin = if rng.bool() { 0.0 } else { 2f64.powi(-rng.i32(0..=40)) };
-    let mut region = [[0.0; 2]; 3];
+    let mut region = [[T::default(); 2]; 3];
     for (axis, range) in region.iter_mut().enumerate() {
         let (low, high) = line.range(axis, crossing.near, crossing.far);
         let [least, most] = formula.region[axis];
         let low = (low - margin).clamp(least, most);
         let high = (high + margin).clamp(least, most);
-        *range = [-f32_up::from_f64(-low), f32_up::from_f64(high)];
+        *range = [-T::above(-low), T::above(high)];
     }
     region
 }
