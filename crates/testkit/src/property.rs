@@ -17,11 +17,10 @@ pub use picturing::{Claimed, Pixel, picture};
 pub use reading::read_and_print;
 pub use rewriting::keep;
 pub use scene::{Formula, Scene};
-pub use vanishing::vanish;
+pub use vanishing::{MakeZeros, vanish};
 
 use crate::suite::{Failure, Tally};
 use crate::{Case, GraphOptions, Rng};
-use zeroset_eval::IntervalKernel;
 
 /// A case of any size, adversarial or plain, with parameters or without.
 pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
@@ -107,8 +106,8 @@ pub fn render(data: &[u8], draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>) -> Resul
 /// The first zero denied.
 pub fn zeros(
     data: &[u8],
-    single: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel<f32>>>,
-    double: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel<f64>>>,
+    single: MakeZeros<f32>,
+    double: MakeZeros<f64>,
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::from_bytes(data);
     match Formula::random(&mut rng, LARGEST) {

@@ -14,6 +14,9 @@ const BOXES: usize = 4;
 /// Evaluations per line.
 const BUDGET: u32 = 2000;
 
+/// Makes the kernel that tells where a formula may vanish; `None` if it has no surface.
+pub type MakeZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel<T>>>;
+
 /// Asks the kernel that `make` gives for a formula about boxes around certain zeros: it must not say that there is none.
 /// `defined` counts the boxes.
 ///
@@ -22,7 +25,7 @@ const BUDGET: u32 = 2000;
 pub fn vanish<T: Adversarial>(
     formula: &Formula,
     rng: &mut Rng,
-    make: &dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel<T>>>,
+    make: MakeZeros<T>,
 ) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     let function = formula.function();
