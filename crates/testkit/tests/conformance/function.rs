@@ -1,9 +1,11 @@
-//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native `f32`.
+//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native code.
 
 use super::itl::{Decoration, Term};
 use std::collections::HashMap;
-use zeroset_eval::{Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Tape};
-use zeroset_interval::{Facts, Interval, Value, fold, round::f32_up};
+use zeroset_eval::{
+    Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Real, Tape,
+};
+use zeroset_interval::{Facts, Interval, Value, fold};
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_jit::NativeInterval;
 use zeroset_ops::Op;
@@ -144,18 +146,18 @@ pub enum Told {
     TheBox,
 }
 
-/// Native code, kept by what it was compiled for.
-pub struct Native {
+/// Native code in one precision, kept by what it was compiled for.
+pub struct Native<T: Real> {
     told: Told,
-    kernels: HashMap<String, NativeInterval>,
+    kernels: HashMap<String, NativeInterval<T>>,
 }
 
-impl Native {
+impl<T: Real> Native<T> {
     pub fn new(told: Told) -> Self {
         Self { told, kernels: HashMap::new() }
     }
 
-    /// Encloses `function`, known as `key`, over operands with `f32` ends; `None` is the empty set.
+    /// Encloses `function`, known as `key`, over operands whose ends are of the precision; `None` is the empty set.
     pub fn enclose(
         &mut self,
         key: &str,
@@ -169,8 +171,8 @@ impl Native {
         }
         let mut packet = BoxPacket::default();
         for (axis, bounds) in domain.iter().enumerate() {
-            packet.neg_lo[axis] = [-bounds.lo as f32; LANES];
-            packet.hi[axis] = [bounds.hi as f32; LANES];
+            packet.neg_lo[axis] = [T::nearest(-bounds.lo); LANES];
+            packet.hi[axis] = [T::nearest(bounds.hi); LANES];
         }
         let compile = || {
             let restricted = function.restricted(&empty);
@@ -189,19 +191,17 @@ impl Native {
             }
             Told::TheBox => compile().enclose(&[packet], &mut out),
         }
-        let (lo, hi) = (-f64::from(out[0].neg_lo[0]), f64::from(out[0].hi[0]));
-        let facts = Facts::from_bits(out[0].facts[0]);
+        let (neg_lo, hi): (f64, f64) = (out[0].neg_lo[0].into(), out[0].hi[0].into());
+        let (lo, facts) = (-neg_lo, out[0].facts(0));
         assert!(!lo.is_nan() && !hi.is_nan(), "{key}: NaN over {operands:?}");
         Answer { bounds: Interval { lo, hi }, facts }
     }
 }
 
-/// The bounds with ends in `f32`, rounded outward.
-pub fn outward(bounds: Interval) -> Interval {
-    Interval {
-        lo: 0.0 - f64::from(f32_up::from_f64(-bounds.lo)),
-        hi: 0.0 + f64::from(f32_up::from_f64(bounds.hi)),
-    }
+/// The bounds with ends in a precision, rounded outward.
+pub fn outward<T: Real>(bounds: Interval) -> Interval {
+    let (neg_lo, hi): (f64, f64) = (T::above(-bounds.lo).into(), T::above(bounds.hi).into());
+    Interval { lo: 0.0 - neg_lo, hi: 0.0 + hi }
 }
 
 /// An operand as the software type takes it.

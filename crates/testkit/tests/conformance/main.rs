@@ -1,4 +1,5 @@
-//! Conformance with IEEE 1788: the vectors of ITF1788 against software intervals in `f64` and native kernels in `f32`.
+//! Conformance with IEEE 1788: the vectors of ITF1788 against software intervals in `f64` and native kernels in `f32` and
+//! `f64`.
 //!
 //! Every enclosure must hold the tightest one; how much wider it is goes into `tests/data/itl/report.txt`, which this
 //! test compares. `ZEROSET_BLESS=1 cargo test -p zeroset-testkit --test conformance` rewrites it.
@@ -12,6 +13,7 @@ use itl::{Case, Decoration, Term, parse};
 use std::fmt::Write;
 use std::path::PathBuf;
 use tally::{Tally, Ulp, Verdict, judge};
+use zeroset_eval::Real;
 use zeroset_interval::{Facts, Interval};
 
 /// Where the software type is the tightest whatever its operands, and native code is on finite ones.
@@ -111,8 +113,8 @@ fn in_software(cases: &[Case]) -> Tally {
     tally
 }
 
-fn natively(cases: &[Case], told: Told) -> Tally {
-    let mut native = Native::new(told);
+fn natively<T: Real>(cases: &[Case], told: Told, ulp: Ulp) -> Tally {
+    let mut native = Native::<T>::new(told);
     let mut tally = Tally::default();
     for case in cases {
         let question = match Question::new(case) {
@@ -130,24 +132,24 @@ fn natively(cases: &[Case], told: Told) -> Tally {
             continue;
         }
         let exact = question.bounds();
-        let widened: Vec<_> = exact.iter().map(|set| set.map(outward)).collect();
+        let widened: Vec<_> = exact.iter().map(|set| set.map(outward::<T>)).collect();
         let exponent = case.operands.iter().find(|operand| matches!(operand, Term::Integer(_)));
         let key = format!("{} {exponent:?}", case.name);
         let answer = native.enclose(&key, &question.function, &widened);
         if exact == widened {
-            question.record(answer, question.result.map(outward), Ulp::F32, &mut tally);
+            question.record(answer, question.result.map(outward::<T>), ulp, &mut tally);
             continue;
         }
         // Over widened operands only the software type knows the tightest result, where it is tightest itself.
-        if let Err(violation) = judge(answer, question.result, Ulp::F32) {
+        if let Err(violation) = judge(answer, question.result, ulp) {
             panic!("{} natively: {violation}", case.text);
         }
         if is_tightest(&case.name) {
             let operands: Vec<_> = widened.iter().map(|set| value_of(*set, None)).collect();
             let Answer { bounds, facts } = question.function.fold(&operands);
-            let tightest = (!facts.has(Facts::NOWHERE)).then(|| outward(bounds));
+            let tightest = (!facts.has(Facts::NOWHERE)).then(|| outward::<T>(bounds));
             let wider = Question { decoration: None, ..question };
-            wider.record(answer, tightest, Ulp::F32, &mut tally);
+            wider.record(answer, tightest, ulp, &mut tally);
         } else {
             tally.contain(&case.name);
         }
@@ -164,26 +166,31 @@ fn every_enclosure_holds_and_is_as_wide_as_reported() {
         .collect();
     assert!(cases.len() > 3500, "only {} cases", cases.len());
     let software = in_software(&cases);
-    let guarded = natively(&cases, Told::Nothing);
-    let specialised = natively(&cases, Told::TheBox);
+    let natives = [
+        ("f32, nothing known of the operands", natively::<f32>(&cases, Told::Nothing, Ulp::F32)),
+        ("f32, compiled for the very box", natively::<f32>(&cases, Told::TheBox, Ulp::F32)),
+        ("f64, nothing known of the operands", natively::<f64>(&cases, Told::Nothing, Ulp::F64)),
+        ("f64, compiled for the very box", natively::<f64>(&cases, Told::TheBox, Ulp::F64)),
+    ];
     let mut report = String::new();
     let _ = writeln!(
         report,
         "ITF1788 vectors: {} cases, no enclosure that fails to hold the exact range.\n\n\
          Columns: an end is at most so many floats too far out; `unbounded`: an end is infinite that need not be;\n\
-         `not empty`: a result not known to be empty; `contained`: operands are no f32 and the tightest result over\n\
+         `not empty`: a result not known to be empty; `contained`: operands are no floats and the tightest result over\n\
          widened ones is not known; `dec.`: facts against the expected decoration, `com` counting as `dac`.\n\
          Listed below each table: what is not the tightest, up to {UNREMARKABLE} ulp of elementary functions apart.\n",
         cases.len(),
     );
     software.write("Software intervals, f64", &mut report);
-    guarded.write("Native kernels, f32, nothing known of the operands", &mut report);
-    specialised.write("Native kernels, f32, compiled for the very box", &mut report);
+    for (what, tally) in &natives {
+        tally.write(&format!("Native kernels, {what}"), &mut report);
+    }
     let path = data().join("report.txt");
     if std::env::var_os("ZEROSET_BLESS").is_some() {
         std::fs::write(&path, &report).expect("the report can be written");
     }
-    for tally in [&software, &guarded, &specialised] {
+    for tally in natives.iter().map(|(_, tally)| tally).chain([&software]) {
         assert_eq!(tally.stronger(), 0, "claims more than the standard allows");
         assert_eq!(tally.loose, 0, "wider on finite operands: see the report");
     }
