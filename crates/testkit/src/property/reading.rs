@@ -7,6 +7,10 @@ use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
 /// Small, so that texts that expand cost a fuzzer little.
 const LIMITS: Limits = Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12 };
 
+/// For what was printed: its brackets nest deeper than signs and powers that were typed without.
+const PRINTED: Limits =
+    Limits { bytes: 1 << 20, symbols: 100_000, depth: 3 * LIMITS.depth, nodes: 1 << 16 };
+
 /// Reads `data`; renders what is said about it; prints the statements read and reads them again: the trees and the
 /// graph must be the same. `defined` counts the texts that were accepted.
 ///
@@ -67,9 +71,8 @@ fn printed(text: &str) -> Result<String, String> {
     let statements = parse(text, &LIMITS).map_err(|errors| format!("not parsed: {errors}"))?;
     let lines: Vec<String> = statements.iter().map(ToString::to_string).collect();
     let printed = lines.join("\n");
-    // Brackets and signs that are printed, but were not typed, count.
-    let again = parse(&printed, &Limits::default())
-        .map_err(|errors| format!("printed as {printed:?}: {errors}"))?;
+    let again =
+        parse(&printed, &PRINTED).map_err(|errors| format!("printed as {printed:?}: {errors}"))?;
     if again == statements {
         Ok(printed)
     } else {
@@ -78,7 +81,7 @@ fn printed(text: &str) -> Result<String, String> {
 }
 
 fn same_graph(document: &Document, printed: &str, options: &Options<'_>) -> Result<(), String> {
-    let options = Options { limits: Limits::default(), ..*options };
+    let options = Options { limits: PRINTED, ..*options };
     let again = read(printed, &options).map_err(|errors| format!("{printed:?}: {errors}"))?;
     let nodes = |graph: &Graph| graph.iter().map(|(_, node)| node.clone()).collect::<Vec<_>>();
     let roots = |document: &Document| document.surfaces.iter().map(|s| s.root).collect::<Vec<_>>();
