@@ -136,7 +136,6 @@ fn a_saved_file_is_seen_at_once() {
 
 /// Asks a window to close, as a window manager does.
 fn close(scene: &Scene) {
-    use x11rb::connection::Connection;
     use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt, EventMask};
     let (connection, _) = x11rb::connect(Some(&scene.display.name)).expect("connected");
     let atom = |name: &str| {
