@@ -14,9 +14,26 @@ use zeroset::gallery::example;
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_testkit::certified::{BUDGET, Certificate, Function, Line, Reason};
 
-/// What the reference's own roots may be off by. Two of `essential-fast`, where the function oscillates, are off by 1.2e-8;
-/// arithmetic of 50 digits agrees with the tracer there. On the gallery 1e-9 would do.
-const ROUNDING: f64 = 3e-8;
+/// The rays of the reference were rounded in another way; where a ray grazes a surface, that moves a root by more than
+/// the rounding itself.
+const ROUNDING: f64 = 1e-9;
+
+/// Roots of `sin(40/x)-y` that the reference has wrong by up to 1.2e-8, by ray: there a millionth in the function is a whole
+/// wave. These are from arithmetic of 50 digits.
+const CORRECTED: [(&str, usize, f64); 2] = [
+    ("essential-fast", 18 * SIDE + 38, 8.371_880_956_302_741),
+    ("essential-fast", 41 * SIDE + 16, 6.423_417_971_048_07),
+];
+
+/// What the reference says of a ray.
+fn exact(truth: &Truth, index: usize) -> Pixel {
+    let slug = truth.view.slug.as_str();
+    let corrected = CORRECTED.iter().find(|(of, ray, _)| *of == slug && *ray == index);
+    match corrected {
+        Some((.., root)) => Pixel { crossing: *root, zero: *root, ..truth.pixels[index] },
+        None => truth.pixels[index],
+    }
+}
 
 /// Every so many-th ray is traced.
 fn stride() -> usize {
@@ -111,7 +128,7 @@ fn survey(function: &Function, truth: &Truth) -> (BTreeMap<Outcome, usize>, Vec<
         .into_par_iter()
         .map(|index| {
             let certificate = function.trace(&line(&truth.view, index), &region, BUDGET);
-            (index, judge(&certificate, &truth.pixels[index]), certificate)
+            (index, judge(&certificate, &exact(truth, index)), certificate)
         })
         .collect();
     let mut counts = BTreeMap::new();
@@ -122,7 +139,7 @@ fn survey(function: &Function, truth: &Truth) -> (BTreeMap<Outcome, usize>, Vec<
         evaluations += f64::from(certificate.evaluations);
         if *outcome == Outcome::Differs {
             let (slug, i, j) = (&truth.view.slug, index % SIDE, index / SIDE);
-            let pixel = truth.pixels[*index];
+            let pixel = exact(truth, *index);
             differ.push(format!("{slug}, column {i}, row {j}: {certificate:?} but {pixel:?}"));
         }
     }

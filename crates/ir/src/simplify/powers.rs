@@ -2,8 +2,9 @@
 
 use super::Rewriter;
 use super::numbers;
-use super::ranges::Rank;
+use super::ranges::{Known, Rank};
 use super::value::{Condition, Factor, Product, Value};
+use crate::graph::NodeId;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive};
 use zeroset_ops::Op;
@@ -43,19 +44,29 @@ impl Rewriter<'_> {
                 return Value::Product(one);
             }
             let base = self.node_of(Value::Product(base));
-            return Value::Node(self.node(Op::Pow, &[base, exponent]));
+            let power = Value::Node(self.node(Op::Pow, &[base, exponent]));
+            let Known { rank, range, .. } = *self.known(exponent);
+            if fixed || rank != Rank::Constant {
+                return power;
+            }
+            // Folding would find an integer only in a range of one number, whose sign is known.
+            return self.real_power(power, base, range.hi > 0.0);
         };
         if fixed && conditions.is_empty() {
             return self.exact_power(base, &number);
         }
-        // Such an exponent was written with a variable that cancels. It counts as a real number, so negative
-        // bases stay outside the domain even where its value is an integer.
         let base = self.node_of(base);
-        let mut result = self.product(Value::Node(base));
-        let power = self.exact_power(Value::Product(result), &number);
-        result = self.product(power);
+        let product = self.product(Value::Node(base));
+        let power = self.exact_power(Value::Product(product), &number);
+        let mut result = self.product(power);
         result.conditions.extend(conditions);
-        let positive = number.is_positive();
+        self.real_power(Value::Product(result), base, number.is_positive())
+    }
+
+    /// A power whose exponent is constant, but was written with a variable that cancels: it counts as a real number, so
+    /// negative bases stay outside the domain even where its value is an integer.
+    fn real_power(&mut self, power: Value, base: NodeId, positive: bool) -> Value {
+        let mut result = self.product(power);
         let bound = if positive { Condition::Nonneg(base) } else { Condition::Positive(base) };
         self.require(&mut result.conditions, bound);
         Value::Product(result)

@@ -119,6 +119,12 @@ fn an_exponent_that_varies_never_admits_negative_bases() {
         x.apply(Op::Pow, &[b / b * 2.0])
     });
     assert_eq!(text, "where_nonneg(sqr(x), x)");
+    // Folded, this exponent is an integer: `round(atan(-2))`.
+    let text = simple(|s, [x, y, _]| {
+        let exponent = (x - x + s.number("-2")).f(Op::Atan).f(Op::Round);
+        y.apply(Op::Pow, &[exponent])
+    });
+    assert_eq!(text, "where_positive(y^(-round(atan(2))), y)");
 }
 
 #[test]
