@@ -174,7 +174,7 @@ pub enum ErrorKind {
     #[error("`{name}^-1` could mean the inverse or the reciprocal")]
     InversePower { name: String },
     #[error("`{name}` cannot be given another meaning")]
-    Reserved { name: String },
+    Reserved { name: String, is_function: bool },
     #[error("a function has at most {limit} parameters")]
     TooManyParameters { limit: usize },
     #[error("`{name}` is the name of two parameters")]

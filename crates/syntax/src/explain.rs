@@ -60,7 +60,8 @@ impl Error {
             ErrorKind::InversePower { .. } => {
                 "only sin, cos, tan, sinh, cosh and tanh are read as inverses this way"
             }
-            ErrorKind::Reserved { .. } => "it is a function of the language",
+            ErrorKind::Reserved { is_function: true, .. } => "it is a function of the language",
+            ErrorKind::Reserved { .. } => "it is a word of the language",
             ErrorKind::Recursion { .. } => {
                 "a definition is put in where it is used, and this would never end"
             }

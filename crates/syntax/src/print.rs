@@ -5,6 +5,7 @@
 use crate::ast::{
     Definition, Expr, ExprKind, Function, ProductSign, Relation, Statement, SumSign, Value,
 };
+use crate::statement::SETTINGS;
 use std::fmt;
 
 /// How tightly a printed expression holds together; a looser one inside a tighter place needs brackets.
@@ -141,10 +142,10 @@ impl fmt::Display for Statement {
                     ExprKind::Compare(left, rest) if may_be_defined(left) => {
                         match rest.as_slice() {
                             [(Relation::Equal, right)] => write!(f, "{left} == {right}")?,
-                            _ => expr.fmt(f)?,
+                            _ => write_drawn(f, expr)?,
                         }
                     }
-                    _ => expr.fmt(f)?,
+                    _ => write_drawn(f, expr)?,
                 }
                 write_restrictions(f, restrictions)
             }
@@ -160,6 +161,18 @@ fn may_be_defined(left: &Expr) -> bool {
             arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
         }
         _ => false,
+    }
+}
+
+/// Writes what is drawn. A value that is named as a setting is in brackets where the line would be read as that setting.
+fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
+    let text = expr.to_string();
+    let keyword = SETTINGS.iter().find_map(|name| Some((name, text.strip_prefix(name)?)));
+    let is_setting =
+        |rest: &str| rest.is_empty() || rest.starts_with(" + ") || rest.starts_with(" - ");
+    match keyword {
+        Some((name, rest)) if is_setting(rest) => write!(f, "({name}){rest}"),
+        _ => f.write_str(&text),
     }
 }
 
@@ -180,7 +193,7 @@ pub(crate) struct Drawing<'a> {
 
 impl fmt::Display for Drawing<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.expr.fmt(f)?;
+        write_drawn(f, self.expr)?;
         write_restrictions(f, self.restrictions)
     }
 }

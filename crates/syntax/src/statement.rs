@@ -7,12 +7,15 @@ use crate::error::{Error, ErrorKind, Fallible, MOST};
 use crate::grammar::{Pair, Rule, Zeroset};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
-use crate::scan::{Piece, TokenKind, scan};
+use crate::scan::{Piece, TokenKind, is_operator_word, scan};
 use crate::scope::{Meaning, Scope};
 use crate::span::Span;
 use crate::spelling::plain_name;
 use pest::Parser as _;
 use rustc_hash::FxHashSet;
+
+/// The words that begin a line which is no formula.
+pub(crate) const SETTINGS: [&str; 4] = ["domain", "view", "color", "colour"];
 
 /// Each use of a name looks through the parameters, so their number is bounded.
 const MOST_PARAMETERS: usize = 64;
@@ -298,9 +301,15 @@ fn define(builder: &mut Builder<'_>, head: &Head, expression: Pair<'_>) -> Falli
         }
     }
     let built_in = Scope::default().meaning(&name.text, &[]);
-    if head.parameters.is_none() && matches!(built_in, Meaning::Function(_)) {
-        let name_text = name.text.clone();
-        return Err(Error::new(name.span, ErrorKind::Reserved { name: name_text }));
+    let is_function = head.parameters.is_none() && matches!(built_in, Meaning::Function(_));
+    // `domain(x) = …` is a domain line with a slip.
+    let is_keyword = head.parameters.is_some() && name.text == "domain";
+    // LaTeX can spell names that cannot be written otherwise.
+    let reserved = |name: &&Name| is_operator_word(&name.text);
+    let word = std::iter::once(name).chain(parameters).find(reserved);
+    if let Some(name) = (is_function || is_keyword).then_some(name).or(word) {
+        let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
+        return Err(Error::new(name.span, kind));
     }
     let span = builder.span(&expression);
     let sides: Vec<Pair<'_>> = expression
