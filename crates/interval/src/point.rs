@@ -64,7 +64,12 @@ pub fn evaluate<M: Machine>(
         Op::Mul => rule.m.mul(a, operands[1]),
         Op::Div => rule.m.div(a, operands[1]),
         Op::Pow => match exponent {
-            Exponent::Integer(n) => rule.integer_power_at(a, n),
+            Exponent::Integer(n) if n < 0 => {
+                let power = rule.integer_power_at(a, n.unsigned_abs());
+                let one = rule.number(1.0);
+                rule.m.div(one, power)
+            }
+            Exponent::Integer(n) => rule.integer_power_at(a, n.unsigned_abs()),
             Exponent::Real | Exponent::LargeInteger => rule.real_power_at(a, operands[1]),
         },
         Op::Mod => {
@@ -230,12 +235,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(near, value)
     }
 
-    fn integer_power_at(&mut self, a: M::V, n: i32) -> M::V {
-        if n < 0 {
-            let power = self.integer_power_at(a, n.saturating_neg());
-            let one = self.number(1.0);
-            return self.m.div(one, power);
-        }
+    fn integer_power_at(&mut self, a: M::V, n: u32) -> M::V {
         let (mut result, mut square, mut rest) = (None, a, n);
         while rest > 0 {
             if rest & 1 == 1 {

@@ -20,7 +20,7 @@ struct Finding {
     was: &'static str,
 }
 
-const FINDINGS: [Finding; 3] = [
+const FINDINGS: [Finding; 4] = [
     Finding {
         formula: "mod(-1.4490664005279541015625/3*z, z)",
         domain: [ENTIRE; 3],
@@ -41,6 +41,13 @@ const FINDINGS: [Finding; 3] = [
         region: [[368_889_152.0, 368_889_184.0], [-0.0, 0.0], [0.0; 2]],
         within: [-0.0, 0.0],
         was: "a remainder by 0 had bounds outside its range",
+    },
+    Finding {
+        formula: "x^(-2147483648)",
+        domain: [ENTIRE; 3],
+        region: [[-1.0; 2], [0.0; 2], [0.0; 2]],
+        within: [1.0, 1.0],
+        was: "an even exponent without an opposite became odd",
     },
 ];
 

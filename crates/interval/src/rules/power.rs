@@ -50,9 +50,9 @@ impl<M: Machine> Rule<'_, M> {
             Exponent::Real => return self.real_power(a, b),
             Exponent::Integer(n) if n < 0 => {
                 let base = self.divisor(a, part);
-                self.integer_power(&base, n)
+                self.reciprocal_power(&base, n.unsigned_abs())
             }
-            Exponent::Integer(n) => self.integer_power(a, n),
+            Exponent::Integer(n) => self.integer_power(a, n.unsigned_abs()),
             Exponent::LargeInteger => {
                 let infinity = self.infinity();
                 let unknown = Fact::False;
@@ -64,34 +64,20 @@ impl<M: Machine> Rule<'_, M> {
         self.with_facts_of(&Operand::new(value, Interval::ENTIRE), b)
     }
 
-    fn integer_power(&mut self, a: &Operand<M::V>, n: i32) -> Enclosure<M::V> {
+    fn integer_power(&mut self, a: &Operand<M::V>, n: u32) -> Enclosure<M::V> {
         match n {
             0 => {
                 let (one, minus_one) = (self.number(1.0), self.number(-1.0));
                 Enclosure { neg_lo: minus_one, hi: one, continuous: a.value.defined, ..a.value }
             }
             1 => a.value,
-            n if n < 0 => {
-                let value = self.integer_power(a, n.saturating_neg());
-                // The range of the power is not known here, but that of a nonzero base has no 0 either.
-                let (nowhere, throughout) = self.nonzero(a);
-                let power = Operand::new(value, Interval::ENTIRE);
-                let one = Operand::new(
-                    Enclosure::total(self.number(-1.0), self.number(1.0)),
-                    Interval::ONE,
-                );
-                let quotient = self.div(&one, &power);
-                let facts = self.restrict(value, nowhere, throughout);
-                Enclosure { neg_lo: quotient.neg_lo, hi: quotient.hi, ..facts }
-            }
             n if n % 2 == 0 => {
                 let neg_mig = self.neg_mignitude(a);
                 let mag = self.magnitude(a);
-                let (neg_lo, hi) = self.power_nonneg(neg_mig, mag, n.unsigned_abs());
+                let (neg_lo, hi) = self.power_nonneg(neg_mig, mag, n);
                 Enclosure { neg_lo, hi, ..a.value }
             }
             n => {
-                let n = n.unsigned_abs();
                 let (neg_lo, hi) = match a.sign() {
                     Sign::Nonneg => self.power_nonneg(a.value.neg_lo, a.value.hi, n),
                     Sign::Nonpos => {
@@ -105,6 +91,19 @@ impl<M: Machine> Rule<'_, M> {
                 Enclosure { neg_lo, hi, ..a.value }
             }
         }
+    }
+
+    /// 1/aⁿ.
+    fn reciprocal_power(&mut self, a: &Operand<M::V>, n: u32) -> Enclosure<M::V> {
+        let value = self.integer_power(a, n);
+        // The range of the power is not known here, but that of a nonzero base has no 0 either.
+        let (nowhere, throughout) = self.nonzero(a);
+        let power = Operand::new(value, Interval::ENTIRE);
+        let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+        let one = Operand::new(Enclosure::total(minus_one, one), Interval::ONE);
+        let quotient = self.div(&one, &power);
+        let facts = self.restrict(value, nowhere, throughout);
+        Enclosure { neg_lo: quotient.neg_lo, hi: quotient.hi, ..facts }
     }
 
     /// (−lo, hi) of the n-th power, n ≥ 1, of a nonnegative pair, by squaring. Lower ends stay finite and upper ends

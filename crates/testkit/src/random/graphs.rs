@@ -93,6 +93,11 @@ fn exponent(rng: &mut Rng, adversarial: bool) -> Constant {
         0 => ratio(i64::from(rng.i32(-7..=7)), i64::from(rng.i32(1..=4))),
         1 => random_constant(rng, adversarial),
         2 => Constant::integer(i64::from(rng.i32(-40..=40))),
+        3 if adversarial => {
+            // About the ends of the integers that an exponent is told apart by.
+            let end = 1_i64 << [16, 31, 32][below(rng, 3)];
+            Constant::integer((end + i64::from(rng.i32(-1..=1))) * if rng.bool() { 1 } else { -1 })
+        }
         _ => Constant::integer(i64::from(rng.i32(-3..=6))),
     }
 }
