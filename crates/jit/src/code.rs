@@ -2,6 +2,7 @@
 
 use crate::rounding::Entry;
 use cranelift_jit::JITModule;
+use cranelift_module::FuncId;
 use std::mem::ManuallyDrop;
 
 /// A vector of the pool, aligned as vector instructions want it.
@@ -9,9 +10,32 @@ use std::mem::ManuallyDrop;
 #[repr(C, align(16))]
 pub struct Constant(u128);
 
+/// A module that frees its memory when it is dropped.
+pub struct Memory(ManuallyDrop<JITModule>);
+
+impl Memory {
+    pub fn new(module: JITModule) -> Self {
+        Self(ManuallyDrop::new(module))
+    }
+
+    pub fn module(&mut self) -> &mut JITModule {
+        &mut self.0
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        // SAFETY: the module is taken once, here. No use of its memory outlives this value: an entry is copied only for
+        // the duration of a call that borrows its `Code`.
+        unsafe {
+            ManuallyDrop::take(&mut self.0).free_memory();
+        }
+    }
+}
+
 /// One finished function and the memory it lives in.
 pub struct Code {
-    module: ManuallyDrop<JITModule>,
+    _memory: Memory,
     entry: Entry,
     /// What `pool` points at: kept alive, never read from here.
     _constants: Box<[Constant]>,
@@ -22,14 +46,12 @@ pub struct Code {
 }
 
 impl Code {
-    /// Owns `module`, whose finished function `entry` is.
-    ///
-    /// # Safety
-    /// `entry` must lie in memory that `module` owns, and read no more constants than these.
-    pub unsafe fn new(module: JITModule, entry: Entry, constants: Vec<u128>, bytes: usize) -> Self {
+    /// The function that was finished in `memory` as `id`, and the constants that it reads.
+    pub fn new(memory: Memory, id: FuncId, constants: Vec<u128>, bytes: usize) -> Self {
+        let entry = memory.0.get_finalized_function(id);
         let constants: Box<[Constant]> = constants.into_iter().map(Constant).collect();
         let pool = constants.as_ptr();
-        Self { module: ManuallyDrop::new(module), entry, _constants: constants, pool, bytes }
+        Self { _memory: memory, entry, _constants: constants, pool, bytes }
     }
 
     /// The function. It must not be called after this value is dropped.
@@ -45,18 +67,8 @@ impl Code {
     }
 }
 
-impl Drop for Code {
-    fn drop(&mut self) {
-        // SAFETY: the module is taken once, here. No pointer into its memory outlives this value: `entry` is
-        // copied only for the duration of a call that borrows it.
-        unsafe {
-            ManuallyDrop::take(&mut self.module).free_memory();
-        }
-    }
-}
-
 // SAFETY: after it is finished the code is read-only, as are its constants, which move with the box that owns them
-// and not in memory; the module is only touched again by `drop`, which has exclusive access.
+// and not in memory; the memory is only touched again by `drop`, which has exclusive access.
 unsafe impl Send for Code {}
 // SAFETY: see above; `entry` may run on many threads at once since kernels write only to their outputs.
 unsafe impl Sync for Code {}

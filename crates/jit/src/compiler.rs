@@ -1,10 +1,9 @@
 //! From a tape to native code.
 
-use crate::code::Code;
+use crate::code::{Code, Memory};
 use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, VECTOR, Vector, type_of};
-use crate::rounding::Entry;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I64;
@@ -126,35 +125,19 @@ pub fn compile<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<Code, Error> {
     let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
     check_stack(function.fixed_stack_size())?;
     let isa = target(tier)?;
-    let mut module = JITModule::new(JITBuilder::with_isa(isa, default_libcall_names()));
+    let builder = JITBuilder::with_isa(isa, default_libcall_names());
+    let mut memory = Memory::new(JITModule::new(builder));
+    let module = memory.module();
+    debug_assert!(module.target_config().pointer_bits() == 64, "kernels use 64-bit pointers");
     let report = |error: cranelift_module::ModuleError| Error::Codegen(format!("{error:?}"));
     let id = module.declare_anonymous_function(&function.signature).map_err(report)?;
     let mut context = Context::for_function(function);
-    debug_assert!(module.target_config().pointer_bits() == 64, "kernels use 64-bit pointers");
-    // From here on an early return must free the module's memory.
-    let finished = module
-        .define_function(id, &mut context)
-        .map_err(report)
-        .and_then(|()| {
-            let layout = context.compiled_code().and_then(|code| code.buffer.frame_layout());
-            check_stack(layout.map_or(0, |layout| layout.frame_to_fp_offset))
-        })
-        .and_then(|()| module.finalize_definitions().map_err(report));
-    match finished {
-        Ok(()) => {
-            let bytes = context.compiled_code().map_or(0, |code| code.code_info().total_size);
-            let address = module.get_finalized_function(id);
-            // SAFETY: the function was declared with the signature that `Entry` describes.
-            let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
-            // SAFETY: `entry` is the function just finished in this module.
-            Ok(unsafe { Code::new(module, entry, constants, bytes as usize) })
-        }
-        Err(error) => {
-            // SAFETY: no pointer into the module's memory was taken.
-            unsafe { module.free_memory() };
-            Err(error)
-        }
-    }
+    module.define_function(id, &mut context).map_err(report)?;
+    let layout = context.compiled_code().and_then(|code| code.buffer.frame_layout());
+    check_stack(layout.map_or(0, |layout| layout.frame_to_fp_offset))?;
+    module.finalize_definitions().map_err(report)?;
+    let bytes = context.compiled_code().map_or(0, |code| code.code_info().total_size);
+    Ok(Code::new(memory, id, constants, bytes as usize))
 }
 
 fn check_stack(bytes: u32) -> Result<(), Error> {

@@ -85,10 +85,10 @@ macro_rules! kernel {
             #[inline]
             fn run<I, O>(&self, inputs: &[I], outputs: &mut [O]) {
                 assert!(outputs.len() >= inputs.len(), "output shorter than input");
-                // SAFETY: `I` and `O` are the packets that code of this kind and format reads and writes (each kernel
-                // calls this in one place, below, and holds code of a tape in its own `T`); both slices hold at least `count` of them; packets are 16-byte
-                // aligned by their type, parameters by theirs, and their number was checked when they were bound.
-                // Kernels do not unwind.
+                // SAFETY: `I` and `O` are the packets that code of this kind and format reads and writes: each kernel
+                // calls this in one place, below, and holds code of a tape in its own `T`. Both slices hold at least
+                // `count` of them. Packets are 16-byte aligned by their type, parameters by theirs, and their number
+                // was checked when they were bound. Kernels do not unwind.
                 unsafe {
                     call_rounding_up(
                         self.compiled.code.entry(),

@@ -1,10 +1,9 @@
 //! The one place where the rounding mode changes: a call into native code and back.
 
-/// A kernel's entry point, by the ABI that [`call_rounding_up`] uses.
-///
-/// Inputs, outputs, number of packets, parameters, the address of the address of the constants,
-/// guard words (reserved: null for now).
-pub type Entry = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, *const u8, *const u64);
+/// A kernel's first instruction. It is called by the System V convention on `x86_64` and by AAPCS64 on `aarch64`, whatever
+/// the operating system's own may be, with: inputs, outputs, number of packets, parameters, the address of the address of
+/// the constants, guard words (reserved: null for now).
+pub type Entry = *const u8;
 
 /// MXCSR: all exceptions masked, subnormals kept, rounding to +∞ or (the default everywhere else) to nearest.
 #[cfg(target_arch = "x86_64")]
@@ -25,8 +24,8 @@ pub unsafe fn call_rounding_up(
     parameters: *const u8,
     constants: *const u8,
 ) {
-    // SAFETY: the block declares every register that a C function may change, keeps `entry` in a register that the
-    // callee preserves, and leaves MXCSR at the default that Rust code assumes. The stack is aligned because
+    // SAFETY: the block declares every register that a function of this convention may change, keeps `entry` in one that
+    // the callee preserves, and leaves MXCSR at the default that Rust code assumes. The stack is aligned because
     // `nostack` is not given. The two statics are plain memory that `ldmxcsr` reads. What the callee reads and
     // writes is the caller's promise.
     #[cfg(target_arch = "x86_64")]
@@ -44,7 +43,7 @@ pub unsafe fn call_rounding_up(
             in("rcx") parameters,
             in("r8") constants,
             in("r9") 0usize,
-            clobber_abi("C"),
+            clobber_abi("sysv64"),
         );
     }
     // SAFETY: as above; FPCR bits 23:22 = 01 round to +∞, and 0 is the default. x20 to x22 are preserved by the
