@@ -18,7 +18,8 @@ fn pictures_claim_nothing_false() {
     let effort = Effort::from_environment(0x5eed_0730, 800);
     let tally = attack(&|data| render(data, &draw), &seeds("render"), effort);
     println!("{tally:?}");
-    assert!(tally.compared > 800 && tally.defined > 400, "{tally:?}");
+    // Most pictures have some pixels, and one ray in ten a certain crossing.
+    assert!(tally.compared > 5 * effort.cases && tally.defined > effort.cases / 2, "{tally:?}");
 }
 
 #[test]
@@ -27,5 +28,5 @@ fn no_kernel_denies_a_certain_zero() {
     let property = |data: &[u8]| zeros(data, &zero_kernel, &zero_kernel);
     let tally = attack(&property, &seeds("zeros"), effort);
     println!("{tally:?}");
-    assert!(tally.compared > 1500 && tally.defined > 1000, "{tally:?}");
+    assert!(tally.compared > 3 * effort.cases && tally.defined > 3 * effort.cases, "{tally:?}");
 }

@@ -7,16 +7,13 @@ use glam::DVec3;
 use serde::Deserialize;
 use std::fmt::Write;
 use std::fs::File;
-use truth_support::{Pixel, SIDE, Truth, path, read};
+use truth_support::{Pixel, SIDE, Truth, compare, path, read, rounding};
 use zeroset::picture::{Picture, Precision, Settings, render};
 use zeroset_syntax::{Document, Options};
 use zeroset_trace::{Camera, Frame, Projection, Region, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
-
-/// Distances are `f32`: off by a part in 2²⁴. The rest is room for the last digits of the reference's own rays.
-const ROUNDING: f64 = 1e-6;
 
 /// A formula, and what a correct picture of it shows.
 #[derive(Deserialize)]
@@ -81,7 +78,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn new(case: &Case, truth: &Truth, picture: &Picture) -> Self {
+    fn new(case: &Case, truth: &Truth, picture: &Picture, precision: Precision) -> Self {
         let mut tally = Self::default();
         for (index, pixel) in truth.pixels.iter().enumerate() {
             if pixel.open {
@@ -91,7 +88,7 @@ impl Tally {
             let buffer = &picture.buffer;
             let (distance, drawn) = (buffer.distance[index], buffer.drawn[index]);
             tally.add(pixel, buffer.status[index], distance, drawn);
-            if let Some(claim) = contradiction(pixel, buffer.status[index], distance) {
+            if let Some(claim) = contradiction(pixel, buffer.status[index], distance, precision) {
                 let (i, j) = (index % SIDE, index / SIDE);
                 let claim = format!("{}, column {i}, row {j}: {claim} {pixel:?}", case.slug);
                 tally.false_claims.push(claim);
@@ -120,8 +117,13 @@ impl Tally {
 
 /// What is claimed of a ray, if its roots contradict it: a miss that there is none, a distance that there is none before
 /// it, a hit that there is one there.
-fn contradiction(pixel: &Pixel, status: Status, distance: f64) -> Option<String> {
-    let room = ROUNDING * (1.0 + distance.abs());
+fn contradiction(
+    pixel: &Pixel,
+    status: Status,
+    distance: f64,
+    precision: Precision,
+) -> Option<String> {
+    let room = rounding(precision) * (1.0 + distance.abs());
     let is_false = match status {
         Status::Miss => pixel.zero.is_finite(),
         Status::Undecided => distance > pixel.zero + room,
@@ -144,7 +146,7 @@ fn no_claim_is_false_and_the_table_is_as_before() {
     for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {
         assert_eq!((&case.slug, case.domain), (&truth.view.slug, truth.view.domain));
         let picture = picture(case, &truth);
-        let tally = Tally::new(case, &truth, &picture);
+        let tally = Tally::new(case, &truth, &picture, Precision::F32);
         let share = tally.share_of_walls();
         let Tally { open, roots, misses, hits, painted, walls, blank, .. } = tally;
         let is_within = share <= case.max_undecided;
@@ -169,16 +171,7 @@ fn no_claim_is_false_and_the_table_is_as_before() {
     print!("{table}");
     let first = false_claims[..false_claims.len().min(20)].join("\n");
     assert!(false_claims.is_empty(), "{} false claims:\n{first}", false_claims.len());
-
-    let path = path("stability_table.txt");
-    if std::env::var_os("ZEROSET_BLESS").is_some() {
-        std::fs::write(&path, &table).expect("written");
-    }
-    let expected = std::fs::read_to_string(&path).expect("a table");
-    for (number, (now, before)) in table.lines().zip(expected.lines()).enumerate() {
-        assert_eq!(now, before, "line {} of {}", number + 1, path.display());
-    }
-    assert_eq!(table.lines().count(), expected.lines().count(), "{}", path.display());
+    compare("stability_table.txt", &table);
 }
 
 const HEAD: &str = "\
@@ -219,7 +212,7 @@ fn check_zero_throughout(case: &Case, frame: &Frame, picture: &Picture) {
         met += 1;
         let (status, distance) = (picture.buffer.status[index], picture.buffer.distance[index]);
         assert_eq!(status, Status::Undecided, "{} pixel {index}", case.slug);
-        assert!(distance <= first + ROUNDING, "{} pixel {index}", case.slug);
+        assert!(distance <= first + rounding(Precision::F32), "{} pixel {index}", case.slug);
     }
     assert!(met > 500, "{}: {met} rays meet the solid", case.slug);
     println!("{}: {met} rays undecided from their first point in it", case.slug);
@@ -311,7 +304,7 @@ fn no_claim_in_double_precision_is_false() {
     for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {
         for (precision, walls) in [Precision::F32, Precision::F64].into_iter().zip(&mut walls) {
             let picture = picture_with(case, &truth, &Settings { precision, ..settings() });
-            let tally = Tally::new(case, &truth, &picture);
+            let tally = Tally::new(case, &truth, &picture, precision);
             *walls += tally.walls;
             if precision == Precision::F64 {
                 false_claims.extend(tally.false_claims);

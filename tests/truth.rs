@@ -6,7 +6,7 @@ mod truth_support;
 
 use glam::DVec3;
 use table::{Row, Table};
-use truth_support::{SIDE, Truth, read};
+use truth_support::{SIDE, Truth, compare, read, rounding};
 use zeroset::gallery::example;
 use zeroset::picture::{Precision, Settings, render};
 use zeroset::scene::{DomainChoice, bounds, region};
@@ -20,14 +20,6 @@ const DEPTH: u32 = 12;
 
 /// Rays with a crossing which the reference decided, over all surfaces.
 const CROSSINGS: usize = 95_746;
-
-/// Room for what distances are off: in `f32` by a part in 2²⁴, and in both for the last digits of the reference's own rays.
-fn rounding(precision: Precision) -> f64 {
-    match precision {
-        Precision::F32 => 1e-6,
-        Precision::F64 => 1e-10,
-    }
-}
 
 /// What is varied.
 #[derive(Clone, Copy, Debug)]
@@ -110,15 +102,7 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     let total = |head| rows.iter().map(|row| row.count(head)).sum::<usize>();
     assert_eq!((total("cross"), total("lost")), (CROSSINGS, 0));
 
-    let (path, table) = (truth_support::path("truth_table.txt"), Table(&rows).to_string());
-    if std::env::var_os("ZEROSET_BLESS").is_some() {
-        std::fs::write(&path, &table).expect("written");
-    }
-    let expected = std::fs::read_to_string(&path).expect("a table");
-    for (number, (now, before)) in table.lines().zip(expected.lines()).enumerate() {
-        assert_eq!(now, before, "line {} of {}", number + 1, path.display());
-    }
-    assert_eq!(table.lines().count(), expected.lines().count(), "{}", path.display());
+    compare("truth_table.txt", &Table(&rows).to_string());
 }
 
 /// Wide packets hold rays that are less alike; at the greatest depth, slabs are as thin as the floats can tell apart.

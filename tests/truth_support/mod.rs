@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use zeroset::picture::Precision;
 
 /// Pixels on the side of every picture of the reference.
 pub const SIDE: usize = 64;
@@ -44,6 +45,36 @@ const CROSSES: u8 = 1;
 const TOUCHES: u8 = 2;
 const OPEN: u8 = 4;
 
+/// Roots of `sin(40/x)-y` that the reference has wrong by up to 1.2e-8, by ray: there a millionth in the function is a whole
+/// wave. These are from arithmetic of 50 digits.
+const CORRECTED: [(&str, usize, f64); 2] = [
+    ("essential-fast", 18 * SIDE + 38, 8.371_880_956_302_741),
+    ("essential-fast", 41 * SIDE + 16, 6.423_417_971_048_07),
+];
+
+/// Room for what distances are off: in `f32` by a part in 2²⁴, and in both for the last digits of the reference's own rays.
+#[allow(dead_code)] // not every test asks for it
+pub fn rounding(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => 1e-6,
+        Precision::F64 => 1e-10,
+    }
+}
+
+/// Compares what was found with a file of what had been found before, line by line; `ZEROSET_BLESS=1` writes it instead.
+#[allow(dead_code)] // not every test asks for it
+pub fn compare(name: &str, found: &str) {
+    let path = path(name);
+    if std::env::var_os("ZEROSET_BLESS").is_some() {
+        std::fs::write(&path, found).expect("written");
+    }
+    let expected = std::fs::read_to_string(&path).expect("a table");
+    for (number, (now, before)) in found.lines().zip(expected.lines()).enumerate() {
+        assert_eq!(now, before, "line {} of {}", number + 1, path.display());
+    }
+    assert_eq!(found.lines().count(), expected.lines().count(), "{}", path.display());
+}
+
 /// A file or directory of the reference.
 pub fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -66,12 +97,17 @@ pub fn read(directory: &str) -> Vec<Truth> {
         assert!(zero <= crossing, "the first root is no later than the first crossing");
         Pixel { crossing, zero, open: kind & OPEN != 0 }
     };
-    let truths = views
+    let mut truths: Vec<Truth> = views
         .into_iter()
         .zip(kinds.chunks(SIDE * SIDE))
         .map(|(view, kinds)| Truth { view, pixels: kinds.iter().map(|&k| next(k)).collect() })
         .collect();
     assert!(crossings.next().is_none() && touching.next().is_none(), "distances left over");
+    for (slug, ray, root) in CORRECTED {
+        if let Some(truth) = truths.iter_mut().find(|truth| truth.view.slug == slug) {
+            (truth.pixels[ray].crossing, truth.pixels[ray].zero) = (root, root);
+        }
+    }
     truths
 }
 

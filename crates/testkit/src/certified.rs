@@ -60,6 +60,15 @@ pub struct Unresolved {
     pub reason: Reason,
 }
 
+/// Where a line comes into a box from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Bounds of the distance.
+    pub distance: (f64, f64),
+    /// Whether the function is below 0 there, where that is certain; a function without a value is not.
+    pub below: Option<bool>,
+}
+
 /// Why a piece of a ray could not be decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Reason {
@@ -95,5 +104,16 @@ impl Function {
     /// within about `budget` evaluations.
     pub fn trace(&self, line: &Line, region: &[[f64; 2]; 3], budget: u32) -> Certificate {
         Search::new(&self.0, line, budget).run(line.clip(region))
+    }
+
+    /// Where `line` certainly comes into `region` from outside; `None` if it starts inside, misses it or may do so.
+    pub fn entry(&self, line: &Line, region: &[[f64; 2]; 3]) -> Option<Entry> {
+        let clip = line.clip(region)?;
+        let [near, far] = [clip.outer[0], clip.inner[0]];
+        let comes_in = near > 0.0 && far < clip.inner[1];
+        comes_in.then(|| {
+            let below = Search::new(&self.0, line, 1).is_below(near, far);
+            Entry { distance: (near, far), below }
+        })
     }
 }

@@ -39,27 +39,21 @@ pub fn cap<T: Real>(
         .collect();
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
         let distance = T::nearest(entry.distance.0).into();
-        let paint = match inside {
+        match inside {
             Inside::No => continue,
-            Inside::Yes if entry.certain => {
-                buffer.status[pixel] = Status::Hit;
-                true
-            }
-            Inside::Yes => {
-                buffer.status[pixel] = Status::Undecided;
-                true
-            }
             Inside::Unknown => {
                 buffer.status[pixel] = Status::Undecided;
-                false
+                // What the traverser found at the face may lie before it by a rounding.
+                buffer.distance[pixel] = buffer.distance[pixel].min(distance);
+                continue;
             }
-        };
-        buffer.distance[pixel] = distance;
-        if paint {
-            buffer.drawn[pixel] = distance;
-            buffer.normal[pixel] = entry.normal.as_vec3().to_array();
-            buffer.cap[pixel] = true;
+            Inside::Yes if entry.certain => buffer.status[pixel] = Status::Hit,
+            Inside::Yes => buffer.status[pixel] = Status::Undecided,
         }
+        buffer.distance[pixel] = distance;
+        buffer.drawn[pixel] = distance;
+        buffer.normal[pixel] = entry.normal.as_vec3().to_array();
+        buffer.cap[pixel] = true;
     }
 }
 

@@ -173,6 +173,17 @@ impl<'a> Search<'a> {
         Verdict::Cut(newton(near, far, middle, at_middle, slope).unwrap_or(vec![middle]))
     }
 
+    /// Whether the function is below 0 between two distances, if it is certain throughout.
+    pub(super) fn is_below(&mut self, near: f64, far: f64) -> Option<bool> {
+        let claim = self.value(near, far).values;
+        match claim.defined {
+            Defined::No => Some(false),
+            _ if claim.lo > 0.0 => Some(false),
+            Defined::Yes if claim.hi < 0.0 => Some(true),
+            Defined::Yes | Defined::Unknown => None,
+        }
+    }
+
     fn value(&mut self, near: f64, far: f64) -> BoxClaim {
         self.left = self.left.saturating_sub(1);
         self.value.over([(near, far), (0.0, 0.0), (0.0, 0.0)], &self.parameters)[0]

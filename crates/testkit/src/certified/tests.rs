@@ -43,6 +43,28 @@ fn simple_roots_cross() {
 }
 
 #[test]
+fn the_sign_where_a_line_comes_in_is_known() {
+    let entry = |formula: &str, eye: [f64; 3]| {
+        let document = read(formula, &Options::default()).expect("reads");
+        let function = Function::new(&document.graph, document.surfaces[0].root, &[]);
+        let line = Line { eye, direction: [3.0, 0.0, 0.0] };
+        function.entry(&line, &[[-4.0, 4.0]; 3])
+    };
+    let from = [-8.0, 0.0, 0.0];
+    let met = entry("x + 3.5", from).expect("comes in");
+    assert!(met.distance.0 <= 4.0 / 3.0 && 4.0 / 3.0 <= met.distance.1, "{met:?}");
+    assert_eq!(met.below, Some(true));
+    let below = |formula| entry(formula, from).and_then(|entry| entry.below);
+    assert_eq!(
+        [below("x + 4.5"), below("sqrt(x)"), below("x + 4")],
+        [Some(false), Some(false), None]
+    );
+    assert_eq!(entry("x", [1.0, 0.0, 0.0]), None, "starts inside");
+    assert_eq!(entry("x", [8.0, 0.0, 0.0]), None, "looks away");
+    assert_eq!(entry("x", [-8.0, 4.5, 0.0]), None, "passes by");
+}
+
+#[test]
 fn a_ray_without_a_root_misses() {
     assert!(along_x("x^2 + 1e-9").is_miss());
     assert!(along_x("y - 1/1000").is_miss());

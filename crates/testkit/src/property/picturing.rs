@@ -1,10 +1,11 @@
 //! What a picture claims of its rays is true, by the certified tracer.
 
 use super::scene::{Scene, describe};
-use crate::certified::{Certificate, Function, Line};
+use crate::certified::{Certificate, Entry, Function, Line};
 use crate::suite::{Failure, Tally};
 
-/// What a picture says of one ray. Distances are multiples of the line's direction.
+/// What a picture says of one ray. Distances are multiples of the line's direction. A solid also has zeros where its
+/// inside meets the region's faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Claimed {
     /// There is no zero.
@@ -27,8 +28,27 @@ pub struct Pixel {
 /// Evaluations per ray: what takes more remains undecided.
 const BUDGET: u32 = 4000;
 
-/// Distances are `f32`; the rest is room for what was added to them.
-const ROUNDING: f64 = 1e-6;
+/// Parts by which a distance may be off: by a few roundings of the floats in which it was computed.
+fn rounding(scene: &Scene) -> f64 {
+    if scene.double { 1e-12 } else { 1e-6 }
+}
+
+/// What is certain of a ray.
+#[derive(Debug)]
+struct Certain {
+    /// Of the function's zeros.
+    zeros: Certificate,
+    /// Of the region's face, for a solid.
+    face: Option<Entry>,
+}
+
+impl Certain {
+    fn of(function: &Function, scene: &Scene, line: &Line) -> Self {
+        let region = &scene.formula.region;
+        let face = scene.formula.solid.then(|| function.entry(line, region)).flatten();
+        Self { zeros: function.trace(line, region, BUDGET), face }
+    }
+}
 
 /// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds each claim against what
 /// is certain of that ray. `defined` counts rays with a certain crossing.
@@ -43,14 +63,14 @@ pub fn picture(
     let Some(pixels) = draw(scene) else { return Ok(tally) };
     let function = scene.formula.function();
     for (index, pixel) in pixels.iter().enumerate() {
-        let certificate = function.trace(&pixel.line, &scene.formula.region, BUDGET);
+        let certain = Certain::of(&function, scene, &pixel.line);
         tally.compared += 1;
-        tally.defined += u64::from(certificate.crossing.is_some());
-        let Some(what) = contradiction(pixel.claimed, &certificate) else { continue };
+        tally.defined += u64::from(certain.zeros.crossing.is_some());
+        let Some(what) = contradiction(scene, pixel.claimed, &certain) else { continue };
         if is_stable(&function, scene, pixel) {
             let (i, j) = (index % scene.size[0], index / scene.size[0]);
             return Err(Failure::new(format!(
-                "{what}: {:?}, but {certificate:?}\n{scene}\ncolumn {i}, row {j}: {}",
+                "{what}: {:?}, but {certain:?}\n{scene}\ncolumn {i}, row {j}: {}",
                 pixel.claimed,
                 describe(&pixel.line),
             )));
@@ -59,15 +79,31 @@ pub fn picture(
     Ok(tally)
 }
 
-fn contradiction(claimed: Claimed, certificate: &Certificate) -> Option<&'static str> {
-    let far = certificate.crossing.map(|crossing| crossing.far);
-    let room = |distance: f64| ROUNDING * (1.0 + distance);
-    let beyond = |distance: f64| far.is_some_and(|far| distance > far + room(far));
+fn contradiction(scene: &Scene, claimed: Claimed, certain: &Certain) -> Option<&'static str> {
+    let room = |distance: f64| rounding(scene) * (1.0 + distance);
+    let passes = |at: f64, far: f64| at > far + room(far);
+    if let Some(Entry { distance: (near, far), below: Some(true) }) = certain.face {
+        return match claimed {
+            Claimed::Miss => Some("a solid denied"),
+            Claimed::Hit(at) | Claimed::Undecided(at) if passes(at, far) => {
+                Some("a solid passed over")
+            }
+            Claimed::Hit(at) if at + room(at) < near => Some("a hit before the solid"),
+            Claimed::Hit(_) | Claimed::Undecided(_) => None,
+        };
+    }
+    let far = certain.zeros.crossing.map(|crossing| crossing.far);
+    // Whether the face is part of the solid is known, or else does not matter.
+    let known = !scene.formula.solid || certain.face.is_some_and(|face| face.below.is_some());
     match claimed {
         Claimed::Miss if far.is_some() => Some("a false miss"),
-        Claimed::Hit(_) if certificate.is_miss() => Some("a false hit"),
-        Claimed::Hit(at) if at + room(at) < certificate.first() => Some("a hit before any zero"),
-        Claimed::Hit(at) | Claimed::Undecided(at) if beyond(at) => Some("a zero passed over"),
+        Claimed::Hit(_) if known && certain.zeros.is_miss() => Some("a false hit"),
+        Claimed::Hit(at) if known && at + room(at) < certain.zeros.first() => {
+            Some("a hit before any zero")
+        }
+        Claimed::Hit(at) | Claimed::Undecided(at) if far.is_some_and(|far| passes(at, far)) => {
+            Some("a zero passed over")
+        }
         Claimed::Miss | Claimed::Hit(_) | Claimed::Undecided(_) => None,
     }
 }
@@ -84,7 +120,6 @@ fn is_stable(function: &Function, scene: &Scene, pixel: &Pixel) -> bool {
                 *value = moves[which >> axis & 1](*value);
             }
         }
-        let certificate = function.trace(&line, &scene.formula.region, BUDGET);
-        contradiction(pixel.claimed, &certificate).is_some()
+        contradiction(scene, pixel.claimed, &Certain::of(function, scene, &line)).is_some()
     })
 }

@@ -13,8 +13,10 @@ use zeroset_syntax::{Document, Options, read};
 /// A function as text that can be typed, over a bounded region.
 #[derive(Clone, Debug)]
 pub struct Formula {
-    /// What is typed: one surface, an equation.
+    /// What is typed: one surface.
     pub text: String,
+    /// Whether the surface bounds a solid, where the function is below 0.
+    pub solid: bool,
     /// What is read.
     pub document: Document,
     /// Per axis, the lower and the upper end, in order and not equal.
@@ -56,7 +58,19 @@ impl Formula {
         let text = typed(&case.graph, case.root, &values)?;
         let document = read(&text, &Options::default())
             .unwrap_or_else(|errors| panic!("{}", errors.render(None, &text, false)));
-        (document.surfaces.len() == 1).then_some(Self { text, document, region, aim })
+        (document.surfaces.len() == 1).then_some(Self { text, solid: false, document, region, aim })
+    }
+
+    /// The solid where the function is not above 0.
+    ///
+    /// # Panics
+    /// If what was typed does not read as a part of an inequality.
+    #[must_use]
+    pub fn filled(self) -> Self {
+        let text = format!("{} <= 0", self.text);
+        let document = read(&text, &Options::default())
+            .unwrap_or_else(|errors| panic!("{}", errors.render(None, &text, false)));
+        Self { text, solid: true, document, ..self }
     }
 
     /// The function as typed, for certified tracing.
@@ -82,11 +96,17 @@ impl Formula {
     }
 }
 
+/// `text` as one word of a shell.
+fn quoted(text: &str) -> String {
+    format!("'{}'", text.replace('\'', "'\\''"))
+}
+
 impl fmt::Display for Formula {
+    /// As arguments of `zeroset render`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ends: Vec<String> =
             self.region.iter().flatten().map(|end| format!("{end:?}")).collect();
-        write!(f, "{:?} --domain {}", self.text, ends.join(","))
+        write!(f, "{} --domain={}", quoted(&self.text), ends.join(","))
     }
 }
 
@@ -184,6 +204,7 @@ impl Scene {
         let depth = rng.u32(1..=DEEPEST);
         let packet = [4, 8, 16][rng.u32(0..3) as usize];
         let double = rng.bool();
+        let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };
         Some(Self { formula, eye, target, up, fov, size, depth, packet, double })
     }
 }
@@ -195,7 +216,7 @@ impl fmt::Display for Scene {
         let [width, height] = self.size;
         write!(
             f,
-            "zeroset render {} --eye {} --target {} --up {} {} --size {width}x{height} --depth {} --packet {} --precision {}",
+            "zeroset render {} --eye={} --target={} --up={} {} --size {width}x{height} --max-depth {} --packet {} --precision {} --json",
             self.formula,
             point(self.eye),
             point(self.target),
