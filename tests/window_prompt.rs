@@ -4,14 +4,20 @@
 
 mod window_support;
 
-use window_support::Terminal;
+use window_support::{Terminal, sixel, until};
+
+/// Whether a picture is there that was made of letters.
+fn has_letters(shown: &str) -> bool {
+    // More in a row than sixels write without counting them.
+    ["@@@@@", "%%%%%", "#####", "*****"].iter().any(|row| shown.contains(row))
+}
 
 #[test]
 fn without_a_display_pictures_are_shown_in_the_terminal() {
     let mut terminal = Terminal::start(&["x^2+y^2+z^2 = 1"], None);
     terminal.shows("there is no display");
     terminal.shows("undecided");
-    assert!(terminal.shown().contains("@@") || terminal.shown().contains("**"), "no picture");
+    assert!(has_letters(&terminal.shown()), "no picture");
     terminal.type_in("x^2+y^2+foo = 1\r");
     terminal.shows("`foo` is not defined");
     terminal.type_in(":stauts\r");
@@ -74,5 +80,52 @@ fn terminals_that_take_pixels_get_them() {
     // 90 columns and 30 rows, of which 4 are spared; no size in pixels is known.
     assert!(shown.contains("\u{1b}_Ga=T,f=100,q=2,c=90,r=26,"), "no picture");
     assert!(shown.contains("720x416"), "another size");
-    assert!(!shown.contains("@@"), "letters too");
+    assert!(!has_letters(&shown), "letters too");
+}
+
+#[test]
+fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
+    let mut terminal = Terminal::answering("\u{1b}[?62;4;22c", &["--preview", "x^2+y^2+z^2 = 1"]);
+    terminal.shows("undecided");
+    let mut shown = None;
+    until("there are sixels", || {
+        shown = sixel::picture(&terminal.bytes());
+        shown.is_some()
+    });
+    let shown = shown.expect("waited for");
+    terminal.type_in(":png same.png\r");
+    terminal.shows("saved 'same.png'");
+    let file = std::fs::read(terminal.place().join("same.png")).expect("saved");
+    let exact = image::load_from_memory(&file).expect("a picture").to_rgb8();
+    // 90 columns and 26 rows of the characters of a small font.
+    assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
+    // 256 colours: every dot is near, and most are nearer.
+    let apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
+    let worst = apart.iter().copied().max().unwrap_or(0);
+    let mean = apart.iter().map(|apart| f64::from(*apart)).sum::<f64>() / apart.len() as f64;
+    println!("dots differ by up to {worst} of 255, by {mean:.2} in the mean");
+    assert!(worst <= 40 && mean <= 2.0, "{worst} and {mean}");
+    // Nothing of the answer is in the line.
+    terminal.type_in(":list\r");
+    terminal.shows("x^2+y^2+z^2 = 1");
+    let all = terminal.shown();
+    assert!(!all.contains("62;4") && !all.contains("unknown"), "a stray answer");
+    assert!(!has_letters(&all), "letters too");
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn terminals_that_answer_otherwise_or_not_get_characters() {
+    for answer in ["\u{1b}[?6c", "\u{1b}[?64;14;40;22c", ""] {
+        let mut terminal = Terminal::answering(answer, &["--preview", "x^2+y^2+z^2 = 1"]);
+        terminal.shows("undecided");
+        let all = terminal.shown();
+        assert!(has_letters(&all) && !all.contains("\u{1b}P"), "{answer:?}");
+        terminal.type_in(":list\r");
+        terminal.shows("x^2+y^2+z^2 = 1");
+        assert!(!terminal.shown().contains("?6"), "a stray answer");
+        terminal.type_in("\u{4}");
+        assert_eq!(terminal.ends(), 0);
+    }
 }

@@ -73,6 +73,9 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
             save(&path, &format!("{text}\n# {number}"), random.usize(0..3));
             saves += 1;
         }
+        if number % (edits / 8).max(1) == 0 {
+            println!("after {number} edits: {:?} kB", terminal.resident());
+        }
         let edit = edit(&mut random);
         if edit.entered && is_closed(&edit.line) {
             terminal.type_in(&format!("{}\r", edit.line));
@@ -89,6 +92,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
         terminal.shown().contains("# the end")
     });
     terminal.type_in("z = x*y + r\r");
+    println!("before the last picture: {:?} kB", terminal.resident());
     terminal.type_in(":png end.png\r");
     terminal.shows("saved 'end.png'");
     let last = terminal.resident();

@@ -1,10 +1,12 @@
 //! Pictures in a terminal: as pixels where it takes them, else two to a character, the upper half block in one colour over
 //! the other, else as letters.
 
-use super::graphics::Protocol;
-use super::output::write_png;
+use super::graphics::{Known, Protocol};
+use super::terminal::{self, Answer};
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
+use std::sync::OnceLock;
+use std::time::Duration;
 use zeroset::picture::Picture;
 
 /// Used where the terminal does not say how large it is.
@@ -16,40 +18,68 @@ const MOST_COLUMNS: usize = 120;
 const SPARE: usize = 4;
 /// Width and height of a character in pixels where the terminal does not say, and at most: what is sent stays small.
 const CHARACTER: (usize, usize) = (8, 16);
+/// The same for sixels, which are not scaled: no more than a small font takes.
+const SMALL_CHARACTER: (usize, usize) = (6, 12);
+
+/// A terminal that answers does so after a round trip; one that does not costs this once.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Columns and rows of characters that a picture may take.
 fn characters() -> (usize, usize) {
     let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
-    let known = super::terminal::size();
+    let known = terminal::size();
     let columns = known.map(|size| size.0).or_else(|| number("COLUMNS")).unwrap_or(COLUMNS);
     let rows = known.map(|size| size.1).or_else(|| number("LINES")).unwrap_or(ROWS);
     (columns.clamp(16, MOST_COLUMNS), rows.saturating_sub(SPARE).clamp(8, MOST_COLUMNS / 2))
 }
 
-/// How pixels are sent, if they can be.
-fn protocol() -> Option<Protocol> {
-    let detected = Protocol::detect(|name| std::env::var(name).ok());
-    detected.filter(|_| std::io::stdout().is_terminal())
+/// How pixels are sent, if they can be, and whether an answer may still come. The terminal is asked when this is first
+/// called, which has to be before anything else reads from it.
+fn protocol() -> (Option<Protocol>, bool) {
+    static FOUND: OnceLock<(Option<Protocol>, bool)> = OnceLock::new();
+    *FOUND.get_or_init(|| {
+        if !std::io::stdout().is_terminal() {
+            return (None, false);
+        }
+        match Known::detect(|name| std::env::var(name).ok()) {
+            Known::Speaks(protocol) => (Some(protocol), false),
+            Known::Mute => (None, false),
+            Known::Unknown => match terminal::ask(PATIENCE) {
+                Answer::Given(answer) => (Protocol::answered(&answer), false),
+                Answer::Late => (None, true),
+                Answer::NotAsked => (None, false),
+            },
+        }
+    })
+}
+
+/// To be called before the first line is read: what the terminal answered too late is not a part of it.
+pub fn drop_late_answer() {
+    if protocol().1 {
+        terminal::drop_input();
+    }
 }
 
 /// Columns and rows of pixels that fit.
 pub fn room() -> (usize, usize) {
     let (columns, rows) = characters();
-    match protocol() {
-        Some(_) => {
-            let known = super::terminal::character().unwrap_or(CHARACTER);
-            (columns * known.0.min(CHARACTER.0), rows * known.1.min(CHARACTER.1))
-        }
+    let Some(protocol) = protocol().0 else {
         // A character is about twice as high as wide, so that pixels are square.
-        None => (columns, 2 * rows),
-    }
+        return (columns, 2 * rows);
+    };
+    let (across, down) = match (terminal::character(), protocol) {
+        (Some((across, down)), _) => (across.min(CHARACTER.0), down.min(CHARACTER.1)),
+        (None, Protocol::Sixel) => SMALL_CHARACTER,
+        (None, Protocol::Kitty | Protocol::Iterm) => CHARACTER,
+    };
+    (columns * across, rows * down)
 }
 
 /// Prints a picture that was made to fit.
 pub fn print(picture: &Picture) {
     let coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
         && std::io::stdout().is_terminal();
-    let text = match protocol().and_then(|protocol| pixels(picture, protocol)) {
+    let text = match protocol().0.and_then(|protocol| pixels(picture, protocol)) {
         Some(text) => text,
         None if coloured => blocks(picture),
         None => letters(picture),
@@ -60,10 +90,8 @@ pub fn print(picture: &Picture) {
 
 /// The picture as this protocol takes it; `None` if it cannot be packed.
 fn pixels(picture: &Picture, protocol: Protocol) -> Option<String> {
-    let mut png = Vec::new();
-    write_png(&mut png, &picture.rgb, picture.buffer.width, picture.buffer.height).ok()?;
-    let (columns, rows) = characters();
-    Some(protocol.encode(&png, columns, rows) + "\n")
+    let size = (picture.buffer.width, picture.buffer.height);
+    Some(protocol.encode(&picture.rgb, size, characters())? + "\n")
 }
 
 fn pixel(picture: &Picture, x: usize, y: usize) -> [u8; 3] {

@@ -1,7 +1,7 @@
 //! The prompt: a line that is typed, with history, completion and colours. What a line means is decided elsewhere.
 
 use super::interactive::Session;
-use super::notes;
+use super::{notes, preview};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
 use rustyline::highlight::{CmdKind, Highlighter};
@@ -60,6 +60,7 @@ pub fn run(session: &Arc<Session>, preview: bool) {
     notes::say(&session.welcome);
     if preview {
         session.show_preview();
+        preview::drop_late_answer();
     }
     if let Err(error) = read_lines(session, preview) {
         notes::say(&format!("error: the prompt cannot go on: {error}"));

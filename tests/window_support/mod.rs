@@ -2,6 +2,8 @@
 
 #[allow(dead_code)] // each test file uses its own part
 pub mod scene;
+#[allow(dead_code)] // likewise
+pub mod sixel;
 
 use image::RgbImage;
 use std::ffi::OsStr;
@@ -82,24 +84,34 @@ pub struct Terminal {
 impl Terminal {
     /// Starts `zeroset` with these arguments, on this display or on none.
     pub fn start(arguments: &[&str], display: Option<&str>) -> Self {
-        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display)
+        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None)
     }
 
     /// The same, with the terminal as the one that controls the program: its end is a signal.
     pub fn controlling(arguments: &[&str], display: Option<&str>) -> Self {
         let mut command = Command::new("setsid");
         command.args(["--ctty", env!("CARGO_BIN_EXE_zeroset")]);
-        Self::of(command, arguments, display)
+        Self::of(command, arguments, display, None)
     }
 
     /// The same without a display, in a terminal of this kind.
     pub fn start_in(kind: &str, arguments: &[&str]) -> Self {
         let mut command = Command::new("env");
         command.arg(format!("TERM={kind}")).arg(env!("CARGO_BIN_EXE_zeroset"));
-        Self::of(command, arguments, None)
+        Self::of(command, arguments, None, None)
     }
 
-    fn of(mut command: Command, arguments: &[&str], display: Option<&str>) -> Self {
+    /// The same without a display, in a terminal that answers so when it is asked for its device attributes.
+    pub fn answering(answer: &'static str, arguments: &[&str]) -> Self {
+        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, None, Some(answer))
+    }
+
+    fn of(
+        mut command: Command,
+        arguments: &[&str],
+        display: Option<&str>,
+        mut answer: Option<&'static str>,
+    ) -> Self {
         use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
         let directory = tempfile::tempdir().expect("a directory");
         // A program that inherits the terminal's other end would keep it open.
@@ -132,6 +144,7 @@ impl Terminal {
         let log = Arc::new(Mutex::new(Log::default()));
         let master = File::from(master);
         let (mut output, reader) = (master.try_clone().expect("cloned"), Arc::clone(&log));
+        let mut input = master.try_clone().expect("cloned");
         let closed = Arc::new(AtomicBool::new(false));
         let stop = Arc::clone(&closed);
         std::thread::spawn(move || {
@@ -145,7 +158,12 @@ impl Terminal {
                 }
                 // At the program's end the terminal can no longer be read.
                 let Ok(length @ 1..) = output.read(&mut part) else { break };
-                reader.lock().expect("whole").add(&part[..length]);
+                let mut log = reader.lock().expect("whole");
+                log.add(&part[..length]);
+                if answer.is_some() && log.shown.windows(3).any(|letters| letters == b"\x1b[c") {
+                    let answer = answer.take().unwrap_or_default();
+                    input.write_all(answer.as_bytes()).expect("answered");
+                }
             }
         });
         Self { child, master, log, directory, closed }
@@ -158,6 +176,11 @@ impl Terminal {
     /// Everything that the terminal has shown.
     pub fn shown(&self) -> String {
         String::from_utf8_lossy(&self.log.lock().expect("whole").shown).into_owned()
+    }
+
+    /// Everything that the terminal has shown, as it came.
+    pub fn bytes(&self) -> Vec<u8> {
+        self.log.lock().expect("whole").shown.clone()
     }
 
     /// Types once a line is being read: what is typed earlier is dropped. After a line's end, waits until it was read.
