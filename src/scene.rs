@@ -100,7 +100,8 @@ pub fn region(
 }
 
 /// The surface found by intervals, whatever domain the document gives and whatever its sliders are set to: a surface
-/// that grows with a slider would else always look the same.
+/// that grows with a slider would else always look the same. A slider in an exponent counts with its value, since each
+/// value is another function.
 ///
 /// # Errors
 /// If there is no surface, or no code can be made.

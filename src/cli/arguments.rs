@@ -64,6 +64,7 @@ pub enum Command {
     /// Render a formula, a file, or a surface of the gallery to a picture.
     Render(Box<Render>),
     /// Evaluate formulas at points or over boxes: one JSON object a line in, one out.
+    #[command(after_long_help = EVAL_FORMAT)]
     Eval(Eval),
     /// Show how a formula is read, simplified and compiled.
     Explain(Explain),
@@ -283,6 +284,21 @@ pub enum Undecided {
     /// Not at all
     Miss,
 }
+
+/// Shown below the options of `eval --help`.
+const EVAL_FORMAT: &str = r#"One line in, one line out; both are JSON objects.
+
+At a point:
+  {"f": "sin(x)*y", "at": [1, 2, 0]}
+  {"grad": [1.08, 0.84, 0.0], "precision": "f32", "value": 1.68}
+
+Over a box, a lower and an upper end for each of x, y and z:
+  {"f": "sin(x)*y", "box": [[0, 1], [1, "0x1p1"], [0, "inf"]], "precision": "f64"}
+  {"lo": 0.0, "hi": 1.68, "defined": true, "continuous": true, "empty": false, "precision": "f64"}
+
+All values lie between lo and hi; "empty" says that there are none, "defined" that there is one everywhere in the
+box, "continuous" that f is continuous too. Numbers may be texts: hexadecimal floats, "inf" and "-inf". "f" may hold
+several lines, as a file does. A line that cannot be answered gives {"error": "..."}."#;
 
 #[derive(Debug, Args)]
 pub struct Eval {

@@ -122,7 +122,9 @@ impl Functions {
         };
         let known = ["f", "at", "box", "precision"];
         if let Some(other) = request.keys().find(|key| !known.contains(&key.as_str())) {
-            return Err(format!("\"{other}\" has no meaning here"));
+            return Err(format!(
+                "\"{other}\" has no meaning here; known are \"f\", \"at\", \"box\" and \"precision\""
+            ));
         }
         let place = match (request.get("at"), request.get("box")) {
             (Some(at), None) => Place::At(three(at, number::read)?),

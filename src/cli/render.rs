@@ -256,7 +256,7 @@ fn remark(
         notes::note(&subject::why_nothing_is_seen(subject, region, picture.undefined, searched));
     } else if pixels.undecided > 0 {
         notes::note(&format!(
-            "{} of {} pixels are undecided: this method proves misses, never hits",
+            "{} of {} pixels are undecided: this method proves misses; hits only where the domain cuts a solid",
             pixels.undecided,
             pixels.miss + seen,
         ));
@@ -269,8 +269,9 @@ fn remark(
             .count();
         if passed_over > 0 {
             notes::note(&format!(
-                "{passed_over} of these are not drawn: near a pole the function is unbounded in every \
-                 slab, and a root would not show; a larger --max-depth tells more of them apart"
+                "{passed_over} of these are not drawn: the function has no bounds there in any slab, as near a pole or \
+                 beyond the range of floats, and a root would not show; a larger --max-depth or --precision f64 tells \
+                 more of them apart"
             ));
         }
     }

@@ -6,7 +6,7 @@ use super::source::{self, Source};
 use super::vector::Domain;
 use anyhow::{Context, Result, bail};
 use std::time::{Duration, Instant};
-use zeroset::domain::{AutoDomain, Finding};
+use zeroset::domain::{AutoDomain, Finding, REACH};
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Options};
 use zeroset_trace::Region;
@@ -101,10 +101,10 @@ pub fn why_nothing_is_seen(
         return "nothing is seen: the function has no value anywhere in the domain".to_owned();
     }
     match searched.or_else(|| scene::search(&subject.document).ok()) {
-        Some(found) if found.finding == Finding::Empty => {
+        Some(found) if found.finding == Finding::Empty && is_near(region) => {
             "nothing is seen: the surface is proven empty up to ±256".to_owned()
         }
-        Some(found) if outside(&found, region) => {
+        Some(found) if found.finding != Finding::Empty && outside(&found, region) => {
             let [x0, y0, z0] = found.low;
             let [x1, y1, z1] = found.high;
             format!(
@@ -113,6 +113,11 @@ pub fn why_nothing_is_seen(
         }
         _ => "nothing is seen: every ray is proven to miss".to_owned(),
     }
+}
+
+/// Whether the region lies where surfaces are looked for.
+fn is_near(region: &Region) -> bool {
+    region.low().abs().max(region.high().abs()).max_element() <= REACH
 }
 
 /// Whether the domain found reaches beyond the one looked at.

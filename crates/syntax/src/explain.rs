@@ -133,7 +133,8 @@ impl Error {
                 let arguments =
                     ["x", "y", "z"].iter().cycle().take(*count).copied().collect::<Vec<_>>();
                 format!(
-                    "to draw where `{last}` is 0, add a line such as `{last}({}) = 0`",
+                    "`{last}` is no function of the language, so this line defines it; to draw where it is 0, add a line \
+                     that is just `{last}({})`",
                     arguments.join(", ")
                 )
             }

@@ -51,8 +51,8 @@ pub struct Camera {
 /// Why a camera cannot exist.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum CameraError {
-    /// A coordinate is NaN or infinite.
-    #[error("the {0} has a coordinate that is not a finite number")]
+    /// A coordinate is NaN, infinite or too large.
+    #[error("the {0} has a coordinate that is not a number within ±1e100")]
     NotFinite(&'static str),
     /// There is no direction of view.
     #[error("the eye and the target are the same point, so there is no direction to look in")]
@@ -71,11 +71,14 @@ pub enum CameraError {
 /// Below this sine between view and `up`, the picture's horizontal would be made of rounding errors.
 const LEAST_SINE: f64 = 1e-9;
 
+/// Coordinates beyond this magnitude leave no room for their squares.
+const LARGEST: f64 = 1e100;
+
 impl Camera {
     /// A camera at `eye` that looks at `target`, with `up` as near to upright as the view allows.
     ///
     /// # Errors
-    /// If a coordinate is not finite, eye and target coincide, `up` does not determine a direction across the view,
+    /// If a coordinate is not within ±1e100, eye and target coincide, `up` does not determine a direction across the view,
     /// or the projection's parameter is out of range.
     pub fn new(
         eye: DVec3,
@@ -84,7 +87,7 @@ impl Camera {
         projection: Projection,
     ) -> Result<Self, CameraError> {
         for (vector, name) in [(eye, "eye"), (target, "target"), (up, "up vector")] {
-            if !vector.is_finite() {
+            if !vector.is_finite() || vector.abs().max_element() > LARGEST {
                 return Err(CameraError::NotFinite(name));
             }
         }

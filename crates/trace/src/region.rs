@@ -7,7 +7,8 @@ use crate::camera::Ray;
 use glam::DVec3;
 use thiserror::Error;
 
-/// Coordinates beyond this magnitude leave no room for squares in `f32` kernels.
+/// Coordinates beyond this magnitude leave no room for squares in `f32` kernels. It holds for `f64` too, so that a domain
+/// does not depend on the precision.
 const LARGEST_COORDINATE: f64 = 1e18;
 
 /// The points `p` with `normal · p ≤ offset`.
@@ -32,7 +33,7 @@ pub struct Region {
 pub enum RegionError {
     /// A bound is NaN, infinite or too large for the kernels.
     #[error(
-        "the {axis} range of the domain, {low} to {high}, has a bound that is not a number within ±1e18"
+        "the {axis} range of the domain, {low:?} to {high:?}, has a bound that is not a number within ±1e18"
     )]
     Bound {
         /// The coordinate's name.
@@ -55,7 +56,9 @@ pub enum RegionError {
         high: f64,
     },
     /// The half-space has no boundary plane.
-    #[error("the clipping plane a,b,c,d needs finite numbers and a, b, c not all zero")]
+    #[error(
+        "the clipping plane a,b,c,d needs finite numbers, and a, b, c not all zero nor all below 1e-150 or one above 1e150"
+    )]
     Plane,
 }
 

@@ -1,5 +1,5 @@
-//! Trigonometric functions: bounds from the texts in [`trigonometric`]. The functions in the files beside it are simpler, as
-//! they only rise or fall.
+//! Elementary functions. Here are sine, cosine and tangent, from the texts in [`trigonometric`] or, of small operands in
+//! `f32`, in [`near`]; [`monotone`] has the functions that only rise or fall, [`atan2`] the angle of two operands.
 
 mod arc;
 mod atan2;
