@@ -4,7 +4,7 @@ use crate::ast::{Expr, ExprKind, Name, ProductSign, Relation, SumSign};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::limits::Limits;
-use crate::note::{Note, NoteKind};
+use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::factor_text;
 use crate::scope::Scope;
 use crate::span::Span;
@@ -52,7 +52,14 @@ impl<'a> Builder<'a> {
     }
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
-        self.notes.push(Note { span, kind });
+        // One more than a document keeps tells it that there are more.
+        if self.notes.len() > MOST_NOTES {
+            return;
+        }
+        let once = matches!(kind, NoteKind::ConstantUsed { .. } | NoteKind::ProductOfNames { .. });
+        if !once || self.notes.iter().all(|note| note.kind != kind) {
+            self.notes.push(Note { span, kind });
+        }
     }
 
     /// Runs `build` one level deeper.

@@ -7,7 +7,7 @@ use crate::diagnose::short;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::limits::Limits;
 use crate::lower::Lowering;
-use crate::note::{Note, NoteKind};
+use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
 use crate::scene::{Color, Domain, Scene, View, scene_line};
 use crate::scope::Scope;
@@ -235,6 +235,11 @@ impl<'a> Reader<'a> {
         let time = parameters.iter().find(|p| p.kind == ParameterKind::Time).map(|p| p.number);
         let mut lowering = Lowering::new(names, time, &self.options.limits);
         let mut surfaces = Vec::new();
+        let limit = self.options.limits.surfaces;
+        if let Some(drawing) = drawings.get(limit) {
+            let start = Span::at(drawing.span.start);
+            return Err(vec![*Error::new(start, ErrorKind::TooManySurfaces { limit })]);
+        }
         for drawing in &drawings {
             match surface(&mut lowering, drawing) {
                 Ok(surface) => surfaces.push(surface),
@@ -260,12 +265,20 @@ impl<'a> Reader<'a> {
             surface.color = above.map(|(_, color)| *color);
         }
         self.notes.sort_by_key(|note| note.span);
-        // One remark on a constant is enough.
+        // One remark on a name is enough.
         let mut seen = FxHashSet::default();
-        let notes = &mut self.notes;
-        notes.retain(|note| {
-            !matches!(note.kind, NoteKind::ConstantUsed { .. }) || seen.insert(note.kind.clone())
+        self.notes.retain(|note| match note.kind {
+            NoteKind::ConstantUsed { .. } | NoteKind::ProductOfNames { .. } => {
+                seen.insert(note.kind.clone())
+            }
+            _ => true,
         });
+        // Each is drawn with the line that it is about, which may be the whole text.
+        if let Some(note) = self.notes.get(MOST_NOTES) {
+            let span = note.span;
+            self.notes.truncate(MOST_NOTES);
+            self.notes.push(Note { span, kind: NoteKind::More });
+        }
         let (title, doc) = heading(self.text);
         Ok(Document {
             graph: lowering.graph,

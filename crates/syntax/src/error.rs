@@ -95,6 +95,8 @@ pub enum ErrorKind {
     TooLong { bytes: usize, limit: usize },
     #[error("the text has more than {limit} numbers, names and signs")]
     TooManySymbols { limit: usize },
+    #[error("the text draws more than {limit} surfaces")]
+    TooManySurfaces { limit: usize },
     #[error("this is nested more than {limit} levels deep")]
     TooDeep { limit: usize },
     #[error("with its definitions put in, the formula has more than {limit} operations")]

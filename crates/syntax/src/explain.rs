@@ -32,6 +32,9 @@ impl Error {
             | ErrorKind::TooDeep { .. } => {
                 "the limit keeps reading quick and safe whatever is given"
             }
+            ErrorKind::TooManySurfaces { .. } => {
+                "each line that is not a definition draws a surface"
+            }
             ErrorKind::TooLarge { .. } => "each use of a definition puts a copy of it in",
             ErrorKind::NotUtf8 { .. } => "formulas are text files in UTF-8",
             ErrorKind::NothingToDraw { .. } => {
@@ -171,6 +174,7 @@ impl Error {
             ErrorKind::WrongCount { usage, .. } => usage.clone()?,
             ErrorKind::InversePower { name } => format!("write `1/{name}(…)` for the reciprocal"),
             ErrorKind::Reserved { .. } => "choose another name".to_owned(),
+            ErrorKind::TooManySurfaces { .. } => "draw some of them at a time".to_owned(),
             ErrorKind::ZerothRoot => {
                 "the second argument of `root(a, n)` says which root to take".to_owned()
             }

@@ -11,11 +11,13 @@ pub struct Limits {
     pub depth: usize,
     /// Nodes of the expression graph, definitions put in.
     pub nodes: usize,
+    /// Surfaces that are drawn: each has code of its own.
+    pub surfaces: usize,
 }
 
 impl Default for Limits {
-    /// One mebibyte, 100,000 symbols, 200 levels, 65,536 nodes.
+    /// One mebibyte, 100,000 symbols, 200 levels, 65,536 nodes, 1,000 surfaces.
     fn default() -> Self {
-        Self { bytes: 1 << 20, symbols: 100_000, depth: 200, nodes: 1 << 16 }
+        Self { bytes: 1 << 20, symbols: 100_000, depth: 200, nodes: 1 << 16, surfaces: 1000 }
     }
 }

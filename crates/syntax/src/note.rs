@@ -2,6 +2,9 @@
 
 use crate::span::Span;
 
+/// Remarks on a document, at most.
+pub(crate) const MOST_NOTES: usize = 40;
+
 /// A remark, and the place it is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
@@ -45,6 +48,8 @@ pub enum NoteKind {
         "`root(a, n)` is the n-th root of a; here n is `{index}`, which is not a fixed whole number"
     )]
     RootIndex { index: String },
+    #[error("there is more to remark from here on, which is left out")]
+    More,
 }
 
 fn did_you_mean(meant: Option<&str>) -> String {

@@ -130,9 +130,7 @@ impl Builder<'_> {
                     _ => return,
                 };
                 let kind = NoteKind::ConstantUsed { name: constant.name(), meaning };
-                if !self.notes.iter().any(|note| note.kind == kind) {
-                    self.note(span, kind);
-                }
+                self.note(span, kind);
             }
             Value::Time => {
                 self.used.insert("t".to_owned());

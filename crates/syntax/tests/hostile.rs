@@ -183,6 +183,32 @@ fn unused_definitions_are_remarked_on_in_bounded_time() {
 }
 
 #[test]
+fn remarks_on_one_long_line_are_bounded() {
+    let text = format!("{} - 1", "xyz ".repeat(20_000));
+    let document = read(&text, &Options::default()).expect("a surface");
+    assert_eq!(document.notes.len(), 1, "the same remark once");
+    let mut text = String::new();
+    let letters: Vec<char> = ('a'..='w').filter(|c| !matches!(c, 'e' | 't')).collect();
+    for letter in &letters {
+        writeln!(text, "{letter} = 1").unwrap();
+    }
+    for (a, b) in letters.iter().flat_map(|a| letters.iter().map(move |b| (a, b))) {
+        write!(text, "{a}x{b} ").unwrap();
+    }
+    let document = read(&text, &Options::default()).expect("a surface");
+    assert_eq!(document.notes.len(), 41);
+    let last = document.notes.last().expect("a note").message();
+    assert!(last.contains("more to remark"), "{last}");
+}
+
+#[test]
+fn surfaces_are_counted() {
+    let lines = |count: usize| "x = 1\n".repeat(count);
+    assert_eq!(accepted(lines(1000)), 3);
+    assert!(matches!(error(lines(1001)), ErrorKind::TooManySurfaces { limit: 1000 }));
+}
+
+#[test]
 fn errors_in_long_lines_are_drawn_in_bounded_time() {
     let text = vec![format!("x + {}foo", " ".repeat(40_000)); 22].join(" ; ");
     let rendered = read(&text, &Options::default()).expect_err("errors").render(None, &text, false);

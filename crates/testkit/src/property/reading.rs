@@ -5,11 +5,17 @@ use zeroset_ir::Graph;
 use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
 
 /// Small, so that texts that expand cost a fuzzer little.
-const LIMITS: Limits = Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12 };
+const LIMITS: Limits =
+    Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12, surfaces: 1000 };
 
 /// For what was printed: its brackets nest deeper than signs and powers that were typed without.
-const PRINTED: Limits =
-    Limits { bytes: 1 << 20, symbols: 100_000, depth: 3 * LIMITS.depth, nodes: 1 << 16 };
+const PRINTED: Limits = Limits {
+    bytes: 1 << 20,
+    symbols: 100_000,
+    depth: 3 * LIMITS.depth,
+    nodes: 1 << 16,
+    surfaces: 1000,
+};
 
 /// Reads `data`; renders what is said about it; prints the statements read and reads them again: the trees and the
 /// graph must be the same. `defined` counts the texts that were accepted.
