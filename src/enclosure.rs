@@ -2,7 +2,7 @@
 
 use zeroset_eval::Assumptions;
 use zeroset_interval::{Facts, Interval, Value, fold};
-use zeroset_ir::{Axis, Graph, Node, NodeId};
+use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
 /// Bounds of `root` and what is proven of it, for all points and parameters within `assumptions`.
@@ -10,7 +10,19 @@ use zeroset_ops::Op;
 /// # Panics
 /// If a parameter's number has no bounds in `assumptions`.
 pub fn enclose(graph: &Graph, root: NodeId, assumptions: &Assumptions) -> (Interval, Facts) {
-    let needed = graph.reachable(&[root]);
+    enclose_all(graph, &[root], assumptions)[0]
+}
+
+/// The same of several roots, in one pass.
+///
+/// # Panics
+/// If a parameter's number has no bounds in `assumptions`.
+pub fn enclose_all(
+    graph: &Graph,
+    roots: &[NodeId],
+    assumptions: &Assumptions,
+) -> Vec<(Interval, Facts)> {
+    let needed = graph.reachable(roots);
     let mut known = vec![Value::from((Interval::ENTIRE, Facts::NONE)); graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         known[id.index()] = match node {
@@ -25,21 +37,26 @@ pub fn enclose(graph: &Graph, root: NodeId, assumptions: &Assumptions) -> (Inter
             }
         };
     }
-    let Value { bounds, facts, .. } = known[root.index()];
-    (bounds, facts)
+    let found = |root: &NodeId| (known[root.index()].bounds, known[root.index()].facts);
+    roots.iter().map(found).collect()
 }
 
-/// Which coordinates `root` depends on.
-pub fn coordinates(graph: &Graph, root: NodeId) -> [bool; 3] {
-    let needed = graph.reachable(&[root]);
-    Axis::ALL.map(|axis| {
-        graph.iter().any(|(id, node)| needed[id.index()] && *node == Node::Variable(axis))
-    })
+/// Whether each of `roots` depends on a coordinate.
+pub fn varies(graph: &Graph, roots: &[NodeId]) -> Vec<bool> {
+    let mut varies = vec![false; graph.len()];
+    for (id, node) in graph.iter() {
+        varies[id.index()] = match node {
+            Node::Variable(_) => true,
+            Node::Parameter(_) | Node::Constant(_) => false,
+            Node::Apply(_, operands) => operands.iter().any(|operand| varies[operand.index()]),
+        };
+    }
+    roots.iter().map(|root| varies[root.index()]).collect()
 }
 
-/// Whether `root` contains a sine, cosine or tangent of something that depends on a coordinate.
-pub fn is_periodic(graph: &Graph, root: NodeId) -> bool {
-    let needed = graph.reachable(&[root]);
+/// Whether any of `roots` contains a sine, cosine or tangent of something that depends on a coordinate.
+pub fn is_periodic(graph: &Graph, roots: &[NodeId]) -> bool {
+    let needed = graph.reachable(roots);
     let mut varies = vec![false; graph.len()];
     let mut periodic = false;
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
@@ -78,7 +95,7 @@ mod tests {
     fn only_functions_of_coordinates_count_as_periodic() {
         let periodic = |formula: &str| {
             let document = read(formula, &Options::default()).expect("reads");
-            is_periodic(&document.graph, document.surfaces[0].root)
+            is_periodic(&document.graph, &[document.surfaces[0].root])
         };
         assert!(periodic("sin(2*x)+y"));
         assert!(!periodic("sin(2)*x+y"));

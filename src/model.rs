@@ -1,7 +1,7 @@
 //! Surfaces compiled once, of which pictures can be taken from anywhere.
 
 use crate::picture::{Normals, Picture, Precision, Settings, Statistics, Times};
-use crate::program::{Program, ProgramError};
+use crate::program::{CodeSize, Program, ProgramError};
 use crate::scene;
 use crate::uniforms::Bound;
 use crate::work::{Counted, Work};
@@ -308,8 +308,17 @@ fn compile_all<T: Real>(
     normals: Option<Normals>,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Vec<Kernels<T>>>, ProgramError> {
-    let compile =
-        |surface| if wanted() { compile(program, surface, normals, wanted) } else { Ok(None) };
+    let spent = CodeSize::default();
+    let compile = |surface| {
+        // Another surface may have used up what there is.
+        spent.add(0)?;
+        if !wanted() {
+            return Ok(None);
+        }
+        let kernels = compile(program, surface, normals, wanted)?;
+        spent.add(kernels.as_ref().map_or(0, Kernels::code_bytes))?;
+        Ok(kernels)
+    };
     (0..surfaces).into_par_iter().map(compile).collect()
 }
 

@@ -4,11 +4,12 @@ use crate::enclosure;
 use crate::uniforms::{Bound, Uniforms};
 use crate::zeros::ZeroKernel;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 use zeroset_eval::{Assumptions, Binding, Real, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, IrError, NodeId, clear, fix_exponents, gradient, rewrite, simplify,
+    Constant, Graph, IrError, NodeId, clear, compact, fix_exponents, gradient, rewrite, simplify,
 };
 use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
 use zeroset_syntax::{Document, Kind, Parameter, ParameterKind};
@@ -75,6 +76,30 @@ pub enum ProgramError {
     /// No code can be made.
     #[error(transparent)]
     Code(#[from] zeroset_jit::Error),
+    /// All surfaces together need too much code, though each alone does not.
+    #[error(
+        "all surfaces together need more than {limit} bytes of code; draw some of them at a time"
+    )]
+    TooMuchCode {
+        /// Bytes allowed.
+        limit: usize,
+    },
+}
+
+/// Machine code of all kernels of a document, at most: so much takes about a second to make, and the largest single surfaces
+/// that kernels hold need half of it.
+const CODE_BYTES: usize = 8 << 20;
+
+/// How much machine code has been made for one document, from any thread.
+#[derive(Debug, Default)]
+pub(crate) struct CodeSize(AtomicUsize);
+
+impl CodeSize {
+    /// Adds the code of one surface, or of none: an error once all together are too long.
+    pub(crate) fn add(&self, bytes: usize) -> Result<(), ProgramError> {
+        let all = bytes + self.0.fetch_add(bytes, Ordering::Relaxed);
+        if all > CODE_BYTES { Err(ProgramError::TooMuchCode { limit: CODE_BYTES }) } else { Ok(()) }
+    }
 }
 
 impl Program {
@@ -138,10 +163,8 @@ impl Program {
     fn with(&self, values: Vec<Interval>) -> Self {
         let Simplified { graph, roots, assumptions, .. } = &*self.shared;
         let assumptions = Assumptions { parameters: values.clone(), ..assumptions.clone() };
-        let undefined = roots
-            .iter()
-            .map(|&root| enclosure::enclose(graph, root, &assumptions).1.has(Facts::NOWHERE))
-            .collect();
+        let enclosures = enclosure::enclose_all(graph, roots, &assumptions);
+        let undefined = enclosures.iter().map(|(_, facts)| facts.has(Facts::NOWHERE)).collect();
         Self { shared: Arc::clone(&self.shared), values, undefined }
     }
 
@@ -149,18 +172,22 @@ impl Program {
     fn check(&self, document: &Document) -> Result<(), ProgramError> {
         let parameters = self.values.clone();
         let here = Assumptions { domain: self.shared.assumptions.domain, parameters };
-        for (surface, &root) in document.surfaces.iter().zip(self.roots()) {
+        let anywhere = Assumptions { domain: [Interval::ENTIRE; 3], ..here.clone() };
+        let enclosures = enclosure::enclose_all(self.graph(), self.roots(), &here);
+        let varies = enclosure::varies(self.graph(), self.roots());
+        for ((surface, (bounds, facts)), varies) in
+            document.surfaces.iter().zip(enclosures).zip(varies)
+        {
             let side = surface.echo.strip_suffix(" = 0");
             let echo = || side.unwrap_or(&surface.echo).to_owned();
-            let (bounds, facts) = enclosure::enclose(self.graph(), root, &here);
             if facts.has(Facts::NOWHERE) {
                 // Undefined on this domain; the formula as typed tells whether that is so everywhere.
-                let anywhere = Assumptions { domain: [Interval::ENTIRE; 3], ..here.clone() };
-                let typed = enclosure::enclose(&document.graph, surface.root, &anywhere);
+                let (graph, root) = own(&document.graph, surface.root);
+                let typed = enclosure::enclose(&graph, root, &anywhere);
                 if typed.1.has(Facts::NOWHERE) {
                     return Err(ProgramError::Nowhere { echo: echo() });
                 }
-            } else if !enclosure::coordinates(self.graph(), root).contains(&true) {
+            } else if !varies {
                 let value = describe(bounds, side.is_some());
                 return Err(ProgramError::Constant { echo: echo(), value });
             }
@@ -193,7 +220,14 @@ impl Program {
     /// # Panics
     /// If there is no such surface.
     pub fn routine<T: Real>(&self, surface: usize) -> Routine<T> {
-        self.hoisted(self.graph(), &[self.roots()[surface]])
+        let (graph, root) = own(self.graph(), self.roots()[surface]);
+        self.hoisted(&graph, &[root])
+    }
+
+    /// A surface's function before constants are folded, alone.
+    fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
+        let (graph, roots) = &self.shared.symbolic;
+        own(graph, roots[surface])
     }
 
     /// What computes a surface's function and its three derivatives.
@@ -204,8 +238,7 @@ impl Program {
     /// # Panics
     /// If there is no such surface.
     pub fn gradient_routine<T: Real>(&self, surface: usize) -> Result<Routine<T>, ProgramError> {
-        let (graph, roots) = &self.shared.symbolic;
-        let (mut graph, root) = (graph.clone(), roots[surface]);
+        let (mut graph, root) = self.symbolic(surface);
         let [x, y, z] = gradient(&mut graph, root);
         let (graph, roots) = self.simplified(&graph, &[root, x, y, z])?;
         Ok(self.hoisted(&graph, &roots))
@@ -220,8 +253,7 @@ impl Program {
     /// # Panics
     /// If there is no such surface.
     pub fn cleared(&self, surface: usize) -> Result<Option<(Graph, [NodeId; 3])>, ProgramError> {
-        let (graph, roots) = &self.shared.symbolic;
-        let (mut graph, root) = (graph.clone(), roots[surface]);
+        let (mut graph, root) = self.symbolic(surface);
         let Some(cleared) = clear(&mut graph, root) else { return Ok(None) };
         let typed = [cleared.numerator, cleared.denominator, root];
         let (graph, roots) = self.simplified(&graph, &typed)?;
@@ -258,7 +290,10 @@ impl Program {
                 Some(interval(self.hoisted(graph, &[*numerator]))?),
                 self.branches(graph, &[*function, *numerator]),
             ),
-            None => (None, self.branches(self.graph(), &[self.roots()[surface]])),
+            None => {
+                let (graph, root) = own(self.graph(), self.roots()[surface]);
+                (None, self.branches(&graph, &[root]))
+            }
         };
         let branches = branches.map(interval).transpose()?;
         Ok(ZeroKernel::new(function, numerator, branches))
@@ -343,6 +378,12 @@ impl Program {
         let values = uniforms.values(&self.values).expect("split for these values");
         (make(&graph, &roots, &assumptions), Binding::new(&values), uniforms)
     }
+}
+
+/// What `root` needs, in a graph of its own: what is done for one surface must not take time for all others.
+fn own(graph: &Graph, root: NodeId) -> (Graph, NodeId) {
+    let (graph, roots) = compact(graph, &[root]);
+    (graph, roots[0])
 }
 
 fn interval<T: Real>(routine: Routine<T>) -> Result<Bound<NativeInterval<T>>, ProgramError> {

@@ -3,7 +3,7 @@
 
 use crate::domain::{self, AutoDomain, REACH};
 use crate::enclosure::is_periodic;
-use crate::program::{Program, ProgramError};
+use crate::program::{CodeSize, Program, ProgramError};
 use glam::DVec3;
 use num_traits::ToPrimitive;
 use zeroset_eval::IntervalKernel;
@@ -108,12 +108,16 @@ pub fn region(
 pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
     let program = Program::new(document, [Interval { lo: -REACH, hi: REACH }; 3])?;
     let program = program.over_ranges(document);
+    let spent = CodeSize::default();
     let kernels = (0..program.roots().len())
-        .map(|surface| program.zero_kernel(surface))
+        .map(|surface| {
+            let kernel = program.zero_kernel(surface)?;
+            spent.add(kernel.code_bytes()).map(|()| kernel)
+        })
         .collect::<Result<Vec<_>, _>>()?;
     let kernels: Vec<&dyn IntervalKernel> =
         kernels.iter().map(|kernel| kernel as &dyn IntervalKernel).collect();
-    let periodic = program.roots().iter().any(|&root| is_periodic(program.graph(), root));
+    let periodic = is_periodic(program.graph(), program.roots());
     Ok(domain::find(&kernels, periodic))
 }
 

@@ -25,12 +25,15 @@ pub struct Work {
     pub point: Count,
     /// Values and gradients at points.
     pub gradient: Count,
+    /// Rays given up after [`zeroset_trace::STEPS`].
+    pub given_up: u64,
 }
 
 impl Work {
     /// Adds what a traversal asked for.
     pub fn add_traversal(&mut self, done: &zeroset_trace::Work) {
         self.interval += Count { calls: done.interval_calls, lanes: done.interval_lanes };
+        self.given_up += done.given_up;
     }
 }
 

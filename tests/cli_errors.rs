@@ -55,6 +55,42 @@ fn texts_that_are_no_formula() {
     }
 }
 
+/// Every bound on what one document may ask for is reached by a text within all others.
+#[test]
+fn each_limit_says_which_it_is() {
+    let sum = |count: usize, term: &dyn Fn(usize) -> String| {
+        (1..=count).map(term).collect::<Vec<_>>().join("+")
+    };
+    let huge = sum(250, &|k| format!("sin({k}*x)*cos(y+{k})"));
+    let doubled = (1..40).map(|k| format!("g{k}(a) = g{}(2*a) + g{}(3*a+{k})", k - 1, k - 1));
+    let doubled: Vec<String> = doubled.collect();
+    let exhausting = (0..100).map(|k| format!("g + {k}")).collect::<Vec<_>>().join("\n");
+    for (text, expected) in [
+        (
+            "x".to_owned() + &" ".repeat(1 << 20),
+            "the text is 1048577 bytes long; at most 1048576 are read",
+        ),
+        (sum(50_001, &|_| "x".to_owned()), "more than 100000 numbers, names and signs"),
+        ("(".repeat(201) + "x" + &")".repeat(201), "nested more than 200 levels deep"),
+        ("x = 1\n".repeat(1001), "the text draws more than 1000 surfaces"),
+        (format!("g0(a) = a+x\n{}\ng39(y)", doubled.join("\n")), "more than 65536 operations"),
+        (sum(7_000, &|k| format!("(x+{k})^2*y*z")), "a kernel holds at most 20000"),
+        (sum(3_000, &|k| format!("sin({k}*x)")), "a kernel holds at most 200000"),
+        (
+            sum(1_000, &|k| format!("atan2(x+{k}, y*{k})")),
+            "bytes of stack; a kernel may use at most",
+        ),
+        (format!("g = {huge}\n{exhausting}"), "all surfaces together need more than 8388608 bytes"),
+    ] {
+        let place = Place::new();
+        std::fs::write(place.path("long.zset"), &text).expect("written");
+        let run =
+            place.run(&["render", "long.zset", "-o", PICTURE, "--domain", "2", "--size", "2"]);
+        let case: String = text.chars().take(40).collect();
+        assert_refused(&place, &run, expected, &case);
+    }
+}
+
 #[test]
 fn texts_made_to_break_a_parser() {
     let brackets = "(".repeat(100_000);

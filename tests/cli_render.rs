@@ -98,6 +98,25 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
 }
 
 #[test]
+fn rays_that_stay_undecided_are_given_up_with_a_reason() {
+    let place = Place::new();
+    // (x - 1)^7: near x = 1 the terms cancel, and slabs stay undecided however thin they are.
+    let formula = "x^7 - 7x^6 + 21x^5 - 35x^4 + 35x^3 - 21x^2 + 7x - 1 + 0*y + 1e-9";
+    let render = |depth: &str| {
+        let arguments = ["render", formula, "--domain", "2", "--size", "8", "--json"];
+        place.run(&[&arguments[..], &["--max-depth", depth]].concat()).ok()
+    };
+    let deep = render("20");
+    let given_up = deep.json()["work"]["given_up"].as_u64().expect("a number");
+    assert!(given_up > 0 && deep.stderr.contains("given up after 16384 steps"), "{}", deep.stderr);
+    let calls = deep.json()["work"]["interval"]["calls"].as_u64().expect("a number");
+    assert!(calls <= 16 * 16384, "{calls}");
+    let shallow = render("10");
+    assert_eq!(shallow.json()["work"]["given_up"], 0);
+    assert!(!shallow.stderr.contains("given up"));
+}
+
+#[test]
 fn depth_has_three_names_and_changes_the_work() {
     let place = Place::new();
     let lanes = |flag: &str, depth: &str| {

@@ -188,7 +188,8 @@ pub struct Tracing {
     #[arg(long, value_enum, default_value_t = Precision::F32)]
     pub precision: Precision,
 
-    /// How often a ray's way through the domain is halved: at most 20, or 40 in f64
+    /// How often a ray's way through the domain is halved: at most 20, or 40 in f64; beyond 14, rays
+    /// that stay undecided are given up after 16384 steps
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
 

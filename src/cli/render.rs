@@ -267,7 +267,13 @@ fn remark(
             .zip(&picture.buffer.drawn)
             .filter(|(status, drawn)| **status == Status::Undecided && drawn.is_infinite())
             .count();
-        if passed_over > 0 {
+        if picture.statistics.work.given_up > 0 {
+            notes::note(&format!(
+                "some rays were given up after {} steps: their slabs stay undecided down to this --max-depth; \
+                 a smaller one takes less time, --precision f64 may decide more",
+                zeroset_trace::STEPS,
+            ));
+        } else if passed_over > 0 {
             notes::note(&format!(
                 "{passed_over} of these are not drawn: the function has no bounds there in any slab, as near a pole or \
                  beyond the range of floats, and a root would not show; a larger --max-depth or --precision f64 tells \

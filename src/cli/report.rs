@@ -52,6 +52,7 @@ pub fn object(
             "interval": count(statistics.work.interval),
             "point": count(statistics.work.point),
             "gradient": count(statistics.work.gradient),
+            "given_up": statistics.work.given_up,
         },
         "code_bytes": statistics.code_bytes,
         "nodes": {"before": statistics.nodes.0, "after": statistics.nodes.1},

@@ -20,10 +20,16 @@ pub const MAX_DEPTH: u32 = <f32 as Scalar>::MAX_DEPTH;
 /// Largest depth over kernels of `f64`.
 pub const MAX_DEPTH_F64: u32 = <f64 as Scalar>::MAX_DEPTH;
 
+/// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only deeper pictures can
+/// reach it. A packet that hits a surface well needs 2 per level; one whose slabs stay undecided would need 2 to the depth.
+pub const STEPS: u64 = 1 << 14;
+
 /// How the traverser works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Knoll {
     /// Slabs are halved this many times, within [1, [`Scalar::MAX_DEPTH`]]: the last are 2^−depth of the region's extent.
+    /// Rays that are not through after [`STEPS`] end in the slab that was looked at last, as if it were of the last depth;
+    /// what is behind it stays unknown.
     pub depth: u32,
     /// Rays in a packet.
     pub width: PacketWidth,
@@ -252,8 +258,9 @@ impl Knoll {
                 *found &= alive;
                 vanishing |= *found;
             }
+            let is_last = done.interval_calls >= STEPS;
             if vanishing != 0 {
-                if level < last {
+                if level < last && !is_last {
                     level += 1;
                     index *= 2;
                     continue;
@@ -262,9 +269,23 @@ impl Knoll {
                     slab.vanishing[group] &= !leaving[group];
                     alive[group] &= !self.record(&slab, group, from, &mut outcomes[group]);
                 }
-                if alive.iter().all(|&lanes| lanes == 0) {
+                if alive.iter().all(|&lanes| lanes == 0) && !is_last {
                     break;
                 }
+            }
+            if is_last {
+                // What is behind this slab stays unknown; what was found in front of it does not change by that.
+                let behind = from + size;
+                for (group, outcomes) in outcomes.iter_mut().enumerate() {
+                    let left = alive[group] & packet.groups[group].meets(behind, T::integer(2));
+                    done.given_up += u64::from((left | slab.vanishing[group]).count_ones());
+                    for (lane, outcome) in outcomes.iter_mut().enumerate() {
+                        if left >> lane & 1 == 1 {
+                            outcome.suppressed.get_or_insert(behind);
+                        }
+                    }
+                }
+                break;
             }
             // On to the next slab, and up to the largest that starts there.
             index += 1;

@@ -25,7 +25,7 @@ pub use camera::{Camera, CameraError, Projection, Ray};
 pub use colour::Colour;
 pub use frame::Frame;
 pub use gbuffer::{GBuffer, PixelCounts, Status};
-pub use knoll::{Knoll, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth};
+pub use knoll::{Knoll, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, STEPS};
 pub use light::Light;
 pub use normal::{NormalSource, normals};
 pub use region::{HalfSpace, Region, RegionError};
