@@ -18,7 +18,7 @@ use num_traits::{One, Zero};
 use pest::Parser as _;
 use rustc_hash::FxHashMap;
 use zeroset_interval::{Facts, Interval, fold};
-use zeroset_ir::{Constant, Graph, Node, NodeId, Operands};
+use zeroset_ir::{Constant, Graph, Node, NodeId, Operands, simplify};
 use zeroset_ops::Op;
 
 /// Exponents up to this size are raised exactly; a power of a two-digit number then has a few hundred bits.
@@ -97,7 +97,13 @@ fn varying(expr: &Expr) -> Option<(String, Span)> {
 
 /// The value of a node that depends on no coordinate and no parameter; `None` where it has none.
 fn value(graph: &Graph, root: NodeId) -> Option<Constant> {
-    let needed = graph.reachable(&[root]);
+    let (value, facts) = values(graph, &[root]).into_iter().nth(root.index())??;
+    facts.has(Facts::DEFINED).then_some(value)
+}
+
+/// The values of all nodes that `roots` need, by index; `None` for others and for what varies.
+fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<(Constant, Facts)>> {
+    let needed = graph.reachable(roots);
     let mut values: Vec<Option<(Constant, Facts)>> = Vec::with_capacity(graph.len());
     for (id, node) in graph.iter() {
         let computed = match node {
@@ -108,8 +114,42 @@ fn value(graph: &Graph, root: NodeId) -> Option<Constant> {
         };
         values.push(computed);
     }
-    let (value, facts) = values.into_iter().nth(root.index())??;
-    facts.has(Facts::DEFINED).then_some(value)
+    values
+}
+
+/// At most `most` exponents without coordinates and parameters whose value may be an integer, but is not known to be one: `log2(8)` is
+/// enclosed by two floats next to 3, and a power with it is that of a real number, defined for bases >= 0 only.
+pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
+    let exponents: Vec<NodeId> = graph
+        .iter()
+        .filter_map(|(_, node)| match node {
+            Node::Apply(Op::Pow, operands) => Some(operands[1]),
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
+        })
+        .filter(|exponent| matches!(graph.node(*exponent), Node::Apply(..)))
+        .collect();
+    let values = values(graph, &exponents);
+    let is_near = |id: &NodeId| {
+        values[id.index()].as_ref().is_some_and(|(value, facts)| {
+            let Interval { lo, hi } = value.bounds();
+            let may_be_whole = value.exact().is_none() && lo.ceil() <= hi.floor();
+            // A wide range tells nothing, and floats beyond 2⁵³ are all integers.
+            facts.has(Facts::DEFINED) && may_be_whole && hi - lo < 0.5 && hi.abs() < 1e9
+        })
+    };
+    let mut near: Vec<NodeId> = exponents.into_iter().filter(is_near).collect();
+    near.sort_unstable();
+    near.dedup();
+    near.truncate(most);
+    // Simplified, it may be known after all, as `pi/pi` is.
+    near.retain(|id| {
+        let simplified = simplify(graph, &[*id], &[Interval::ENTIRE; 3], &[]);
+        simplified.is_ok_and(|(graph, roots)| match graph.node(roots[0]) {
+            Node::Constant(value) => value.as_integer().is_none(),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => true,
+        })
+    });
+    near
 }
 
 fn apply(

@@ -2,6 +2,7 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, Relation, Statement};
 use crate::build::Builder;
+use crate::constant::near_integers;
 use crate::cycle::recursion;
 use crate::diagnose::short;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
@@ -264,6 +265,7 @@ impl<'a> Reader<'a> {
             let above = self.colors.iter().rfind(|(at, _)| *at < surface.span.start);
             surface.color = above.map(|(_, color)| *color);
         }
+        self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         self.notes.sort_by_key(|note| note.span);
         // One remark on a name is enough.
         let mut seen = FxHashSet::default();
@@ -291,6 +293,32 @@ impl<'a> Reader<'a> {
             notes: self.notes,
         })
     }
+}
+
+/// Remarks on exponents that are no integers as far as is known, each where it is first drawn.
+fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
+    let mut left = near_integers(graph, MOST_NOTES);
+    let mut notes = Vec::new();
+    for surface in surfaces {
+        if left.is_empty() {
+            break;
+        }
+        let needed = graph.reachable(&[surface.root]);
+        left.retain(|id| {
+            if needed[id.index()] {
+                // What is shared would be written out each time.
+                let nodes = graph.reachable(&[*id]).into_iter().filter(|needed| *needed).count();
+                let exponent = match nodes {
+                    0..=12 => short(&zeroset_ir::display(graph, *id, &[])),
+                    _ => "…".to_owned(),
+                };
+                let kind = NoteKind::NearInteger { exponent };
+                notes.push(Note { span: surface.span, kind });
+            }
+            !needed[id.index()]
+        });
+    }
+    notes
 }
 
 /// The remark on a definition that nothing uses: perhaps a formula with a slip in its left side.

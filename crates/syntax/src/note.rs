@@ -48,6 +48,11 @@ pub enum NoteKind {
         "`root(a, n)` is the n-th root of a; here n is `{index}`, which is not a fixed whole number"
     )]
     RootIndex { index: String },
+    #[error(
+        "the exponent `{exponent}` may be a whole number but is not known to be one: the power is for values >= 0; \
+         written in digits it takes negative ones as well"
+    )]
+    NearInteger { exponent: String },
     #[error("there is more to remark from here on, which is left out")]
     More,
 }
