@@ -285,15 +285,12 @@ impl Program {
             return Ok(ZeroKernel::new(function, None, None));
         }
         let cleared = self.cleared(surface)?;
-        let (numerator, branches) = match &cleared {
-            Some((graph, [numerator, _, function])) => (
-                Some(interval(self.hoisted(graph, &[*numerator]))?),
-                self.branches(graph, &[*function, *numerator]),
-            ),
-            None => {
-                let (graph, root) = own(self.graph(), self.roots()[surface]);
-                (None, self.branches(&graph, &[root]))
-            }
+        let (numerator, branches) = if let Some((graph, [numerator, _, function])) = &cleared {
+            let steps = self.hoisted(graph, &[*numerator]);
+            (Some(interval(steps)?), self.branches(graph, &[*function, *numerator]))
+        } else {
+            let (graph, root) = own(self.graph(), self.roots()[surface]);
+            (None, self.branches(&graph, &[root]))
         };
         let branches = branches.map(interval).transpose()?;
         Ok(ZeroKernel::new(function, numerator, branches))
