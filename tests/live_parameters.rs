@@ -1,26 +1,13 @@
 //! Sliders and time change the picture without code being compiled again, and the picture is that of code compiled afresh.
 
-use std::sync::Arc;
+mod live_support;
+
+use live_support::{LIMIT, settled, start};
 use std::time::Duration;
-use zeroset::live::{Frame, Live, Start};
-use zeroset::picture::{Settings, render};
+use zeroset::live::Frame;
+use zeroset::picture::render;
 use zeroset::scene;
 use zeroset_syntax::Options;
-
-/// Longer than anything here takes on a slow machine that does other things as well.
-const LIMIT: Duration = Duration::from_mins(1);
-
-fn start(text: &str) -> Live {
-    let settings = Settings { width: 28, height: 28, max_depth: 8, ..Settings::default() };
-    Live::new(Start { name: "test".into(), text: text.into(), settings, ..Start::default() })
-}
-
-fn settled(live: &Live) -> Arc<Frame> {
-    assert!(live.wait(LIMIT), "the picture does not settle");
-    let view = live.view();
-    assert!(view.fault.is_none(), "{:?}", view.fault.map(|fault| fault.message()));
-    view.frame.expect("a picture")
-}
 
 /// Asserts that the picture is the one that compiling afresh gives, pixel by pixel and status by status.
 fn assert_as_compiled_afresh(frame: &Frame) {
@@ -38,7 +25,7 @@ fn assert_as_compiled_afresh(frame: &Frame) {
 
 /// Enters each line in turn, and tells whether the code stayed as it was.
 fn kept(text: &str, lines: &[&str]) -> Vec<bool> {
-    let live = start(text);
+    let live = start(text, 28);
     let mut last = settled(&live);
     assert!(!last.model.is_rebound());
     let enter = |line: &&str| {
@@ -93,7 +80,7 @@ fn what_other_code_is_needed_for_is_compiled() {
 
 #[test]
 fn a_slider_changes_the_picture_and_the_status_tells_that_nothing_was_compiled() {
-    let live = start("r = 2 in [0.5, 4]\nx^2+y^2+z^2 = r^2");
+    let live = start("r = 2 in [0.5, 4]\nx^2+y^2+z^2 = r^2", 28);
     let before = settled(&live);
     assert!(before.summary().contains("compiled in"), "{}", before.summary());
     live.type_line(":set r = 3");

@@ -1,26 +1,14 @@
 //! The live picture without a window: typing, mistakes, commands, the view.
 
+mod live_support;
+
+use live_support::{LIMIT, settled, start};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use zeroset::gallery;
 use zeroset::live::{Frame, Live, Reply, Start};
 use zeroset::picture::{Settings, render};
 use zeroset::scene;
-
-/// Longer than anything here takes on a slow machine that does other things as well.
-const LIMIT: Duration = Duration::from_mins(1);
-
-fn start(text: &str, side: usize) -> Live {
-    let settings = Settings { width: side, height: side, ..Settings::default() };
-    Live::new(Start { name: "test".into(), text: text.into(), settings, ..Start::default() })
-}
-
-fn settled(live: &Live) -> Arc<Frame> {
-    assert!(live.wait(LIMIT), "the picture does not settle");
-    let view = live.view();
-    assert!(view.fault.is_none(), "{:?}", view.fault.map(|fault| fault.message()));
-    view.frame.expect("a picture")
-}
 
 /// The picture that `zeroset render` would make of the same text from the same camera.
 fn rendered(frame: &Frame) -> Vec<u8> {
@@ -207,4 +195,23 @@ fn definitions_may_come_first() {
     live.enter("x^2+y^2+z^2 = r^2").expect("now it is complete");
     settled(&live);
     assert_eq!(live.text(), "r = 2\nx^2+y^2+z^2 = r^2");
+}
+
+#[test]
+fn a_refused_value_leaves_the_one_from_the_command_line() {
+    let settings = Settings { width: 32, height: 32, ..Settings::default() };
+    let text = "r = 1\nx^2+y^2+z^2 = r^2".to_owned();
+    let overrides = vec![("r".to_owned(), "2".to_owned())];
+    let live = Live::new(Start { text, overrides, settings, ..Start::default() });
+    let before = settled(&live);
+    for line in [":set r = (", ":set r = 1/0"] {
+        live.enter(line).expect_err(line);
+        live.enter(":view front").expect("a view");
+        let after = settled(&live);
+        assert_eq!(after.wish.overrides, before.wish.overrides, "{line}");
+        live.enter(":view iso").expect("a view");
+        assert_eq!(settled(&live).picture.rgb, before.picture.rgb, "{line}");
+    }
+    live.enter(":set r = 1.5").expect("a value");
+    assert!(settled(&live).wish.overrides.is_empty());
 }

@@ -315,12 +315,17 @@ impl Live {
             )));
         }
         // What was given on the command line would otherwise go on to hide the definition.
+        let given = self.lock().wish.overrides.clone();
         self.lock().wish.overrides.retain(|(other, _)| other != name);
         let with_range = range.map(|range| self.commit(&format!("{name} = {value}{range}"), false));
-        match with_range {
+        let result = match with_range {
             Some(Ok(reply)) => Ok(reply),
             Some(Err(_)) | None => self.commit(&format!("{name} = {value}"), false),
+        };
+        if result.is_err() {
+            self.lock().wish.overrides = given;
         }
+        result
     }
 
     fn tolerance(&self, length: Option<f64>) -> Result<Reply, Refusal> {
