@@ -169,6 +169,25 @@ mod tests {
     }
 
     #[test]
+    fn a_pole_inside_another_function_is_empty_and_a_zero_is_not() {
+        // The pole of a tangent is proven empty where clearing reaches it, that of a quotient also inside a function: in
+        // `exp(tan(x)) - y` a box that holds the pole stays undecided.
+        for pole in ["1/tan(x) - y", "tan(pi/2 + x)^2 - y", "exp(1/x) - y", "sqrt(abs(1/x)) - y"] {
+            assert!(!vanishes(pole, [-0.125, 0.125]), "{pole}");
+        }
+        for root in [
+            "exp(tan(x)) - y",
+            "abs(tan(x)) - y",
+            "1/tan(x) - y",
+            "tan(x)^2 - y",
+            "exp(1/x) - 3*y",
+            "sqrt(abs(1/x)) - y",
+        ] {
+            assert!(vanishes(root, [0.375, 1.0]), "{root}");
+        }
+    }
+
+    #[test]
     fn a_jump_is_empty_and_a_zero_at_one_is_not() {
         let near = [0.875, 1.125];
         // f jumps over 0 at x = 1: y and z are in [1, 2].

@@ -320,6 +320,10 @@ pub struct Eval {
 pub struct Explain {
     #[command(flatten)]
     pub subject: Subject,
+
+    /// The floats of the code that is shown
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
 }
 
 #[derive(Debug, Args)]

@@ -1,6 +1,6 @@
 //! `zeroset explain`.
 
-use super::arguments::Explain;
+use super::arguments::{Explain, Precision};
 use super::notes;
 use super::output::print;
 use super::subject::Subject;
@@ -10,19 +10,26 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 use zeroset::program::Program;
 use zeroset::scene;
-use zeroset_eval::{Step, Tape};
+use zeroset_eval::{Real, Step, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::display;
 use zeroset_jit::{Kind, intermediate_code};
 
 pub fn run(arguments: &Explain) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.subject)?;
-    let text = explain(&subject)?;
+    let text = match arguments.precision {
+        Precision::F32 => explain::<f32>(&subject)?,
+        Precision::F64 => explain::<f64>(&subject)?,
+    };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-pub fn explain(subject: &Subject) -> Result<String> {
+/// How a document is read, simplified and compiled to kernels of `T`.
+///
+/// # Errors
+/// If no code can be made.
+pub fn explain<T: Real>(subject: &Subject) -> Result<String> {
     let document = &subject.document;
     let mut text = String::new();
     for note in &document.notes {
@@ -47,17 +54,17 @@ pub fn explain(subject: &Subject) -> Result<String> {
         let root = program.roots()[index];
         writeln!(text, "\nread as     {}", surface.echo)?;
         writeln!(text, "simplified  {}", display(program.graph(), root, &names))?;
-        let interval = program.routine(index).tape;
-        let gradient = program.gradient_routine::<f32>(index)?.tape;
+        let interval = program.routine::<T>(index).tape;
+        let gradient = program.gradient_routine::<T>(index)?.tape;
         if let Some((graph, [numerator, denominator, _])) = program.cleared(index)? {
             let show = |node| display(&graph, node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
         writeln!(text, "operations  {}", operations(&interval))?;
         let bytes = [
-            program.interval_kernel::<f32>(index)?.code_bytes(),
-            program.point_kernel::<f32>(index)?.code_bytes(),
-            program.gradient_kernel::<f32>(index)?.code_bytes(),
+            program.interval_kernel::<T>(index)?.code_bytes(),
+            program.point_kernel::<T>(index)?.code_bytes(),
+            program.gradient_kernel::<T>(index)?.code_bytes(),
         ];
         writeln!(
             text,
@@ -84,7 +91,7 @@ fn range(bounds: Interval) -> String {
 }
 
 /// How many of each operation: `7: 3 sqr, 2 +, 2 *`.
-fn operations(tape: &Tape) -> String {
+fn operations<T: Real>(tape: &Tape<T>) -> String {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for step in tape.steps() {
         if let Step::Apply(op, _) = step {

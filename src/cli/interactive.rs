@@ -277,7 +277,7 @@ impl Session {
             domain: frame.wish.domain,
             parse: frame.parse,
         };
-        self.say(explain::explain(&subject)?.trim_end());
+        self.say(explain::explain::<f32>(&subject)?.trim_end());
         Ok(())
     }
 
