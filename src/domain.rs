@@ -65,9 +65,14 @@ impl Finding {
 }
 
 /// Chooses a domain that shows all `surfaces`, whose kernels must hold within ±[`REACH`]. `periodic` tells whether a
-/// trigonometric function of a coordinate occurs.
-pub fn find(surfaces: &[&dyn IntervalKernel], periodic: bool) -> AutoDomain {
-    let possible = Possible { surfaces };
+/// trigonometric function of a coordinate occurs. `wanted` is asked between evaluations; once it says no it must go on to,
+/// and the answer is `None`.
+pub fn find_while(
+    surfaces: &[&dyn IntervalKernel],
+    periodic: bool,
+    wanted: &dyn Fn() -> bool,
+) -> Option<AutoDomain> {
+    let possible = Possible { surfaces, wanted };
     let occupied = |exponent: i32| {
         let side = 2.0_f32.powi(exponent - 1);
         // The cube ±2^exponent in cells of half its half extent; for all but the smallest, the inner eight cells are
@@ -81,7 +86,7 @@ pub fn find(surfaces: &[&dyn IntervalKernel], periodic: bool) -> AutoDomain {
         possible.anywhere(&cells.collect::<Vec<_>>())
     };
     let cube = |half: f64| ([-half; 3], [half; 3]);
-    match (SMALLEST..=LARGEST).rev().find(|&exponent| occupied(exponent)) {
+    let found = match (SMALLEST..=LARGEST).rev().find(|&exponent| occupied(exponent)) {
         None => {
             let (low, high) = cube(LEAST);
             AutoDomain { low, high, finding: Finding::Empty }
@@ -99,7 +104,9 @@ pub fn find(surfaces: &[&dyn IntervalKernel], periodic: bool) -> AutoDomain {
             let (low, high) = roomy(low.map(f64::from), high.map(f64::from));
             AutoDomain { low, high, finding: Finding::Bounded }
         }
-    }
+    };
+    // What was cut short has seen too little.
+    wanted().then_some(found)
 }
 
 /// The box with some space on each side, its bounds rounded outward to few digits.
@@ -150,11 +157,15 @@ impl Cell {
 /// Which cells may hold a point of some surface.
 struct Possible<'a> {
     surfaces: &'a [&'a dyn IntervalKernel],
+    wanted: &'a dyn Fn() -> bool,
 }
 
 impl Possible<'_> {
-    /// The cells that are not proven empty.
+    /// The cells that are not proven empty; none, so that every search ends, when it is no longer wanted.
     fn of(&self, cells: &[Cell]) -> Vec<Cell> {
+        if !(self.wanted)() {
+            return Vec::new();
+        }
         let boxes: Vec<BoxPacket> = cells
             .chunks(LANES)
             .map(|chunk| {
@@ -240,6 +251,30 @@ impl Possible<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::Cell as Counter;
+
+    fn find(surfaces: &[&dyn IntervalKernel], periodic: bool) -> AutoDomain {
+        find_while(surfaces, periodic, &|| true).expect("wanted to the end")
+    }
+
+    #[test]
+    fn a_search_that_is_no_longer_wanted_ends_without_an_answer() {
+        let ball = Ball([3.0, 0.0, -20.0], 0.5);
+        let asked = Counter::new(0);
+        let until = |last: u32| {
+            asked.set(0);
+            find_while(&[&ball], false, &|| {
+                asked.set(asked.get() + 1);
+                asked.get() <= last
+            })
+        };
+        assert!(until(u32::MAX).is_some());
+        let all = asked.get();
+        for last in [0, 1, all / 2, all - 1] {
+            assert_eq!(until(last), None, "asked {last} of {all} times");
+            assert!(asked.get() < last + 64, "{} evaluations after {last}", asked.get());
+        }
+    }
 
     /// |p − centre|² − r², as intervals in f64: exact enough for these sizes.
     struct Ball([f32; 3], f32);

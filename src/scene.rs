@@ -58,11 +58,28 @@ pub enum SceneError {
 ///
 /// # Errors
 /// If a range is empty or not finite, the plane has no normal, or a search is impossible because there is no surface.
+///
+/// # Panics
+/// Never: the domain is wanted to the end.
 pub fn region(
     document: &Document,
     choice: DomainChoice,
     clip: Option<HalfSpace>,
 ) -> Result<(Region, Option<AutoDomain>), SceneError> {
+    Ok(region_while(document, choice, clip, &|| true)?.expect("wanted to the end"))
+}
+
+/// As [`region`], but asks during the search whether the domain is still wanted; `None` if not. Once `wanted` says no it
+/// must go on to.
+///
+/// # Errors
+/// As [`region`].
+pub fn region_while(
+    document: &Document,
+    choice: DomainChoice,
+    clip: Option<HalfSpace>,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
     let mut searched = None;
     let [x0, x1, y0, y1, z0, z1] = match (choice, &document.domain) {
         (DomainChoice::Bounds(bounds), _) => bounds,
@@ -74,7 +91,7 @@ pub fn region(
             match (given(0), given(1), given(2)) {
                 (Some(x), Some(y), Some(z)) => [x[0], x[1], y[0], y[1], z[0], z[1]],
                 ranges => {
-                    let found = search(document)?;
+                    let Some(found) = search_while(document, wanted)? else { return Ok(None) };
                     searched = Some(found);
                     let or_found = |axis: usize, range: Option<[f64; 2]>| {
                         range.unwrap_or([found.low[axis], found.high[axis]])
@@ -86,7 +103,7 @@ pub fn region(
             }
         }
         (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(Domain::Auto)) => {
-            let found = search(document)?;
+            let Some(found) = search_while(document, wanted)? else { return Ok(None) };
             searched = Some(found);
             let ([x0, y0, z0], [x1, y1, z1]) = (found.low, found.high);
             [x0, x1, y0, y1, z0, z1]
@@ -96,7 +113,7 @@ pub fn region(
     if let Some(clip) = clip {
         region = region.with_clip(clip)?;
     }
-    Ok((region, searched))
+    Ok(Some((region, searched)))
 }
 
 /// The surface found by intervals, whatever domain the document gives and whatever its sliders are set to: a surface
@@ -105,11 +122,26 @@ pub fn region(
 ///
 /// # Errors
 /// If there is no surface, or no code can be made.
+///
+/// # Panics
+/// Never: the answer is wanted to the end.
 pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
+    Ok(search_while(document, &|| true)?.expect("wanted to the end"))
+}
+
+/// As [`search`], but asks between kernels and evaluations whether the answer is still wanted; `None` if not.
+///
+/// # Errors
+/// As [`search`].
+fn search_while(
+    document: &Document,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<AutoDomain>, ProgramError> {
     let program = Program::new(document, [Interval { lo: -REACH, hi: REACH }; 3])?;
     let program = program.over_ranges(document);
     let spent = CodeSize::default();
     let kernels = (0..program.roots().len())
+        .take_while(|_| wanted())
         .map(|surface| {
             let kernel = program.zero_kernel(surface)?;
             spent.add(kernel.code_bytes()).map(|()| kernel)
@@ -118,7 +150,7 @@ pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
     let kernels: Vec<&dyn IntervalKernel> =
         kernels.iter().map(|kernel| kernel as &dyn IntervalKernel).collect();
     let periodic = is_periodic(program.graph(), program.roots());
-    Ok(domain::find(&kernels, periodic))
+    Ok(domain::find_while(&kernels, periodic, wanted))
 }
 
 /// Whether [`search`] finds the same for two documents that differ in nothing but the values of parameters, of which each

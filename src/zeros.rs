@@ -59,6 +59,16 @@ impl<T: Real> ZeroKernel<T> {
         &self.function.kernel
     }
 
+    /// Whether the numerator of a cleared form is asked too.
+    pub fn has_numerator(&self) -> bool {
+        self.numerator.is_some()
+    }
+
+    /// Whether branches are asked one by one too.
+    pub fn has_branches(&self) -> bool {
+        self.branches.is_some()
+    }
+
     /// Size of the machine code in bytes.
     pub fn code_bytes(&self) -> usize {
         let others = [&self.numerator, &self.branches];

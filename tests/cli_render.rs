@@ -352,11 +352,22 @@ fn every_packet_width_and_thread_count_gives_the_same_claim() {
 fn explain_tells_how_a_formula_is_read_and_compiled() {
     let place = Place::new();
     let run = place.run(&["explain", "2x sin y = z^2"]).ok();
-    for part in
-        ["read as     2*x*sin(y) = z^2", "simplified", "operations", "bytes", "function u0:0"]
-    {
+    for part in [
+        "read as     2*x*sin(y) = z^2",
+        "simplified",
+        "forms       intervals of the function\n",
+        "operations",
+        "bytes",
+    ] {
         assert!(run.text().contains(part), "{part} is not in {}", run.text());
     }
+    // Code only for those who ask for it, and after all else.
+    assert!(!run.text().contains("function u0:0"), "{}", run.text());
+    let run = place.run(&["explain", "--code", "2x sin y = z^2"]).ok();
+    let code = run.text().find("function u0:0").expect("the code");
+    assert!(run.text().find("nodes ").expect("the nodes") < code, "{}", run.text());
+    let run = place.run(&["explain", "1/x + floor(y) = z"]).ok();
+    assert!(run.text().contains("cleared form") && run.text().contains("branches"));
     // Notes on the reading are part of the explanation.
     assert!(place.run(&["explain", "1/2x+y+z"]).ok().text().contains("the other reading"));
     // The code shown is that of the precision asked for.

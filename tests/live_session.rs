@@ -7,13 +7,18 @@ use std::sync::Arc;
 use std::time::Instant;
 use zeroset::gallery;
 use zeroset::live::{Frame, Live, Reply, Start};
-use zeroset::picture::{Settings, render};
+use zeroset::picture::{Precision, Settings, render};
 use zeroset::scene;
 
 /// The picture that `zeroset render` would make of the same text from the same camera.
 fn rendered(frame: &Frame) -> Vec<u8> {
-    let document =
-        zeroset_syntax::read(&frame.wish.text, &zeroset_syntax::Options::default()).expect("reads");
+    let wish = &frame.wish;
+    let options = zeroset_syntax::Options {
+        overrides: &wish.overrides,
+        time: wish.time,
+        ..zeroset_syntax::Options::default()
+    };
+    let document = zeroset_syntax::read(&wish.text, &options).expect("reads");
     let (region, _) = scene::region(&document, frame.wish.domain, None).expect("a region");
     let settings = &frame.wish.settings;
     render(&document, &region, &frame.camera, settings, &|_, _| {}).expect("renders").rgb
@@ -161,6 +166,18 @@ fn commands_are_answered() {
     assert!(say(":method").contains("knoll"));
     assert!(say(":tolerance 0.001").contains("depth"));
     assert_ne!(live.settings().max_depth, 10);
+    // Doubles are finer, and what is too fine for floats goes with them.
+    assert!(say(":precision").starts_with("f32: depth"));
+    assert!(say(":precision f64").starts_with("f64: depth"));
+    assert!(say(":tolerance 1e-9").contains("depth 3"));
+    let fine = settled(&live);
+    assert!(fine.picture.precision == Precision::F64 && fine.picture.rgb == rendered(&fine));
+    assert!(fine.summary().contains(" f64 · ") && say(":status").contains(", f64"));
+    let command = fine.command("out.png", str::to_owned);
+    assert!(command.contains("--precision f64"), "{command}");
+    assert!(say(":precision f32").starts_with("f32: depth 20 of at most 20"));
+    let coarse = settled(&live);
+    assert!(coarse.picture.precision == Precision::F32 && coarse.wish.settings.max_depth == 20);
     settled(&live);
     assert!(say(":status").contains("surface") && say(":status").contains("undecided"));
     live.enter(":set r = 3").expect("in range");

@@ -129,3 +129,39 @@ fn terminals_that_answer_otherwise_or_not_get_characters() {
         assert_eq!(terminal.ends(), 0);
     }
 }
+
+#[test]
+fn pictures_fit_a_terminal_that_grows_or_shrinks() {
+    let mut terminal = Terminal::start(&["--preview", "x^2+y^2+z^2 = 1"], None);
+    terminal.shows("90x52");
+    for (columns, rows) in [(60, 20), (100, 40)] {
+        terminal.resize(columns, rows);
+        terminal.type_in(":help quit\r");
+        terminal.shows(&format!("{columns}x{} ", 2 * (rows - 4)));
+    }
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn precision_is_chosen_shown_and_kept_in_the_command() {
+    let mut terminal =
+        Terminal::start(&["--preview", "x^2+y^2+z^2 = 1", "--precision", "f64"], None);
+    terminal.shows("knoll 10 f64");
+    terminal.type_in(":tolerance 1e-9\r");
+    terminal.shows("depth 32");
+    terminal.type_in(":png fine.png\r");
+    terminal.shows("--max-depth 32 --precision f64 -o fine.png");
+    terminal.type_in(":precision f32\r");
+    terminal.shows("f32: depth 20 of at most 20");
+    terminal.shows("knoll 20 f32");
+    terminal.type_in(":status\r");
+    terminal.shows("knoll, depth 20, f32");
+    terminal.type_in(":explain\r");
+    terminal.shows("simplified  ");
+    assert!(!terminal.shown().contains("function u0:0"), "code that nobody asked for");
+    terminal.type_in(":explain code\r");
+    terminal.shows("function u0:0");
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}

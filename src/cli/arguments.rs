@@ -46,6 +46,10 @@ pub struct Interactive {
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
 
+    /// The floats that kernels compute in; enclosures are rigorous in either
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
+
     /// The window's width and height in pixels
     #[arg(long, value_name = "N|WxH", default_value = "800x640", allow_hyphen_values = true)]
     pub size: Size,
@@ -324,6 +328,10 @@ pub struct Explain {
     /// The floats of the code that is shown
     #[arg(long, value_enum, default_value_t = Precision::F32)]
     pub precision: Precision,
+
+    /// Show the intermediate code of the interval kernels too
+    #[arg(long)]
+    pub code: bool,
 }
 
 #[derive(Debug, Args)]

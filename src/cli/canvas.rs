@@ -24,6 +24,11 @@ impl Canvas {
         get_raster_width(WEIGHT, HEIGHT) * self.scale
     }
 
+    /// Height of a letter in pixels.
+    pub fn letter_height(&self) -> usize {
+        HEIGHT.val() * self.scale
+    }
+
     /// Height of a line of text in pixels, with some space.
     pub fn line_height(&self) -> usize {
         Self::line_height_at(self.scale)

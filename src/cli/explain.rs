@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 use zeroset::program::Program;
 use zeroset::scene;
+use zeroset::zeros::ZeroKernel;
 use zeroset_eval::{Real, Step, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::display;
@@ -18,18 +19,19 @@ use zeroset_jit::{Kind, intermediate_code};
 pub fn run(arguments: &Explain) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.subject)?;
     let text = match arguments.precision {
-        Precision::F32 => explain::<f32>(&subject)?,
-        Precision::F64 => explain::<f64>(&subject)?,
+        Precision::F32 => explain::<f32>(&subject, arguments.code)?,
+        Precision::F64 => explain::<f64>(&subject, arguments.code)?,
     };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// How a document is read, simplified and compiled to kernels of `T`.
+/// How a document is read, simplified and compiled to kernels of `T`: what can be read first, and the code last, if it is
+/// asked for.
 ///
 /// # Errors
 /// If no code can be made.
-pub fn explain<T: Real>(subject: &Subject) -> Result<String> {
+pub fn explain<T: Real>(subject: &Subject, with_code: bool) -> Result<String> {
     let document = &subject.document;
     let mut text = String::new();
     for note in &document.notes {
@@ -44,6 +46,7 @@ pub fn explain<T: Real>(subject: &Subject) -> Result<String> {
     };
     let [x, y, z] = domain;
     writeln!(text, "domain      x in {}, y in {}, z in {}", range(x), range(y), range(z))?;
+    let mut code = String::new();
     for parameter in &document.parameters {
         let value = parameter.value.bounds();
         writeln!(text, "parameter   {} = {}", parameter.name, range(value))?;
@@ -60,6 +63,7 @@ pub fn explain<T: Real>(subject: &Subject) -> Result<String> {
             let show = |node| display(&graph, node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
+        writeln!(text, "forms       {}", forms(&program.zero_kernel::<T>(index)?))?;
         writeln!(text, "operations  {}", operations(&interval))?;
         let bytes = [
             program.interval_kernel::<T>(index)?.code_bytes(),
@@ -74,11 +78,26 @@ pub fn explain<T: Real>(subject: &Subject) -> Result<String> {
             bytes[2],
             gradient.operations(),
         )?;
-        writeln!(text, "\ninterval kernel\n{}", intermediate_code(&interval, Kind::Interval)?)?;
+        if with_code {
+            let shown = intermediate_code(&interval, Kind::Interval)?;
+            writeln!(code, "\ninterval kernel of {}\n{shown}", surface.echo)?;
+        }
     }
     let (before, after) = program.nodes();
-    writeln!(text, "nodes       {before} as typed, {after} simplified")?;
-    Ok(text)
+    writeln!(text, "\nnodes       {before} as typed, {after} simplified")?;
+    Ok(text + &code)
+}
+
+/// What is asked of a box, in turn, until something proves that it holds no zero.
+fn forms<T: Real>(kernel: &ZeroKernel<T>) -> String {
+    let mut forms = vec!["the function"];
+    if kernel.has_numerator() {
+        forms.push("its cleared form, so that poles are proven empty");
+    }
+    if kernel.has_branches() {
+        forms.push("its branches one by one, so that jumps are proven empty");
+    }
+    format!("intervals of {}", forms.join(", then of "))
 }
 
 /// The value if the bounds enclose one number as tightly as they can, else the bounds.

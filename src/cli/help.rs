@@ -44,10 +44,34 @@ fn layout(columns: usize) -> Vec<String> {
     lines
 }
 
-/// Draws the help in the middle: in two columns if they fit, else in one, with smaller letters where it must be.
+/// The rows one after the other, in lines of so many letters.
+fn flow(letters: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for (key, action) in ROWS {
+        let (row, last) = (format!("{key}: {action}"), lines.len() - 1);
+        let line = &mut lines[last];
+        if line.is_empty() {
+            *line = row;
+        } else if line.len() + 2 + row.len() <= letters {
+            line.push_str("  ");
+            line.push_str(&row);
+        } else {
+            lines.push(row);
+        }
+    }
+    lines
+}
+
+/// Space around the help, in dots of a letter.
+const PAD: usize = 10;
+/// The same where there is little.
+const LITTLE_PAD: usize = 3;
+
+/// Draws the help in the middle: in two columns if they fit, else in one, with smaller letters where it must be, else row
+/// after row, as far as there is room.
 pub fn draw(canvas: &mut Canvas) {
     let size = |lines: &[String], canvas: &Canvas| {
-        let pad = 10 * canvas.scale;
+        let pad = PAD * canvas.scale;
         let longest = lines.iter().map(String::len).max().unwrap_or(0);
         (longest * canvas.advance() + 2 * pad, lines.len() * canvas.line_height() + 2 * pad)
     };
@@ -59,12 +83,17 @@ pub fn draw(canvas: &mut Canvas) {
             width <= canvas.width && height <= canvas.height
         })
     });
-    let lines = fitting.unwrap_or_else(|| layout(2));
-    let (width, height) = size(&lines, canvas);
+    let is_small = fitting.is_none();
+    let lines = fitting.unwrap_or_else(|| {
+        canvas.scale = 1;
+        flow(canvas.width.saturating_sub(2 * LITTLE_PAD) / canvas.advance())
+    });
+    let (width, height) =
+        if is_small { (canvas.width, canvas.height) } else { size(&lines, canvas) };
+    let pad = (if is_small { LITTLE_PAD } else { PAD } * canvas.scale) as i64;
     let centred = |room: usize, size: usize| ((room as i64 - size as i64) / 2).max(0);
     let (left, top) = (centred(canvas.width, width), centred(canvas.height, height));
     canvas.fill(left, top, width, height, GROUND, 232);
-    let pad = 10 * canvas.scale as i64;
     for (index, line) in (0_i64..).zip(&lines) {
         let y = top + pad + index * canvas.line_height() as i64;
         canvas.write(line, left + pad, y, INK);
@@ -83,5 +112,17 @@ mod tests {
         assert_eq!(lines[3], "click       print a point  F       fit");
         assert!(lines.iter().all(|line| line.len() <= 47), "{lines:#?}");
         assert_eq!(layout(1)[17], "Q           quit");
+    }
+
+    #[test]
+    fn every_key_is_there_in_a_window_300_pixels_wide() {
+        let canvas = Canvas { width: 300, height: 220, pixels: vec![0; 300 * 220], scale: 1 };
+        let lines = flow((canvas.width - 2 * LITTLE_PAD) / canvas.advance());
+        assert!(lines.len() * canvas.line_height() + 2 * LITTLE_PAD <= canvas.height, "{lines:#?}");
+        for line in &lines {
+            assert!(line.len() * canvas.advance() + 2 * LITTLE_PAD <= canvas.width, "{line}");
+        }
+        let text = lines.join("\n");
+        assert!(ROWS.iter().all(|(key, action)| text.contains(&format!("{key}: {action}"))));
     }
 }

@@ -6,14 +6,15 @@ use super::arguments::Interactive;
 use super::notes;
 use super::output::{Output, check_png, write_png};
 use super::prompt;
-use super::render::camera_choice;
+use super::render::{camera_choice, check_depth};
 use super::source::{self, Source};
 use super::subject::{self, Subject};
 use super::vector::Domain;
 use super::watch::{Change, Watch};
 use super::{explain, preview};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use glam::DVec3;
+use std::collections::VecDeque;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -21,9 +22,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use zeroset::live::{Live, Reply, Start};
-use zeroset::picture::Settings;
+use zeroset::picture::{Precision, Settings};
 use zeroset::scene::DomainChoice;
-use zeroset_trace::{HalfSpace, MAX_DEPTH};
+use zeroset_trace::HalfSpace;
 
 /// What is shown when nothing is asked for.
 const FIRST: &str = "gyroid";
@@ -58,8 +59,7 @@ pub fn run(arguments: &Interactive) -> Result<ExitCode> {
             if !arguments.preview {
                 notes::note(&format!("{why}, so pictures are shown in the terminal"));
             }
-            let (columns, rows) = preview::room();
-            session.live.resize(columns, rows);
+            session.fit_terminal();
             prompt::run(&session, true);
         }
     }
@@ -76,6 +76,27 @@ fn open(_: &Interactive) -> Result<std::convert::Infallible, String> {
     Err("this zeroset was built without a window".to_owned())
 }
 
+/// So many lines are kept of those that were entered, here, in the prompt and in the history file.
+pub const KEPT_LINES: usize = 1000;
+
+/// The latest lines entered.
+#[derive(Default)]
+struct History {
+    lines: VecDeque<String>,
+    /// How many came before them.
+    dropped: usize,
+}
+
+impl History {
+    fn add(&mut self, line: String) {
+        if self.lines.len() == KEPT_LINES {
+            self.lines.pop_front();
+            self.dropped += 1;
+        }
+        self.lines.push_back(line);
+    }
+}
+
 /// A live picture and the files around it.
 pub struct Session {
     pub live: Live,
@@ -84,7 +105,7 @@ pub struct Session {
     /// Messages for the terminal, where the prompt knows how to show them.
     printer: Mutex<Option<prompt::Printer>>,
     /// Lines entered, in prompt and window.
-    history: Mutex<Vec<String>>,
+    history: Mutex<History>,
     ended: AtomicBool,
     /// Shown before anything else.
     pub welcome: String,
@@ -92,10 +113,8 @@ pub struct Session {
 
 impl Session {
     fn new(arguments: &Interactive) -> Result<Self> {
-        ensure!(
-            (1..=MAX_DEPTH).contains(&arguments.max_depth),
-            "--max-depth must be between 1 and {MAX_DEPTH}"
-        );
+        let precision = arguments.precision.into();
+        check_depth("--max-depth", arguments.max_depth, precision)?;
         let given = arguments.source.as_deref();
         let Source { name, text } = source::find(given.unwrap_or(OsStr::new(FIRST)))?;
         let time = arguments.time.as_deref().map(subject::time).transpose()?;
@@ -103,7 +122,7 @@ impl Session {
             let [a, b, c, d] = plane.0;
             HalfSpace { normal: DVec3::new(a, b, c), offset: d }
         });
-        let start = Start {
+        let mut start = Start {
             name,
             text,
             overrides: subject::overrides(&arguments.define)?,
@@ -118,10 +137,16 @@ impl Session {
             settings: Settings {
                 width: arguments.size.width,
                 height: arguments.size.height,
+                precision,
                 max_depth: arguments.max_depth,
                 ..Settings::default()
             },
         };
+        if arguments.preview {
+            // From the first picture on: one of the window's size would be made for nothing.
+            let (columns, rows) = preview::room();
+            (start.settings.width, start.settings.height) = (columns, rows);
+        }
         let welcome = match given {
             None => format!(
                 "This is the {FIRST}. Type a formula such as x^2+y^2+z^2 = 1, or :help for more."
@@ -132,7 +157,7 @@ impl Session {
             live: Live::new(start),
             file: Mutex::new(None),
             printer: Mutex::new(None),
-            history: Mutex::new(Vec::new()),
+            history: Mutex::new(History::default()),
             ended: AtomicBool::new(false),
             welcome,
         };
@@ -174,13 +199,15 @@ impl Session {
 
     /// Adds to the lines that can be had again.
     pub fn recall(&self, lines: impl IntoIterator<Item = String>) {
-        self.history.lock().unwrap_or_else(PoisonError::into_inner).extend(lines);
+        let mut history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
+        lines.into_iter().for_each(|line| history.add(line));
     }
 
-    /// The lines entered after the first `known` ones, the latest last.
+    /// Of the lines entered after the first `known` ones those that are kept, the latest last.
     pub fn recalled(&self, known: usize) -> Vec<String> {
         let history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
-        history.get(known..).unwrap_or_default().to_vec()
+        let kept = known.saturating_sub(history.dropped);
+        history.lines.iter().skip(kept).cloned().collect()
     }
 
     /// Lets the prompt show messages from now on.
@@ -217,7 +244,7 @@ impl Session {
             }
             Reply::Save(to) => self.save(to.as_deref()).map_err(wrong)?,
             Reply::Png(to) => self.png(to.as_deref()).map_err(wrong)?,
-            Reply::Explain => self.explain().map_err(wrong)?,
+            Reply::Explain { code } => self.explain(code).map_err(wrong)?,
             Reply::Quit => self.end(),
         }
         prompt::remember(&self.live.text());
@@ -269,7 +296,7 @@ impl Session {
         Ok(())
     }
 
-    fn explain(&self) -> Result<()> {
+    fn explain(&self, code: bool) -> Result<()> {
         let frame = self.live.view().frame.context("there is no picture yet")?;
         let subject = Subject {
             source: Source { name: frame.wish.name.clone(), text: frame.wish.text.to_string() },
@@ -277,8 +304,18 @@ impl Session {
             domain: frame.wish.domain,
             parse: frame.parse,
         };
-        self.say(explain::explain::<f32>(&subject)?.trim_end());
+        let text = match frame.picture.precision {
+            Precision::F32 => explain::explain::<f32>(&subject, code)?,
+            Precision::F64 => explain::explain::<f64>(&subject, code)?,
+        };
+        self.say(text.trim_end());
         Ok(())
+    }
+
+    /// Asks for pictures that fit the terminal as it is now.
+    pub fn fit_terminal(&self) {
+        let (columns, rows) = preview::room();
+        self.live.resize(columns, rows);
     }
 
     /// Shows the fine picture in the terminal, once it is there.
@@ -305,5 +342,18 @@ pub fn quote(text: &str) -> String {
         text.to_owned()
     } else {
         format!("'{}'", text.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_latest_lines_are_kept_and_counted_from_the_first() {
+        let mut history = History::default();
+        (0..KEPT_LINES + 5).for_each(|line| history.add(line.to_string()));
+        assert_eq!((history.lines.len(), history.dropped), (KEPT_LINES, 5));
+        assert_eq!(history.lines.front().map(String::as_str), Some("5"));
     }
 }

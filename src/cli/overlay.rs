@@ -85,8 +85,27 @@ impl<'a> Projector<'a> {
     }
 }
 
-/// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height` pixels.
-pub fn draw_box(canvas: &mut Canvas, frame: &Frame, height: usize) {
+/// Something written beside the box: its upper left corner and its size in pixels.
+#[derive(Clone, Debug)]
+pub struct Label {
+    pub text: String,
+    pub place: DVec2,
+    pub size: DVec2,
+}
+
+impl Label {
+    /// Whether there is less than `space` between them to the sides, or they overlap.
+    fn touches(&self, other: &Self, space: f64) -> bool {
+        let space = DVec2::new(space, 0.0);
+        self.place.cmplt(other.place + other.size + space).all()
+            && other.place.cmplt(self.place + self.size + space).all()
+    }
+}
+
+/// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height` pixels, and returns what
+/// is written.
+pub fn draw_box(canvas: &mut Canvas, frame: &Frame, height: usize) -> Vec<Label> {
+    let mut labels = Vec::new();
     let width = canvas.width;
     let projector = Projector::new(frame, width, height);
     let region = frame.model.region();
@@ -112,9 +131,10 @@ pub fn draw_box(canvas: &mut Canvas, frame: &Frame, height: usize) {
         };
         let edge = edges.iter().filter(|edge| rank(edge).is_some()).max_by_key(rank);
         if let (Some(edge), Some(centre)) = (edge, centre) {
-            ticks(canvas, &projector, axis, *edge, centre);
+            ticks(canvas, &projector, axis, *edge, centre, &mut labels);
         }
     }
+    labels
 }
 
 fn ticks(
@@ -123,55 +143,68 @@ fn ticks(
     axis: usize,
     (from, to): (DVec3, DVec3),
     centre: DVec2,
+    labels: &mut Vec<Label>,
 ) {
     let (low, high) = (from[axis], to[axis]);
     let step = nice((high - low) / TICKS);
     let first = (low / step).ceil() as i64;
     let last = (high / step).floor() as i64;
     let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
-    let outward = (middle - centre).normalize_or(DVec2::Y);
+    // Across the edge, so that labels of two edges that meet part; an edge that is seen from its end has no such direction.
+    let away = (middle - centre).normalize_or(DVec2::Y);
+    let ends = projector.project(from).zip(projector.project(to));
+    let across = ends.map_or(DVec2::ZERO, |((a, _), (b, _))| (b - a).perp());
+    let outward = match across.try_normalize() {
+        Some(across) if across.dot(away) < 0.0 => -across,
+        Some(across) => across,
+        None => away,
+    };
     let scale = canvas.scale as f64;
     // Where a label of this text belongs, and where it goes: where the box is cut off, its labels are not.
     let size = DVec2::new(canvas.width as f64, projector.rays.height() as f64);
-    let letter = DVec2::new(canvas.advance() as f64, canvas.line_height() as f64);
-    let place = |value: f64, text: &str, reach: f64| {
+    let letter = DVec2::new(canvas.advance() as f64, canvas.letter_height() as f64);
+    let label = |value: f64, text: String, reach: f64| {
         let mut point = from;
         point[axis] = value;
         let (at, _) = projector.project(point)?;
         let half = letter * DVec2::new(text.chars().count() as f64, 1.0) / 2.0;
         let place = at + outward * (reach * scale + half.dot(outward.abs())) - half;
         let place = place.clamp(DVec2::ZERO, (size - 2.0 * half).max(DVec2::ZERO));
-        Some((at, place, 2.0 * half))
+        Some((at, Label { text, place, size: 2.0 * half }))
     };
-    let mut taken: Vec<(DVec2, DVec2)> = Vec::new();
+    // With a letter's space to what is there already, on this edge and on others: what finds no room is left away.
+    let free = |label: &Label, labels: &[Label]| {
+        !labels.iter().any(|other| label.touches(other, letter.x))
+    };
+    let mut write = |label: Label, labels: &mut Vec<Label>| {
+        let (x, y) = (label.place.x.round() as i64, label.place.y.round() as i64);
+        canvas.write(&label.text, x, y, INK);
+        labels.push(label);
+    };
+    let mut marks = Vec::new();
     // No more than a screen could show, whatever rounding does.
     for tick in (first..=last).take(16) {
         let value = tick as f64 * step;
-        let text = shown(value, step);
-        let Some((at, place, size)) = place(value, &text, 7.0) else { continue };
-        canvas.write(&text, place.x.round() as i64, place.y.round() as i64, INK);
+        let Some((at, label)) = label(value, shown(value, step), 7.0) else { continue };
+        marks.push(at);
+        if free(&label, labels) {
+            write(label, labels);
+        }
+    }
+    // The name stands beside the middle, or as near to that as is free.
+    let name = ["x", "y", "z"][axis].to_owned();
+    let places = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75].into_iter().filter_map(|steps| {
+        let (_, label) = label(low.midpoint(high) + steps * step, name.clone(), 40.0)?;
+        Some(label)
+    });
+    if let Some(label) = { places }.find(|label| free(label, labels)) {
+        write(label, labels);
+    }
+    for at in marks {
         for dot in 0..(5.0 * scale) as i64 {
             let at = at + outward * dot as f64;
             canvas.blend(at.x.round() as i64, at.y.round() as i64, INK, SEEN);
         }
-        taken.push((place, size));
-    }
-    // The name stands beside the middle, or as near to that as is free.
-    let name = ["x", "y", "z"][axis];
-    let places = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75].into_iter().filter_map(|steps| {
-        let (_, place, size) = place(low.midpoint(high) + steps * step, name, 40.0)?;
-        Some((place, size))
-    });
-    let free = |(place, size): &(DVec2, DVec2)| {
-        !taken.iter().any(|(other, extent)| {
-            // With a letter's space between them.
-            let space = DVec2::new(letter.x, 0.0);
-            let (before, after) = (other + extent + space, place + size + space);
-            place.cmplt(before).all() && other.cmplt(after).all()
-        })
-    };
-    if let Some((place, _)) = { places }.find(free) {
-        canvas.write(name, place.x.round() as i64, place.y.round() as i64, INK);
     }
 }
 
@@ -193,6 +226,56 @@ fn shown(value: f64, step: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
+    use zeroset::live::{Live, Start};
+    use zeroset::picture::Settings;
+
+    /// What is written around the domain ±2 in a window of this size.
+    fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
+        let settings = Settings { width, height, max_depth: 4, ..Settings::default() };
+        let text = "domain 2\nx^2+y^2+z^2 = 1".to_owned();
+        let live = Live::new(Start { text, settings, ..Start::default() });
+        let limit = Duration::from_mins(1);
+        assert!(live.wait(limit));
+        if fitted {
+            live.fit();
+            assert!(live.wait(limit));
+        }
+        let frame = live.view().frame.expect("a picture");
+        let pixels = vec![0x00ff_ffff; width * height];
+        draw_box(&mut Canvas { width, height, pixels, scale }, &frame, height)
+    }
+
+    #[test]
+    fn labels_are_apart_and_within_the_picture() {
+        for (width, height) in [(800, 600), (640, 460), (300, 200), (1600, 1180)] {
+            for (scale, fitted) in [(1, false), (1, true), (2, true)] {
+                let labels = labels(width, height, scale, fitted);
+                let letter = 8.0;
+                for (index, one) in labels.iter().enumerate() {
+                    let end = one.place + one.size;
+                    assert!(one.place.min_element() >= 0.0, "{one:?}");
+                    assert!(end.x <= width as f64 && end.y <= height as f64, "{one:?}");
+                    for other in &labels[..index] {
+                        assert!(!one.touches(other, letter), "{one:?} and {other:?}");
+                    }
+                }
+                assert!(labels.len() > 5, "{width}x{height}: {labels:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_axis_has_its_name_and_its_numbers_where_there_is_room() {
+        let labels = labels(800, 600, 1, true);
+        let mut texts: Vec<&str> = labels.iter().map(|label| label.text.as_str()).collect();
+        texts.sort_unstable();
+        // The corner where x and z are both -2 says so once.
+        let mut expected =
+            vec!["-1", "-1", "-1", "-2", "-2", "0", "0", "0", "1", "1", "1", "2", "2", "2"];
+        expected.extend(["x", "y", "z"]);
+        assert_eq!(texts, expected);
+    }
 
     #[test]
     fn ticks_are_round_numbers() {

@@ -38,7 +38,9 @@ impl<'a> Pick<'a> {
     /// One line with the coordinates.
     pub fn coordinates(&self) -> Option<String> {
         let p = self.point?;
-        Some(format!("x {:.4}  y {:.4}  z {:.4}", p.x, p.y, p.z))
+        let extent = 2.0 * self.frame.model.region().half_extent();
+        let digits = digits(extent, self.frame.wish.settings.max_depth);
+        Some(format!("x {:.digits$}  y {:.digits$}  z {:.digits$}", p.x, p.y, p.z))
     }
 
     /// Several lines: coordinates, value, normal, what is proven and why, and the command that asks again.
@@ -65,7 +67,8 @@ impl<'a> Pick<'a> {
             Precision::F64 => value.to_string(),
         };
         let [x, y, z] = p.to_array().map(show);
-        let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}");
+        let distance = show(buffer.drawn[self.pixel]);
+        let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}  distance {distance}");
         let (value, gradient) = model.sample(surface, p);
         let [a, b, c] = buffer.normal[self.pixel];
         let [u, v, w] = gradient.map(show);
@@ -81,6 +84,12 @@ impl<'a> Pick<'a> {
         let _ = write!(text, "\n  echo {} | zeroset eval", quote(&question));
         text
     }
+}
+
+/// Decimals that a place deserves which is known to within a slab: those of the slab's first digit.
+fn digits(extent: f64, depth: u32) -> usize {
+    let slab = extent * 0.5_f64.powi(depth as i32);
+    (-slab.log10().floor()).clamp(0.0, 17.0) as usize
 }
 
 /// The definitions of a document and one of its surfaces, as a text of its own.
@@ -116,4 +125,15 @@ fn formula(wish: &Wish, surface: usize) -> String {
         lines.push(format!("t = {time}"));
     }
     lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_have_the_digits_that_their_slab_gives_them() {
+        assert_eq!([digits(4.0, 10), digits(4.0, 16), digits(4.0, 40)], [3, 5, 12]);
+        assert_eq!([digits(1e6, 3), digits(0.0, 10)], [0, 17]);
+    }
 }

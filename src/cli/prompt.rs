@@ -1,6 +1,6 @@
 //! The prompt: a line that is typed, with history, completion and colours. What a line means is decided elsewhere.
 
-use super::interactive::Session;
+use super::interactive::{KEPT_LINES, Session};
 use super::{notes, preview};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
@@ -68,7 +68,10 @@ pub fn run(session: &Arc<Session>, preview: bool) {
 }
 
 fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
-    let config = Config::builder().completion_type(CompletionType::List).build();
+    let config = Config::builder()
+        .completion_type(CompletionType::List)
+        .max_history_size(KEPT_LINES)?
+        .build();
     let typed = Arc::new(Mutex::new(Typed { at: Instant::now(), reported: 0 }));
     let mut editor: Editor<Line, FileHistory> = Editor::with_config(config)?;
     editor.set_helper(Some(Line { session: Arc::clone(session), typed: Arc::clone(&typed) }));
@@ -121,6 +124,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         match session.enter(&line) {
             // What a command says is not to scroll away behind a picture that was there already.
             Ok(()) if preview && !line.trim().is_empty() && !session.has_ended() => {
+                session.fit_terminal();
                 let shown = session.live.shown();
                 if last.as_ref() != Some(&shown) {
                     session.show_preview();

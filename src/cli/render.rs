@@ -75,28 +75,31 @@ pub fn in_threads<T: Send>(
     pool.context("cannot start the threads")?.install(work)
 }
 
+/// # Errors
+/// If slabs would be too thin for floats of this precision, or none.
+pub fn check_depth(flag: &str, depth: u32, precision: picture::Precision) -> Result<()> {
+    let most = precision.max_depth();
+    let hint = match precision {
+        picture::Precision::F32 => {
+            format!(", or {} with --precision f64", picture::Precision::F64.max_depth())
+        }
+        picture::Precision::F64 => String::new(),
+    };
+    ensure!((1..=most).contains(&depth), "{flag} must be between 1 and {most}{hint}");
+    Ok(())
+}
+
 /// What the method's flags ask for, at a given size and with the default look.
 ///
 /// # Errors
 /// If a number is out of range.
 pub fn method_settings(method: &arguments::Tracing, size: super::vector::Size) -> Result<Settings> {
     let precision = picture::Precision::from(method.precision);
-    let most = precision.max_depth();
-    let hint = match precision {
-        picture::Precision::F32 => ", or 40 with --precision f64",
-        picture::Precision::F64 => "",
-    };
-    ensure!(
-        (1..=most).contains(&method.max_depth),
-        "--max-depth must be between 1 and {most}{hint}"
-    );
+    check_depth("--max-depth", method.max_depth, precision)?;
     let shadow_depth = method
         .shadow_depth
         .unwrap_or_else(|| method.max_depth.saturating_sub(SHADOW_COARSENESS).max(1));
-    ensure!(
-        (1..=most).contains(&shadow_depth),
-        "--shadow-depth must be between 1 and {most}{hint}"
-    );
+    check_depth("--shadow-depth", shadow_depth, precision)?;
     Ok(Settings {
         width: size.width,
         height: size.height,

@@ -15,7 +15,8 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use zeroset::live::{Fault, Frame, View};
+use zeroset::live::{Fault, Frame, Orbit, View, Wish};
+use zeroset::scene::CameraChoice;
 
 const PAPER: Rgb = 0x00f4_f4f6;
 const LIGHT: Rgb = 0x00f0_f0f4;
@@ -74,6 +75,8 @@ pub struct Window {
     message: Option<(String, Instant)>,
     help: bool,
     axes: bool,
+    /// The view that shows the whole box, where it was taken for that.
+    fitted: Option<Orbit>,
     base: Base,
     drawn: Option<Look>,
 }
@@ -141,6 +144,7 @@ impl Window {
             message: None,
             help: false,
             axes: false,
+            fitted: None,
             base: Base::default(),
             drawn: None,
         })
@@ -269,16 +273,32 @@ impl Window {
             '+' | '=' => live.turn(|orbit| orbit.zoom(ZOOM, 0.0, 0.0, height)),
             '-' => live.turn(|orbit| orbit.zoom(1.0 / ZOOM, 0.0, 0.0, height)),
             'r' => live.reset_view(),
-            'f' => live.turn(|orbit| orbit.fit()),
+            'f' => live.fit(),
             'p' => live.turn(|orbit| orbit.toggle_projection()),
             'u' => live.toggle_undecided(),
-            'x' => self.axes = !self.axes,
+            'x' => self.toggle_axes(session),
             's' => match session.png(None) {
                 Ok(()) => self.say("saved; the terminal shows the command that makes it again"),
                 Err(error) => self.say(&format!("error: {error:#}")),
             },
             'q' => session.end(),
             _ => {}
+        }
+    }
+
+    /// Shows the box, or no longer. The view by default cuts corners off, and so is left for one that shows them all, until
+    /// the box is hidden again; a view that somebody chose stays.
+    fn toggle_axes(&mut self, session: &Arc<Session>) {
+        let live = &session.live;
+        self.axes = !self.axes;
+        let Wish { orbit, choice, .. } = live.shown();
+        let chosen = choice != CameraChoice::default()
+            || live.view().frame.is_some_and(|frame| frame.document.view.is_some());
+        if self.axes && orbit.is_none() && !chosen {
+            live.fit();
+            self.fitted = live.shown().orbit;
+        } else if !self.axes && orbit.is_some() && orbit == self.fitted.take() {
+            live.reset_view();
         }
     }
 

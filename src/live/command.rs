@@ -1,6 +1,7 @@
 //! Lines that begin with a colon, as data: one row per command, from which reading, help, completion and suggestions are
 //! derived. Nothing is carried out here.
 
+use crate::picture::Precision;
 use crate::scene::DomainChoice;
 use zeroset_trace::View;
 
@@ -39,6 +40,8 @@ pub enum Command {
     Method(Option<String>),
     /// The largest slab that counts as a hit, in world units; `None` asks for it.
     Tolerance(Option<f64>),
+    /// In which floats kernels compute; `None` asks for it.
+    Precision(Option<Precision>),
     /// The value of t.
     Time(f64),
     /// Take the document from a file or the gallery.
@@ -47,8 +50,11 @@ pub enum Command {
     Save(Option<String>),
     /// Write the picture to a file; `None` for a name not yet in use.
     Png(Option<String>),
-    /// How the document was read and compiled.
-    Explain,
+    /// How the document was read and compiled, with the code or without.
+    Explain {
+        /// Whether the code is asked for.
+        code: bool,
+    },
     /// What the picture is of and what it took.
     Status,
     /// End.
@@ -96,6 +102,11 @@ pub const COMMANDS: &[Row] = &[
             "" => None,
             _ => Some(finite(text).filter(|length| *length > 0.0)?),
         })) },
+    Row { name: "precision", arguments: "[f32|f64]", doc: "in which floats is computed: f64 is slower and finer",
+        read: |text| Some(Command::Precision(match text {
+            "" => None,
+            _ => Some(precision(text)?),
+        })) },
     Row { name: "time", arguments: "T", doc: "set the time t",
         read: |text| Some(Command::Time(finite(text)?)) },
     Row { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
@@ -104,13 +115,17 @@ pub const COMMANDS: &[Row] = &[
         read: |text| Some(Command::Save(some(text))) },
     Row { name: "png", arguments: "[FILE.png]", doc: "write the picture, and show the command that makes it again",
         read: |text| Some(Command::Png(some(text))) },
-    Row { name: "explain", arguments: "", doc: "how the document was read and compiled",
-        read: |text| text.is_empty().then_some(Command::Explain) },
+    Row { name: "explain", arguments: "[code]", doc: "how the document was read, simplified and compiled",
+        read: |text| matches!(text, "" | "code").then_some(Command::Explain { code: !text.is_empty() }) },
     Row { name: "status", arguments: "", doc: "what the picture shows and what it took",
         read: |text| text.is_empty().then_some(Command::Status) },
     Row { name: "quit", arguments: "", doc: "end",
         read: |text| text.is_empty().then_some(Command::Quit) },
 ];
+
+fn precision(text: &str) -> Option<Precision> {
+    [Precision::F32, Precision::F64].into_iter().find(|one| one.to_string() == text)
+}
 
 fn set(text: &str) -> Option<Command> {
     let (name, value) = text.split_once('=').or_else(|| text.split_once(' '))?;
@@ -214,6 +229,10 @@ mod tests {
             assert_eq!(command(text), set, "{text}");
         }
         assert_eq!(command(":view top"), Command::View(View::Top));
+        assert_eq!(command(":precision f64"), Command::Precision(Some(Precision::F64)));
+        assert_eq!(command(":prec"), Command::Precision(None));
+        assert_eq!(command(":explain"), Command::Explain { code: false });
+        assert_eq!(command(":explain code"), Command::Explain { code: true });
     }
 
     #[test]
@@ -232,6 +251,8 @@ mod tests {
             ":tolerance -1",
             ":tolerance nan",
             ":view up",
+            ":precision f16",
+            ":explain all",
             ":set",
             ":set r =",
             ":set r = 1\nx",

@@ -24,6 +24,9 @@ pub struct Orbit {
 const NEAREST: f64 = 1e-4;
 const FARTHEST: f64 = 1e3;
 
+/// What the region's box takes of the picture, at most, when it is made to fit.
+const FILLED: f64 = 0.88;
+
 /// How far a drag across the whole height turns.
 const TURN: f64 = PI;
 
@@ -122,11 +125,30 @@ impl Orbit {
         }
     }
 
-    /// Shows the whole region from the same side.
-    pub fn fit(&mut self) {
-        let (offset, _) = zeroset_trace::View::Iso.offset_and_up();
+    /// Shows the whole of the region's box from the same side, with space around it for labels, in a picture of so many
+    /// pixels.
+    pub fn fit(&mut self, region: &Region, width: usize, height: usize) {
         self.target = DVec3::ZERO;
-        self.zoom(offset.length() / self.distance, 0.0, 0.0, 1);
+        let (back, right, up) = self.directions();
+        let aspect = width.max(1) as f64 / height.max(1) as f64;
+        let half = (region.high() - region.low()) / (2.0 * region.half_extent());
+        // Of each corner, how far from the middle it lies, in halves of the picture's height, and how near to the eye.
+        let corners = (0..8).map(|n: i32| {
+            let side = |axis: usize| if n >> axis & 1 == 1 { half[axis] } else { -half[axis] };
+            let corner = DVec3::new(side(0), side(1), side(2));
+            let reach = (corner.dot(right).abs() / aspect).max(corner.dot(up).abs()) / FILLED;
+            (reach, corner.dot(back))
+        });
+        match &mut self.projection {
+            Projection::Perspective { fov } => {
+                let slope = (fov.to_radians() / 2.0).tan();
+                let distance = corners.map(|(reach, near)| reach / slope + near);
+                self.distance = distance.fold(NEAREST, f64::max).min(FARTHEST);
+            }
+            Projection::Orthographic { height } => {
+                *height = corners.map(|(reach, _)| 2.0 * reach).fold(NEAREST, f64::max);
+            }
+        }
     }
 
     /// From perspective to parallel and back; what is at the target's distance keeps its size.
@@ -236,6 +258,32 @@ mod tests {
             orbit.pan(30.0, -20.0, 480);
             let moved = pixel(&orbit.camera(&region).expect("valid"), point, 480.0);
             assert!((moved.0 - at.0 - 30.0).abs() + (moved.1 - at.1 + 20.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_whole_box_fits_and_fills_the_picture() {
+        let region = region();
+        for (_, view) in View::ALL {
+            for projection in [PERSPECTIVE, Projection::Orthographic { height: 0.3 }] {
+                for (width, height) in [(800, 600), (300, 200), (100, 400)] {
+                    let camera = view.camera(&region, projection).expect("valid");
+                    let mut orbit = Orbit::from_camera(&camera, &region);
+                    orbit.pan(77.0, -50.0, height);
+                    orbit.fit(&region, width, height);
+                    let camera = orbit.camera(&region).expect("valid");
+                    let corners = (0..8).map(|n: i32| {
+                        let low = [n & 1, n >> 1 & 1, n >> 2 & 1].map(|bit| bit == 0);
+                        let at = |k: usize| if low[k] { region.low()[k] } else { region.high()[k] };
+                        pixel(&camera, DVec3::new(at(0), at(1), at(2)), height as f64)
+                    });
+                    let share = |(x, y): (f64, f64)| {
+                        (2.0 * x.abs() / width as f64).max(2.0 * y.abs() / height as f64)
+                    };
+                    let most = corners.map(share).fold(0.0, f64::max);
+                    assert!((most - FILLED).abs() < 1e-9, "{view:?} {projection:?}: {most}");
+                }
+            }
         }
     }
 

@@ -374,11 +374,9 @@ impl Worker {
         let (model, searched) = if let Some((model, searched)) = rebound {
             (Arc::new(model?), searched)
         } else {
-            let (region, searched) = scene::region(document, wish.domain, wish.clip)?;
             let wanted = || self.wanted(job);
-            if !wanted() {
-                return Ok(None);
-            }
+            let found = scene::region_while(document, wish.domain, wish.clip, &wanted)?;
+            let Some((region, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
             let Settings { normals, precision, .. } = wish.settings;
             let model = Model::new_while(document, &region, normals, precision, &wanted)?;
             let Some(model) = model else { return Ok(None) };

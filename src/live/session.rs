@@ -4,7 +4,7 @@ use super::command::{self, COMMANDS, Command, Line};
 use super::draft::entered;
 use super::orbit::Orbit;
 use super::pipeline::{Pipeline, View, Wish};
-use crate::picture::Settings;
+use crate::picture::{Precision, Settings};
 use crate::program::{Program, ProgramError};
 use crate::scene::{CameraChoice, DomainChoice};
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ use std::time::Duration;
 use zeroset_interval::Interval;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, language_names, parse};
-use zeroset_trace::{HalfSpace, MAX_DEPTH, Region, UndecidedStyle};
+use zeroset_trace::{HalfSpace, Region, UndecidedStyle};
 
 /// What to begin with.
 #[derive(Clone, Debug, Default)]
@@ -75,8 +75,11 @@ pub enum Reply {
     Save(Option<String>),
     /// The caller is to write the picture to this file, or to one with a new name.
     Png(Option<String>),
-    /// The caller is to show how the document was read and compiled.
-    Explain,
+    /// The caller is to show how the document was read and compiled, with the code or without.
+    Explain {
+        /// Whether the code is asked for.
+        code: bool,
+    },
     /// The caller is to end.
     Quit,
 }
@@ -279,6 +282,7 @@ impl Live {
                 refused(format!("there is no method '{name}'; there is: knoll"))
             }
             Command::Tolerance(length) => self.tolerance(length),
+            Command::Precision(precision) => Ok(self.precision(precision)),
             Command::Time(time) => {
                 self.change(|wish| wish.time = Some(time));
                 Ok(Reply::Done)
@@ -286,7 +290,7 @@ impl Live {
             Command::Load(from) => Ok(Reply::Load(from)),
             Command::Save(to) => Ok(Reply::Save(to)),
             Command::Png(to) => Ok(Reply::Png(to)),
-            Command::Explain => Ok(Reply::Explain),
+            Command::Explain { code } => Ok(Reply::Explain { code }),
             Command::Status => Ok(Reply::Say(super::status::describe(&self.view()))),
             Command::Quit => Ok(Reply::Quit),
         }
@@ -334,12 +338,26 @@ impl Live {
         };
         let extent = 2.0 * frame.model.region().half_extent();
         if let Some(length) = length {
-            let depth = (extent / length).log2().ceil().clamp(1.0, f64::from(MAX_DEPTH));
+            let most = self.settings().precision.max_depth();
+            let depth = (extent / length).log2().ceil().clamp(1.0, f64::from(most));
             self.change(|wish| wish.settings.max_depth = depth as u32);
         }
         let depth = self.settings().max_depth;
         let slab = extent * 0.5_f64.powi(depth as i32);
         Ok(Reply::Say(format!("depth {depth}: slabs of at most {slab:.2e}")))
+    }
+
+    /// Slabs that are too thin for the new floats become as thin as they can be.
+    fn precision(&self, wanted: Option<Precision>) -> Reply {
+        if let Some(precision) = wanted {
+            self.change(|wish| {
+                wish.settings.precision = precision;
+                wish.settings.max_depth = wish.settings.max_depth.min(precision.max_depth());
+            });
+        }
+        let Settings { precision, max_depth, .. } = self.settings();
+        let most = precision.max_depth();
+        Reply::Say(format!("{precision}: depth {max_depth} of at most {most} (:tolerance sets it)"))
     }
 
     /// Takes `text` for the document. The view stays if `again`: the text is the same document in a newer version.
@@ -382,6 +400,13 @@ impl Live {
                 .get_or_insert_with(|| Orbit::from_camera(&frame.camera, frame.model.region()));
             turn(orbit);
         });
+    }
+
+    /// Shows the whole domain's box from the same side; nothing happens before there is a picture.
+    pub fn fit(&self) {
+        let Some(frame) = self.view().frame else { return };
+        let Settings { width, height, .. } = self.settings();
+        self.turn(|orbit| orbit.fit(frame.model.region(), width, height));
     }
 
     /// Looks again from where the document says.

@@ -1,6 +1,7 @@
 //! What a picture shows and what it took, in words and as the command that makes it again.
 
 use super::pipeline::{Frame, View};
+use crate::picture::Precision;
 use crate::scene::DomainChoice;
 use glam::DVec3;
 use std::fmt::Write as _;
@@ -31,7 +32,8 @@ pub(super) fn describe(view: &View) -> String {
         "domain      x {}..{}, y {}..{}, z {}..{}  {found}",
         low.x, high.x, low.y, high.y, low.z, high.z
     );
-    let _ = writeln!(text, "method      knoll, depth {}", frame.wish.settings.max_depth);
+    let (depth, precision) = (frame.wish.settings.max_depth, frame.picture.precision);
+    let _ = writeln!(text, "method      knoll, depth {depth}, {precision}");
     let pixels = statistics.pixels;
     let _ = writeln!(
         text,
@@ -69,7 +71,7 @@ fn ms(time: Duration) -> String {
 }
 
 impl Frame {
-    /// One short line: time, size, method, undecided pixels, compile time.
+    /// One short line: time, size, method with depth and precision, undecided pixels, compile time.
     pub fn summary(&self) -> String {
         let statistics = &self.picture.statistics;
         let (width, height) = (self.picture.buffer.width, self.picture.buffer.height);
@@ -81,9 +83,10 @@ impl Frame {
             format!("compiled in {}", ms(times.simplify + times.compile))
         };
         format!(
-            "{} · {width}x{height} · knoll {} · {undecided} undecided · {made}{}",
+            "{} · {width}x{height} · knoll {} {} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
             self.wish.settings.max_depth,
+            self.picture.precision,
             if self.picture.flat { " · 0 everywhere?" } else { "" },
         )
     }
@@ -128,6 +131,10 @@ impl Frame {
             " --size {}x{} --max-depth {}",
             settings.width, settings.height, settings.max_depth
         );
+        match settings.precision {
+            Precision::F32 => {}
+            Precision::F64 => command.push_str(" --precision f64"),
+        }
         match settings.undecided {
             UndecidedStyle::Shade => {}
             UndecidedStyle::Hatch => command.push_str(" --undecided hatch"),

@@ -6,6 +6,7 @@ pub mod scene;
 pub mod sixel;
 
 use image::RgbImage;
+use rustix::termios::Winsize;
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -120,7 +121,7 @@ impl Terminal {
         grantpt(&master).expect("granted");
         unlockpt(&master).expect("unlocked");
         let name = ptsname(&master, Vec::new()).expect("a name").into_string().expect("UTF-8");
-        let size = rustix::termios::Winsize { ws_row: 30, ws_col: 90, ws_xpixel: 0, ws_ypixel: 0 };
+        let size = Winsize { ws_row: 30, ws_col: 90, ws_xpixel: 0, ws_ypixel: 0 };
         let slave = File::options().read(true).write(true).open(name).expect("opened");
         rustix::termios::tcsetwinsize(&slave, size).expect("sized");
         let stdio = || Stdio::from(slave.try_clone().expect("cloned"));
@@ -176,6 +177,12 @@ impl Terminal {
     /// Everything that the terminal has shown.
     pub fn shown(&self) -> String {
         String::from_utf8_lossy(&self.log.lock().expect("whole").shown).into_owned()
+    }
+
+    /// Gives the terminal another size.
+    pub fn resize(&self, columns: u16, rows: u16) {
+        let size = Winsize { ws_row: rows, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
+        rustix::termios::tcsetwinsize(&self.master, size).expect("sized");
     }
 
     /// Everything that the terminal has shown, as it came.
