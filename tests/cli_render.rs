@@ -372,7 +372,11 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     assert!(place.run(&["explain", "1/2x+y+z"]).ok().text().contains("the other reading"));
     // The code shown is that of the precision asked for.
     let code = |precision: &str| {
-        place.run(&["explain", "x*y = z", "--precision", precision]).ok().text().to_owned()
+        place
+            .run(&["explain", "x*y = z", "--code", "--precision", precision])
+            .ok()
+            .text()
+            .to_owned()
     };
     assert!(code("f32").contains("f32x4") && !code("f32").contains("f64x2"));
     assert!(code("f64").contains("f64x2") && !code("f64").contains("f32x4"));
