@@ -300,7 +300,7 @@ fn range_of<T: Real>(
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),
             };
-            given(if op.row().approximated { inflate(range) } else { range }).with_facts(&value)
+            given(if op.row().excess.is_some() { inflate(range) } else { range }).with_facts(&value)
         }
     }
 }

@@ -94,9 +94,10 @@ pub struct Row {
     pub quotient: Option<[Op; 2]>,
     /// A function of the same operand that shares most of its work, so that both are computed together.
     pub twin: Option<Op>,
-    /// Whether its bounds come from an approximation, so that they are not exactly monotone in the operands' bounds.
-    /// Saying so where they are not costs width; not saying so where they are is unsound.
-    pub approximated: bool,
+    /// If its bounds come from an approximation: the most floats by which an enclosure of its value at a point may be wider
+    /// than the tightest one, in `f32` and in `f64`. They are not exactly monotone in the operands' bounds then. `None` if
+    /// they come of correctly rounded arithmetic alone; to say so where they do not is unsound.
+    pub excess: Option<[u64; 2]>,
     /// Partial derivative for each operand, in the language, over operands `a`, `b`, `c`.
     pub partials: &'static [&'static str],
     /// One line for help.

@@ -26,7 +26,7 @@ fn main() -> ExitCode {
         "violations",
         "beyond 2^20",
         "unbounded",
-        "> 2 ulp",
+        "too wide",
         "worst",
         "mean",
         "seconds"
@@ -50,7 +50,7 @@ fn main() -> ExitCode {
         let places = [
             ("violation at", report.violation),
             ("worst at", report.worst_at),
-            ("first beyond 2 ulp at", report.first_wide),
+            ("first wider than its row allows at", report.first_wide),
             ("first unbounded at", report.first_unbounded),
         ];
         for (what, place) in places {

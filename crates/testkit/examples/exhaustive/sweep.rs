@@ -20,8 +20,6 @@ const CHUNK: u64 = 1 << 16;
 const ANGLE_LIMIT: f32 = 1_048_576.0;
 /// Sine and cosine have a text of their own for operands that never leave these bounds.
 const NEAR_LIMIT: f32 = 192.0;
-/// An enclosure wider than the tightest by more than this many ulps is reported with its place.
-pub const WIDE: u64 = 2;
 
 /// A function of one variable and the truth about it.
 pub struct Function {
@@ -157,7 +155,7 @@ pub struct Report {
     pub unbounded: u64,
     /// The operand of smallest magnitude with such an enclosure.
     pub first_unbounded: Option<f32>,
-    /// Enclosures wider than the tightest by more than [`WIDE`] ulps, unbounded ones apart.
+    /// Enclosures wider than the tightest by more ulps than the function's row allows, unbounded ones apart.
     pub wide: u64,
     /// The operand of smallest magnitude with such an enclosure.
     pub first_wide: Option<f32>,
@@ -318,7 +316,7 @@ impl Function {
         if excess > report.worst || report.worst_at.is_none() {
             (report.worst, report.worst_at) = (excess, Some(x));
         }
-        if excess > WIDE {
+        if excess > self.op.row().excess.map_or(0, |[in_f32, _]| in_f32) {
             report.wide += 1;
             report.first_wide = smaller(report.first_wide, Some(x));
         }
