@@ -317,3 +317,42 @@ fn an_interrupted_run_leaves_nothing() {
     child.wait().expect("ended");
     assert!(place.files().is_empty(), "{:?}", place.files());
 }
+
+#[test]
+fn a_misspelt_name_of_the_gallery_is_recognised() {
+    for (typed, expected) in [
+        ("spher", "did you mean 'sphere' of the gallery?"),
+        ("gyroyd", "did you mean 'gyroid'"),
+        ("barth-dec", "did you mean 'barth-decic'"),
+        ("sphere.zset", "the gallery has 'sphere'"),
+        ("qwertz", "`qwertz` is not defined"),
+        ("xyzz+", "missing after"),
+    ] {
+        refused(typed, &[], expected);
+    }
+    refused("x+y+z", &["-D", "t=3"], "`t` occurs nowhere");
+}
+
+#[cfg(unix)]
+#[test]
+fn whoever_has_read_enough_ends_the_output_without_an_error() {
+    use std::io::Read;
+    use std::process::{Command, Stdio};
+    for arguments in [
+        &["render", "x^2+y^2+z^2 = 1", "-o", "-", "--size", "600"][..],
+        &["explain", "--code", "barth-decic"],
+    ] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_zeroset"))
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("starts");
+        // Closed before there is anything to write.
+        drop(child.stdout.take());
+        let mut said = String::new();
+        child.stderr.take().expect("piped").read_to_string(&mut said).expect("UTF-8");
+        assert_eq!(child.wait().expect("ends").code(), Some(0), "{arguments:?}: {said}");
+        assert!(!said.contains("error"), "{arguments:?}: {said}");
+    }
+}

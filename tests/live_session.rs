@@ -184,8 +184,10 @@ fn commands_are_answered() {
     assert!(live.text().contains("r = 3 in [0, 5]"));
     live.enter(":set r = 7").expect("out of range, which is given up");
     assert!(live.text().contains("r = 7\n"));
-    live.enter(":time 0.5").expect("valid");
+    assert_eq!(live.enter(":time 0.5").ok(), Some(Reply::Done));
     assert_eq!(settled(&live).wish.time, Some(0.5));
+    let still = start("x+y+z", 16).enter(":time 1").expect("valid");
+    assert!(matches!(still, Reply::Say(text) if text.contains("nothing here depends on the time")));
     live.enter(":domain 4").expect("valid");
     assert_eq!(settled(&live).model.region().high().x, 4.0);
     assert_eq!(live.enter(":quit").ok(), Some(Reply::Quit));

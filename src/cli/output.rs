@@ -81,8 +81,9 @@ impl Output {
                 content(&mut writer).and_then(|()| writer.flush()).with_context(cannot)?;
             }
             Sink::Standard => {
-                let mut writer = BufWriter::new(std::io::stdout().lock());
-                content(&mut writer).and_then(|()| writer.flush()).with_context(cannot)?;
+                let mut whole = Vec::new();
+                content(&mut whole).with_context(cannot)?;
+                print_bytes(&whole)?;
             }
         }
         Ok(())
@@ -108,8 +109,12 @@ fn temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
 /// # Errors
 /// If it cannot be written to, a full disk for example.
 pub fn print(text: &str) -> Result<()> {
+    print_bytes(text.as_bytes())
+}
+
+fn print_bytes(bytes: &[u8]) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")
         }

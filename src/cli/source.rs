@@ -41,9 +41,36 @@ pub fn find(argument: &OsStr) -> Result<Source> {
         return Ok(Source { name: example.slug.to_owned(), text: example.text.to_owned() });
     }
     if path.extension().is_some_and(|extension| extension == "zset") {
-        bail!("there is no file '{shown}'; for the gallery's names run 'zeroset gallery --list'");
+        let slug = text.strip_suffix(".zset").and_then(zeroset::gallery::example);
+        match slug {
+            Some(example) => {
+                bail!("there is no file '{shown}'; the gallery has '{}'", example.slug)
+            }
+            None => bail!("there is no file '{shown}'; 'zeroset gallery --list' lists the gallery"),
+        }
+    }
+    if let Some(slug) = misspelt(text) {
+        bail!(
+            "'{shown}' is no file, no name of the gallery and no formula; did you mean '{slug}' of the gallery?"
+        );
     }
     Ok(Source { name: "formula".to_owned(), text: text.to_owned() })
+}
+
+/// The name of the gallery that a text is likely to mean which is a word and no formula: one that it begins, or the nearest.
+fn misspelt(text: &str) -> Option<&'static str> {
+    const SHORTEST: usize = 4;
+    let text = text.trim();
+    let is_word = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
+    if text.len() < SHORTEST || text.len() > 40 || !is_word {
+        return None;
+    }
+    let slugs = || zeroset::gallery::examples().into_iter().map(|example| example.slug);
+    let distance = |slug: &str| strsim::damerau_levenshtein(slug, text);
+    let begun = slugs().find(|slug| slug.starts_with(text));
+    let near = || slugs().filter(|slug| distance(slug) <= 2 && distance(slug) * 3 <= text.len());
+    let slug = begun.or_else(|| near().min_by_key(|slug| distance(slug)))?;
+    zeroset_syntax::read(text, &zeroset_syntax::Options::default()).is_err().then_some(slug)
 }
 
 fn read(name: &str, from: impl Read) -> Result<Source> {

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zeroset_interval::Interval;
 use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{ErrorKind, Errors, Limits, Options, language_names, parse};
+use zeroset_syntax::{ErrorKind, Errors, Limits, Options, ParameterKind, language_names, parse};
 use zeroset_trace::{HalfSpace, Region, UndecidedStyle};
 
 /// What to begin with.
@@ -285,7 +285,11 @@ impl Live {
             Command::Precision(precision) => Ok(self.precision(precision)),
             Command::Time(time) => {
                 self.change(|wish| wish.time = Some(time));
-                Ok(Reply::Done)
+                Ok(if self.depends_on_time() {
+                    Reply::Done
+                } else {
+                    Reply::Say("noted; nothing here depends on the time t".to_owned())
+                })
             }
             Command::Load(from) => Ok(Reply::Load(from)),
             Command::Save(to) => Ok(Reply::Save(to)),
@@ -345,6 +349,15 @@ impl Live {
         let depth = self.settings().max_depth;
         let slab = extent * 0.5_f64.powi(depth as i32);
         Ok(Reply::Say(format!("depth {depth}: slabs of at most {slab:.2e}")))
+    }
+
+    /// Whether t occurs; a document that is wrong is taken to.
+    fn depends_on_time(&self) -> bool {
+        let Wish { text, overrides, .. } = self.lock().wish.clone();
+        let options = Options { overrides: &overrides, ..Options::default() };
+        zeroset_syntax::read(&text, &options).map_or(true, |document| {
+            document.parameters.iter().any(|parameter| parameter.kind == ParameterKind::Time)
+        })
     }
 
     /// Slabs that are too thin for the new floats become as thin as they can be.

@@ -136,6 +136,8 @@ fn half_fraction(text: &str, piece: &Piece, next: usize) -> Option<Box<Error>> {
                 let is_fraction = matches!(typed, "\\frac" | "\\dfrac" | "\\tfrac");
                 return is_fraction.then(|| Error::new(token.span, ErrorKind::HalfFraction));
             }
+            // Its first part, as in `\frac1x`.
+            TokenKind::Number if depth == 0 => {}
             _ if depth == 0 => return None,
             _ => {}
         }

@@ -137,7 +137,7 @@ pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
 pub(crate) struct Reader<'a> {
     text: &'a str,
     pub options: &'a Options<'a>,
-    notes: Vec<Note>,
+    pub(crate) notes: Vec<Note>,
     pub errors: Vec<Error>,
     domain: Option<Domain>,
     view: Option<View>,

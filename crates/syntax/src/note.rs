@@ -40,6 +40,8 @@ pub enum NoteKind {
     Redefined { name: String },
     #[error("`{name}` is defined and never used{}", did_you_mean(.meant.as_deref()))]
     Unused { name: String, meant: Option<String> },
+    #[error("`{name}` is set to a value outside its range")]
+    OutsideRange { name: String },
     #[error("only definitions here: drawing `{drawn}`")]
     DrawsFunction { drawn: String },
     #[error("`{name}` is built in, so this is drawn as an equation and defines nothing")]

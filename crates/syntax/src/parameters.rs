@@ -6,6 +6,7 @@ use crate::document::{Parameter, ParameterKind, Reader};
 use crate::error::{Error, ErrorKind, Fallible, Origin};
 use crate::limits::Limits;
 use crate::lower::Meaning;
+use crate::note::{Note, NoteKind};
 use crate::scan::in_name;
 use crate::scope::nearest;
 use crate::span::Span;
@@ -40,7 +41,7 @@ impl<'a> Reader<'a> {
                 Some(ErrorKind::OverrideCoordinate { name: name.clone() })
             } else if defined.is_some_and(|(d, _)| d.parameters.is_some()) {
                 Some(ErrorKind::OverrideFunction { name: name.clone() })
-            } else if defined.is_none() && !used.contains(name.as_str()) && name != "t" {
+            } else if defined.is_none() && !used.contains(name.as_str()) {
                 Some(ErrorKind::UnknownOverride { name: name.clone() })
             } else {
                 None
@@ -133,6 +134,13 @@ impl<'a> Reader<'a> {
                         slider.value = Constant::enclosed(time);
                     }
                     time_set |= is_time;
+                    if let Some((low, high)) = &slider.range
+                        && (slider.value.bounds().hi < low.bounds().lo
+                            || high.bounds().hi < slider.value.bounds().lo)
+                    {
+                        let kind = NoteKind::OutsideRange { name: name.to_owned() };
+                        self.notes.push(Note { span: definition.name.span, kind });
+                    }
                     let number = add(name, kind, slider);
                     if !is_time {
                         names.insert(name, Meaning::Parameter(number));

@@ -10,7 +10,7 @@ use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
-use crate::spelling::{decimal, plain_name, superscript};
+use crate::spelling::{decimal, plain_name, superscript, vulgar};
 use std::collections::VecDeque;
 use zeroset_ops::Op;
 
@@ -78,6 +78,13 @@ impl Builder<'_> {
             }
             Rule::number => items.push_back(Item::Number(decimal(pair.as_str()), span)),
             Rule::name => self.name(pair.as_str(), span, items)?,
+            Rule::vulgar => {
+                // `2½` is five halves to some and one to others.
+                if let Some(Item::Number(_, before)) = items.back() {
+                    return Err(Error::new(before.to(span), ErrorKind::NumberAfterNumber));
+                }
+                items.push_back(Item::Closed(pair));
+            }
             Rule::group => items.push_back(Item::Group(pair)),
             _ => items.push_back(Item::Closed(pair)),
         }
@@ -304,7 +311,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Braces, bars, a fraction or a root.
+    /// Braces, bars, brackets that round, a fraction or a root.
     pub(crate) fn closed(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         self.nested(span, |b| match pair.as_rule() {
@@ -315,10 +322,28 @@ impl Builder<'_> {
             }
             Rule::fraction => {
                 let mut parts = Vec::new();
-                for child in pair.into_inner().filter(|p| p.as_rule() == Rule::braces) {
-                    parts.push((ProductSign::Over, b.closed(child)?));
+                for child in pair.into_inner() {
+                    let part = match child.as_rule() {
+                        Rule::braces => b.closed(child)?,
+                        Rule::digit => number(child.as_str().to_owned(), b.span(&child)),
+                        _ => continue,
+                    };
+                    parts.push((ProductSign::Over, part));
                 }
                 Ok(product_of(parts, span))
+            }
+            Rule::vulgar => {
+                let parts = pair.as_str().chars().next().and_then(vulgar);
+                let (above, below) = parts.expect("the grammar knows no others");
+                let part = |digit: char| (ProductSign::Over, number(digit.to_string(), span));
+                Ok(product_of(vec![part(above), part(below)], span))
+            }
+            Rule::floored | Rule::ceiled => {
+                let op = if pair.as_rule() == Rule::floored { Op::Floor } else { Op::Ceil };
+                let mut inner = pair.into_inner().filter(|p| p.as_rule() == Rule::expression);
+                let inner = inner.next().expect("these brackets hold an expression");
+                let inner = b.value(inner)?;
+                Ok(Expr::new(ExprKind::Call(Function::Native(op), vec![inner]), span))
             }
             Rule::root => b.latex_root(pair, span),
             _ => {
@@ -348,6 +373,10 @@ impl Builder<'_> {
         };
         Ok(Expr::new(ExprKind::Call(function, arguments), span))
     }
+}
+
+fn number(digits: String, span: Span) -> Expr {
+    Expr::new(ExprKind::Number(digits), span)
 }
 
 /// The number that superscript digits stand for.

@@ -6,6 +6,7 @@
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
 use crate::span::Span;
+use crate::spelling::vulgar;
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,8 +86,13 @@ fn tokens(text: &str, limit: usize) -> Fallible<Vec<Token>> {
             '#' => comment(rest, statement_start(&tokens).map(|t| &text[t.span.range()])),
             '0'..='9' | '.' => number(rest),
             '\\' => command(rest),
-            '(' | '[' | '{' => (Some(TokenKind::Open(character)), 1),
-            ')' | ']' | '}' => (Some(TokenKind::Close(character)), 1),
+            '(' | '[' | '{' | '⌊' | '⌈' => {
+                (Some(TokenKind::Open(character)), character.len_utf8())
+            }
+            ')' | ']' | '}' | '⌋' | '⌉' => {
+                (Some(TokenKind::Close(character)), character.len_utf8())
+            }
+            _ if vulgar(character).is_some() => (Some(TokenKind::Number), character.len_utf8()),
             '|' => (Some(TokenKind::Bar), 1),
             _ if character.is_alphabetic() => {
                 let end = rest.find(|c| !in_name(c)).unwrap_or(rest.len());
@@ -168,6 +174,10 @@ fn command(rest: &str) -> (Option<TokenKind>, usize) {
         "left" | "right" | "bigl" | "bigr" | "big" | "quad" | "qquad" | "displaystyle" => {
             (None, 1 + letters)
         }
+        "lfloor" => (Some(TokenKind::Open('⌊')), 1 + letters),
+        "rfloor" => (Some(TokenKind::Close('⌋')), 1 + letters),
+        "lceil" => (Some(TokenKind::Open('⌈')), 1 + letters),
+        "rceil" => (Some(TokenKind::Close('⌉')), 1 + letters),
         _ => (Some(TokenKind::Command), 1 + letters),
     }
 }
@@ -241,6 +251,8 @@ fn closer(open: char) -> char {
     match open {
         '(' => ')',
         '[' => ']',
+        '⌊' => '⌋',
+        '⌈' => '⌉',
         _ => '}',
     }
 }

@@ -11,6 +11,28 @@ pub(crate) fn superscript(text: &str) -> String {
         .collect()
 }
 
+/// Numerator and denominator of a fraction that is one character.
+pub(crate) fn vulgar(character: char) -> Option<(char, char)> {
+    Some(match character {
+        '½' => ('1', '2'),
+        '⅓' => ('1', '3'),
+        '⅔' => ('2', '3'),
+        '¼' => ('1', '4'),
+        '¾' => ('3', '4'),
+        '⅕' => ('1', '5'),
+        '⅖' => ('2', '5'),
+        '⅗' => ('3', '5'),
+        '⅘' => ('4', '5'),
+        '⅙' => ('1', '6'),
+        '⅚' => ('5', '6'),
+        '⅛' => ('1', '8'),
+        '⅜' => ('3', '8'),
+        '⅝' => ('5', '8'),
+        '⅞' => ('7', '8'),
+        _ => return None,
+    })
+}
+
 /// A number's text in one spelling: `.5` as `0.5`, `1.` as `1`, an exponent after `e`.
 pub(crate) fn decimal(typed: &str) -> String {
     let text = typed.replace('−', "-").replace('E', "e");

@@ -40,6 +40,10 @@ impl Builder<'_> {
 
     /// Two known names run together, or the nearest one.
     fn likely(&self, name: &str, is_function: bool) -> Option<String> {
+        // As computer algebra systems write it.
+        if name == "E" && !is_function {
+            return Some("e".to_owned());
+        }
         let nearest = || self.scope.nearest(name, self.locals, is_function);
         self.run_together(name).or_else(nearest)
     }
