@@ -10,7 +10,12 @@ const BITS: u64 = 512;
 
 /// `value`, unless it is too large to go on with.
 pub(super) fn moderate(value: BigRational) -> Option<BigRational> {
-    (value.numer().bits().max(value.denom().bits()) <= BITS).then_some(value)
+    (bits(&value) <= BITS).then_some(value)
+}
+
+/// Bits above or below the line, whichever are more.
+pub(super) fn bits(value: &BigRational) -> u64 {
+    value.numer().bits().max(value.denom().bits())
 }
 
 /// `value^exponent`, where that exists and is of moderate size.
@@ -21,7 +26,7 @@ pub(super) fn power(value: &BigRational, exponent: i64) -> Option<BigRational> {
     if value.is_zero() {
         return (exponent > 0).then(BigRational::zero);
     }
-    let size = value.numer().bits().max(value.denom().bits());
+    let size = bits(value);
     let magnitude = exponent.unsigned_abs();
     // A power of ±1 has one bit; anything else grows with the exponent.
     if magnitude.saturating_mul(size.max(2) - 1) > BITS && size > 1 {

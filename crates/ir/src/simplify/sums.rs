@@ -48,12 +48,11 @@ impl Rewriter<'_> {
         if terms.is_empty() {
             return Product { conditions, ..Product::number(constant) };
         }
-        if terms.len() == 1 && constant.is_zero() {
-            let (term, coefficient) = terms.swap_remove(0);
-            let known = self.products.get(&term).filter(|p| p.factors.len() == 1);
+        if let ([(term, coefficient)], true) = (&terms[..], constant.is_zero()) {
+            let known = self.products.get(term).filter(|p| p.factors.len() == 1);
             let power = match known {
                 Some(power) => power.clone(),
-                None => Product::power(term, 1),
+                None => Product::power(*term, 1),
             };
             if let Some(coefficient) = numbers::moderate(coefficient * &power.coefficient) {
                 return Product { coefficient, conditions, ..power };
@@ -70,27 +69,42 @@ impl Rewriter<'_> {
         Product { coefficient: content, conditions, ..Product::power(node, 1) }
     }
 
-    fn merge_terms(&self, terms: &mut Terms, conditions: &mut Vec<Condition>) {
-        terms.sort_by_key(|(term, _)| *term);
-        let mut merged: Terms = Vec::with_capacity(terms.len());
-        for (term, coefficient) in terms.drain(..) {
-            if let Some((last, total)) = merged.last_mut()
-                && *last == term
-                && !self.known(term).opaque
-                && let Some(sum) = numbers::moderate(&*total + &coefficient)
-            {
-                *total = sum;
-            } else {
-                merged.push((term, coefficient));
+    /// Sorts the terms and adds up like ones, so that each occurs once, but for opaque ones.
+    fn merge_terms(&mut self, terms: &mut Terms, conditions: &mut Vec<Condition>) {
+        loop {
+            terms.sort_by_key(|(term, _)| *term);
+            let mut merged: Terms = Vec::with_capacity(terms.len());
+            let mut apart: Terms = Vec::new();
+            for (term, coefficient) in terms.drain(..) {
+                match merged.last_mut() {
+                    Some((last, total)) if *last == term && !self.known(term).opaque => {
+                        if let Some(sum) = numbers::moderate(&*total + &coefficient) {
+                            *total = sum;
+                            continue;
+                        }
+                        // Too large to add up exactly: the larger multiple becomes a term of its own.
+                        let larger = if numbers::bits(total) >= numbers::bits(&coefficient) {
+                            std::mem::replace(total, coefficient)
+                        } else {
+                            coefficient
+                        };
+                        apart.push((self.scaled(term, &larger), BigRational::one()));
+                    }
+                    Some(_) | None => merged.push((term, coefficient)),
+                }
             }
+            *terms = merged;
+            if apart.is_empty() {
+                break;
+            }
+            terms.append(&mut apart);
         }
-        merged.retain(|(term, coefficient)| {
+        terms.retain(|(term, coefficient)| {
             if coefficient.is_zero() {
                 self.require(conditions, Condition::Defined(*term));
             }
             !coefficient.is_zero()
         });
-        *terms = merged;
     }
 
     /// Replaces shared sums by their terms where terms of opposite sign then meet.
@@ -298,7 +312,7 @@ impl Rewriter<'_> {
         {
             let (term, c) = &terms[first];
             let start = self.scaled(*term, c);
-            let rest: Terms = terms.iter().filter(|(other, _)| other != term).cloned().collect();
+            let rest = [&terms[..first], &terms[first + 1..]].concat();
             return self.emit_signed(Some((false, start)), &rest);
         }
         self.emit_signed(None, terms)

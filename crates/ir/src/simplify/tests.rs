@@ -140,6 +140,28 @@ fn numbers_known_by_bounds_only_never_cancel() {
 }
 
 #[test]
+fn multiples_too_large_to_add_up_are_counted_once_each() {
+    // Below 2^512 / 9, between, and beyond.
+    for number in ["3", "340282326356119256160033759537265639424", "1e38", "5e38"] {
+        let sheet = Sheet::default();
+        let [_, y, _] = sheet.xyz();
+        let one = (sheet.number(number) * y).pow(4);
+        let two = one + one;
+        for root in
+            [two + one, two + two + one, two + two - one, two * 2.0 + two + one, -one - one - two]
+        {
+            let graph = sheet.graph();
+            let (after, roots) = rewrite(&graph, &[root.id], &[DOMAIN; 3], &[]).expect("small");
+            let at = [0.0, 0.75, 0.0];
+            let (before, _) = evaluate(&graph, at, &[])[root.id.index()].expect("a value");
+            let (value, _) = evaluate(&after, at, &[])[roots[0].index()].expect("a value");
+            let text = display(&after, roots[0], &[]);
+            assert!((value / before - 1.0).abs() < 1e-12, "{text}: {value} for {before}");
+        }
+    }
+}
+
+#[test]
 fn long_and_deep_input_takes_little_time() {
     let sheet = Sheet::default();
     let [x, y, z] = sheet.xyz();
