@@ -8,7 +8,7 @@
 
 use std::time::{Duration, Instant};
 use zeroset::gallery::{Example, examples};
-use zeroset::live::{Live, Start};
+use zeroset::live::{Live, Request};
 use zeroset_syntax::{Options, read};
 
 const EDITS: usize = 200;
@@ -53,7 +53,7 @@ fn edits(examples: &[Example]) -> Vec<Edit> {
 
 /// Presses the keys; returns the time from each to the first picture of it, in ms.
 fn replay(examples: &[Example], sample: &[Edit]) -> Vec<f64> {
-    let live = Live::new(Start::default());
+    let live = Live::new(Request::default());
     let mut times = Vec::new();
     let mut refused = 0;
     let mut coarse = 0;
@@ -69,7 +69,7 @@ fn replay(examples: &[Example], sample: &[Edit]) -> Vec<f64> {
         assert!(live.wait_for_news(LIMIT, revision), "nothing comes of {:?}", edit.lines[1]);
         let taken = pressed.elapsed();
         // What has no surface, a constant for example, gets no picture.
-        match live.view().frame {
+        match live.snapshot().rendering {
             Some(frame) if frame.revision > revision => {
                 coarse += usize::from(frame.coarse);
                 times.push(taken.as_secs_f64() * 1e3);
@@ -87,7 +87,7 @@ fn replay(examples: &[Example], sample: &[Edit]) -> Vec<f64> {
 
 /// Medians over rounds of the time to the first and to the full picture, in ms.
 fn pictures(example: &Example) -> [f64; 2] {
-    let live = Live::new(Start::default());
+    let live = Live::new(Request::default());
     let (mut first, mut full) = (Vec::new(), Vec::new());
     for round in 0..=ROUNDS {
         let revision = live.revision();
@@ -99,8 +99,8 @@ fn pictures(example: &Example) -> [f64; 2] {
         first.push(pressed.elapsed().as_secs_f64() * 1e3);
         assert!(live.wait(LIMIT), "{}: no full picture", example.slug);
         full.push(pressed.elapsed().as_secs_f64() * 1e3);
-        let view = live.view();
-        assert!(view.fault.is_none() && view.frame.is_some_and(|frame| !frame.coarse));
+        let view = live.snapshot();
+        assert!(view.fault.is_none() && view.rendering.is_some_and(|frame| !frame.coarse));
     }
     // The first round warms up.
     [percentile(&mut first[1..], 0.5), percentile(&mut full[1..], 0.5)]

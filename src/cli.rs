@@ -8,6 +8,7 @@ mod arguments;
 mod array;
 #[cfg(feature = "window")]
 mod canvas;
+mod completion;
 mod eval;
 mod explain;
 mod gallery;
@@ -29,6 +30,7 @@ mod progress;
 mod prompt;
 mod render;
 mod report;
+mod session;
 mod sheet;
 mod source;
 mod subject;
@@ -65,7 +67,15 @@ pub fn run() -> ExitCode {
 }
 
 fn dispatch() -> anyhow::Result<ExitCode> {
-    let arguments = Arguments::parse_from(std::env::args_os().flat_map(detached));
+    let arguments = match Arguments::try_parse_from(std::env::args_os().flat_map(detached)) {
+        Ok(arguments) => arguments,
+        Err(wrong) if wrong.use_stderr() => wrong.exit(),
+        // Help and version are output like any other.
+        Err(help) => {
+            output::written(help.print())?;
+            return Ok(ExitCode::SUCCESS);
+        }
+    };
     match arguments.command {
         None => interactive::run(&arguments.interactive),
         Some(Command::Render(arguments)) => render::run(&arguments),

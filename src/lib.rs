@@ -21,6 +21,7 @@ pub mod enclosure;
 pub mod gallery;
 pub mod live;
 pub mod model;
+pub mod names;
 pub mod picture;
 pub mod program;
 pub mod scene;

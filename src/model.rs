@@ -27,6 +27,7 @@ pub struct Model {
     program: Program,
     looks: Vec<Look>,
     kernels: AllKernels,
+    remarks: Vec<String>,
     /// Time to simplify and to compile; none if that was done for another model.
     times: Option<Times>,
 }
@@ -102,6 +103,7 @@ impl Model {
             region: *region,
             looks: looks(document).collect(),
             kernels,
+            remarks: program.remarks(document),
             program,
             times: Some(times),
         }))
@@ -121,8 +123,8 @@ impl Model {
             AllKernels::F32(kernels) => AllKernels::F32(with(kernels, program.values())?),
             AllKernels::F64(kernels) => AllKernels::F64(with(kernels, program.values())?),
         };
-        let looks = looks(document).collect();
-        Some(Ok(Self { region: self.region, program, looks, kernels, times: None }))
+        let (looks, remarks) = (looks(document).collect(), program.remarks(document));
+        Some(Ok(Self { region: self.region, program, looks, kernels, remarks, times: None }))
     }
 
     /// Whether both run the same code, all of it compiled once.
@@ -297,7 +299,8 @@ impl Model {
         };
         let undefined = (0..self.looks.len()).any(|surface| self.program.is_undefined(surface));
         let (precision, flat) = (self.precision(), self.is_flat(all));
-        Picture { buffer, rgb, precision, statistics, undefined, flat }
+        let remarks = self.remarks.clone();
+        Picture { buffer, rgb, precision, statistics, undefined, remarks, flat }
     }
 }
 

@@ -4,7 +4,6 @@ use crate::model::Model;
 use crate::program::ProgramError;
 use crate::work::Work;
 use glam::DVec3;
-use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use zeroset_syntax::Document;
@@ -60,15 +59,6 @@ impl Precision {
     }
 }
 
-impl fmt::Display for Precision {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::F32 => "f32",
-            Self::F64 => "f64",
-        })
-    }
-}
-
 /// Where normals come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Normals {
@@ -109,6 +99,8 @@ pub struct Picture {
     pub statistics: Statistics,
     /// Whether some surface is proven to have no value anywhere in the domain.
     pub undefined: bool,
+    /// One line for each surface whose function is constant on the domain.
+    pub remarks: Vec<String>,
     /// Whether some surface's function could not be told from 0 wherever it was looked at: it may be 0 everywhere.
     pub flat: bool,
 }

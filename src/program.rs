@@ -12,7 +12,7 @@ use zeroset_ir::{
     Constant, Graph, IrError, NodeId, clear, compact, fix_exponents, gradient, rewrite, simplify,
 };
 use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
-use zeroset_syntax::{Document, Kind, Parameter, ParameterKind};
+use zeroset_syntax::{Document, Kind, Parameter, ParameterKind, Surface};
 
 /// The surfaces of a document over one domain.
 #[derive(Clone, Debug)]
@@ -168,31 +168,44 @@ impl Program {
         Self { shared: Arc::clone(&self.shared), values, undefined }
     }
 
-    /// Refuses what has no surface.
+    /// Refuses what has no surface anywhere. What has none on this domain is left to [`Program::remarks`].
     fn check(&self, document: &Document) -> Result<(), ProgramError> {
-        let parameters = self.values.clone();
-        let here = Assumptions { domain: self.shared.assumptions.domain, parameters };
-        let anywhere = Assumptions { domain: [Interval::ENTIRE; 3], ..here.clone() };
-        let enclosures = enclosure::enclose_all(self.graph(), self.roots(), &here);
-        let varies = enclosure::varies(self.graph(), self.roots());
-        for ((surface, (bounds, facts)), varies) in
-            document.surfaces.iter().zip(enclosures).zip(varies)
-        {
-            let side = surface.echo.strip_suffix(" = 0");
-            let echo = || side.unwrap_or(&surface.echo).to_owned();
-            if facts.has(Facts::NOWHERE) {
-                // Undefined on this domain; the formula as typed tells whether that is so everywhere.
-                let (graph, root) = own(&document.graph, surface.root);
-                let typed = enclosure::enclose(&graph, root, &anywhere);
-                if typed.1.has(Facts::NOWHERE) {
-                    return Err(ProgramError::Nowhere { echo: echo() });
-                }
-            } else if !varies {
-                let value = describe(bounds, side.is_some());
-                return Err(ProgramError::Constant { echo: echo(), value });
+        let surfaces = 0..document.surfaces.len();
+        if surfaces.clone().all(|k| !self.is_undefined(k) && self.constant(k).is_none()) {
+            return Ok(());
+        }
+        let everywhere = Self::unchecked(document, [Interval::ENTIRE; 3])?;
+        for index in surfaces {
+            let (echo, is_equation) = formula(&document.surfaces[index]);
+            if everywhere.is_undefined(index) {
+                return Err(ProgramError::Nowhere { echo });
+            }
+            if let Some(bounds) = everywhere.constant(index) {
+                return Err(ProgramError::Constant { echo, value: describe(bounds, !is_equation) });
             }
         }
         Ok(())
+    }
+
+    /// The value of a surface's function if it is constant on the domain.
+    fn constant(&self, surface: usize) -> Option<Interval> {
+        let Simplified { graph, roots, assumptions, .. } = &*self.shared;
+        let root = roots[surface];
+        let parameters = self.values.clone();
+        let here = Assumptions { parameters, ..assumptions.clone() };
+        let varies = enclosure::varies(graph, &[root])[0] || self.undefined[surface];
+        (!varies).then(|| enclosure::enclose(graph, root, &here).0)
+    }
+
+    /// One line for each surface whose function is constant on this domain, though not everywhere.
+    pub fn remarks(&self, document: &Document) -> Vec<String> {
+        let remark = |(index, surface): (usize, &Surface)| {
+            let value = self.constant(index)?;
+            let (echo, is_equation) = formula(surface);
+            let value = describe(value, !is_equation);
+            Some(format!("'{echo}' is constant on this domain: {value}"))
+        };
+        document.surfaces.iter().enumerate().filter_map(remark).collect()
     }
 
     /// The simplified graph of all surfaces.
@@ -417,6 +430,14 @@ fn assumed(parameter: &Parameter) -> Interval {
 
 fn count(graph: &Graph, roots: &[NodeId]) -> usize {
     graph.reachable(roots).into_iter().filter(|needed| *needed).count()
+}
+
+/// How a surface's formula was read, and whether it is an equation of two sides that were typed.
+fn formula(surface: &Surface) -> (String, bool) {
+    match surface.echo.strip_suffix(" = 0") {
+        Some(side) => (side.to_owned(), false),
+        None => (surface.echo.clone(), true),
+    }
 }
 
 /// What is known of a constant; `plain` if it was typed as one expression, not as two that are compared.

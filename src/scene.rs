@@ -6,10 +6,11 @@ use crate::enclosure::is_periodic;
 use crate::program::{CodeSize, Program, ProgramError};
 use glam::DVec3;
 use num_traits::ToPrimitive;
+use std::str::FromStr;
 use zeroset_eval::IntervalKernel;
 use zeroset_interval::Interval;
-use zeroset_ir::Constant;
-use zeroset_syntax::{Document, Domain, Preset};
+use zeroset_ir::{Constant, Node, NodeId};
+use zeroset_syntax::{Document, Domain, Parameter, ParameterKind, Preset};
 use zeroset_trace::{Camera, CameraError, HalfSpace, Projection, Region, RegionError, View};
 
 /// Where to look.
@@ -22,6 +23,37 @@ pub enum DomainChoice {
     Auto,
     /// In this box: lower and upper bound of x, y and z.
     Bounds([f64; 6]),
+}
+
+impl FromStr for DomainChoice {
+    type Err = String;
+
+    /// `auto`, one number or six; whether they bound anything is not looked at.
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim() == "auto" {
+            return Ok(Self::Auto);
+        }
+        match numbers(text)?[..] {
+            [r] => Ok(Self::Bounds([-r, r, -r, r, -r, r])),
+            [a, b, c, d, e, f] => Ok(Self::Bounds([a, b, c, d, e, f])),
+            ref other => Err(format!(
+                "expected auto, one number or six with commas between, found {} numbers",
+                other.len()
+            )),
+        }
+    }
+}
+
+/// Numbers with commas between.
+///
+/// # Errors
+/// One phrase that says which of them is none.
+pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    let number = |part: &str| {
+        let part = part.trim();
+        part.parse().map_err(|_| format!("'{part}' is not a number"))
+    };
+    text.split(',').map(number).collect()
 }
 
 /// From where to look. What is `None` is taken from the document, and what that leaves open is chosen to show the whole
@@ -213,6 +245,26 @@ fn view_of(preset: Preset) -> View {
     }
 }
 
+/// The `f64` nearest to a constant expression such as `1/3`; `None` if the text is none, or its value is not finite.
+pub fn number(text: &str) -> Option<f64> {
+    let value = nearest(&zeroset_syntax::constant(text).ok()?);
+    value.is_finite().then_some(value)
+}
+
+/// Whether a parameter of `document` is without effect, because it occurs in nothing that is drawn.
+pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
+    let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
+    let needed = document.graph.reachable(&roots);
+    let node = Node::Parameter(parameter.number);
+    !document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node)
+}
+
+/// Whether `t` occurs in what `document` draws.
+pub fn depends_on_time(document: &Document) -> bool {
+    let mut times = document.parameters.iter().filter(|one| one.kind == ParameterKind::Time);
+    times.any(|time| !is_idle(document, time))
+}
+
 /// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and a flag with the same
 /// digits mean the same.
 fn nearest(constant: &Constant) -> f64 {
@@ -233,6 +285,19 @@ mod tests {
     fn found(text: &str) -> ([f64; 3], [f64; 3]) {
         let (region, _) = region(&document(text), DomainChoice::Document, None).expect("valid");
         (region.low().to_array(), region.high().to_array())
+    }
+
+    #[test]
+    fn domains_are_a_word_a_number_or_six() {
+        assert_eq!("auto".parse(), Ok(DomainChoice::Auto));
+        assert_eq!("3".parse(), Ok(DomainChoice::Bounds([-3.0, 3.0, -3.0, 3.0, -3.0, 3.0])));
+        assert_eq!(
+            "-1,1, 0,2,.5,1e1".parse(),
+            Ok(DomainChoice::Bounds([-1.0, 1.0, 0.0, 2.0, 0.5, 10.0]))
+        );
+        for text in ["", "1,2", "1,2,3,4,5", "a", "1,2,3,4,5,6,7", "1,,2"] {
+            assert!(text.parse::<DomainChoice>().is_err(), "{text}");
+        }
     }
 
     #[test]

@@ -147,6 +147,12 @@ fn files_that_cannot_be_read() {
     assert_refused(&place, &run, "is a directory", "a directory");
     let run = place.run(&["eval", "missing"]);
     assert_refused(&place, &run, "cannot read 'missing'", "a missing file of lines");
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("nowhere", place.path("x")).expect("made");
+        let run = place.run(&["render", "x", "-o", PICTURE]);
+        assert_refused(&place, &run, "cannot read 'x'", "a link that leads nowhere");
+    }
 }
 
 #[cfg(unix)]
@@ -197,6 +203,48 @@ fn outputs_that_cannot_be_written() {
         assert_eq!(run.code, Some(2));
         assert!(run.stderr.contains("cannot write '/dev/full'"), "{}", run.stderr);
     }
+}
+
+/// What is written through a link goes to where it leads, whole or not at all; the link stays.
+#[cfg(unix)]
+#[test]
+fn links_stay_links() {
+    use std::os::unix::fs::symlink;
+    let place = Place::new();
+    std::fs::create_dir(place.path("folder")).expect("made");
+    place.write("folder/old.png", "old");
+    symlink("folder/old.png", place.path("link.png")).expect("made");
+    symlink("link.png", place.path("second.png")).expect("made");
+    symlink("folder/new.png", place.path("new.png")).expect("made");
+    for (link, target) in [
+        ("link.png", "folder/old.png"),
+        ("second.png", "folder/old.png"),
+        ("new.png", "folder/new.png"),
+    ] {
+        place.write("folder/old.png", "old");
+        place.run(&["render", "x+y", "--size", "8", "-o", link]).ok();
+        assert!(place.path(link).is_symlink(), "{link} is no link any more");
+        let written = std::fs::read(place.path(target)).expect("there");
+        assert!(written.starts_with(b"\x89PNG"), "{target} is no picture");
+    }
+    // An error leaves what the link leads to as it was.
+    place.write("folder/old.png", "old");
+    let run = place.run(&["render", "x+", "-o", "link.png"]);
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    assert_eq!(std::fs::read(place.path("folder/old.png")).expect("there"), b"old");
+    // Two names of one file.
+    let both = ["render", "x", "-o", "link.png", "--status", "folder/../folder/old.png"];
+    let run = place.run(&both);
+    assert_refused(&place, &run, "is given for two outputs", "a link and its target");
+    symlink("circle.png", place.path("circle.png")).expect("made");
+    let run = place.run(&["render", "x", "-o", "circle.png"]);
+    assert_refused(
+        &place,
+        &run,
+        "cannot write 'circle.png': its symbolic links form a loop",
+        "a circle",
+    );
+    assert_eq!(std::fs::read_dir(place.path("folder")).expect("there").count(), 2);
 }
 
 #[test]
@@ -274,7 +322,12 @@ fn one_path_for_two_outputs() {
 fn standard_output_that_is_full_or_closed() {
     use std::process::{Command, Stdio};
     let zeroset = || Command::new(env!("CARGO_BIN_EXE_zeroset"));
-    let commands: [&[&str]; 4] = [
+    let commands: [&[&str]; 9] = [
+        &["--help"],
+        &["render", "-h"],
+        &["--version"],
+        &["help", "eval"],
+        &["render", "x", "--size", "16", "-o", "-"],
         &["render", "x", "--size", "16", "--json"],
         &["explain", "x"],
         &["gallery", "--list"],

@@ -19,9 +19,31 @@ fn answer(request: &Value) -> Value {
 #[test]
 fn points_have_values_and_gradients() {
     let found = answer(&json!({"f": "x^2*y - z", "at": [3, 2, 1]}));
-    assert_eq!(found, json!({"value": 17.0, "grad": [12.0, 9.0, -1.0], "precision": "f32"}));
-    let pole = answer(&json!({"f": "1/x", "at": [0, 0, 0]}));
-    assert!(pole["value"].is_string(), "{pole}");
+    let expected = json!({
+        "value": 17.0, "grad": [12.0, 9.0, -1.0], "precision": "f32", "defined": true, "empty": false,
+    });
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn a_point_where_there_is_no_value_is_told_from_others() {
+    // Rounding alone would make numbers of all of these.
+    for formula in ["1/x", "atan(1/x)", "max(-1/x, 5)", "min(sqrt(-1-x^2), 3)", "0*ln(x-1)"] {
+        for precision in ["f32", "f64"] {
+            for arguments in [&["-"][..], &["-", "--reference"]] {
+                let line = json!({"f": formula, "at": [0, 0, 0], "precision": precision});
+                let found = answers(arguments, &line.to_string()).remove(0);
+                assert_eq!((&found["empty"], &found["defined"]), (&json!(true), &json!(false)));
+                assert_eq!(found["value"], "nan", "{formula}: {found}");
+                assert_eq!(found["grad"], json!(["nan", "nan", "nan"]), "{formula}: {found}");
+            }
+        }
+    }
+    let found = answer(&json!({"f": "atan(1/x)", "at": [1, 0, 0]}));
+    assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(true)), "{found}");
+    // Whether sin is 0 there is beyond these bounds: nothing is proven.
+    let found = answer(&json!({"f": "1/sin(x)", "at": [1e20, 0, 0]}));
+    assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(false)), "{found}");
 }
 
 #[test]

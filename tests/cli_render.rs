@@ -450,3 +450,58 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     assert_eq!(refused.code, Some(2));
     assert!(refused.stderr.contains("40 with --precision f64"), "{}", refused.stderr);
 }
+
+#[test]
+fn a_time_may_be_a_constant_expression_and_is_noted_where_nothing_depends_on_it() {
+    let place = Place::new();
+    let json = |time: &str| {
+        let all = ["render", "x^2+y^2+z^2 = t", "--size", "8", "--json", "--time", time];
+        place.run(&all).ok().json()["domain"].clone()
+    };
+    assert_eq!(json("1/4"), json("0.25"));
+    assert_ne!(json("1/4"), json("3"));
+    let note = "note: --time changes nothing: `t` occurs nowhere in the formula";
+    let run = place.run(&["render", SPHERE, "--size", "8", "--json", "--time", "3"]).ok();
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    let run = place.run(&["render", "x+y = t", "--size", "8", "--json", "--time", "3"]).ok();
+    assert!(!run.stderr.contains(note), "{}", run.stderr);
+    let run = place.run(&["explain", SPHERE, "--time", "3"]).ok();
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+}
+
+/// A formula without a surface on this domain takes nothing from the others; one without a surface anywhere is refused.
+#[test]
+fn what_is_constant_on_this_domain_only_is_noted() {
+    let place = Place::new();
+    let render = |text: &str, domain: &str| {
+        place.write("text.zset", text);
+        place.run(&[
+            "render",
+            "text.zset",
+            "--size",
+            "24",
+            "--domain",
+            domain,
+            "-o",
+            "p.png",
+            "--json",
+        ])
+    };
+    let (half, whole) = ("0.1,2,-1,1,-1,1", "-1,2,-1,1,-1,1");
+    let run = render("x^2+y^2+z^2 = 1\nsign(x)-1/2", half).ok();
+    let note = "note: 'sign(x) - 1/2' is constant on this domain: it is 0.5 at every point";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    assert!(run.json()["pixels"]["undecided"].as_u64() > Some(20), "{}", run.json());
+    let run = render("x^2+y^2+z^2 = 1\nsign(x)-1/2", whole).ok();
+    assert!(!run.stderr.contains("is constant"), "{}", run.stderr);
+    let run = render("sign(x)-1/2", half).ok();
+    assert!(run.stderr.contains(note) && run.stderr.contains("nothing is seen"), "{}", run.stderr);
+    let run = render("x^2+y^2+z^2 = 4\nnot (sqrt(x)<5)", "-2,-1,-2,2,-2,2").ok();
+    assert!(run.json()["pixels"]["undecided"].as_u64() > Some(20), "{}", run.json());
+    let run = render("x^2+y^2+z^2 = 1\nsign(x^2+1)-1/2", half);
+    assert!(
+        run.code == Some(2) && run.stderr.contains("it is 0.5 at every point"),
+        "{}",
+        run.stderr
+    );
+}

@@ -7,7 +7,7 @@ mod edit_support;
 
 use edit_support::{beginnings, edit};
 use std::time::{Duration, Instant};
-use zeroset::live::{Live, Start};
+use zeroset::live::{Live, Request};
 use zeroset::picture::Settings;
 use zeroset_testkit::Effort;
 
@@ -26,7 +26,7 @@ fn no_edit_leaves_a_stale_picture() {
     let Effort { seed, cases: edits } = Effort::from_environment(SEED, EDITS);
     let mut random = fastrand::Rng::with_seed(seed);
     let settings = Settings { width: 64, height: 64, max_depth: 8, ..Settings::default() };
-    let live = Live::new(Start { settings, ..Start::default() });
+    let live = Live::new(Request { settings, ..Request::default() });
     let started = Instant::now();
     let mut first = None;
     for number in 0..edits {
@@ -55,19 +55,20 @@ fn no_edit_leaves_a_stale_picture() {
     live.turn(|orbit| orbit.turn(3.0, 1.0, 64));
     assert!(live.wait(LIMIT), "the last edit does not settle");
     println!("{edits} edits in {:?}", started.elapsed());
-    let view = live.view();
+    let view = live.snapshot();
     assert!(view.fault.is_none(), "{:?}", view.fault.map(|fault| fault.message()));
-    let frame = view.frame.expect("a picture");
+    let frame = view.rendering.expect("a picture");
     assert_eq!(frame.document.surfaces[0].echo, "x^2 + y^2 + z^2 = 1");
     assert_eq!((frame.revision, frame.coarse), (view.settled, false));
     // The same picture as one made afresh.
-    let again = Live::new(Start { settings: frame.wish.settings.clone(), ..Start::default() });
+    let again =
+        Live::new(Request { settings: frame.request.settings.clone(), ..Request::default() });
     again.load("again", &live.text(), false);
     again.enter(":domain 2").expect("valid");
     assert!(again.wait(LIMIT));
-    again.turn(|orbit| *orbit = frame.wish.orbit.expect("turned"));
+    again.turn(|orbit| *orbit = frame.request.orbit.expect("turned"));
     assert!(again.wait(LIMIT));
-    let fresh = again.view().frame.expect("a picture");
+    let fresh = again.snapshot().rendering.expect("a picture");
     assert_eq!(fresh.picture.rgb, frame.picture.rgb);
     if let (Some(first), Some(last)) = (first, resident()) {
         println!("resident: {} kB, then {} kB", first >> 10, last >> 10);

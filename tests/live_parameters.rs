@@ -4,23 +4,23 @@ mod live_support;
 
 use live_support::{LIMIT, settled, start};
 use std::time::Duration;
-use zeroset::live::Frame;
+use zeroset::live::Rendering;
 use zeroset::picture::render;
 use zeroset::scene;
 use zeroset_syntax::Options;
 
 /// Asserts that the picture is the one that compiling afresh gives, pixel by pixel and status by status.
-fn assert_as_compiled_afresh(frame: &Frame) {
-    let wish = &frame.wish;
-    let options = Options { time: wish.time, ..Options::default() };
-    let document = zeroset_syntax::read(&wish.text, &options).expect("reads");
-    let (region, _) = scene::region(&document, wish.domain, None).expect("a region");
-    assert_eq!(region, *frame.model.region(), "{}", wish.text);
-    let fresh = render(&document, &region, &frame.camera, &wish.settings, &|_, _| {});
+fn assert_as_compiled_afresh(frame: &Rendering) {
+    let request = &frame.request;
+    let options = Options { time: request.time, ..Options::default() };
+    let document = zeroset_syntax::read(&request.text, &options).expect("reads");
+    let (region, _) = scene::region(&document, request.domain, None).expect("a region");
+    assert_eq!(region, *frame.model.region(), "{}", request.text);
+    let fresh = render(&document, &region, &frame.camera, &request.settings, &|_, _| {});
     let fresh = fresh.expect("renders");
-    assert!(fresh.rgb == frame.picture.rgb, "{}: other colours", wish.text);
-    assert!(fresh.buffer.status == frame.picture.buffer.status, "{}: other statuses", wish.text);
-    assert!(fresh.buffer.drawn == frame.picture.buffer.drawn, "{}: elsewhere", wish.text);
+    assert!(fresh.rgb == frame.picture.rgb, "{}: other colours", request.text);
+    assert!(fresh.buffer.status == frame.picture.buffer.status, "{}: other statuses", request.text);
+    assert!(fresh.buffer.drawn == frame.picture.buffer.drawn, "{}: elsewhere", request.text);
 }
 
 /// Enters each line in turn, and tells whether the code stayed as it was.
@@ -94,7 +94,7 @@ fn a_slider_changes_the_picture_and_the_status_tells_that_nothing_was_compiled()
     live.enter("r = 2 in [-4, 4]").expect("valid");
     live.load("test", "r = 2 in [-4, 4]\ndomain 2\nsqrt(-r - x^2) + y", false);
     assert!(live.wait(LIMIT));
-    let fault = live.view().fault.expect("no surface").message();
+    let fault = live.snapshot().fault.expect("no surface").message();
     assert!(fault.contains("defined nowhere"), "{fault}");
     live.enter(":set r = -2").expect("in range");
     assert_as_compiled_afresh(&settled(&live));

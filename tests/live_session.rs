@@ -6,28 +6,28 @@ use live_support::{LIMIT, settled, start};
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset::gallery;
-use zeroset::live::{Frame, Live, Reply, Start};
+use zeroset::live::{Live, Rendering, Reply, Request};
 use zeroset::picture::{Precision, Settings, render};
 use zeroset::scene;
 
 /// The picture that `zeroset render` would make of the same text from the same camera.
-fn rendered(frame: &Frame) -> Vec<u8> {
-    let wish = &frame.wish;
+fn rendered(frame: &Rendering) -> Vec<u8> {
+    let request = &frame.request;
     let options = zeroset_syntax::Options {
-        overrides: &wish.overrides,
-        time: wish.time,
+        overrides: &request.overrides,
+        time: request.time,
         ..zeroset_syntax::Options::default()
     };
-    let document = zeroset_syntax::read(&wish.text, &options).expect("reads");
-    let (region, _) = scene::region(&document, frame.wish.domain, None).expect("a region");
-    let settings = &frame.wish.settings;
+    let document = zeroset_syntax::read(&request.text, &options).expect("reads");
+    let (region, _) = scene::region(&document, frame.request.domain, None).expect("a region");
+    let settings = &frame.request.settings;
     render(&document, &region, &frame.camera, settings, &|_, _| {}).expect("renders").rgb
 }
 
 #[test]
 fn what_is_typed_is_seen_and_what_is_entered_stays() {
     let live = start("", 48);
-    assert!(live.view().frame.is_none());
+    assert!(live.snapshot().rendering.is_none());
     live.type_line("x^2+y^2+z^2 = 1");
     let sphere = settled(&live);
     assert_eq!(sphere.document.surfaces[0].echo, "x^2 + y^2 + z^2 = 1");
@@ -58,11 +58,11 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
     ] {
         live.type_line(typed);
         assert!(live.wait(LIMIT));
-        let view = live.view();
+        let view = live.snapshot();
         let fault = view.fault.expect(typed);
         assert!(fault.message().contains(expected), "{typed}: {}", fault.message());
         assert!(fault.render(false).contains(expected));
-        let frame = view.frame.expect("the last good picture");
+        let frame = view.rendering.expect("the last good picture");
         assert_eq!(frame.picture.rgb, good.picture.rgb, "{typed}");
     }
     let refusal = live.enter("x^2+y^2+foo = 1").expect_err("wrong");
@@ -84,7 +84,7 @@ fn typing_goes_on_from_the_last_text_that_could_be_read() {
     settled(&live);
     // As a file that was saved half written.
     live.load("test", "r = 0.5\nx^2+(", true);
-    assert!(live.wait(LIMIT) && live.view().fault.is_some());
+    assert!(live.wait(LIMIT) && live.snapshot().fault.is_some());
     live.type_line("z = r");
     assert_eq!(settled(&live).document.surfaces[0].echo, "z = r");
     live.enter("r = 0.7").expect("valid");
@@ -101,7 +101,7 @@ fn the_latest_edit_ends_the_work_for_those_before() {
     // A picture that takes seconds, at least.
     let heavy = gallery::example("barth-decic").expect("there").text;
     let settings = Settings { width: 3000, height: 3000, max_depth: 16, ..Settings::default() };
-    let live = Live::new(Start { text: heavy.into(), settings, ..Start::default() });
+    let live = Live::new(Request { text: heavy.into(), settings, ..Request::default() });
     assert!(live.wait_for_news(LIMIT, 0), "no coarse picture");
     live.resize(40, 40);
     live.enter("domain 2").expect("valid");
@@ -117,7 +117,7 @@ fn the_latest_edit_ends_the_work_for_those_before() {
 fn large_pictures_come_coarse_first_and_are_then_refined() {
     let live = start(gallery::example("barth-sextic-suse-95").expect("there").text, 1200);
     assert!(live.wait_for_news(LIMIT, 0));
-    let first = live.view().frame.expect("a picture");
+    let first = live.snapshot().rendering.expect("a picture");
     assert!(first.coarse && first.picture.buffer.width == 150, "{}", first.summary());
     assert_eq!(first.picture.rgb.len(), 3 * 150 * 150);
     let last = settled(&live);
@@ -173,11 +173,11 @@ fn commands_are_answered() {
     let fine = settled(&live);
     assert!(fine.picture.precision == Precision::F64 && fine.picture.rgb == rendered(&fine));
     assert!(fine.summary().contains(" f64 · ") && say(":status").contains(", f64"));
-    let command = fine.command("out.png", str::to_owned);
+    let command = fine.command("out.png");
     assert!(command.contains("--precision f64"), "{command}");
     assert!(say(":precision f32").starts_with("f32: depth 20 of at most 20"));
     let coarse = settled(&live);
-    assert!(coarse.picture.precision == Precision::F32 && coarse.wish.settings.max_depth == 20);
+    assert!(coarse.picture.precision == Precision::F32 && coarse.request.settings.max_depth == 20);
     settled(&live);
     assert!(say(":status").contains("surface") && say(":status").contains("undecided"));
     live.enter(":set r = 3").expect("in range");
@@ -185,7 +185,7 @@ fn commands_are_answered() {
     live.enter(":set r = 7").expect("out of range, which is given up");
     assert!(live.text().contains("r = 7\n"));
     assert_eq!(live.enter(":time 0.5").ok(), Some(Reply::Done));
-    assert_eq!(settled(&live).wish.time, Some(0.5));
+    assert_eq!(settled(&live).request.time, Some(0.5));
     let still = start("x+y+z", 16).enter(":time 1").expect("valid");
     assert!(matches!(still, Reply::Say(text) if text.contains("nothing here depends on the time")));
     live.enter(":domain 4").expect("valid");
@@ -194,6 +194,7 @@ fn commands_are_answered() {
     assert_eq!(live.enter(":load gyroid").ok(), Some(Reply::Load("gyroid".into())));
     for (line, expected) in [
         (":halp", "did you mean :help?"),
+        (":help qqqqqq", "no function or command named 'qqqqqq'"),
         (":help sinn", "did you mean sin?"),
         (":method march", "there is: knoll"),
         (":domain 1,0,1,2,1,2", "is empty"),
@@ -219,18 +220,99 @@ fn definitions_may_come_first() {
 #[test]
 fn a_refused_value_leaves_the_one_from_the_command_line() {
     let settings = Settings { width: 32, height: 32, ..Settings::default() };
-    let text = "r = 1\nx^2+y^2+z^2 = r^2".to_owned();
+    let text = "r = 1\nx^2+y^2+z^2 = r^2".into();
     let overrides = vec![("r".to_owned(), "2".to_owned())];
-    let live = Live::new(Start { text, overrides, settings, ..Start::default() });
+    let live = Live::new(Request { text, overrides, settings, ..Request::default() });
     let before = settled(&live);
     for line in [":set r = (", ":set r = 1/0"] {
         live.enter(line).expect_err(line);
         live.enter(":view front").expect("a view");
         let after = settled(&live);
-        assert_eq!(after.wish.overrides, before.wish.overrides, "{line}");
+        assert_eq!(after.request.overrides, before.request.overrides, "{line}");
         live.enter(":view iso").expect("a view");
         assert_eq!(settled(&live).picture.rgb, before.picture.rgb, "{line}");
     }
     live.enter(":set r = 1.5").expect("a value");
-    assert!(settled(&live).wish.overrides.is_empty());
+    assert!(settled(&live).request.overrides.is_empty());
+}
+
+/// What one thread enters is not undone by another whose line is refused, whenever that comes.
+#[test]
+fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
+    let text: Arc<str> = "r = 1\nq = 1\nx^2+y^2+z^2 = r^2+q".into();
+    let overrides = vec![("r".to_owned(), "2".to_owned()), ("q".to_owned(), "2".to_owned())];
+    let settings = Settings { width: 8, height: 8, max_depth: 4, ..Settings::default() };
+    for _ in 0..100 {
+        let request = Request {
+            text: Arc::clone(&text),
+            overrides: overrides.clone(),
+            settings: settings.clone(),
+            ..Request::default()
+        };
+        let live = Live::new(request);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                (0..4).for_each(|_| drop(live.enter(":set r = 1/0").expect_err("no value")))
+            });
+            live.enter(":set q = 3").expect("a value");
+        });
+        let request = live.request();
+        assert_eq!(request.overrides, [("r".to_owned(), "2".to_owned())]);
+        assert_eq!(&*request.text, "r = 1\nq = 3\nx^2+y^2+z^2 = r^2+q");
+    }
+}
+
+/// Nobody who drags or looks waits while a long formula is simplified.
+#[test]
+fn a_long_formula_is_simplified_without_the_lock() {
+    let live = start("x+y+z", 16);
+    settled(&live);
+    let long: Vec<String> =
+        (1..600).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)^2/(x^2+{k})")).collect();
+    let long = long.join("+");
+    let (entered, longest) = std::thread::scope(|scope| {
+        let entering = scope.spawn(|| {
+            let started = Instant::now();
+            live.enter(&long).expect("valid");
+            started.elapsed()
+        });
+        let mut longest = std::time::Duration::ZERO;
+        while !entering.is_finished() {
+            let started = Instant::now();
+            live.turn(|orbit| orbit.turn(1.0, 0.0, 100));
+            longest = longest.max(started.elapsed());
+            std::thread::yield_now();
+        }
+        (entering.join().expect("entered"), longest)
+    });
+    println!("entered in {entered:?}, with waits of at most {longest:?}");
+    assert!(longest < entered / 2, "a wait of {longest:?} in {entered:?}");
+}
+
+#[test]
+fn a_picture_is_waited_for_only_until_another_is_asked_for() {
+    let heavy = gallery::example("barth-decic").expect("there").text;
+    let settings = Settings { width: 3000, height: 3000, max_depth: 16, ..Settings::default() };
+    let live = Live::new(Request { text: heavy.into(), settings, ..Request::default() });
+    std::thread::scope(|scope| {
+        let waiting = scope.spawn(|| live.finished(LIMIT).is_none());
+        assert!(live.wait_for_news(LIMIT, 0), "no coarse picture");
+        assert!(!waiting.is_finished());
+        live.resize(20, 20);
+        assert!(waiting.join().expect("no panic"), "that picture was never finished");
+    });
+    let picture = live.finished(LIMIT).expect("a small picture");
+    assert_eq!((picture.picture.buffer.width, picture.coarse), (20, false));
+}
+
+#[test]
+fn values_that_nothing_depends_on_are_noted() {
+    let live = start("r = 1\nx^2+y^2+z^2 = r^2", 16);
+    let say = |line: &str| match live.enter(line) {
+        Ok(Reply::Say(text)) => text,
+        other => panic!("{line}: {other:?}"),
+    };
+    assert!(say(":set q = 3").contains("`q` occurs in nothing that is drawn"));
+    assert!(say(":set t = 3").contains("nothing here depends on the time"));
+    assert_eq!(live.enter(":set r = 2").ok(), Some(Reply::Done));
 }

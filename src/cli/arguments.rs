@@ -1,10 +1,17 @@
 //! What may be typed after `zeroset`. Values are checked where they are used; only their shape is known here.
 
-use super::vector::{Domain, Numbers, Size};
+use super::array::Arrays;
+use super::vector::{Numbers, Size};
+use anyhow::{Context, Result};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::DVec3;
 use std::ffi::OsString;
 use std::path::PathBuf;
-use zeroset::picture;
+use zeroset::names::Named;
+use zeroset::picture::{Normals, Precision};
+use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_trace::{HalfSpace, PacketWidth, Projection, UndecidedStyle, View};
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -17,38 +24,42 @@ pub struct Arguments {
     pub command: Option<Command>,
 
     #[command(flatten)]
-    pub interactive: Interactive,
+    pub interactive: InteractiveArgs,
 }
 
-/// What is shown first, where nothing but a subject is given.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a formula, a file, or a surface of the gallery to a picture.
+    Render(Box<RenderArgs>),
+    /// Evaluate formulas at points or over boxes: one JSON object a line in, one out.
+    #[command(after_long_help = EVAL_FORMAT)]
+    Eval(EvalArgs),
+    /// Show how a formula is read, simplified and compiled.
+    Explain(ExplainArgs),
+    /// Render every surface of the gallery, and a contact sheet.
+    Gallery(GalleryArgs),
+    /// Print a completion script for a shell.
+    Completions {
+        /// The shell to complete in.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// What is shown first, where nothing but a document is given.
 #[derive(Debug, Args)]
-pub struct Interactive {
+pub struct InteractiveArgs {
     /// A formula, a file that is watched from then on, or a name from `zeroset gallery --list`
     #[arg(value_name = "FORMULA|FILE|NAME", allow_hyphen_values = true)]
     pub source: Option<OsString>,
 
-    /// Give a name of the formula a value; may be repeated
-    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
-    pub define: Vec<String>,
-
-    /// The time t
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
-    pub time: Option<String>,
-
-    /// Where to look: auto, a number r for the cube from -r to r, or six bounds
-    #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
-    pub domain: Option<Domain>,
+    #[command(flatten)]
+    pub values: ValueArgs,
 
     #[command(flatten)]
-    pub camera: Camera,
+    pub camera: CameraArgs,
 
-    /// How often a ray's way through the domain is halved
-    #[arg(long, value_name = "N", default_value_t = 10)]
-    pub max_depth: u32,
-
-    /// The floats that kernels compute in; enclosures are rigorous in either
-    #[arg(long, value_enum, default_value_t = Precision::F32)]
-    pub precision: Precision,
+    #[command(flatten)]
+    pub kernels: KernelArgs,
 
     /// The window's width and height in pixels
     #[arg(long, value_name = "N|WxH", default_value = "800x640", allow_hyphen_values = true)]
@@ -63,60 +74,76 @@ pub struct Interactive {
     pub preview: bool,
 }
 
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// Render a formula, a file, or a surface of the gallery to a picture.
-    Render(Box<Render>),
-    /// Evaluate formulas at points or over boxes: one JSON object a line in, one out.
-    #[command(after_long_help = EVAL_FORMAT)]
-    Eval(Eval),
-    /// Show how a formula is read, simplified and compiled.
-    Explain(Explain),
-    /// Render every surface of the gallery, and a contact sheet.
-    Gallery(Gallery),
-    /// Print a completion script for a shell.
-    Completions {
-        /// The shell to complete in.
-        shell: clap_complete::Shell,
-    },
-}
-
-/// What is drawn, and the values it is drawn for.
+/// A document, and the values it is drawn for.
 #[derive(Debug, Args)]
-pub struct Subject {
+pub struct DocumentArgs {
     /// A formula such as 'x^2+y^2+z^2=1', a file of them, a name from `zeroset gallery --list`, or - for standard input
     #[arg(value_name = "FORMULA|FILE|NAME|-", allow_hyphen_values = true)]
     pub source: OsString,
 
+    #[command(flatten)]
+    pub values: ValueArgs,
+}
+
+/// Values for what a document leaves open.
+#[derive(Debug, Args)]
+pub struct ValueArgs {
     /// Give a name of the formula a value; may be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
-    pub define: Vec<String>,
+    define: Vec<String>,
 
     /// The time t
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
-    pub time: Option<String>,
+    time: Option<String>,
 
     /// Where to look: auto, a number r for the cube from -r to r, or six bounds
     #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
-    pub domain: Option<Domain>,
+    domain: Option<DomainChoice>,
+}
+
+impl ValueArgs {
+    /// # Errors
+    /// If one is not of the form `name=value`.
+    pub fn overrides(&self) -> Result<Vec<(String, String)>> {
+        let split = |define: &String| {
+            let (name, value) = define
+                .split_once('=')
+                .with_context(|| format!("-D '{define}' is not of the form name=value"))?;
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        };
+        self.define.iter().map(split).collect()
+    }
+
+    /// # Errors
+    /// If it is not a number.
+    pub fn time(&self) -> Result<Option<f64>> {
+        let number = |text: &String| {
+            scene::number(text).with_context(|| format!("--time '{text}' is not a finite number"))
+        };
+        self.time.as_ref().map(number).transpose()
+    }
+
+    pub fn domain(&self) -> DomainChoice {
+        self.domain.unwrap_or_default()
+    }
 }
 
 #[derive(Debug, Args)]
-pub struct Render {
+pub struct RenderArgs {
     #[command(flatten)]
-    pub subject: Subject,
+    pub document: DocumentArgs,
 
     #[command(flatten)]
-    pub outputs: Outputs,
+    pub outputs: OutputArgs,
 
     #[command(flatten)]
-    pub camera: Camera,
+    pub camera: CameraArgs,
 
     #[command(flatten)]
-    pub tracing: Tracing,
+    pub tracing: TracingArgs,
 
     #[command(flatten)]
-    pub look: Look,
+    pub shading: ShadingArgs,
 
     /// Exit with code 1 if any pixel is undecided
     #[arg(long)]
@@ -125,7 +152,7 @@ pub struct Render {
 
 /// What is written, and where.
 #[derive(Debug, Args)]
-pub struct Outputs {
+pub struct OutputArgs {
     /// The picture, as PNG; - for standard output
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
@@ -134,17 +161,8 @@ pub struct Outputs {
     #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
     pub size: Size,
 
-    /// Distance from the eye as a float32 array (float64 with --precision f64), inf where there is nothing
-    #[arg(long, value_name = "FILE.npy")]
-    pub distance: Option<PathBuf>,
-
-    /// What is proven of each pixel as a uint8 array: 0 miss, 1 hit, 2 undecided
-    #[arg(long, value_name = "FILE.npy")]
-    pub status: Option<PathBuf>,
-
-    /// Unit normals towards f > 0 as a float32 array, 0 where there is nothing
-    #[arg(long, value_name = "FILE.npy")]
-    pub normal: Option<PathBuf>,
+    #[command(flatten)]
+    pub arrays: Arrays,
 
     /// Print times, counts, camera and domain as one JSON object
     #[arg(long)]
@@ -152,54 +170,80 @@ pub struct Outputs {
 }
 
 #[derive(Debug, Args)]
-pub struct Camera {
+pub struct CameraArgs {
     /// Look from this side
-    #[arg(long, value_parser = ["iso", "front", "back", "left", "right", "top", "bottom"], conflicts_with_all = ["eye", "up"])]
-    pub view: Option<String>,
+    #[arg(long, value_parser = side(), conflicts_with_all = ["eye", "up"])]
+    view: Option<View>,
 
     /// The eye's place; it may lie inside the domain
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub eye: Option<Numbers<3>>,
+    eye: Option<Numbers<3>>,
 
     /// The point to look at; the middle of the domain if not given
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub target: Option<Numbers<3>>,
+    target: Option<Numbers<3>>,
 
     /// The direction shown upright
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub up: Option<Numbers<3>>,
+    up: Option<Numbers<3>>,
 
     /// The vertical field of view, in degrees [default: 40]
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
-    pub fov: Option<f64>,
+    fov: Option<f64>,
 
     /// Parallel rays, in a picture this high in world units
     #[arg(long, value_name = "HEIGHT", conflicts_with = "fov", allow_hyphen_values = true)]
-    pub ortho: Option<f64>,
+    ortho: Option<f64>,
 
     /// Cut away what lies beyond a plane: keep a*x + b*y + c*z <= d
     #[arg(long, value_name = "A,B,C,D", allow_hyphen_values = true)]
-    pub clip: Option<Numbers<4>>,
+    clip: Option<Numbers<4>>,
 }
 
-#[derive(Debug, Args)]
-pub struct Tracing {
-    /// How rays are traced
-    #[arg(long, value_enum, default_value_t = MethodName::Knoll)]
-    pub method: MethodName,
+impl CameraArgs {
+    pub fn choice(&self) -> CameraChoice {
+        let point = |numbers: Option<Numbers<3>>| numbers.map(|n| DVec3::from(n.0));
+        let parallel = self.ortho.map(|height| Projection::Orthographic { height });
+        CameraChoice {
+            view: self.view,
+            eye: point(self.eye),
+            target: point(self.target),
+            up: point(self.up),
+            projection: parallel.or(self.fov.map(|fov| Projection::Perspective { fov })),
+        }
+    }
 
-    /// The floats to compute in
-    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub fn clip(&self) -> Option<HalfSpace> {
+        let Numbers([a, b, c, d]) = self.clip?;
+        Some(HalfSpace { normal: DVec3::new(a, b, c), offset: d })
+    }
+}
+
+/// How finely kernels resolve.
+#[derive(Debug, Args)]
+pub struct KernelArgs {
+    /// Kernel precision; enclosures are rigorous in either
+    #[arg(long, value_parser = one_of::<Precision>(), default_value = "f32")]
     pub precision: Precision,
 
     /// How often a ray's way through the domain is halved: at most 20, or 40 in f64; beyond 14, rays
     /// that stay undecided are given up after 16384 steps
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
+}
+
+#[derive(Debug, Args)]
+pub struct TracingArgs {
+    /// How rays are traced
+    #[arg(long, value_enum, default_value_t = MethodName::Knoll)]
+    pub method: MethodName,
+
+    #[command(flatten)]
+    pub kernels: KernelArgs,
 
     /// Rays that advance together: 2x2, 4x2 or 4x4 pixels
-    #[arg(long, value_enum, value_name = "RAYS", default_value_t = Packet::Four)]
-    pub packet: Packet,
+    #[arg(long, value_parser = one_of::<PacketWidth>(), value_name = "RAYS", default_value = "4")]
+    pub packet: PacketWidth,
 
     /// Trace a ray to the light from every point seen
     #[arg(long)]
@@ -210,7 +254,7 @@ pub struct Tracing {
     pub shadow_depth: Option<u32>,
 
     /// Where normals come from
-    #[arg(long, value_enum, default_value_t = Normals::Gradient)]
+    #[arg(long, value_parser = one_of::<Normals>(), default_value = "gradient")]
     pub normals: Normals,
 
     /// Threads to use [default: one per processor]
@@ -219,10 +263,10 @@ pub struct Tracing {
 }
 
 #[derive(Debug, Args)]
-pub struct Look {
+pub struct ShadingArgs {
     /// How undecided pixels are drawn; knoll proves no hit, and shades them by default
-    #[arg(long, value_enum)]
-    pub undecided: Option<Undecided>,
+    #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade")]
+    pub undecided: UndecidedStyle,
 
     /// The light's place [default: far above and left of the camera]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
@@ -232,7 +276,7 @@ pub struct Look {
     #[arg(long, value_name = "SHARE", default_value_t = 0.3, allow_hyphen_values = true)]
     pub ambient: f32,
 
-    /// Colour where nothing is seen, as six hexadecimal digits or by a CSS name [default: f4f4f6]
+    /// Colour where nothing is seen: six hexadecimal digits, or a name such as white [default: f4f4f6]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }
@@ -243,51 +287,16 @@ pub enum MethodName {
     Knoll,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Packet {
-    #[value(name = "4", help = "2x2 pixels, as in the paper")]
-    Four,
-    #[value(name = "8", help = "4x2 pixels")]
-    Eight,
-    #[value(name = "16", help = "4x4 pixels")]
-    Sixteen,
+/// Takes one of the names of `T`.
+fn one_of<T: Named>() -> impl TypedValueParser<Value = T> {
+    let names = T::NAMES.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(names).try_map(|name| T::named(&name).ok_or("no such value"))
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Normals {
-    /// From the exact derivative
-    Gradient,
-    /// From differences of values, as in the paper
-    Central,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Precision {
-    /// 32 bits, outward
-    F32,
-    /// 64 bits, outward: at most half as fast
-    F64,
-}
-
-impl From<Precision> for picture::Precision {
-    fn from(precision: Precision) -> Self {
-        match precision {
-            Precision::F32 => Self::F32,
-            Precision::F64 => Self::F64,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Undecided {
-    /// As hits
-    Shade,
-    /// As hits with stripes
-    Hatch,
-    /// As hits with a colour mixed in
-    Tint,
-    /// Not at all
-    Miss,
+/// Takes the name of a side to look from.
+fn side() -> impl TypedValueParser<Value = View> {
+    let names = PossibleValuesParser::new(View::ALL.map(|(name, _)| name));
+    names.try_map(|name| View::named(&name).ok_or("no such view"))
 }
 
 /// Shown below the options of `eval --help`.
@@ -295,24 +304,27 @@ const EVAL_FORMAT: &str = r#"One line in, one line out; both are JSON objects.
 
 At a point:
   {"f": "sin(x)*y", "at": [1, 2, 0]}
-  {"grad": [1.08, 0.84, 0.0], "precision": "f32", "value": 1.68}
+  {"defined": true, "empty": false, "grad": [1.08, 0.84, 0.0], "precision": "f32", "value": 1.68}
 
 Over a box, a lower and an upper end for each of x, y and z:
   {"f": "sin(x)*y", "box": [[0, 1], [1, "0x1p1"], [0, "inf"]], "precision": "f64"}
   {"lo": 0.0, "hi": 1.68, "defined": true, "continuous": true, "empty": false, "precision": "f64"}
 
-All values lie between lo and hi; "empty" says that there are none, "defined" that there is one everywhere in the
-box, "continuous" that f is continuous too. Numbers may be texts: hexadecimal floats, "inf" and "-inf". "f" may hold
-several lines, as a file does. A line that cannot be answered gives {"error": "..."}."#;
+All values lie between lo and hi. "empty" is true where f is proven to have no value, "defined" where
+it is proven to have one at the point or everywhere in the box, "continuous" where it is proven to be
+continuous too. At a point where f is proven to have no value, "value" and "grad" are "nan"; where
+nothing is proven they are what the arithmetic of floats yields. Numbers may be texts: hexadecimal
+floats, "inf" and "-inf". "f" may hold several lines, as a file does. A line that cannot be answered
+gives {"error": "..."}."#;
 
 #[derive(Debug, Args)]
-pub struct Eval {
+pub struct EvalArgs {
     /// A file of JSON lines, or - for standard input
     #[arg(value_name = "FILE|-", default_value = "-")]
     pub source: PathBuf,
 
-    /// The floats to compute in, where a line does not say
-    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    /// Kernel precision, where a line does not say
+    #[arg(long, value_parser = one_of::<Precision>(), default_value = "f32")]
     pub precision: Precision,
 
     /// Use the reference evaluator in place of compiled code
@@ -321,12 +333,12 @@ pub struct Eval {
 }
 
 #[derive(Debug, Args)]
-pub struct Explain {
+pub struct ExplainArgs {
     #[command(flatten)]
-    pub subject: Subject,
+    pub document: DocumentArgs,
 
-    /// The floats of the code that is shown
-    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    /// Precision of the kernels that are shown
+    #[arg(long, value_parser = one_of::<Precision>(), default_value = "f32")]
     pub precision: Precision,
 
     /// Show the intermediate code of the interval kernels too
@@ -335,7 +347,7 @@ pub struct Explain {
 }
 
 #[derive(Debug, Args)]
-pub struct Gallery {
+pub struct GalleryArgs {
     /// The directory to write pictures and contact-sheet.png to; made if missing
     #[arg(short, long, value_name = "DIR", required_unless_present = "list")]
     pub output: Option<PathBuf>,
@@ -349,5 +361,5 @@ pub struct Gallery {
     pub size: Size,
 
     #[command(flatten)]
-    pub tracing: Tracing,
+    pub tracing: TracingArgs,
 }

@@ -1,13 +1,97 @@
-//! Arrays in numpy's `.npy` format.
+//! Arrays of what is known of each pixel, in numpy's `.npy` format: one row per array, of which flag, help and file are
+//! made.
 
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use npyz::{AutoSerialize, WriterBuilder};
 use std::io::{self, Write};
+use std::path::PathBuf;
+use zeroset::picture::{Picture, Precision};
+
+/// An array that can be asked for.
+#[derive(Debug)]
+pub struct ArrayRow {
+    /// Its flag, without the dashes.
+    pub flag: &'static str,
+    help: &'static str,
+    /// Whether normals have to be computed for it.
+    pub needs_normals: bool,
+    pub write: fn(&Picture, &mut dyn Write) -> io::Result<()>,
+}
+
+/// Every array, in the order of the help.
+pub const ARRAYS: &[ArrayRow] = &[
+    ArrayRow {
+        flag: "distance",
+        help: "Distance from the eye as a float32 array (float64 with --precision f64), inf where there is nothing",
+        needs_normals: false,
+        write: |picture, out| {
+            let distance = picture.buffer.distance.iter().copied();
+            match picture.precision {
+                // Exact, as these kernels know no more.
+                Precision::F32 => write(out, &shape(picture), distance.map(|d| d as f32)),
+                Precision::F64 => write(out, &shape(picture), distance),
+            }
+        },
+    },
+    ArrayRow {
+        flag: "status",
+        help: "What is proven of each pixel as a uint8 array: 0 miss, 1 hit, 2 undecided",
+        needs_normals: false,
+        write: |picture, out| {
+            write(out, &shape(picture), picture.buffer.status.iter().map(|&status| status as u8))
+        },
+    },
+    ArrayRow {
+        flag: "normal",
+        help: "Unit normals towards f > 0 as a float32 array, 0 where there is nothing",
+        needs_normals: true,
+        write: |picture, out| {
+            let [rows, columns] = shape(picture);
+            write(out, &[rows, columns, 3], picture.buffer.normal.iter().flatten().copied())
+        },
+    },
+];
+
+fn shape(picture: &Picture) -> [usize; 2] {
+    [picture.buffer.height, picture.buffer.width]
+}
+
+/// The arrays asked for, and the files they go to.
+#[derive(Debug)]
+pub struct Arrays(pub Vec<(&'static ArrayRow, PathBuf)>);
+
+impl FromArgMatches for Arrays {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let asked = |row: &'static ArrayRow| {
+            matches.get_one::<PathBuf>(row.flag).map(|path| (row, path.clone()))
+        };
+        Ok(Self(ARRAYS.iter().filter_map(asked).collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for Arrays {
+    fn augment_args(command: Command) -> Command {
+        ARRAYS.iter().fold(command, |command, row| {
+            let flag = Arg::new(row.flag).long(row.flag).help(row.help).value_name("FILE.npy");
+            command.arg(flag.value_parser(value_parser!(PathBuf)))
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
 
 /// Writes `values` in C order under `shape`.
 ///
 /// # Errors
 /// If the sink fails.
-pub fn write<T: AutoSerialize + Copy>(
+fn write<T: AutoSerialize + Copy>(
     out: &mut dyn Write,
     shape: &[usize],
     values: impl IntoIterator<Item = T>,

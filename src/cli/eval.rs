@@ -3,7 +3,8 @@
 //! Kernels compute in floats of 32 or 64 bits. Numbers are read as the nearest of 64; for kernels of 32, points are
 //! rounded to the nearest and boxes outward. Answers are the kernels' own bits.
 
-use super::{arguments, number};
+use super::arguments::EvalArgs;
+use super::number;
 use anyhow::{Context, Result};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
@@ -11,11 +12,12 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use zeroset::names::Named;
 use zeroset::picture::Precision;
 use zeroset::program::{Program, Routine};
 use zeroset_eval::{
-    BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, PointPacket, Real,
-    Reference,
+    BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, LANES, PointPacket,
+    Real, Reference,
 };
 use zeroset_interval::{Facts, Interval};
 use zeroset_syntax::Options;
@@ -26,7 +28,7 @@ const LONGEST_LINE: u64 = 4 << 20;
 /// Formulas kept compiled; when there are more, all are dropped.
 const KEPT: usize = 256;
 
-pub fn run(arguments: &arguments::Eval) -> Result<ExitCode> {
+pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
     let source = &arguments.source;
     let mut input: Box<dyn BufRead> = if source == Path::new("-") {
         Box::new(std::io::stdin().lock())
@@ -37,7 +39,7 @@ pub fn run(arguments: &arguments::Eval) -> Result<ExitCode> {
     };
     let mut out = BufWriter::new(std::io::stdout().lock());
     let mut functions = Functions {
-        precision: arguments.precision.into(),
+        precision: arguments.precision,
         reference: arguments.reference,
         compiled: HashMap::new(),
     };
@@ -133,16 +135,18 @@ impl Functions {
         };
         let precision = match request.get("precision") {
             None => self.precision,
-            Some(Value::String(name)) if name == "f32" => Precision::F32,
-            Some(Value::String(name)) if name == "f64" => Precision::F64,
-            Some(other) => return Err(format!("\"precision\" is \"f32\" or \"f64\", not {other}")),
+            Some(name) => name
+                .as_str()
+                .and_then(Precision::named)
+                .ok_or_else(|| format!("\"precision\" is \"f32\" or \"f64\", not {name}"))?,
         };
         let reference = self.reference;
         let Function { program, single, double } = self.function(formula)?;
         let mut answer = match precision {
-            Precision::F32 => single.answer(program, &place, reference)?,
-            Precision::F64 => double.answer(program, &place, reference)?,
-        };
+            Precision::F32 => single.answer(program, &place, reference),
+            Precision::F64 => double.answer(program, &place, reference),
+        }
+        .map_err(|error| error.to_string())?;
         answer["precision"] = precision.to_string().into();
         Ok(answer)
     }
@@ -179,50 +183,40 @@ impl<T: Real> Default for Kernels<T> {
 }
 
 impl<T: Real> Kernels<T> {
-    fn answer(
-        &mut self,
-        program: &Program,
-        place: &Place,
-        reference: bool,
-    ) -> Result<Value, String> {
-        Ok(match place {
-            Place::At(point) => sample(self.gradient(program, reference)?, *point),
-            Place::Over(bounds) => enclose(self.interval(program, reference)?, *bounds),
-        })
-    }
-
-    fn interval(
-        &mut self,
-        program: &Program,
-        reference: bool,
-    ) -> Result<&dyn IntervalKernel<T>, String> {
-        if self.interval.is_none() {
-            self.interval = Some(if reference {
+    fn answer(&mut self, program: &Program, place: &Place, reference: bool) -> Result<Value> {
+        let interval = made(&mut self.interval, || {
+            Ok(if reference {
                 let Routine { tape, binding, .. } = program.routine(0);
                 Box::new(Reference::new(tape, binding))
             } else {
-                Box::new(program.interval_kernel(0).map_err(|error| error.to_string())?)
-            });
-        }
-        self.interval.as_deref().ok_or_else(|| "there is no kernel".to_owned())
-    }
-
-    fn gradient(
-        &mut self,
-        program: &Program,
-        reference: bool,
-    ) -> Result<&dyn GradientKernel<T>, String> {
-        if self.gradient.is_none() {
-            self.gradient = Some(if reference {
-                let routine = program.gradient_routine(0).map_err(|error| error.to_string())?;
-                let Routine { tape, binding, .. } = routine;
+                Box::new(program.interval_kernel(0)?)
+            })
+        })?;
+        let point = match place {
+            Place::Over(bounds) => return Ok(enclose(interval, *bounds)),
+            Place::At(point) => *point,
+        };
+        let gradient = made(&mut self.gradient, || {
+            Ok(if reference {
+                let Routine { tape, binding, .. } = program.gradient_routine(0)?;
                 Box::new(Reference::new(tape, binding))
             } else {
-                Box::new(program.gradient_kernel(0).map_err(|error| error.to_string())?)
-            });
-        }
-        self.gradient.as_deref().ok_or_else(|| "there is no kernel".to_owned())
+                Box::new(program.gradient_kernel(0)?)
+            })
+        })?;
+        Ok(sample(gradient, interval, point))
     }
+}
+
+/// The kernel in its place, made first if there is none yet.
+fn made<K: ?Sized>(
+    place: &mut Option<Box<K>>,
+    make: impl FnOnce() -> Result<Box<K>>,
+) -> Result<&K> {
+    if place.is_none() {
+        *place = Some(make()?);
+    }
+    place.as_deref().context("there is no kernel")
 }
 
 fn three<T>(value: &Value, read: impl Fn(&Value) -> Result<T, String>) -> Result<[T; 3], String> {
@@ -240,29 +234,53 @@ fn interval(value: &Value) -> Result<Interval, String> {
     Interval::new(ends.0, ends.1).ok_or_else(|| format!("{} to {} is no range", ends.0, ends.1))
 }
 
-fn sample<T: Real>(kernel: &dyn GradientKernel<T>, point: [f64; 3]) -> Value {
-    let packet = PointPacket { at: point.map(|c| [T::nearest(c); 4]) };
+fn sample<T: Real>(
+    gradient: &dyn GradientKernel<T>,
+    interval: &dyn IntervalKernel<T>,
+    point: [f64; 3],
+) -> Value {
+    let at = point.map(T::nearest);
     let mut out = [GradientPacket::default()];
-    kernel.gradient(&[packet], &mut out);
-    let gradient = out[0].gradient.map(|lanes| number::write(lanes[0].into()));
-    json!({ "value": number::write(out[0].value[0].into()), "grad": gradient })
+    gradient.gradient(&[PointPacket { at: at.map(|c| [c; LANES]) }], &mut out);
+    // Rounding makes numbers of what has no value, as of atan(1/x) at 0: enclosures tell.
+    let at: [f64; 3] = at.map(Into::into);
+    let facts = if at.iter().all(|c| c.is_finite()) {
+        bounds_and_facts(interval, at.map(|c| Interval { lo: c, hi: c })).1
+    } else {
+        Facts::NONE
+    };
+    let undefined = facts.has(Facts::NOWHERE);
+    let shown = |number: T| number::write(if undefined { f64::NAN } else { number.into() });
+    json!({
+        "value": shown(out[0].value[0]),
+        "grad": out[0].gradient.map(|lanes| shown(lanes[0])),
+        "empty": undefined,
+        "defined": facts.has(Facts::DEFINED),
+    })
 }
 
 fn enclose<T: Real>(kernel: &dyn IntervalKernel<T>, bounds: [Interval; 3]) -> Value {
-    let packet = BoxPacket {
-        neg_lo: bounds.map(|b| [T::above(-b.lo); 4]),
-        hi: bounds.map(|b| [T::above(b.hi); 4]),
-    };
-    let mut out = [EnclosurePacket::default()];
-    kernel.enclose(&[packet], &mut out);
-    let facts = out[0].facts(0);
-    // Added to 0, so that no bound is printed as -0.
-    let (low, high) = (0.0 - out[0].neg_lo[0].into(), 0.0 + out[0].hi[0].into());
+    let (bounds, facts) = bounds_and_facts(kernel, bounds);
     json!({
-        "lo": number::write(low),
-        "hi": number::write(high),
+        "lo": number::write(bounds.lo),
+        "hi": number::write(bounds.hi),
         "empty": facts.has(Facts::NOWHERE),
         "defined": facts.has(Facts::DEFINED),
         "continuous": facts.has(Facts::CONTINUOUS),
     })
+}
+
+fn bounds_and_facts<T: Real>(
+    kernel: &dyn IntervalKernel<T>,
+    bounds: [Interval; 3],
+) -> (Interval, Facts) {
+    let packet = BoxPacket {
+        neg_lo: bounds.map(|b| [T::above(-b.lo); LANES]),
+        hi: bounds.map(|b| [T::above(b.hi); LANES]),
+    };
+    let mut out = [EnclosurePacket::default()];
+    kernel.enclose(&[packet], &mut out);
+    // Added to 0, so that no bound is printed as -0.
+    let bounds = Interval { lo: 0.0 - out[0].neg_lo[0].into(), hi: 0.0 + out[0].hi[0].into() };
+    (bounds, out[0].facts(0))
 }

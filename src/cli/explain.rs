@@ -1,6 +1,6 @@
 //! `zeroset explain`.
 
-use super::arguments::{Explain, Precision};
+use super::arguments::ExplainArgs;
 use super::notes;
 use super::output::print;
 use super::subject::Subject;
@@ -8,6 +8,7 @@ use anyhow::Result;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
+use zeroset::picture::Precision;
 use zeroset::program::Program;
 use zeroset::scene;
 use zeroset::zeros::ZeroKernel;
@@ -16,8 +17,8 @@ use zeroset_interval::Interval;
 use zeroset_ir::display;
 use zeroset_jit::{Kind, intermediate_code};
 
-pub fn run(arguments: &Explain) -> Result<ExitCode> {
-    let subject = Subject::read(&arguments.subject)?;
+pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
+    let subject = Subject::read(&arguments.document)?;
     let text = match arguments.precision {
         Precision::F32 => explain::<f32>(&subject, arguments.code)?,
         Precision::F64 => explain::<f64>(&subject, arguments.code)?,

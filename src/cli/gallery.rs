@@ -1,6 +1,6 @@
 //! `zeroset gallery`.
 
-use super::arguments::Gallery;
+use super::arguments::GalleryArgs;
 use super::notes;
 use super::output::{Output, print, write_png};
 use super::progress::Progress;
@@ -19,7 +19,7 @@ use zeroset_syntax::Options;
 /// The name of the contact sheet.
 const SHEET: &str = "contact-sheet.png";
 
-pub fn run(arguments: &Gallery) -> Result<ExitCode> {
+pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
     let examples = examples();
     if arguments.list {
         list(&examples)?;

@@ -1,6 +1,6 @@
 //! One line that is edited in the window: text, cursor, history, completion. Knows no keys and no pixels.
 
-use super::prompt::candidates;
+use super::completion::candidates;
 
 /// A line and the cursor in it.
 #[derive(Clone, Debug, Default)]

@@ -4,20 +4,24 @@
 //! before any work is done, so that a target that cannot be written is an error at once and not after the rendering; the
 //! file itself is made when there is something to write, so that an interrupted run leaves nothing behind.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
+/// As many symbolic links as Linux follows.
+const MOST_LINKS: usize = 40;
+
 /// A file about to be written.
 pub struct Output {
+    /// The path as given, for messages.
     path: PathBuf,
     sink: Sink,
 }
 
 enum Sink {
-    /// An ordinary file, or none yet, in this directory.
+    /// An ordinary file, or none yet, at this place.
     Renamed(PathBuf),
     /// A device or a pipe, which a rename would replace.
     Direct(File),
@@ -26,39 +30,25 @@ enum Sink {
 }
 
 impl Output {
-    /// Prepares to write `path`; `-` is standard output.
+    /// Prepares to write `path`; `-` is standard output, and links are followed.
     ///
     /// # Errors
     /// If the directory does not exist or cannot be written to, or the path is a directory.
     pub fn create(path: &Path) -> Result<Self> {
-        let cannot = || format!("cannot write '{}'", path.display());
         let sink = if path == Path::new("-") {
             Sink::Standard
         } else {
-            match std::fs::metadata(path) {
-                Ok(found) if found.is_dir() => {
-                    anyhow::bail!("{}: it is a directory", cannot());
-                }
-                Ok(found) if !found.is_file() => {
-                    let file = File::options().write(true).open(path);
-                    Sink::Direct(file.with_context(cannot)?)
-                }
-                _ => {
-                    if path.file_name().is_none() {
-                        anyhow::bail!("{}: it names no file", cannot());
-                    }
-                    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-                    let directory = directory.unwrap_or(Path::new("."));
-                    if !directory.is_dir() {
-                        let directory = directory.display();
-                        anyhow::bail!("{}: there is no directory '{directory}'", cannot());
-                    }
-                    temporary(directory).with_context(cannot)?;
-                    Sink::Renamed(directory.to_owned())
-                }
-            }
+            sink(path).with_context(|| format!("cannot write '{}'", path.display()))?
         };
         Ok(Self { path: path.to_owned(), sink })
+    }
+
+    /// Whether both are the same file, so that one would replace the other.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (&self.sink, &other.sink) {
+            (Sink::Renamed(one), Sink::Renamed(other)) => one == other,
+            _ => false,
+        }
     }
 
     /// Writes the whole content, then makes it appear under its name.
@@ -66,28 +56,64 @@ impl Output {
     /// # Errors
     /// If writing or renaming fails; the target is then as it was.
     pub fn finish(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
-        let path = self.path;
-        let cannot = || format!("cannot write '{}'", path.display());
-        match self.sink {
-            Sink::Renamed(directory) => {
-                let file = temporary(&directory).with_context(cannot)?;
-                let mut writer = BufWriter::new(file);
-                content(&mut writer).and_then(|()| writer.flush()).with_context(cannot)?;
-                let file = writer.into_inner().map_err(|e| e.into_error()).with_context(cannot)?;
-                file.persist(&path).map_err(|e| e.error).with_context(cannot)?;
-            }
+        let written = match self.sink {
+            Sink::Renamed(target) => replace(&target, content),
             Sink::Direct(file) => {
                 let mut writer = BufWriter::new(file);
-                content(&mut writer).and_then(|()| writer.flush()).with_context(cannot)?;
+                content(&mut writer).and_then(|()| writer.flush())
             }
             Sink::Standard => {
                 let mut whole = Vec::new();
-                content(&mut whole).with_context(cannot)?;
-                print_bytes(&whole)?;
+                content(&mut whole)?;
+                return print_bytes(&whole);
             }
-        }
-        Ok(())
+        };
+        written.with_context(|| format!("cannot write '{}'", self.path.display()))
     }
+}
+
+fn sink(path: &Path) -> Result<Sink> {
+    let path = followed(path.to_owned())?;
+    match std::fs::metadata(&path) {
+        Ok(found) if found.is_dir() => bail!("it is a directory"),
+        Ok(found) if !found.is_file() => {
+            return Ok(Sink::Direct(File::options().write(true).open(&path)?));
+        }
+        _ => {}
+    }
+    let name = path.file_name().context("it names no file")?;
+    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let directory = directory.unwrap_or(Path::new("."));
+    ensure!(directory.is_dir(), "there is no directory '{}'", directory.display());
+    temporary(directory)?;
+    // In full, so that a file is known by whatever path it is given.
+    Ok(Sink::Renamed(directory.canonicalize()?.join(name)))
+}
+
+/// Writes a file beside `target` and renames it.
+fn replace(
+    target: &Path,
+    content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> std::io::Result<()> {
+    let mut writer = BufWriter::new(temporary(target.parent().unwrap_or(Path::new(".")))?);
+    content(&mut writer)?;
+    let file = writer.into_inner().map_err(|error| error.into_error())?;
+    file.persist(target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Where a path leads through symbolic links, which a rename would replace; the last of them may lead to a file that does
+/// not exist yet.
+fn followed(mut path: PathBuf) -> std::io::Result<PathBuf> {
+    for _ in 0..MOST_LINKS {
+        if !path.is_symlink() {
+            return Ok(path);
+        }
+        let link = std::fs::read_link(&path)?;
+        // What a link holds counts from where it lies.
+        path = path.parent().unwrap_or(Path::new("")).join(link);
+    }
+    Err(std::io::Error::other("its symbolic links form a loop"))
 }
 
 /// A new file in `directory`, readable by all as any other new file would be.
@@ -113,8 +139,15 @@ pub fn print(text: &str) -> Result<()> {
 }
 
 fn print_bytes(bytes: &[u8]) -> Result<()> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
+    written(std::io::stdout().write_all(bytes))
+}
+
+/// Whether standard output could be written to, after an attempt with this result; that nobody reads on is no error.
+///
+/// # Errors
+/// If it could not, or if what is still to be written cannot be.
+pub fn written(result: std::io::Result<()>) -> Result<()> {
+    match result.and_then(|()| std::io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")
         }
@@ -130,7 +163,7 @@ pub fn check_png(path: &Path) -> Result<()> {
     match path.extension() {
         Some(extension) if !extension.eq_ignore_ascii_case("png") => {
             let other = path.with_extension("png");
-            anyhow::bail!(
+            bail!(
                 "pictures are written as PNG only: '{}' would not be one; say '{}'",
                 path.display(),
                 other.display()

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, Rgb};
 use glam::{DVec2, DVec3};
-use zeroset::live::Frame;
+use zeroset::live::Rendering;
 use zeroset_trace::Projection;
 
 const INK: Rgb = 0x0030_3038;
@@ -17,13 +17,13 @@ const TICKS: f64 = 4.0;
 
 /// Where points of space appear in a window of a given size.
 pub struct Projector<'a> {
-    frame: &'a Frame,
+    rendering: &'a Rendering,
     rays: zeroset_trace::Frame,
 }
 
 impl<'a> Projector<'a> {
-    pub fn new(frame: &'a Frame, width: usize, height: usize) -> Self {
-        Self { frame, rays: frame.camera.frame(width, height) }
+    pub fn new(rendering: &'a Rendering, width: usize, height: usize) -> Self {
+        Self { rendering, rays: rendering.camera.frame(width, height) }
     }
 
     /// The place in pixels and the distance from the ray's origin; `None` behind the eye.
@@ -31,7 +31,7 @@ impl<'a> Projector<'a> {
         let rays = &self.rays;
         let way = point - rays.eye();
         let depth = way.dot(rays.forward());
-        let (reach, distance) = match self.frame.camera.projection() {
+        let (reach, distance) = match self.rendering.camera.projection() {
             Projection::Perspective { fov } => {
                 ((fov.to_radians() / 2.0).tan() * depth, way.length())
             }
@@ -48,7 +48,7 @@ impl<'a> Projector<'a> {
 
     /// Whether nothing is painted in front of a point seen at this place.
     fn is_seen(&self, at: DVec2, distance: f64) -> bool {
-        let buffer = &self.frame.picture.buffer;
+        let buffer = &self.rendering.picture.buffer;
         let scaled = |at: f64, size: usize, of: usize| {
             let place = (at * of as f64 / size as f64).max(0.0) as usize;
             place.min(of - 1)
@@ -104,11 +104,11 @@ impl Label {
 
 /// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height` pixels, and returns what
 /// is written.
-pub fn draw_box(canvas: &mut Canvas, frame: &Frame, height: usize) -> Vec<Label> {
+pub fn draw_box(canvas: &mut Canvas, rendering: &Rendering, height: usize) -> Vec<Label> {
     let mut labels = Vec::new();
     let width = canvas.width;
-    let projector = Projector::new(frame, width, height);
-    let region = frame.model.region();
+    let projector = Projector::new(rendering, width, height);
+    let region = rendering.model.region();
     let (low, high) = (region.low(), region.high());
     let corner = |n: usize| {
         let side = |axis: usize| if n >> axis & 1 == 1 { high[axis] } else { low[axis] };
@@ -227,23 +227,23 @@ fn shown(value: f64, step: f64) -> String {
 mod tests {
     use super::*;
     use std::time::Duration;
-    use zeroset::live::{Live, Start};
+    use zeroset::live::{Live, Request};
     use zeroset::picture::Settings;
 
     /// What is written around the domain ±2 in a window of this size.
     fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
         let settings = Settings { width, height, max_depth: 4, ..Settings::default() };
-        let text = "domain 2\nx^2+y^2+z^2 = 1".to_owned();
-        let live = Live::new(Start { text, settings, ..Start::default() });
+        let text = "domain 2\nx^2+y^2+z^2 = 1".into();
+        let live = Live::new(Request { text, settings, ..Request::default() });
         let limit = Duration::from_mins(1);
         assert!(live.wait(limit));
         if fitted {
             live.fit();
             assert!(live.wait(limit));
         }
-        let frame = live.view().frame.expect("a picture");
+        let rendering = live.snapshot().rendering.expect("a picture");
         let pixels = vec![0x00ff_ffff; width * height];
-        draw_box(&mut Canvas { width, height, pixels, scale }, &frame, height)
+        draw_box(&mut Canvas { width, height, pixels, scale }, &rendering, height)
     }
 
     #[test]

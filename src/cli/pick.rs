@@ -1,10 +1,9 @@
 //! What is known of the surface under the pointer.
 
-use super::interactive::quote;
 use glam::DVec3;
 use serde_json::json;
 use std::fmt::Write as _;
-use zeroset::live::{Frame, Wish};
+use zeroset::live::{Rendering, Request, quote};
 use zeroset::picture::Precision;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
@@ -12,7 +11,7 @@ use zeroset_trace::Status;
 
 /// A place of the surface that is seen in a pixel.
 pub struct Pick<'a> {
-    frame: &'a Frame,
+    rendering: &'a Rendering,
     pixel: usize,
     /// The point that is painted; `None` where the background shows.
     pub point: Option<DVec3>,
@@ -20,8 +19,8 @@ pub struct Pick<'a> {
 
 impl<'a> Pick<'a> {
     /// What is seen at a place of a window of the given size; `None` outside.
-    pub fn at(frame: &'a Frame, place: (f64, f64), window: (usize, usize)) -> Option<Self> {
-        let buffer = &frame.picture.buffer;
+    pub fn at(rendering: &'a Rendering, place: (f64, f64), window: (usize, usize)) -> Option<Self> {
+        let buffer = &rendering.picture.buffer;
         let scaled = |at: f64, size: usize, of: usize| {
             let inside = at >= 0.0 && at < size as f64;
             inside.then(|| ((at * of as f64 / size as f64) as usize).min(of - 1))
@@ -29,37 +28,37 @@ impl<'a> Pick<'a> {
         let column = scaled(place.0, window.0, buffer.width)?;
         let row = scaled(place.1, window.1, buffer.height)?;
         let pixel = row * buffer.width + column;
-        let ray = frame.camera.frame(buffer.width, buffer.height).ray_of(pixel);
+        let ray = rendering.camera.frame(buffer.width, buffer.height).ray_of(pixel);
         let distance = buffer.drawn[pixel];
         let point = distance.is_finite().then(|| ray.at(distance));
-        Some(Self { frame, pixel, point })
+        Some(Self { rendering, pixel, point })
     }
 
     /// One line with the coordinates.
     pub fn coordinates(&self) -> Option<String> {
         let p = self.point?;
-        let extent = 2.0 * self.frame.model.region().half_extent();
-        let digits = digits(extent, self.frame.wish.settings.max_depth);
+        let extent = 2.0 * self.rendering.model.region().half_extent();
+        let digits = digits(extent, self.rendering.request.settings.max_depth);
         Some(format!("x {:.digits$}  y {:.digits$}  z {:.digits$}", p.x, p.y, p.z))
     }
 
     /// Several lines: coordinates, value, normal, what is proven and why, and the command that asks again.
     pub fn describe(&self) -> String {
-        let buffer = &self.frame.picture.buffer;
+        let buffer = &self.rendering.picture.buffer;
         let (column, row) = (self.pixel % buffer.width, self.pixel / buffer.width);
         let status = match buffer.status[self.pixel] {
             Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
             Status::Hit => "hit: proven".to_owned(),
             Status::Undecided => format!(
                 "undecided: the surface may lie in a slab of 1/{} of the domain; knoll proves misses only",
-                1_u64 << self.frame.wish.settings.max_depth
+                1_u64 << self.rendering.request.settings.max_depth
             ),
         };
         let mut text = format!("pixel {column}, {row}: {status}");
         let Some(p) = self.point else { return text };
         let surface = usize::from(buffer.surface[self.pixel]);
-        let echo = self.frame.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
-        let model = &self.frame.model;
+        let echo = self.rendering.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
+        let model = &self.rendering.model;
         let precision = model.precision();
         // The shortest digits that say which float it is.
         let show = |value: f64| match precision {
@@ -74,7 +73,7 @@ impl<'a> Pick<'a> {
         let [u, v, w] = gradient.map(show);
         let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}", show(value));
         let _ = write!(text, "\n  normal {a:.4}, {b:.4}, {c:.4}");
-        let formula = formula(&self.frame.wish, surface);
+        let formula = formula(&self.rendering.request, surface);
         let point = match precision {
             Precision::F32 => json!(p.as_vec3().to_array()),
             Precision::F64 => json!(p.to_array()),
@@ -93,8 +92,8 @@ fn digits(extent: f64, depth: u32) -> usize {
 }
 
 /// The definitions of a document and one of its surfaces, as a text of its own.
-fn formula(wish: &Wish, surface: usize) -> String {
-    let text = &wish.text;
+fn formula(request: &Request, surface: usize) -> String {
+    let text = &request.text;
     let statements = parse(text, &Limits::default()).unwrap_or_default();
     let mut lines = Vec::new();
     let mut drawings = 0;
@@ -102,7 +101,7 @@ fn formula(wish: &Wish, surface: usize) -> String {
         let end = text[start..].find(['\n', ';']).map_or(text.len(), |end| start + end);
         // A statement goes on where a bracket is open, and is then taken to the end of the text's line that closes it.
         let mut end = end;
-        while super::prompt::is_open(&text[start..end]) && end < text.len() {
+        while super::completion::is_open(&text[start..end]) && end < text.len() {
             end = text[end + 1..].find(['\n', ';']).map_or(text.len(), |more| end + 1 + more);
         }
         text[start..end].trim_end().to_owned()
@@ -118,10 +117,10 @@ fn formula(wish: &Wish, surface: usize) -> String {
             }
         }
     }
-    for (name, value) in &wish.overrides {
+    for (name, value) in &request.overrides {
         lines.push(format!("{name} = {value}"));
     }
-    if let Some(time) = wish.time {
+    if let Some(time) = request.time {
         lines.push(format!("t = {time}"));
     }
     lines.join("\n")

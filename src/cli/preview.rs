@@ -3,8 +3,9 @@
 
 use super::graphics::{Known, Protocol};
 use super::terminal::{self, Answer};
+use super::{notes, output};
 use std::fmt::Write as _;
-use std::io::{IsTerminal, Write as _};
+use std::io::IsTerminal;
 use std::sync::OnceLock;
 use std::time::Duration;
 use zeroset::picture::Picture;
@@ -75,17 +76,17 @@ pub fn room() -> (usize, usize) {
     (columns * across, rows * down)
 }
 
-/// Prints a picture that was made to fit.
-pub fn print(picture: &Picture) {
-    let coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-        && std::io::stdout().is_terminal();
+/// Prints a picture that was made to fit, and a line below it.
+///
+/// # Errors
+/// If the terminal cannot be written to.
+pub fn print(picture: &Picture, below: &str) -> anyhow::Result<()> {
     let text = match protocol().0.and_then(|protocol| pixels(picture, protocol)) {
         Some(text) => text,
-        None if coloured => blocks(picture),
+        None if notes::coloured_output() => blocks(picture),
         None => letters(picture),
     };
-    // Nobody is left to tell if that fails.
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    output::print(&format!("{text}{below}\n"))
 }
 
 /// The picture as this protocol takes it; `None` if it cannot be packed.

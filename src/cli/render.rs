@@ -1,20 +1,21 @@
 //! `zeroset render`.
 
-use super::arguments::{self, Outputs, Packet, Render, Undecided};
-use super::notes;
+use super::arguments::{KernelArgs, OutputArgs, RenderArgs, TracingArgs};
+use super::array::{ARRAYS, ArrayRow, Arrays};
 use super::output::{Output, check_png, print, write_png};
 use super::progress::Progress;
 use super::subject::{self, Subject};
-use super::{array, report};
+use super::vector::Size;
+use super::{notes, report};
 use anyhow::{Context, Result, bail, ensure};
 use glam::DVec3;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset::domain::AutoDomain;
-use zeroset::picture::{self, Normals, Picture, Settings};
-use zeroset::scene::{self, CameraChoice};
+use zeroset::picture::{self, Picture, Precision, Settings};
+use zeroset::scene;
 use zeroset_syntax::Color;
-use zeroset_trace::{Colour, HalfSpace, PacketWidth, Projection, Status, UndecidedStyle, View};
+use zeroset_trace::{Colour, Status};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
@@ -22,21 +23,17 @@ const UNDECIDED: u8 = 1;
 /// Shadow rays are traced this many halvings coarser than the picture.
 const SHADOW_COARSENESS: u32 = 1;
 
-pub fn run(arguments: &Render) -> Result<ExitCode> {
+pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
-    let camera_choice = camera_choice(&arguments.camera)?;
+    let (choice, clip) = (arguments.camera.choice(), arguments.camera.clip());
     let files = Files::create(&arguments.outputs)?;
-    let subject = Subject::read(&arguments.subject)?;
+    let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let clip = arguments.camera.clip.map(|plane| {
-        let [a, b, c, d] = plane.0;
-        HalfSpace { normal: DVec3::new(a, b, c), offset: d }
-    });
     let render = || -> Result<_> {
         let document = &subject.document;
         let (region, searched) = scene::region(document, subject.domain, clip)?;
-        let camera = scene::camera(document, &region, &camera_choice)?;
+        let camera = scene::camera(document, &region, &choice)?;
         let pixels = settings.width * settings.height * document.surfaces.len();
         let bar = Progress::new(pixels as u64, "tracing");
         let picture = picture::render(document, &region, &camera, &settings, &|done, _| {
@@ -77,52 +74,44 @@ pub fn in_threads<T: Send>(
 
 /// # Errors
 /// If slabs would be too thin for floats of this precision, or none.
-pub fn check_depth(flag: &str, depth: u32, precision: picture::Precision) -> Result<()> {
+pub fn check_depth(flag: &str, depth: u32, precision: Precision) -> Result<()> {
     let most = precision.max_depth();
     let hint = match precision {
-        picture::Precision::F32 => {
-            format!(", or {} with --precision f64", picture::Precision::F64.max_depth())
+        Precision::F32 => {
+            format!(", or {} with --precision f64", Precision::F64.max_depth())
         }
-        picture::Precision::F64 => String::new(),
+        Precision::F64 => String::new(),
     };
     ensure!((1..=most).contains(&depth), "{flag} must be between 1 and {most}{hint}");
     Ok(())
 }
 
-/// What the method's flags ask for, at a given size and with the default look.
+/// What the method's flags ask for, at a given size and with the default shading.
 ///
 /// # Errors
 /// If a number is out of range.
-pub fn method_settings(method: &arguments::Tracing, size: super::vector::Size) -> Result<Settings> {
-    let precision = picture::Precision::from(method.precision);
-    check_depth("--max-depth", method.max_depth, precision)?;
-    let shadow_depth = method
-        .shadow_depth
-        .unwrap_or_else(|| method.max_depth.saturating_sub(SHADOW_COARSENESS).max(1));
+pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
+    let KernelArgs { precision, max_depth } = method.kernels;
+    check_depth("--max-depth", max_depth, precision)?;
+    let coarser = || max_depth.saturating_sub(SHADOW_COARSENESS).max(1);
+    let shadow_depth = method.shadow_depth.unwrap_or_else(coarser);
     check_depth("--shadow-depth", shadow_depth, precision)?;
     Ok(Settings {
-        width: size.width,
-        height: size.height,
+        width,
+        height,
         precision,
-        max_depth: method.max_depth,
-        packet: match method.packet {
-            Packet::Four => PacketWidth::Four,
-            Packet::Eight => PacketWidth::Eight,
-            Packet::Sixteen => PacketWidth::Sixteen,
-        },
+        max_depth,
+        packet: method.packet,
         shadow_depth: method.shadows.then_some(shadow_depth),
-        normals: Some(match method.normals {
-            arguments::Normals::Gradient => Normals::Gradient,
-            arguments::Normals::Central => Normals::Central,
-        }),
+        normals: Some(method.normals),
         ..Settings::default()
     })
 }
 
-fn settings(arguments: &Render) -> Result<Settings> {
-    let look = &arguments.look;
-    ensure!((0.0..=1.0).contains(&look.ambient), "--ambient must be between 0 and 1");
-    let background = match &look.background {
+fn settings(arguments: &RenderArgs) -> Result<Settings> {
+    let shading = &arguments.shading;
+    ensure!((0.0..=1.0).contains(&shading.ambient), "--ambient must be between 0 and 1");
+    let background = match &shading.background {
         None => None,
         Some(text) => {
             let named = Color::named(text).map(|color| Colour::from_srgb(color.rgb));
@@ -131,115 +120,63 @@ fn settings(arguments: &Render) -> Result<Settings> {
             })?)
         }
     };
-    if let Some(light) = look.light {
+    if let Some(light) = shading.light {
         ensure!(light.0.iter().all(|c| c.is_finite()), "--light needs finite numbers");
     }
     let outputs = &arguments.outputs;
     let method = method_settings(&arguments.tracing, outputs.size)?;
-    let shaded = outputs.output.is_some() || outputs.normal.is_some();
+    let needs_normals =
+        outputs.output.is_some() || outputs.arrays.0.iter().any(|(row, _)| row.needs_normals);
     Ok(Settings {
-        normals: method.normals.filter(|_| shaded),
-        undecided: match look.undecided {
-            None | Some(Undecided::Shade) => UndecidedStyle::Shade,
-            Some(Undecided::Hatch) => UndecidedStyle::Hatch,
-            Some(Undecided::Tint) => UndecidedStyle::Tint,
-            Some(Undecided::Miss) => UndecidedStyle::Miss,
-        },
-        light: look.light.map(|place| DVec3::from_array(place.0)),
-        ambient: look.ambient,
+        normals: method.normals.filter(|_| needs_normals),
+        undecided: shading.undecided,
+        light: shading.light.map(|place| DVec3::from_array(place.0)),
+        ambient: shading.ambient,
         background,
         ..method
-    })
-}
-
-pub fn camera_choice(camera: &arguments::Camera) -> Result<CameraChoice> {
-    let point = |numbers: Option<super::vector::Numbers<3>>| numbers.map(|n| DVec3::from(n.0));
-    let view = match &camera.view {
-        None => None,
-        Some(name) => Some(View::named(name).with_context(|| format!("no view '{name}'"))?),
-    };
-    let projection = match (camera.ortho, camera.fov) {
-        (Some(height), _) => Some(Projection::Orthographic { height }),
-        (None, Some(fov)) => Some(Projection::Perspective { fov }),
-        (None, None) => None,
-    };
-    Ok(CameraChoice {
-        view,
-        eye: point(camera.eye),
-        target: point(camera.target),
-        up: point(camera.up),
-        projection,
     })
 }
 
 /// The files asked for, opened before the work.
 struct Files {
     picture: Option<Output>,
-    distance: Option<Output>,
-    status: Option<Output>,
-    normal: Option<Output>,
+    arrays: Vec<(&'static ArrayRow, Output)>,
 }
 
 impl Files {
-    fn create(outputs: &Outputs) -> Result<Self> {
-        let Outputs { output, distance, status, normal, json, size: _ } = outputs;
-        let paths = [output, distance, status, normal];
-        if paths.iter().all(|path| path.is_none()) && !json {
-            bail!(
-                "nothing to write: add -o picture.png, or --json, --distance, --status, --normal"
-            );
+    fn create(arguments: &OutputArgs) -> Result<Self> {
+        let OutputArgs { output, arrays: Arrays(arrays), json, size: _ } = arguments;
+        let paths = || output.iter().chain(arrays.iter().map(|(_, path)| path));
+        if paths().next().is_none() && !json {
+            let flags: Vec<String> = ARRAYS.iter().map(|row| format!("--{}", row.flag)).collect();
+            bail!("nothing to write: add -o picture.png, or --json, {}", flags.join(", "));
         }
-        let standard = paths.iter().filter(|path| path.as_deref() == Some(Path::new("-"))).count();
+        let standard = paths().filter(|path| path.as_path() == Path::new("-")).count();
         ensure!(
             standard + usize::from(*json) <= 1,
             "only one thing can be written to standard output"
         );
-        let files: Vec<_> = paths.iter().filter_map(|path| path.as_ref()).collect();
-        for (index, path) in files.iter().enumerate() {
-            let twice = path.as_path() != Path::new("-") && files[..index].contains(path);
-            ensure!(!twice, "'{}' is given for two outputs", path.display());
-        }
         if let Some(path) = output {
             check_png(path)?;
         }
-        let create =
-            |path: &Option<_>| path.as_ref().map(|path: &std::path::PathBuf| Output::create(path));
-        Ok(Self {
-            picture: create(output).transpose()?,
-            distance: create(distance).transpose()?,
-            status: create(status).transpose()?,
-            normal: create(normal).transpose()?,
-        })
+        let outputs = paths().map(|path| Output::create(path)).collect::<Result<Vec<_>>>()?;
+        for (index, (one, path)) in outputs.iter().zip(paths()).enumerate() {
+            let twice = outputs[..index].iter().any(|other| one.is_same(other));
+            ensure!(!twice, "'{}' is given for two outputs", path.display());
+        }
+        let mut outputs = outputs.into_iter();
+        let picture = output.as_ref().and_then(|_| outputs.next());
+        Ok(Self { picture, arrays: arrays.iter().map(|(row, _)| *row).zip(outputs).collect() })
     }
 
     fn finish(self, picture: &Picture) -> Result<()> {
-        let buffer = &picture.buffer;
-        let (width, height) = (buffer.width, buffer.height);
         if let Some(file) = self.picture {
+            let (width, height) = (picture.buffer.width, picture.buffer.height);
             file.finish(|out| write_png(out, &picture.rgb, width, height))?;
         }
-        if let Some(file) = self.distance {
-            let distance = buffer.distance.iter().copied();
-            let shape = [height, width];
-            match picture.precision {
-                // Exact, as these kernels know no more.
-                picture::Precision::F32 => {
-                    file.finish(|out| array::write(out, &shape, distance.map(|d| d as f32)))?;
-                }
-                picture::Precision::F64 => {
-                    file.finish(|out| array::write(out, &shape, distance))?;
-                }
-            }
-        }
-        if let Some(file) = self.status {
-            let bytes = buffer.status.iter().map(|&status| status as u8);
-            file.finish(|out| array::write(out, &[height, width], bytes))?;
-        }
-        if let Some(file) = self.normal {
-            let components = buffer.normal.iter().flatten().copied();
-            file.finish(|out| array::write(out, &[height, width, 3], components))?;
-        }
-        Ok(())
+        self.arrays
+            .into_iter()
+            .try_for_each(|(row, file)| file.finish(|out| (row.write)(picture, out)))
     }
 }
 
@@ -250,6 +187,7 @@ fn remark(
     picture: &Picture,
     searched: Option<AutoDomain>,
 ) {
+    picture.remarks.iter().for_each(|remark| notes::note(remark));
     if picture.flat {
         notes::note(zeroset::live::FLAT);
     }

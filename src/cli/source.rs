@@ -26,8 +26,9 @@ pub fn find(argument: &OsStr) -> Result<Source> {
     }
     let path = Path::new(argument);
     let shown = argument.to_string_lossy();
-    // An empty argument or one with a NUL byte is no path, and the failing look-up says so.
-    if path.exists() {
+    // An empty argument or one with a NUL byte is no path, and the failing look-up says so. A link that leads nowhere is
+    // a path all the same.
+    if path.symlink_metadata().is_ok() {
         if path.is_dir() {
             bail!("'{shown}' is a directory, not a function file");
         }

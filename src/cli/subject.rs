@@ -1,10 +1,9 @@
 //! A document and everything said about it on the command line.
 
-use super::arguments;
+use super::arguments::DocumentArgs;
 use super::notes;
 use super::source::{self, Source};
-use super::vector::Domain;
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use std::time::{Duration, Instant};
 use zeroset::domain::{AutoDomain, Finding, REACH};
 use zeroset::scene::{self, DomainChoice};
@@ -28,21 +27,19 @@ impl Subject {
     ///
     /// # Errors
     /// If there is no text, or it is wrong.
-    pub fn read(arguments: &arguments::Subject) -> Result<Self> {
+    pub fn read(arguments: &DocumentArgs) -> Result<Self> {
         let source = source::find(&arguments.source)?;
-        let overrides = overrides(&arguments.define)?;
-        let time = arguments.time.as_deref().map(time).transpose()?;
-        let domain = match arguments.domain {
-            None => DomainChoice::Document,
-            Some(Domain::Auto) => DomainChoice::Auto,
-            Some(Domain::Bounds(bounds)) => DomainChoice::Bounds(bounds),
-        };
+        let values = &arguments.values;
+        let (overrides, time, domain) = (values.overrides()?, values.time()?, values.domain());
         let started = Instant::now();
         let options = Options { overrides: &overrides, time, ..Options::default() };
         let read = zeroset_syntax::read(&source.text, &options);
         let parse = started.elapsed();
         match read {
-            Ok(document) => Ok(Self { source, document, domain, parse }),
+            Ok(document) => {
+                note_time(time, &document);
+                Ok(Self { source, document, domain, parse })
+            }
             Err(errors) => {
                 let shown = errors.render(Some(&source.name), &source.text, notes::coloured());
                 Err(notes::Diagnostic(shown).into())
@@ -59,22 +56,10 @@ impl Subject {
     }
 }
 
-pub fn overrides(defines: &[String]) -> Result<Vec<(String, String)>> {
-    defines
-        .iter()
-        .map(|define| {
-            let (name, value) = define
-                .split_once('=')
-                .with_context(|| format!("-D '{define}' is not of the form name=value"))?;
-            Ok((name.trim().to_owned(), value.trim().to_owned()))
-        })
-        .collect()
-}
-
-pub fn time(text: &str) -> Result<f64> {
-    match text.trim().parse::<f64>() {
-        Ok(time) if time.is_finite() => Ok(time),
-        _ => bail!("--time '{text}' is not a finite number"),
+/// Says so if a time was given for a document that does not depend on it.
+pub fn note_time(time: Option<f64>, document: &Document) {
+    if time.is_some() && !scene::depends_on_time(document) {
+        notes::note("--time changes nothing: `t` occurs nowhere in the formula");
     }
 }
 

@@ -1,6 +1,7 @@
-//! Lists of numbers on the command line: points, planes, sizes and domains.
+//! Lists of numbers on the command line: points, planes and sizes.
 
 use std::str::FromStr;
+use zeroset::scene::numbers;
 
 /// `N` numbers with commas between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,33 +18,6 @@ impl<const N: usize> FromStr for Numbers<N> {
             array
                 .map_err(|_| format!("expected {N} numbers with commas between, found {found}"))?,
         ))
-    }
-}
-
-/// The value of `--domain`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Domain {
-    /// Found from the formula.
-    Auto,
-    /// Lower and upper bound per axis, unchecked.
-    Bounds([f64; 6]),
-}
-
-impl FromStr for Domain {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text.trim() == "auto" {
-            return Ok(Self::Auto);
-        }
-        match *numbers(text)? {
-            [r] => Ok(Self::Bounds([-r, r, -r, r, -r, r])),
-            [a, b, c, d, e, f] => Ok(Self::Bounds([a, b, c, d, e, f])),
-            ref other => Err(format!(
-                "expected auto, one number or six with commas between, found {} numbers",
-                other.len()
-            )),
-        }
     }
 }
 
@@ -77,15 +51,6 @@ impl FromStr for Size {
     }
 }
 
-fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    text.split(',')
-        .map(|part| {
-            let part = part.trim();
-            part.parse().map_err(|_| format!("'{part}' is not a number"))
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,19 +62,6 @@ mod tests {
         let wrong = ["", "0", "0x0", "1x0", "-1", "1x2x3", "99999999", "9999999999x9999999999"];
         for text in wrong {
             assert!(text.parse::<Size>().is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn domains_are_a_word_a_number_or_six() {
-        assert_eq!("auto".parse(), Ok(Domain::Auto));
-        assert_eq!("3".parse(), Ok(Domain::Bounds([-3.0, 3.0, -3.0, 3.0, -3.0, 3.0])));
-        assert_eq!(
-            "-1,1, 0,2,.5,1e1".parse(),
-            Ok(Domain::Bounds([-1.0, 1.0, 0.0, 2.0, 0.5, 10.0]))
-        );
-        for text in ["", "1,2", "1,2,3,4,5", "a", "1,2,3,4,5,6,7", "1,,2"] {
-            assert!(text.parse::<Domain>().is_err(), "{text}");
         }
     }
 

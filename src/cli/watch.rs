@@ -162,7 +162,7 @@ mod tests {
     use super::*;
     use std::io::Write;
     use std::sync::Arc;
-    use zeroset::live::{Live, Start};
+    use zeroset::live::{Live, Request};
     use zeroset::picture::Settings;
 
     const LIMIT: Duration = Duration::from_secs(30);
@@ -178,9 +178,8 @@ mod tests {
         let path = directory.path().join("surface.zset");
         std::fs::write(&path, text).expect("written");
         let settings = Settings { width: 24, height: 24, max_depth: 6, ..Settings::default() };
-        let start =
-            Start { name: "surface.zset".into(), text: text.into(), settings, ..Start::default() };
-        let live = Arc::new(Live::new(start));
+        let live = Live::new(Request { text: text.into(), settings, ..Request::default() });
+        let live = Arc::new(live);
         let target = Arc::clone(&live);
         let watch = Watch::start(&path, text, move |change| {
             if let Change::Text(text) = change {
@@ -200,13 +199,13 @@ mod tests {
             let until = Instant::now() + LIMIT;
             loop {
                 assert!(self.live.wait(LIMIT));
-                let view = self.live.view();
-                let frame = view.frame.expect("there always is a picture");
-                if *frame.wish.text == *text && !frame.coarse {
-                    assert!(view.fault.is_none());
+                let seen = self.live.snapshot();
+                let frame = seen.rendering.expect("there always is a picture");
+                if *frame.request.text == *text && !frame.coarse {
+                    assert!(seen.fault.is_none());
                     return;
                 }
-                assert!(Instant::now() < until, "still {:?}, not {text:?}", frame.wish.text);
+                assert!(Instant::now() < until, "still {:?}, not {text:?}", frame.request.text);
                 std::thread::sleep(Duration::from_millis(2));
             }
         }
@@ -253,14 +252,14 @@ mod tests {
         file.follows("x^2+y^2+z^2 = 1");
         file.live.turn(|orbit| orbit.turn(10.0, 5.0, 24));
         file.live.wait(LIMIT);
-        let camera = file.live.view().frame.expect("a picture").camera;
+        let camera = file.live.snapshot().rendering.expect("a picture").camera;
         let styles = [overwrite, rename_over, move_away, piecemeal, delete_and_return];
         for (number, save) in (0..10).zip(styles.into_iter().cycle()) {
             let text = format!("domain 2\nx^2+y^2+(z-{number}/10)^2 = 1 # {number}");
             save(&file.path(), &text);
             file.follows(&text);
         }
-        let last = file.live.view().frame.expect("a picture").camera;
+        let last = file.live.snapshot().rendering.expect("a picture").camera;
         let turn = |camera: &zeroset_trace::Camera| camera.frame(1, 1).forward();
         assert!((turn(&camera) - turn(&last)).length() < 1e-9, "the view has moved");
     }
@@ -269,21 +268,21 @@ mod tests {
     fn a_broken_or_missing_file_keeps_the_picture() {
         let file = watched("x^2+y^2+z^2 = 1");
         file.follows("x^2+y^2+z^2 = 1");
-        let good = file.live.view().frame.expect("a picture").picture.rgb.clone();
+        let good = file.live.snapshot().rendering.expect("a picture").picture.rgb.clone();
         for broken in ["x^2+(", "\u{0}", "domain 2\nx^2+unknown"] {
             overwrite(&file.path(), broken);
             let until = Instant::now() + LIMIT;
-            while file.live.view().fault.is_none_or(|fault| *fault.wish.text != *broken) {
+            while file.live.snapshot().fault.is_none_or(|fault| *fault.request.text != *broken) {
                 assert!(Instant::now() < until, "no error for {broken:?}");
                 std::thread::sleep(Duration::from_millis(2));
             }
-            assert_eq!(file.live.view().frame.expect("kept").picture.rgb, good);
+            assert_eq!(file.live.snapshot().rendering.expect("kept").picture.rgb, good);
         }
         overwrite(&file.path(), "");
         std::thread::sleep(QUIET * 4);
         std::fs::remove_file(file.path()).expect("removed");
         std::thread::sleep(QUIET * 4);
-        assert_eq!(file.live.view().frame.expect("kept").picture.rgb, good);
+        assert_eq!(file.live.snapshot().rendering.expect("kept").picture.rgb, good);
         overwrite(&file.path(), "x = y");
         file.follows("x = y");
     }

@@ -3,10 +3,10 @@
 
 use super::canvas::{Canvas, Rgb};
 use super::help;
-use super::interactive::Session;
 use super::line_edit::LineEdit;
 use super::overlay::draw_box;
 use super::pick::Pick;
+use super::session::Session;
 use super::vector::Size;
 use anyhow::{Context, Result};
 use minifb::{InputCallback, Key, MouseButton, MouseMode, ScaleMode, WindowOptions};
@@ -14,8 +14,10 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::{JoinHandle, spawn};
 use std::time::{Duration, Instant};
-use zeroset::live::{Fault, Frame, Orbit, View, Wish};
+use zeroset::live::{Fault, Orbit, Rendering, Request, Snapshot};
 use zeroset::scene::CameraChoice;
 
 const PAPER: Rgb = 0x00f4_f4f6;
@@ -42,32 +44,47 @@ const HIGH: usize = 1400;
 
 /// What was typed, in order. A key that is pressed and let go between two looks at the keyboard is not lost.
 #[derive(Clone, Copy)]
-enum Typed {
+enum Input {
     Letter(char),
     Key(Key),
 }
 
 /// Collects what is typed until it is looked at.
-struct Keyboard(Rc<RefCell<VecDeque<Typed>>>);
+struct Keyboard(Rc<RefCell<VecDeque<Input>>>);
 
 impl InputCallback for Keyboard {
     fn add_char(&mut self, letter: u32) {
         if let Some(letter) = char::from_u32(letter).filter(|letter| !letter.is_control()) {
-            self.0.borrow_mut().push_back(Typed::Letter(letter));
+            self.0.borrow_mut().push_back(Input::Letter(letter));
         }
     }
 
     fn set_key_state(&mut self, key: Key, down: bool) {
         if down {
-            self.0.borrow_mut().push_back(Typed::Key(key));
+            self.0.borrow_mut().push_back(Input::Key(key));
         }
     }
+}
+
+/// What was done on another thread, so that the window goes on meanwhile.
+enum Outcome {
+    /// A line was entered, or refused.
+    Entered(LineEdit, Result<(), String>),
+    /// A picture was saved, or could not be.
+    Saved(anyhow::Result<()>),
 }
 
 /// A window that has been opened.
 pub struct Window {
     native: minifb::Window,
-    keyboard: Rc<RefCell<VecDeque<Typed>>>,
+    session: Arc<Session>,
+    /// Lines to be entered one after the other.
+    lines: Sender<LineEdit>,
+    outcomes: Receiver<Outcome>,
+    /// Hands out ends for whoever has an outcome to tell.
+    tell: Sender<Outcome>,
+    threads: Vec<JoinHandle<()>>,
+    keyboard: Rc<RefCell<VecDeque<Input>>>,
     scale: Option<usize>,
     drag: Option<Drag>,
     line: Option<LineEdit>,
@@ -77,8 +94,8 @@ pub struct Window {
     axes: bool,
     /// The view that shows the whole box, where it was taken for that.
     fitted: Option<Orbit>,
-    base: Base,
-    drawn: Option<Look>,
+    backdrop: Backdrop,
+    drawn: Option<Content>,
 }
 
 /// A press of a mouse button that has not ended.
@@ -93,18 +110,18 @@ struct Drag {
 
 /// The picture at the window's size, kept while only what lies over it changes.
 #[derive(Default)]
-struct Base {
-    frame: Option<Arc<Frame>>,
+struct Backdrop {
+    rendering: Option<Arc<Rendering>>,
     size: (usize, usize),
     pixels: Vec<Rgb>,
 }
 
 /// Everything that a window's content depends on; drawn again only when it changes.
 #[derive(Clone, PartialEq)]
-struct Look {
+struct Content {
     size: (usize, usize),
-    /// The frame, by its place in memory: it is kept while it is shown.
-    frame: usize,
+    /// The rendering, by its place in memory: it is kept while it is shown.
+    rendering: usize,
     fault: Option<String>,
     wrong: bool,
     hover: Option<String>,
@@ -119,7 +136,7 @@ impl Window {
     ///
     /// # Errors
     /// One phrase that says why there can be none.
-    pub fn open(size: Size, scale: Option<usize>) -> Result<Self, String> {
+    pub fn open(size: Size, scale: Option<usize>, session: &Arc<Session>) -> Result<Self, String> {
         #[cfg(all(unix, not(target_os = "macos")))]
         if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
             return Err("there is no display (DISPLAY is not set)".to_owned());
@@ -134,8 +151,19 @@ impl Window {
         window.set_target_fps(60);
         let keyboard = Rc::new(RefCell::new(VecDeque::new()));
         window.set_input_callback(Box::new(Keyboard(Rc::clone(&keyboard))));
+        let (lines, entered) = channel();
+        let (tell, outcomes) = channel();
+        let thread = {
+            let (session, tell) = (Arc::clone(session), tell.clone());
+            spawn(move || enter_all(&session, &entered, &tell))
+        };
         Ok(Self {
             native: window,
+            session: Arc::clone(session),
+            lines,
+            outcomes,
+            tell,
+            threads: vec![thread],
             keyboard,
             scale,
             drag: None,
@@ -145,7 +173,7 @@ impl Window {
             help: false,
             axes: false,
             fitted: None,
-            base: Base::default(),
+            backdrop: Backdrop::default(),
             drawn: None,
         })
     }
@@ -154,14 +182,27 @@ impl Window {
     ///
     /// # Errors
     /// If the window can no longer be drawn to.
-    pub fn run(mut self, session: &Arc<Session>) -> Result<()> {
-        while self.native.is_open() && !session.has_ended() {
+    pub fn run(mut self) -> Result<()> {
+        while self.native.is_open() && !self.session.has_ended() {
             let (width, height) = self.picture_size();
-            session.live.resize(width, height);
-            self.keys(session);
-            let view = session.live.view();
-            self.mouse(session, &view);
-            self.draw(&view)?;
+            self.session.live.resize(width, height);
+            self.keys();
+            self.settle();
+            let seen = self.session.live.snapshot();
+            self.mouse(&seen);
+            self.draw(&seen)?;
+        }
+        // What was begun is finished, but no picture is waited for any more.
+        self.session.end();
+        drop(self.lines);
+        for thread in self.threads {
+            // A panic has been reported where it happened.
+            let _ = thread.join();
+        }
+        while let Ok(outcome) = self.outcomes.try_recv() {
+            if let Outcome::Entered(_, Err(wrong)) = outcome {
+                self.session.say(&wrong);
+            }
         }
         Ok(())
     }
@@ -188,54 +229,70 @@ impl Window {
         self.message = Some((first.to_owned(), Instant::now()));
     }
 
-    fn keys(&mut self, session: &Arc<Session>) {
-        let typed: Vec<Typed> = self.keyboard.borrow_mut().drain(..).collect();
+    fn keys(&mut self) {
+        let typed: Vec<Input> = self.keyboard.borrow_mut().drain(..).collect();
         for typed in typed {
             match (typed, &mut self.line) {
-                (Typed::Letter(letter), Some(line)) => {
+                (Input::Letter(letter), Some(line)) => {
                     line.insert(letter);
-                    self.follow_line(session);
+                    self.follow_line();
                 }
-                (Typed::Letter(letter), None) => self.shortcut(session, letter),
-                (Typed::Key(Key::F1), _) => self.help = !self.help,
-                (Typed::Key(Key::Escape), _) => self.escape(session),
-                (Typed::Key(Key::Enter | Key::NumPadEnter), _) => match self.line.take() {
+                (Input::Letter(letter), None) => self.shortcut(letter),
+                (Input::Key(Key::F1), _) => self.help = !self.help,
+                (Input::Key(Key::Escape), _) => self.escape(),
+                (Input::Key(Key::Enter | Key::NumPadEnter), _) => match self.line.take() {
                     None => self.line = Some(LineEdit::default()),
-                    Some(line) => self.enter(session, line),
+                    Some(line) => self.enter(line),
                 },
-                (Typed::Key(key), Some(_)) => self.edit(session, key),
-                (Typed::Key(key), None) => turn(session, key),
+                (Input::Key(key), Some(_)) => self.edit(key),
+                (Input::Key(key), None) => self.turn(key),
             }
         }
     }
 
     /// Closes what is open, the last first; never the program.
-    fn escape(&mut self, session: &Arc<Session>) {
+    fn escape(&mut self) {
         if let Some(drag) = &mut self.drag {
             drag.cancelled = true;
         } else if self.line.take().is_some() {
-            session.live.type_line("");
+            self.session.live.type_line("");
         } else {
             self.help = false;
             self.message = None;
         }
     }
 
-    fn enter(&mut self, session: &Arc<Session>, line: LineEdit) {
+    fn enter(&mut self, line: LineEdit) {
         let text = line.text().trim().to_owned();
         if text.is_empty() {
-            return session.live.type_line("");
+            return self.session.live.type_line("");
         }
-        session.recall([text.clone()]);
-        if let Err(wrong) = session.enter(&text) {
-            session.say(&wrong);
-            self.say(&wrong);
-            // It is there to be mended.
-            self.line = Some(line);
-        }
+        self.session.recall([text]);
+        // There is somebody to take it as long as there is a window.
+        let _ = self.lines.send(line);
     }
 
-    fn edit(&mut self, session: &Arc<Session>, key: Key) {
+    /// Shows what has been done meanwhile.
+    fn settle(&mut self) {
+        while let Ok(outcome) = self.outcomes.try_recv() {
+            match outcome {
+                Outcome::Entered(_, Ok(())) => {}
+                Outcome::Entered(line, Err(wrong)) => {
+                    self.session.say(&wrong);
+                    self.say(&wrong);
+                    // It is there to be mended.
+                    self.line.get_or_insert(line);
+                }
+                Outcome::Saved(Ok(())) => {
+                    self.say("saved; the terminal shows the command that makes it again");
+                }
+                Outcome::Saved(Err(error)) => self.say(&format!("error: {error:#}")),
+            }
+        }
+        self.threads.retain(|thread| !thread.is_finished());
+    }
+
+    fn edit(&mut self, key: Key) {
         let Some(line) = &mut self.line else { return };
         match key {
             Key::Backspace => line.backspace(),
@@ -245,22 +302,34 @@ impl Window {
             Key::Home => line.home(),
             Key::End => line.end(),
             Key::Tab => line.complete(),
-            Key::Up | Key::Down => line.recall(&session.recalled(0), key == Key::Up),
+            Key::Up | Key::Down => line.recall(&self.session.recalled(0), key == Key::Up),
             _ => return,
         }
-        self.follow_line(session);
+        self.follow_line();
     }
 
     /// Lets the picture follow the line.
-    fn follow_line(&mut self, session: &Arc<Session>) {
+    fn follow_line(&mut self) {
         if let Some(line) = &self.line {
             self.typed = Instant::now();
-            session.live.type_line(line.text());
+            self.session.live.type_line(line.text());
         }
     }
 
-    fn shortcut(&mut self, session: &Arc<Session>, letter: char) {
-        let live = &session.live;
+    /// Turns the view by an arrow key.
+    fn turn(&self, key: Key) {
+        let (across, down) = match key {
+            Key::Left => (ARROW, 0.0),
+            Key::Right => (-ARROW, 0.0),
+            Key::Up => (0.0, ARROW),
+            Key::Down => (0.0, -ARROW),
+            _ => return,
+        };
+        self.session.live.turn(|orbit| orbit.turn(across, down, ARROW_HEIGHT));
+    }
+
+    fn shortcut(&mut self, letter: char) {
+        let live = &self.session.live;
         let height = self.picture_size().1;
         match letter.to_ascii_lowercase() {
             '/' | ':' => {
@@ -276,27 +345,28 @@ impl Window {
             'f' => live.fit(),
             'p' => live.turn(|orbit| orbit.toggle_projection()),
             'u' => live.toggle_undecided(),
-            'x' => self.toggle_axes(session),
-            's' => match session.png(None) {
-                Ok(()) => self.say("saved; the terminal shows the command that makes it again"),
-                Err(error) => self.say(&format!("error: {error:#}")),
-            },
-            'q' => session.end(),
+            'x' => self.toggle_axes(),
+            's' => {
+                let (session, tell) = (Arc::clone(&self.session), self.tell.clone());
+                self.threads.push(spawn(move || save(&session, None, &tell)));
+                self.say("saving the picture when it is finished");
+            }
+            'q' => self.session.end(),
             _ => {}
         }
     }
 
     /// Shows the box, or no longer. The view by default cuts corners off, and so is left for one that shows them all, until
     /// the box is hidden again; a view that somebody chose stays.
-    fn toggle_axes(&mut self, session: &Arc<Session>) {
-        let live = &session.live;
+    fn toggle_axes(&mut self) {
+        let live = &self.session.live;
         self.axes = !self.axes;
-        let Wish { orbit, choice, .. } = live.shown();
+        let Request { orbit, choice, .. } = live.request();
         let chosen = choice != CameraChoice::default()
-            || live.view().frame.is_some_and(|frame| frame.document.view.is_some());
+            || live.snapshot().rendering.is_some_and(|seen| seen.document.view.is_some());
         if self.axes && orbit.is_none() && !chosen {
             live.fit();
-            self.fitted = live.shown().orbit;
+            self.fitted = live.request().orbit;
         } else if !self.axes && orbit.is_some() && orbit == self.fitted.take() {
             live.reset_view();
         }
@@ -306,7 +376,7 @@ impl Window {
         self.native.get_mouse_pos(mode).map(|(x, y)| (f64::from(x), f64::from(y)))
     }
 
-    fn mouse(&mut self, session: &Arc<Session>, view: &View) {
+    fn mouse(&mut self, seen: &Snapshot) {
         let Some(at) = self.pointer(MouseMode::Pass) else { return };
         let (width, height) = self.picture_size();
         let inside = self.pointer(MouseMode::Discard).is_some_and(|(_, y)| y < height as f64);
@@ -316,7 +386,7 @@ impl Window {
         {
             let factor = ZOOM.powf(f64::from(steps.clamp(-5.0, 5.0)));
             let (across, down) = (at.0 - width as f64 / 2.0, at.1 - height as f64 / 2.0);
-            session.live.turn(|orbit| orbit.zoom(factor, across, down, height));
+            self.session.live.turn(|orbit| orbit.zoom(factor, across, down, height));
         }
         let left = self.native.get_mouse_down(MouseButton::Left);
         let right = self.native.get_mouse_down(MouseButton::Right);
@@ -337,7 +407,7 @@ impl Window {
                 if drag.moves && !drag.cancelled && (across, down) != (0.0, 0.0) {
                     drag.last = at;
                     let pans = drag.pans;
-                    session.live.turn(|orbit| {
+                    self.session.live.turn(|orbit| {
                         if pans {
                             orbit.pan(across, down, height);
                         } else {
@@ -351,62 +421,65 @@ impl Window {
                 let start = drag.start;
                 self.drag = None;
                 if click
-                    && let Some(frame) = &view.frame
-                    && let Some(pick) = Pick::at(frame, start, (width, height))
+                    && let Some(rendering) = &seen.rendering
+                    && let Some(pick) = Pick::at(rendering, start, (width, height))
                 {
-                    session.say(&pick.describe());
+                    self.session.say(&pick.describe());
                     self.say(pick.describe().as_str());
                 }
             }
         }
     }
 
-    fn draw(&mut self, view: &View) -> Result<()> {
+    fn draw(&mut self, seen: &Snapshot) -> Result<()> {
         let size = self.size();
         let place = self.pointer(MouseMode::Discard);
-        let pick = view
-            .frame
+        let pick = seen
+            .rendering
             .as_ref()
             .zip(place)
-            .and_then(|(frame, at)| Pick::at(frame, at, self.picture_size()));
+            .and_then(|(rendering, at)| Pick::at(rendering, at, self.picture_size()));
         let hover = pick.and_then(|pick| pick.coordinates());
         if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE) {
             self.message = None;
         }
         let rested = self.typed.elapsed() > PAUSE;
-        let fault = view.fault.as_deref().filter(|_| rested).map(Fault::message);
-        let look = Look {
+        let fault = seen.fault.as_deref().filter(|_| rested).map(Fault::message);
+        let content = Content {
             size,
-            frame: view.frame.as_ref().map_or(0, |frame| Arc::as_ptr(frame) as usize),
+            rendering: seen
+                .rendering
+                .as_ref()
+                .map_or(0, |rendering| Arc::as_ptr(rendering) as usize),
             fault,
-            wrong: view.fault.is_some(),
+            wrong: seen.fault.is_some(),
             hover,
             line: self.line.as_ref().map(|line| (line.text().to_owned(), line.column())),
             message: self.message.as_ref().map(|(text, _)| text.clone()),
             help: self.help,
             axes: self.axes,
         };
-        if self.drawn.as_ref() == Some(&look) {
+        if self.drawn.as_ref() == Some(&content) {
             self.native.update();
             return Ok(());
         }
-        self.base.follow(view.frame.as_ref(), self.picture_size(), size);
-        let canvas = self.compose(&look);
+        self.backdrop.follow(seen.rendering.as_ref(), self.picture_size(), size);
+        let canvas = self.compose(&content);
         self.native
             .update_with_buffer(&canvas.pixels, canvas.width, canvas.height)
             .context("the window cannot be drawn to")?;
-        self.drawn = Some(look);
+        self.drawn = Some(content);
         Ok(())
     }
 
-    fn compose(&self, look: &Look) -> Canvas {
-        let (width, height) = look.size;
+    fn compose(&self, content: &Content) -> Canvas {
+        let (width, height) = content.size;
         let scale = self.scale_at(height);
-        let mut canvas = Canvas { width, height, pixels: self.base.pixels.clone(), scale };
-        if let Some(frame) = self.base.frame.as_ref().filter(|_| look.axes) {
-            draw_box(&mut canvas, frame, self.picture_size().1);
+        let mut canvas = Canvas { width, height, pixels: self.backdrop.pixels.clone(), scale };
+        if let Some(rendering) = self.backdrop.rendering.as_ref().filter(|_| content.axes) {
+            draw_box(&mut canvas, rendering, self.picture_size().1);
         }
-        if look.wrong {
+        if content.wrong {
             canvas.border(2 * scale, WRONG);
         }
         let row = canvas.line_height();
@@ -415,25 +488,25 @@ impl Window {
         let bottom = height as i64 - row as i64;
         // The status line, then what lies above it.
         canvas.fill(0, bottom, width, row, 0x0020_2028, 255);
-        let status = match &self.base.frame {
-            Some(frame) if frame.coarse => format!("{} · refining", frame.summary()),
-            Some(frame) => frame.summary(),
+        let status = match &self.backdrop.rendering {
+            Some(rendering) if rendering.coarse => format!("{} · refining", rendering.summary()),
+            Some(rendering) => rendering.summary(),
             None => "no picture yet".to_owned(),
         };
-        let hover = look.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
+        let hover = content.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
         let taken = hover.chars().count() * canvas.advance();
         let text_y = bottom + 2 * scale as i64;
         let right = (width as i64 - margin as i64 - taken as i64).max(0);
         if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
             canvas.write(&hover, right, text_y, DIM);
-        } else if look.line.is_none() {
+        } else if content.line.is_none() {
             // Both do not fit one line.
             canvas.label(&hover, right, bottom - row as i64, DIM);
         }
         let left = canvas.fitting(&status, room);
         canvas.write(&left, margin as i64, text_y, LIGHT);
         let mut above = bottom - row as i64;
-        if let Some((text, column)) = &look.line {
+        if let Some((text, column)) = &content.line {
             canvas.fill(0, above, width, row, 0x0010_1014, 240);
             // The end of a long line is where it is typed.
             let letters = (room / canvas.advance()).saturating_sub(3).max(1);
@@ -444,47 +517,58 @@ impl Window {
             canvas.fill(at as i64, above + 2 * scale as i64, 2 * scale, 16 * scale, LIGHT, 255);
             above -= row as i64;
         }
-        let note = look.fault.as_ref().map(|text| (text, WRONG_TEXT));
-        let note = note.or(look.message.as_ref().map(|text| (text, LIGHT)));
+        let note = content.fault.as_ref().map(|text| (text, WRONG_TEXT));
+        let note = note.or(content.message.as_ref().map(|text| (text, LIGHT)));
         if let Some((text, colour)) = note {
             let text = canvas.fitting(text, room);
             canvas.label(&text, 0, above, colour);
         }
-        if let Some(frame) = &self.base.frame {
-            let echo = frame.document.surfaces.first().map_or("", |surface| surface.echo.as_str());
-            let more = frame.document.surfaces.len().saturating_sub(1);
+        if let Some(rendering) = &self.backdrop.rendering {
+            let echo =
+                rendering.document.surfaces.first().map_or("", |surface| surface.echo.as_str());
+            let more = rendering.document.surfaces.len().saturating_sub(1);
             let text = if more > 0 { format!("{echo}  and {more} more") } else { echo.to_owned() };
             let text = canvas.fitting(&text, room);
             canvas.label(&text, 0, 0, LIGHT);
         }
-        if look.help {
+        if content.help {
             help::draw(&mut canvas);
         }
         canvas
     }
 }
 
-/// Turns the view by an arrow key.
-fn turn(session: &Arc<Session>, key: Key) {
-    let (across, down) = match key {
-        Key::Left => (ARROW, 0.0),
-        Key::Right => (-ARROW, 0.0),
-        Key::Up => (0.0, ARROW),
-        Key::Down => (0.0, -ARROW),
-        _ => return,
-    };
-    session.live.turn(|orbit| orbit.turn(across, down, ARROW_HEIGHT));
+/// Enters lines as long as there are any to come.
+fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Sender<Outcome>) {
+    let mut saves = Vec::new();
+    for line in lines {
+        let result = session.enter(line.text().trim(), |to| {
+            // The lines after it need not wait for the picture.
+            let (session, tell) = (Arc::clone(session), tell.clone());
+            saves.push(spawn(move || save(&session, to.as_deref(), &tell)));
+            Ok(())
+        });
+        // Nobody is left to tell once the window is closed.
+        let _ = tell.send(Outcome::Entered(line, result));
+    }
+    for save in saves {
+        let _ = save.join();
+    }
 }
 
-impl Base {
-    /// Scales the frame's picture to its part of the window, if either has changed.
+fn save(session: &Session, to: Option<&str>, tell: &Sender<Outcome>) {
+    let _ = tell.send(Outcome::Saved(session.png(to)));
+}
+
+impl Backdrop {
+    /// Scales the rendering's picture to its part of the window, if either has changed.
     fn follow(
         &mut self,
-        frame: Option<&Arc<Frame>>,
+        rendering: Option<&Arc<Rendering>>,
         picture: (usize, usize),
         window: (usize, usize),
     ) {
-        let same = match (&self.frame, frame) {
+        let same = match (&self.rendering, rendering) {
             (Some(old), Some(new)) => Arc::ptr_eq(old, new),
             (None, None) => !self.pixels.is_empty(),
             (Some(_), None) | (None, Some(_)) => false,
@@ -492,18 +576,18 @@ impl Base {
         if same && self.size == window {
             return;
         }
-        self.frame = frame.cloned();
+        self.rendering = rendering.cloned();
         self.size = window;
         self.pixels.clear();
         self.pixels.resize(window.0 * window.1, PAPER);
-        let Some(frame) = frame else { return };
+        let Some(rendering) = rendering else { return };
         let (width, height) = picture;
-        let buffer = &frame.picture.buffer;
+        let buffer = &rendering.picture.buffer;
         for (y, row) in self.pixels.chunks_exact_mut(width).take(height).enumerate() {
             let line = y * buffer.height / height * buffer.width;
             for (x, pixel) in row.iter_mut().enumerate() {
                 let at = 3 * (line + x * buffer.width / width);
-                let [r, g, b] = [0, 1, 2].map(|k| u32::from(frame.picture.rgb[at + k]));
+                let [r, g, b] = [0, 1, 2].map(|k| u32::from(rendering.picture.rgb[at + k]));
                 *pixel = r << 16 | g << 8 | b;
             }
         }

@@ -1,184 +1,238 @@
-//! Lines that begin with a colon, as data: one row per command, from which reading, help, completion and suggestions are
-//! derived. Nothing is carried out here.
+//! Lines that are typed, and the commands among them: one row per command, from which reading, help, completion and
+//! suggestions are derived. What touches files is left to the caller.
 
-use crate::picture::Precision;
-use crate::scene::DomainChoice;
-use zeroset_trace::View;
+use super::pipeline::Request;
+use super::session::{Live, Refusal, Reply};
+use super::status;
+use crate::names::Named;
+use crate::picture::{Precision, Settings};
+use crate::scene::{self, CameraChoice, DomainChoice};
+use std::fmt::Write as _;
+use zeroset_syntax::language_names;
+use zeroset_trace::{Region, View};
 
 /// What a line asks for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Line<'a> {
+enum Line<'a> {
     /// Nothing but spaces.
     Empty,
     /// Part of the document.
     Text(&'a str),
-    /// A command.
-    Command(Command),
+    /// A command and what follows its name.
+    Command(&'static CommandRow, &'a str),
 }
 
-/// A command, its arguments read.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Command {
-    /// What can be typed, or what a name means.
-    Help(Option<String>),
-    /// Show the document.
-    List,
-    /// Draw one more surface.
-    Add(String),
-    /// Give a name a value.
-    Set {
-        /// The name.
-        name: String,
-        /// An expression.
-        value: String,
-    },
-    /// Where to look.
-    Domain(DomainChoice),
-    /// From which side to look.
-    View(View),
-    /// How rays are traced; `None` asks which are there.
-    Method(Option<String>),
-    /// The largest slab that counts as a hit, in world units; `None` asks for it.
-    Tolerance(Option<f64>),
-    /// In which floats kernels compute; `None` asks for it.
-    Precision(Option<Precision>),
-    /// The value of t.
-    Time(f64),
-    /// Take the document from a file or the gallery.
-    Load(String),
-    /// Write the document to a file; `None` for the one it came from.
-    Save(Option<String>),
-    /// Write the picture to a file; `None` for a name not yet in use.
-    Png(Option<String>),
-    /// How the document was read and compiled, with the code or without.
-    Explain {
-        /// Whether the code is asked for.
-        code: bool,
-    },
-    /// What the picture is of and what it took.
-    Status,
-    /// End.
-    Quit,
-}
-
-/// One command as it is described and read.
-pub struct Row {
+/// One command: how it is described and what it does.
+pub struct CommandRow {
     /// Its name, without the colon.
     pub name: &'static str,
     /// What follows the name, in the notation of a manual.
     pub arguments: &'static str,
     /// One line on what it does.
     pub doc: &'static str,
-    read: fn(&str) -> Option<Command>,
+    /// Carries it out; `None` if what follows the name is not as `arguments` says.
+    run: fn(&Live, &str) -> Option<Result<Reply, Refusal>>,
 }
 
-fn some(text: &str) -> Option<String> {
-    (!text.is_empty()).then(|| text.to_owned())
-}
-
-fn finite(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|number: &f64| number.is_finite())
-}
+/// The command that draws one more surface.
+const ADD: &str = "add";
 
 /// Every command, in the order of the help.
 #[rustfmt::skip]
-pub const COMMANDS: &[Row] = &[
-    Row { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
-        read: |text| Some(Command::Help(some(text))) },
-    Row { name: "list", arguments: "", doc: "show the document",
-        read: |text| text.is_empty().then_some(Command::List) },
-    Row { name: "add", arguments: "FORMULA", doc: "draw one more surface beside the others",
-        read: |text| Some(Command::Add(some(text)?)) },
-    Row { name: "set", arguments: "NAME = VALUE", doc: "give a name a value",
-        read: set },
-    Row { name: "domain", arguments: "auto|R|X0,X1,Y0,Y1,Z0,Z1", doc: "where to look",
-        read: |text| domain(text).map(Command::Domain) },
-    Row { name: "view", arguments: "iso|front|back|left|right|top|bottom", doc: "look from this side",
-        read: |text| View::named(text).map(Command::View) },
-    Row { name: "method", arguments: "[NAME]", doc: "how rays are traced",
-        read: |text| Some(Command::Method(some(text))) },
-    Row { name: "tolerance", arguments: "[LENGTH]", doc: "how finely surfaces are located, in world units",
-        read: |text| Some(Command::Tolerance(match text {
-            "" => None,
-            _ => Some(finite(text).filter(|length| *length > 0.0)?),
-        })) },
-    Row { name: "precision", arguments: "[f32|f64]", doc: "in which floats is computed: f64 is slower and finer",
-        read: |text| Some(Command::Precision(match text {
-            "" => None,
-            _ => Some(precision(text)?),
-        })) },
-    Row { name: "time", arguments: "T", doc: "set the time t",
-        read: |text| Some(Command::Time(finite(text)?)) },
-    Row { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
-        read: |text| Some(Command::Load(some(text)?)) },
-    Row { name: "save", arguments: "[FILE.zset]", doc: "write the document",
-        read: |text| Some(Command::Save(some(text))) },
-    Row { name: "png", arguments: "[FILE.png]", doc: "write the picture, and show the command that makes it again",
-        read: |text| Some(Command::Png(some(text))) },
-    Row { name: "explain", arguments: "[code]", doc: "how the document was read, simplified and compiled",
-        read: |text| matches!(text, "" | "code").then_some(Command::Explain { code: !text.is_empty() }) },
-    Row { name: "status", arguments: "", doc: "what the picture shows and what it took",
-        read: |text| text.is_empty().then_some(Command::Status) },
-    Row { name: "quit", arguments: "", doc: "end",
-        read: |text| text.is_empty().then_some(Command::Quit) },
+pub const COMMANDS: &[CommandRow] = &[
+    CommandRow { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
+        run: |_, name| Some(help(name)) },
+    CommandRow { name: "list", arguments: "", doc: "show the document",
+        run: |live, rest| rest.is_empty().then(|| say(live.text())) },
+    CommandRow { name: ADD, arguments: "FORMULA", doc: "draw one more surface beside the others",
+        run: |live, formula| Some(live.commit(&given(formula)?, true)) },
+    CommandRow { name: "set", arguments: "NAME = VALUE", doc: "give a name a value",
+        run: set },
+    CommandRow { name: "domain", arguments: "auto|R|X0,X1,Y0,Y1,Z0,Z1", doc: "set the domain that is shown",
+        run: |live, domain| Some(look_at(live, domain.parse().ok()?)) },
+    CommandRow { name: "view", arguments: "iso|front|back|left|right|top|bottom", doc: "look from this side",
+        run: |live, name| View::named(name).map(|view| look_from(live, view)) },
+    CommandRow { name: "method", arguments: "[NAME]", doc: "how rays are traced",
+        run: |_, name| Some(method(name)) },
+    CommandRow { name: "tolerance", arguments: "[LENGTH]", doc: "how finely surfaces are located, in world units",
+        run: |live, length| Some(tolerance(live, optional(length, |length| {
+            length.parse().ok().filter(|length: &f64| length.is_finite() && *length > 0.0)
+        })?)) },
+    CommandRow { name: "precision", arguments: "[f32|f64]", doc: "kernel precision: f64 is slower but resolves more",
+        run: |live, name| Some(precision(live, optional(name, Precision::named)?)) },
+    CommandRow { name: "time", arguments: "T", doc: "set the time t",
+        run: |live, time| Some(set_time(live, scene::number(time)?)) },
+    CommandRow { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
+        run: |_, from| Some(Ok(Reply::Load(given(from)?))) },
+    CommandRow { name: "save", arguments: "[FILE.zset]", doc: "write the document",
+        run: |_, to| Some(Ok(Reply::Save(given(to)))) },
+    CommandRow { name: "png", arguments: "[FILE.png]", doc: "write the picture, and show the command that reproduces it",
+        run: |_, to| Some(Ok(Reply::Png(given(to)))) },
+    CommandRow { name: "explain", arguments: "[code]", doc: "how the document was read, simplified and compiled",
+        run: |_, what| matches!(what, "" | "code").then(|| Ok(Reply::Explain { code: !what.is_empty() })) },
+    CommandRow { name: "status", arguments: "", doc: "what the picture shows and what it took",
+        run: |live, rest| rest.is_empty().then(|| say(status::describe(&live.snapshot()))) },
+    CommandRow { name: "quit", arguments: "", doc: "end",
+        run: |_, rest| rest.is_empty().then_some(Ok(Reply::Quit)) },
 ];
 
-fn precision(text: &str) -> Option<Precision> {
-    [Precision::F32, Precision::F64].into_iter().find(|one| one.to_string() == text)
+impl Live {
+    /// Shows what the document would be if `line`, which is still being typed, were entered. A command shows nothing new.
+    pub fn type_line(&self, line: &str) {
+        match read(line) {
+            Ok(Line::Text(formula)) => self.show_typed(Some(formula), false),
+            Ok(Line::Command(row, formula)) if row.name == ADD && !formula.is_empty() => {
+                self.show_typed(Some(formula), true);
+            }
+            Ok(Line::Empty | Line::Command(..)) | Err(_) => self.show_typed(None, false),
+        }
+    }
+
+    /// Enters a line: a part of the document, or a command.
+    ///
+    /// # Errors
+    /// If the document would be wrong, or the command is.
+    pub fn enter(&self, line: &str) -> Result<Reply, Refusal> {
+        match read(line).map_err(Refusal::Command)? {
+            Line::Empty => {
+                self.refresh();
+                Ok(Reply::Done)
+            }
+            Line::Text(line) => self.commit(line, false),
+            Line::Command(row, arguments) => (row.run)(self, arguments)
+                .unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage())))),
+        }
+    }
 }
 
-fn set(text: &str) -> Option<Command> {
+// What the shape of a result asks for, everywhere the same.
+#[allow(clippy::unnecessary_wraps)]
+fn say(text: String) -> Result<Reply, Refusal> {
+    Ok(Reply::Say(text))
+}
+
+fn refused<T>(message: String) -> Result<T, Refusal> {
+    Err(Refusal::Command(message))
+}
+
+/// The text, if there is one.
+fn given(text: &str) -> Option<String> {
+    (!text.is_empty()).then(|| text.to_owned())
+}
+
+/// What may be left out: `Some(None)` if it is, `None` if it is wrong.
+fn optional<T>(text: &str, read: impl FnOnce(&str) -> Option<T>) -> Option<Option<T>> {
+    if text.is_empty() { Some(None) } else { read(text).map(Some) }
+}
+
+fn set(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
     let (name, value) = text.split_once('=').or_else(|| text.split_once(' '))?;
     let (name, value) = (name.trim(), value.trim());
     let plain = |c: char| c.is_alphanumeric() || c == '_';
     let valid = !name.is_empty() && name.chars().all(plain) && !value.is_empty();
     // One definition, not the beginning of a document.
-    let single = !value.contains(['\n', ';', '=']);
-    (valid && single).then(|| Command::Set { name: name.to_owned(), value: value.to_owned() })
+    if !valid || value.contains(['\n', ';', '=']) {
+        return None;
+    }
+    Some(match (name, scene::number(value)) {
+        ("t", Some(time)) => set_time(live, time),
+        ("t", None) => refused(format!("'{value}' is not a finite number")),
+        _ => live.set(name, value),
+    })
 }
 
-fn domain(text: &str) -> Option<DomainChoice> {
-    if text == "auto" {
-        return Some(DomainChoice::Auto);
+fn set_time(live: &Live, time: f64) -> Result<Reply, Refusal> {
+    live.change(|request| request.time = Some(time));
+    // A document that is wrong is taken to depend on it.
+    if live.request().read().map_or(true, |document| scene::depends_on_time(&document)) {
+        return Ok(Reply::Done);
     }
-    let numbers: Option<Vec<f64>> = text.split(',').map(|part| finite(part.trim())).collect();
-    match numbers?[..] {
-        [r] => Some(DomainChoice::Bounds([-r, r, -r, r, -r, r])),
-        [a, b, c, d, e, f] => Some(DomainChoice::Bounds([a, b, c, d, e, f])),
-        _ => None,
+    say("noted; nothing here depends on the time t".to_owned())
+}
+
+fn look_at(live: &Live, domain: DomainChoice) -> Result<Reply, Refusal> {
+    if let DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]) = domain
+        && let Err(error) = Region::new([x0, y0, z0].into(), [x1, y1, z1].into())
+    {
+        return refused(error.to_string());
+    }
+    live.change(|request| request.domain = domain);
+    Ok(Reply::Done)
+}
+
+#[allow(clippy::unnecessary_wraps)] // as all commands
+fn look_from(live: &Live, view: View) -> Result<Reply, Refusal> {
+    live.change(|request: &mut Request| {
+        let projection = request.choice.projection;
+        request.orbit = None;
+        request.choice = CameraChoice { view: Some(view), projection, ..CameraChoice::default() };
+    });
+    Ok(Reply::Done)
+}
+
+fn method(name: &str) -> Result<Reply, Refusal> {
+    match name {
+        "" => say("knoll (the only one so far)".to_owned()),
+        "knoll" => Ok(Reply::Done),
+        _ => refused(format!("there is no method '{name}'; there is: knoll")),
     }
 }
 
-/// Reads a line. A command may be shortened to any beginning that only it has.
+fn tolerance(live: &Live, length: Option<f64>) -> Result<Reply, Refusal> {
+    let Some(seen) = live.snapshot().rendering else {
+        return refused("there is no picture yet".to_owned());
+    };
+    let extent = 2.0 * seen.model.region().half_extent();
+    if let Some(length) = length {
+        live.change(|request| {
+            let most = request.settings.precision.max_depth();
+            let depth = (extent / length).log2().ceil().clamp(1.0, f64::from(most));
+            request.settings.max_depth = depth as u32;
+        });
+    }
+    let depth = live.settings().max_depth;
+    let slab = extent * 0.5_f64.powi(depth as i32);
+    say(format!("depth {depth}: slabs of at most {slab:.2e}"))
+}
+
+/// Slabs that are too thin for the new floats become as thin as they can be.
+fn precision(live: &Live, wanted: Option<Precision>) -> Result<Reply, Refusal> {
+    if let Some(precision) = wanted {
+        live.change(|request| {
+            request.settings.precision = precision;
+            request.settings.max_depth = request.settings.max_depth.min(precision.max_depth());
+        });
+    }
+    let Settings { precision, max_depth, .. } = live.settings();
+    let most = precision.max_depth();
+    say(format!("{precision}: depth {max_depth} of at most {most} (:tolerance sets it)"))
+}
+
+/// Reads a line. A command may be shortened to any prefix that only it has.
 ///
 /// # Errors
 /// One line that says what is wrong with a command, with a suggestion where there is one.
-pub fn line(text: &str) -> Result<Line<'_>, String> {
+fn read(text: &str) -> Result<Line<'_>, String> {
     let text = text.trim();
     let Some(command) = text.strip_prefix(':') else {
         return Ok(if text.is_empty() { Line::Empty } else { Line::Text(text) });
     };
     let (name, arguments) = command.split_once(char::is_whitespace).unwrap_or((command, ""));
-    let row = row(name)?;
-    match (row.read)(arguments.trim()) {
-        Some(command) => Ok(Line::Command(command)),
-        None => Err(format!("usage: {}", row.usage())),
-    }
+    Ok(Line::Command(row(name)?, arguments.trim()))
 }
 
-impl Row {
+impl CommandRow {
     /// The command with what follows it.
     pub fn usage(&self) -> String {
         format!(":{} {}", self.name, self.arguments).trim_end().to_owned()
     }
 }
 
-/// The row of a command by its name or a beginning that only it has.
-fn row(name: &str) -> Result<&'static Row, String> {
+/// The row of a command by its name or a prefix that only it has.
+fn row(name: &str) -> Result<&'static CommandRow, String> {
     if let Some(row) = COMMANDS.iter().find(|row| row.name == name) {
         return Ok(row);
     }
-    let shortened: Vec<&Row> =
+    let shortened: Vec<&CommandRow> =
         COMMANDS.iter().filter(|row| !name.is_empty() && row.name.starts_with(name)).collect();
     if let [row] = shortened[..] {
         return Ok(row);
@@ -186,7 +240,7 @@ fn row(name: &str) -> Result<&'static Row, String> {
     let shown: String = name.chars().take(20).collect();
     let options = if shortened.is_empty() {
         // A slip of the finger, not another word.
-        let distance = |row: &&Row| strsim::damerau_levenshtein(row.name, &shown);
+        let distance = |row: &&CommandRow| strsim::damerau_levenshtein(row.name, &shown);
         let nearest = COMMANDS.iter().min_by_key(distance).filter(|row| distance(row) <= 2);
         nearest.into_iter().collect()
     } else {
@@ -200,49 +254,132 @@ fn row(name: &str) -> Result<&'static Row, String> {
     })
 }
 
+/// What a function or a command is, or what can be typed if no name is given.
+fn help(name: &str) -> Result<Reply, Refusal> {
+    if name.is_empty() {
+        return say(everything());
+    }
+    let bare = name.trim_start_matches(':');
+    if let Some(row) = COMMANDS.iter().find(|row| row.name == bare) {
+        return say(format!("{}: {}", row.usage(), row.doc));
+    }
+    let native = zeroset_ops::natives(name).map(|row| {
+        let aliases = match row.aliases {
+            [] => String::new(),
+            aliases => format!(" (also {})", aliases.join(", ")),
+        };
+        format!("{}{aliases}: {}", row.name, row.doc)
+    });
+    let mut found: Vec<String> = native.collect();
+    if found.is_empty() {
+        found = zeroset_ops::composed(name)
+            .map(|f| format!("{}({}): {}", f.name, f.parameters.join(", "), f.doc))
+            .collect();
+    }
+    if !found.is_empty() {
+        return say(found.join("\n"));
+    }
+    let commands = COMMANDS.iter().map(|row| row.name);
+    let nearest = language_names()
+        .chain(commands)
+        .map(|other| {
+            // Of names equally near, the one that was typed in full and more.
+            (strsim::damerau_levenshtein(other, bare), !bare.starts_with(other), other)
+        })
+        .min()
+        .filter(|(distance, _, other)| *distance <= 2 && other.len() > *distance);
+    let hint = match nearest {
+        Some((0, ..)) | None => ":help lists everything".to_owned(),
+        Some((.., other)) => format!("did you mean {other}?"),
+    };
+    refused(format!("no function or command named '{name}'; {hint}"))
+}
+
+fn everything() -> String {
+    let mut text =
+        String::from("Type a formula such as x^2+y^2+z^2 = 1, a definition such as r = 2, or:\n");
+    let width = COMMANDS.iter().map(|row| row.usage().len()).max().unwrap_or(0);
+    for row in COMMANDS {
+        let _ = writeln!(text, "  {:width$}  {}", row.usage(), row.doc);
+    }
+    text.push_str("Functions (:help NAME tells more):");
+    let mut column = usize::MAX;
+    for name in zeroset_ops::names() {
+        if column.saturating_add(name.len() + 1) > 96 {
+            text.push_str("\n ");
+            column = 1;
+        }
+        column += name.len() + 1;
+        let _ = write!(text, " {name}");
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn command(text: &str) -> Command {
-        match line(text) {
-            Ok(Line::Command(command)) => command,
-            other => panic!("{text:?} is read as {other:?}"),
+    fn command(text: &str) -> (&'static str, &str) {
+        match read(text) {
+            Ok(Line::Command(row, arguments)) => (row.name, arguments),
+            _ => panic!("{text:?} is no command"),
         }
+    }
+
+    fn message(text: &str) -> String {
+        let live = Live::new(Request::default());
+        live.enter(text).expect_err(text).to_string()
     }
 
     #[test]
     fn lines_are_told_apart() {
-        assert_eq!(line("  "), Ok(Line::Empty));
-        assert_eq!(line(" x+y "), Ok(Line::Text("x+y")));
-        assert_eq!(command(":quit"), Command::Quit);
-        assert_eq!(command(":q"), Command::Quit);
-        assert_eq!(command(":help sin"), Command::Help(Some("sin".to_owned())));
-        assert_eq!(command(":tolerance"), Command::Tolerance(None));
-        assert_eq!(command(":tol 1e-3"), Command::Tolerance(Some(1e-3)));
-        assert_eq!(
-            command(":domain 2"),
-            Command::Domain(DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]))
-        );
-        for text in [":set r = 2", ":set r=2", ":set r 2"] {
-            let set = Command::Set { name: "r".to_owned(), value: "2".to_owned() };
-            assert_eq!(command(text), set, "{text}");
+        assert!(matches!(read("  "), Ok(Line::Empty)));
+        assert!(matches!(read(" x+y "), Ok(Line::Text("x+y"))));
+        assert_eq!(command(":quit"), ("quit", ""));
+        assert_eq!(command(":q"), ("quit", ""));
+        assert_eq!(command(" :help  sin "), ("help", "sin"));
+        assert_eq!(command(":tol 1e-3"), ("tolerance", "1e-3"));
+    }
+
+    #[test]
+    fn what_follows_a_command_is_read() {
+        let live = Live::new(Request::default());
+        for (line, expected) in [
+            (":save", Reply::Save(None)),
+            (":png a.png", Reply::Png(Some("a.png".to_owned()))),
+            (":explain", Reply::Explain { code: false }),
+            (":explain code", Reply::Explain { code: true }),
+            (":q", Reply::Quit),
+        ] {
+            assert_eq!(live.enter(line).expect(line), expected, "{line}");
         }
-        assert_eq!(command(":view top"), Command::View(View::Top));
-        assert_eq!(command(":precision f64"), Command::Precision(Some(Precision::F64)));
-        assert_eq!(command(":prec"), Command::Precision(None));
-        assert_eq!(command(":explain"), Command::Explain { code: false });
-        assert_eq!(command(":explain code"), Command::Explain { code: true });
+        live.enter(":domain 2").expect("a domain");
+        let bounds = [-2.0, 2.0, -2.0, 2.0, -2.0, 2.0];
+        assert_eq!(live.request().domain, DomainChoice::Bounds(bounds));
+        live.enter(":view top").expect("a view");
+        assert_eq!(live.request().choice.view, Some(View::Top));
+        live.enter(":prec f64").expect("a precision");
+        assert_eq!(live.settings().precision, Precision::F64);
+        for line in [":set r = 2", ":set r=2", ":set r 2"] {
+            live.load("", "", false);
+            live.enter(line).expect(line);
+            assert_eq!(live.text(), "r = 2", "{line}");
+        }
+        for (line, time) in [(":time 1/4", 0.25), (":set t = -1/8", -0.125), (":time 2", 2.0)] {
+            live.enter(line).expect(line);
+            assert_eq!(live.request().time, Some(time), "{line}");
+        }
     }
 
     #[test]
     fn what_is_wrong_is_said_with_a_suggestion() {
-        let message = |text: &str| line(text).expect_err(text);
         assert!(message(":hepl").ends_with("did you mean :help?"));
         assert!(message(":stauts").ends_with("did you mean :status?"));
         assert!(message(":s").contains("did you mean :set or :save or :status?"));
         assert!(message(":xylophone").ends_with(":help lists them"));
         assert!(message(":").contains(":help"));
+        assert!(message(":help qqqqqq").starts_with("no function or command named 'qqqqqq'"));
+        assert!(message(":set t = soon").contains("'soon' is not a finite number"));
         for text in [
             ":domain nonsense",
             ":domain 1,2",

@@ -1,19 +1,19 @@
 //! The live picture: a document that is typed, changed and reloaded while its picture follows.
 //!
-//! [`Live`] holds the document and the settings; a thread of its own turns the latest wish into a coarse and then a fine
-//! picture, and drops what is no longer wanted. Nothing here knows a terminal, a window or a file: callers hand over text
+//! [`Live`] holds the document and the settings; a thread of its own turns the latest request into a coarse and then a
+//! fine picture, and drops what is no longer wanted. Nothing here knows a terminal, a window or a file: callers hand over text
 //! and sizes, and take pictures and messages.
 //!
 //! ```
 //! use std::time::Duration;
-//! use zeroset::live::{Live, Start};
+//! use zeroset::live::{Live, Request};
 //!
-//! let live = Live::new(Start::default());
+//! let live = Live::new(Request::default());
 //! live.resize(64, 64);
 //! live.enter("x^2+y^2+z^2 = 1")?;
 //! assert!(live.wait(Duration::from_mins(1)));
-//! let frame = live.view().frame.expect("a picture");
-//! assert_eq!(frame.picture.rgb.len(), 3 * 64 * 64);
+//! let seen = live.snapshot().rendering.expect("a picture");
+//! assert_eq!(seen.picture.rgb.len(), 3 * 64 * 64);
 //! # Ok::<(), zeroset::live::Refusal>(())
 //! ```
 
@@ -24,9 +24,9 @@ mod pipeline;
 mod session;
 mod status;
 
-pub use command::{COMMANDS, Command, Line, Row, line};
+pub use command::{COMMANDS, CommandRow};
 pub use draft::entered;
 pub use orbit::Orbit;
-pub use pipeline::{Fault, Frame, View, Wish};
-pub use session::{Live, Refusal, Reply, Start};
-pub use status::FLAT;
+pub use pipeline::{Fault, Rendering, Request, Snapshot};
+pub use session::{Live, Refusal, Reply};
+pub use status::{FLAT, quote};

@@ -1,7 +1,7 @@
-//! From the latest wish to pictures, on a thread of its own: read, compile, a coarse picture, a fine one.
+//! From the latest request to pictures, on a thread of its own: read, compile, a coarse picture, a fine one.
 //!
-//! A new wish ends the work for the old one between tiles. What an older stage made is kept as long as nothing that it
-//! depends on has changed. Pictures and what they were made with are shared by counting, so that the last frame to use a
+//! A new request ends the work on the one before between tiles. What an older stage made is kept as long as nothing that it
+//! depends on has changed. Pictures and what they were made with are shared by counting, so that the last of them to use a
 //! kernel frees it.
 
 use super::orbit::Orbit;
@@ -17,8 +17,8 @@ use zeroset_syntax::{Document, Errors, Options};
 use zeroset_trace::{Camera, HalfSpace};
 
 /// Everything that a picture depends on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Request {
     /// What the text is called in messages.
     pub name: String,
     /// The document.
@@ -39,12 +39,23 @@ pub struct Wish {
     pub settings: Settings,
 }
 
+impl Request {
+    /// The document that is asked for.
+    ///
+    /// # Errors
+    /// What is wrong with its text or values.
+    pub fn read(&self) -> Result<Document, Errors> {
+        let Self { text, overrides, time, .. } = self;
+        zeroset_syntax::read(text, &Options { overrides, time: *time, ..Options::default() })
+    }
+}
+
 /// A finished picture, and all that it was made with.
-pub struct Frame {
-    /// Number of the wish, counted from 1.
+pub struct Rendering {
+    /// Number of the request, counted from 1.
     pub revision: u64,
     /// What it asked for.
-    pub wish: Arc<Wish>,
+    pub request: Arc<Request>,
     /// The document as read.
     pub document: Arc<Document>,
     /// Its surfaces, compiled.
@@ -53,23 +64,23 @@ pub struct Frame {
     pub searched: Option<AutoDomain>,
     /// From where it was taken.
     pub camera: Camera,
-    /// The picture; a coarse one has fewer pixels than were wished for.
+    /// The picture; a coarse one has fewer pixels than were asked for.
     pub picture: Picture,
     /// Whether a finer one is still to come.
     pub coarse: bool,
-    /// Time taken by reading, if it was done for this wish; the other stages' times are in the picture.
+    /// Time taken by reading, if it was done for this request; the other stages' times are in the picture.
     pub parse: Duration,
-    /// Time from the wish to this picture.
+    /// Time from the request to this picture.
     pub latency: Duration,
 }
 
-/// Why there is no picture of the latest wish.
+/// Why there is no picture of the latest request.
 #[derive(Debug)]
 pub struct Fault {
-    /// Number of the wish.
+    /// Number of the request.
     pub revision: u64,
     /// What it asked for.
-    pub wish: Arc<Wish>,
+    pub request: Arc<Request>,
     reason: Reason,
 }
 
@@ -95,7 +106,9 @@ impl Fault {
     /// What is wrong, with carets under the text where it is the text's fault.
     pub fn render(&self, color: bool) -> String {
         match &self.reason {
-            Reason::Text(errors) => errors.render(Some(&self.wish.name), &self.wish.text, color),
+            Reason::Text(errors) => {
+                errors.render(Some(&self.request.name), &self.request.text, color)
+            }
             Reason::Scene(_) | Reason::Bug => format!("error: {}", self.message()),
         }
     }
@@ -103,12 +116,12 @@ impl Fault {
 
 /// What can be seen now.
 #[derive(Clone, Default)]
-pub struct View {
+pub struct Snapshot {
     /// The last good picture.
-    pub frame: Option<Arc<Frame>>,
-    /// What is wrong with the latest wish, if something is.
+    pub rendering: Option<Arc<Rendering>>,
+    /// What is wrong with the latest request, if something is.
     pub fault: Option<Arc<Fault>>,
-    /// The latest wish of which no more is to come.
+    /// The latest request of which no more is to come.
     pub settled: u64,
 }
 
@@ -124,10 +137,10 @@ struct Shared {
 }
 
 struct State {
-    wish: Arc<Wish>,
+    request: Arc<Request>,
     revision: u64,
-    wished: Instant,
-    view: View,
+    requested: Instant,
+    snapshot: Snapshot,
     stop: bool,
 }
 
@@ -139,13 +152,13 @@ impl Shared {
 }
 
 impl Pipeline {
-    /// Starts the thread; nothing is done before the first wish.
-    pub fn new(wish: Wish) -> Self {
+    /// Starts the thread; nothing is done before the first request.
+    pub fn new(request: Request) -> Self {
         let state = State {
-            wish: Arc::new(wish),
+            request: Arc::new(request),
             revision: 0,
-            wished: Instant::now(),
-            view: View::default(),
+            requested: Instant::now(),
+            snapshot: Snapshot::default(),
             stop: false,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
@@ -153,26 +166,26 @@ impl Pipeline {
         Self { shared, worker: Some(std::thread::spawn(move || worker.run())) }
     }
 
-    /// Asks for a picture in place of all asked for before, and returns the wish's number.
-    pub fn wish(&self, wish: Wish) -> u64 {
+    /// Asks for a picture in place of all asked for before, and returns the request's number.
+    pub fn request(&self, request: Request) -> u64 {
         let mut state = self.shared.lock();
-        state.wish = Arc::new(wish);
+        state.request = Arc::new(request);
         state.revision += 1;
-        state.wished = Instant::now();
+        state.requested = Instant::now();
         self.shared.changed.notify_all();
         state.revision
     }
 
     /// What can be seen now.
-    pub fn view(&self) -> View {
-        self.shared.lock().view.clone()
+    pub fn snapshot(&self) -> Snapshot {
+        self.shared.lock().snapshot.clone()
     }
 
-    /// Waits until `done` holds of what can be seen and of the latest wish's number, and tells whether it came to that in
+    /// Waits until `done` holds of what can be seen and of the latest request's number, and tells whether it came to that in
     /// time.
-    pub fn wait(&self, timeout: Duration, done: impl Fn(&View, u64) -> bool) -> bool {
+    pub fn wait(&self, timeout: Duration, done: impl Fn(&Snapshot, u64) -> bool) -> bool {
         let state = self.shared.lock();
-        let waiting = |state: &mut State| !done(&state.view, state.revision);
+        let waiting = |state: &mut State| !done(&state.snapshot, state.revision);
         let waited = self.shared.changed.wait_timeout_while(state, timeout, waiting);
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
@@ -212,15 +225,15 @@ struct Worker {
     pixel: Option<Duration>,
 }
 
-/// A document, and the wish for which it was read.
+/// A document, and the request for which it was read.
 struct Read {
-    wish: Arc<Wish>,
+    request: Arc<Request>,
     document: Arc<Document>,
 }
 
 /// A model, and what it was made for.
 struct Built {
-    wish: Arc<Wish>,
+    request: Arc<Request>,
     document: Arc<Document>,
     model: Arc<Model>,
     searched: Option<AutoDomain>,
@@ -229,11 +242,11 @@ struct Built {
 /// A model, and what was found if its domain was searched for.
 type Made = (Arc<Model>, Option<AutoDomain>);
 
-/// A wish being worked on.
+/// A request being worked on.
 struct Job {
-    wish: Arc<Wish>,
+    request: Arc<Request>,
     revision: u64,
-    wished: Instant,
+    requested: Instant,
 }
 
 impl Worker {
@@ -249,30 +262,30 @@ impl Worker {
             });
             let mut state = self.shared.lock();
             if let Err(reason) = reason {
-                let fault = Fault { revision: job.revision, wish: job.wish, reason };
-                state.view.fault = Some(Arc::new(fault));
+                let fault = Fault { revision: job.revision, request: job.request, reason };
+                state.snapshot.fault = Some(Arc::new(fault));
             }
             if state.revision == done {
-                state.view.settled = done;
+                state.snapshot.settled = done;
             }
             self.shared.changed.notify_all();
         }
     }
 
-    /// Waits for a wish after the one with this number; `None` at the end.
+    /// Waits for a request after the one with this number; `None` at the end.
     fn next(&self, done: u64) -> Option<Job> {
         let waiting = |state: &mut State| !state.stop && state.revision == done;
         let state = self.shared.changed.wait_while(self.shared.lock(), waiting);
         let state = state.unwrap_or_else(PoisonError::into_inner);
-        let State { wish, revision, wished, .. } = &*state;
-        let job = Job { wish: Arc::clone(wish), revision: *revision, wished: *wished };
+        let State { request, revision, requested, .. } = &*state;
+        let job = Job { request: Arc::clone(request), revision: *revision, requested: *requested };
         (!state.stop).then_some(job)
     }
 
-    /// Makes the pictures of one wish, or leaves off when there is a newer one.
+    /// Makes the pictures of one request, or leaves off when there is a newer one.
     fn serve(&mut self, job: &Job) -> Result<(), Reason> {
         let started = Instant::now();
-        let document = self.document(&job.wish).map_err(Reason::Text)?;
+        let document = self.document(&job.request).map_err(Reason::Text)?;
         let parse = started.elapsed();
         if !self.wanted(job) {
             return Ok(());
@@ -281,12 +294,12 @@ impl Worker {
         let made = self.model(job, &document).map_err(scene)?;
         let Some((model, searched)) = made else { return Ok(()) };
         let region = model.region();
-        let camera = match &job.wish.orbit {
+        let camera = match &job.request.orbit {
             Some(orbit) => orbit.camera(region),
-            None => scene::camera(&document, region, &job.wish.choice),
+            None => scene::camera(&document, region, &job.request.choice),
         };
         let camera = camera.map_err(|error| scene(error.into()))?;
-        let full = &job.wish.settings;
+        let full = &job.request.settings;
         let mut divisor = coarsest(self.expected(full));
         loop {
             let coarse = divisor > 1;
@@ -300,9 +313,9 @@ impl Worker {
             }
             let pixels = settings.width * settings.height;
             self.pixel = Some(started.elapsed() / pixels as u32);
-            let frame = Frame {
+            let rendering = Rendering {
                 revision: job.revision,
-                wish: Arc::clone(&job.wish),
+                request: Arc::clone(&job.request),
                 document: Arc::clone(&document),
                 model: Arc::clone(&model),
                 searched,
@@ -310,9 +323,9 @@ impl Worker {
                 picture,
                 coarse,
                 parse,
-                latency: job.wished.elapsed(),
+                latency: job.requested.elapsed(),
             };
-            self.publish(frame);
+            self.publish(rendering);
             if !coarse {
                 return Ok(());
             }
@@ -320,10 +333,10 @@ impl Worker {
         }
     }
 
-    fn publish(&self, frame: Frame) {
+    fn publish(&self, rendering: Rendering) {
         let mut state = self.shared.lock();
-        let before = state.view.frame.replace(Arc::new(frame));
-        state.view.fault = None;
+        let before = state.snapshot.rendering.replace(Arc::new(rendering));
+        state.snapshot.fault = None;
         self.shared.changed.notify_all();
         drop(state);
         // The last user of a model frees its code; that need not be done under the lock.
@@ -337,28 +350,28 @@ impl Worker {
 
     fn wanted_coarsely(&self, job: &Job) -> bool {
         let state = self.shared.lock();
-        !state.stop && (state.revision == job.revision || same_text(&state.wish, &job.wish))
+        !state.stop
+            && (state.revision == job.revision || same_document(&state.request, &job.request))
     }
 
-    fn document(&mut self, wish: &Arc<Wish>) -> Result<Arc<Document>, Errors> {
-        if let Some(Read { wish: old, document }) = &self.read
-            && same_text(old, wish)
+    fn document(&mut self, request: &Arc<Request>) -> Result<Arc<Document>, Errors> {
+        if let Some(Read { request: old, document }) = &self.read
+            && same_document(old, request)
         {
             return Ok(Arc::clone(document));
         }
-        let options = Options { overrides: &wish.overrides, time: wish.time, ..Options::default() };
-        let document = Arc::new(zeroset_syntax::read(&wish.text, &options)?);
-        self.read = Some(Read { wish: Arc::clone(wish), document: Arc::clone(&document) });
+        let document = Arc::new(request.read()?);
+        self.read = Some(Read { request: Arc::clone(request), document: Arc::clone(&document) });
         Ok(document)
     }
 
-    /// The surfaces compiled, or `None` if there is a newer wish before that is done.
+    /// The surfaces compiled, or `None` if there is a newer request before that is done.
     fn model(&mut self, job: &Job, document: &Arc<Document>) -> Result<Option<Made>, SceneError> {
-        let wish = &job.wish;
+        let request = &job.request;
         let old = self.built.as_ref().filter(|built| {
-            (built.wish.domain, built.wish.clip) == (wish.domain, wish.clip)
-                && built.wish.settings.normals == wish.settings.normals
-                && built.wish.settings.precision == wish.settings.precision
+            (built.request.domain, built.request.clip) == (request.domain, request.clip)
+                && built.request.settings.normals == request.settings.normals
+                && built.request.settings.precision == request.settings.precision
         });
         if let Some(built) = old
             && Arc::ptr_eq(&built.document, document)
@@ -375,16 +388,16 @@ impl Worker {
             (Arc::new(model?), searched)
         } else {
             let wanted = || self.wanted(job);
-            let found = scene::region_while(document, wish.domain, wish.clip, &wanted)?;
+            let found = scene::region_while(document, request.domain, request.clip, &wanted)?;
             let Some((region, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
-            let Settings { normals, precision, .. } = wish.settings;
+            let Settings { normals, precision, .. } = request.settings;
             let model = Model::new_while(document, &region, normals, precision, &wanted)?;
             let Some(model) = model else { return Ok(None) };
             self.pixel = None;
             (Arc::new(model), searched)
         };
         self.built = Some(Built {
-            wish: Arc::clone(wish),
+            request: Arc::clone(request),
             document: Arc::clone(document),
             model: Arc::clone(&model),
             searched,
@@ -414,7 +427,8 @@ fn finer(expected: Option<Duration>, divisor: usize) -> usize {
     if divisor > 2 && expected.is_some_and(|expected| expected > PATIENCE) { 2 } else { 1 }
 }
 
-fn same_text(one: &Wish, other: &Wish) -> bool {
+/// Whether both ask for the same text with the same values.
+pub(super) fn same_document(one: &Request, other: &Request) -> bool {
     one.text == other.text && one.overrides == other.overrides && one.time == other.time
 }
 

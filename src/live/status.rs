@@ -1,6 +1,7 @@
 //! What a picture shows and what it took, in words and as the command that makes it again.
 
-use super::pipeline::{Frame, View};
+use super::pipeline::{Rendering, Snapshot};
+use crate::names::Named;
 use crate::picture::Precision;
 use crate::scene::DomainChoice;
 use glam::DVec3;
@@ -13,43 +14,46 @@ pub const FLAT: &str =
     "a function could not be told from 0 at any point looked at: it may be 0 everywhere";
 
 /// Several lines on what can be seen.
-pub(super) fn describe(view: &View) -> String {
+pub(super) fn describe(snapshot: &Snapshot) -> String {
     let mut text = String::new();
-    if let Some(fault) = &view.fault {
+    if let Some(fault) = &snapshot.fault {
         let _ = writeln!(text, "error       {}", fault.message());
     }
-    let Some(frame) = &view.frame else {
+    let Some(rendering) = &snapshot.rendering else {
         return text + "there is no picture yet";
     };
-    for surface in &frame.document.surfaces {
+    for surface in &rendering.document.surfaces {
         let _ = writeln!(text, "surface     {}", surface.echo);
     }
-    let (region, statistics) = (frame.model.region(), &frame.picture.statistics);
+    let (region, statistics) = (rendering.model.region(), &rendering.picture.statistics);
     let (low, high) = (region.low(), region.high());
-    let found = frame.searched.map_or("", |found| found.finding.describe());
+    let found = rendering.searched.map_or("", |found| found.finding.describe());
     let _ = writeln!(
         text,
         "domain      x {}..{}, y {}..{}, z {}..{}  {found}",
         low.x, high.x, low.y, high.y, low.z, high.z
     );
-    let (depth, precision) = (frame.wish.settings.max_depth, frame.picture.precision);
+    let (depth, precision) = (rendering.request.settings.max_depth, rendering.picture.precision);
     let _ = writeln!(text, "method      knoll, depth {depth}, {precision}");
     let pixels = statistics.pixels;
     let _ = writeln!(
         text,
         "pixels      {}x{}: {} misses, {} hits, {} undecided{}",
-        frame.picture.buffer.width,
-        frame.picture.buffer.height,
+        rendering.picture.buffer.width,
+        rendering.picture.buffer.height,
         pixels.miss,
         pixels.hit,
         pixels.undecided,
-        if frame.coarse { " (coarse)" } else { "" },
+        if rendering.coarse { " (coarse)" } else { "" },
     );
-    if frame.picture.flat {
+    for remark in &rendering.picture.remarks {
+        let _ = writeln!(text, "note        {remark}");
+    }
+    if rendering.picture.flat {
         let _ = writeln!(text, "note        {FLAT}");
     }
     let times = &statistics.times;
-    let made = if frame.model.is_rebound() {
+    let made = if rendering.model.is_rebound() {
         "not compiled again".to_owned()
     } else {
         format!("simplify {}, compile {}", ms(times.simplify), ms(times.compile))
@@ -57,7 +61,7 @@ pub(super) fn describe(view: &View) -> String {
     let _ = write!(
         text,
         "time        read {}, {made}, trace {}, shade {}",
-        ms(frame.parse),
+        ms(rendering.parse),
         ms(times.trace),
         ms(times.shade)
     );
@@ -70,7 +74,7 @@ fn ms(time: Duration) -> String {
     if ms < 10.0 { format!("{ms:.1} ms") } else { format!("{ms:.0} ms") }
 }
 
-impl Frame {
+impl Rendering {
     /// One short line: time, size, method with depth and precision, undecided pixels, compile time.
     pub fn summary(&self) -> String {
         let statistics = &self.picture.statistics;
@@ -85,25 +89,25 @@ impl Frame {
         format!(
             "{} · {width}x{height} · knoll {} {} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
-            self.wish.settings.max_depth,
+            self.request.settings.max_depth,
             self.picture.precision,
             if self.picture.flat { " · 0 everywhere?" } else { "" },
         )
     }
 
-    /// The command that makes this picture again, at full size, as `output`. `quote` writes a text as one word of a shell.
-    pub fn command(&self, output: &str, quote: impl Fn(&str) -> String) -> String {
-        let wish = &self.wish;
-        let settings = &wish.settings;
+    /// The command that makes this picture again, at full size, as `output`.
+    pub fn command(&self, output: &str) -> String {
+        let request = &self.request;
+        let settings = &request.settings;
         let point = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
-        let mut command = format!("zeroset render {}", quote(&wish.text));
-        for (name, value) in &wish.overrides {
+        let mut command = format!("zeroset render {}", quote(&request.text));
+        for (name, value) in &request.overrides {
             let _ = write!(command, " -D {}", quote(&format!("{name}={value}")));
         }
-        if let Some(time) = wish.time {
+        if let Some(time) = request.time {
             let _ = write!(command, " --time {time}");
         }
-        match wish.domain {
+        match request.domain {
             DomainChoice::Document => {}
             DomainChoice::Auto => command.push_str(" --domain auto"),
             DomainChoice::Bounds(bounds) => {
@@ -111,7 +115,7 @@ impl Frame {
                 let _ = write!(command, " --domain {}", bounds.join(","));
             }
         }
-        if let Some(clip) = wish.clip {
+        if let Some(clip) = request.clip {
             let _ = write!(command, " --clip {},{}", point(clip.normal), clip.offset);
         }
         let camera = &self.camera;
@@ -131,17 +135,23 @@ impl Frame {
             " --size {}x{} --max-depth {}",
             settings.width, settings.height, settings.max_depth
         );
-        match settings.precision {
-            Precision::F32 => {}
-            Precision::F64 => command.push_str(" --precision f64"),
+        if settings.precision != Precision::F32 {
+            let _ = write!(command, " --precision {}", settings.precision);
         }
-        match settings.undecided {
-            UndecidedStyle::Shade => {}
-            UndecidedStyle::Hatch => command.push_str(" --undecided hatch"),
-            UndecidedStyle::Tint => command.push_str(" --undecided tint"),
-            UndecidedStyle::Miss => command.push_str(" --undecided miss"),
+        if settings.undecided != UndecidedStyle::Shade {
+            let _ = write!(command, " --undecided {}", settings.undecided.name());
         }
         let _ = write!(command, " -o {}", quote(output));
         command
+    }
+}
+
+/// `text` as one word of a POSIX shell.
+pub fn quote(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
     }
 }

@@ -1,0 +1,345 @@
+//! A live picture and the files around it, as prompt and window share them.
+
+use super::arguments::InteractiveArgs;
+use super::output::{Output, check_png, write_png};
+use super::render::check_depth;
+use super::source::{self, Source};
+use super::subject::{Subject, note_time};
+use super::watch::{Change, Watch};
+use super::{explain, notes, preview};
+use anyhow::{Context, Result};
+use std::collections::VecDeque;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use zeroset::live::{Live, Reply, Request};
+use zeroset::picture::{Precision, Settings};
+
+/// What is shown when nothing is asked for.
+const FIRST: &str = "gyroid";
+
+/// A picture of a terminal that is to be saved gets so many pixels squared, at least.
+const SMALLEST: usize = 128;
+
+/// A picture to be saved or shown in the terminal is waited for so long.
+const PATIENCE: Duration = Duration::from_mins(5);
+
+/// So many lines are kept of those that were entered, here, in the prompt and in the history file.
+pub const KEPT_LINES: usize = 1000;
+
+/// The latest lines entered.
+#[derive(Default)]
+struct History {
+    lines: VecDeque<String>,
+    /// How many came before them.
+    dropped: usize,
+}
+
+impl History {
+    fn add(&mut self, line: String) {
+        if self.lines.len() == KEPT_LINES {
+            self.lines.pop_front();
+            self.dropped += 1;
+        }
+        self.lines.push_back(line);
+    }
+}
+
+/// Shows a message above the line that is being typed, and tells whether it could.
+pub type Printer = Box<dyn FnMut(&str) -> bool + Send>;
+
+/// A live picture and the files around it.
+pub struct Session {
+    pub live: Live,
+    /// The file that the document came from, and what watches it.
+    file: Mutex<Option<(PathBuf, Watch)>>,
+    /// Messages for the terminal, where the prompt knows how to show them.
+    printer: Mutex<Option<Printer>>,
+    /// Lines entered, in prompt and window.
+    history: Mutex<History>,
+    /// Held while a picture is saved, so that no two take the same name.
+    saving: Mutex<()>,
+    /// Whether pictures are as large as the terminal, not as a window.
+    in_terminal: AtomicBool,
+    ended: AtomicBool,
+    /// Shown before anything else.
+    pub welcome: String,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // None of these is left half changed by a panic elsewhere.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Session {
+    pub fn new(arguments: &InteractiveArgs) -> Result<Self> {
+        let (precision, max_depth) = (arguments.kernels.precision, arguments.kernels.max_depth);
+        check_depth("--max-depth", max_depth, precision)?;
+        let given = arguments.source.as_deref();
+        let Source { name, text } = source::find(given.unwrap_or(OsStr::new(FIRST)))?;
+        let (mut width, mut height) = (arguments.size.width, arguments.size.height);
+        if arguments.preview {
+            // From the first picture on: one of the window's size would be made for nothing.
+            (width, height) = preview::room();
+        }
+        let request = Request {
+            name,
+            text: text.into(),
+            overrides: arguments.values.overrides()?,
+            time: arguments.values.time()?,
+            domain: arguments.values.domain(),
+            clip: arguments.camera.clip(),
+            choice: arguments.camera.choice(),
+            orbit: None,
+            settings: Settings { width, height, precision, max_depth, ..Settings::default() },
+        };
+        if let Ok(document) = request.read() {
+            note_time(request.time, &document);
+        }
+        let welcome = match given {
+            None => format!(
+                "This is the {FIRST}. Type a formula such as x^2+y^2+z^2 = 1, or :help for more."
+            ),
+            Some(_) => {
+                format!("{}. Type a formula to replace it, or :help for more.", request.name)
+            }
+        };
+        Ok(Self {
+            live: Live::new(request),
+            file: Mutex::default(),
+            printer: Mutex::default(),
+            history: Mutex::default(),
+            saving: Mutex::default(),
+            in_terminal: AtomicBool::new(arguments.preview),
+            ended: AtomicBool::new(false),
+            welcome,
+        })
+    }
+
+    /// Begins to watch the file that the document came from, if there is one.
+    pub fn watch(self: &Arc<Self>) {
+        let name = self.live.request().name;
+        let path = Path::new(&name);
+        let mut file = lock(&self.file);
+        // The old watch ends before its thread could find the lock taken.
+        *file = None;
+        if !path.is_file() {
+            return;
+        }
+        let session = Arc::downgrade(self);
+        let report = move |change| {
+            let Some(session) = session.upgrade() else { return };
+            match change {
+                Change::Text(text) => session.live.load(&session.live.request().name, &text, true),
+                Change::Lost(message) => session.say(&format!("note: {message}; still showing it")),
+            }
+        };
+        match Watch::start(path, &self.live.text(), report) {
+            Ok(watch) => *file = Some((path.to_owned(), watch)),
+            Err(error) => self.say(&format!("note: '{name}' is not watched: {error:#}")),
+        }
+    }
+
+    /// Tells every thread to end. A picture that is waited for to be saved is given up.
+    pub fn end(&self) {
+        self.ended.store(true, Ordering::Relaxed);
+        self.live.refresh();
+    }
+
+    pub fn has_ended(&self) -> bool {
+        self.ended.load(Ordering::Relaxed)
+    }
+
+    /// Adds to the lines that can be had again.
+    pub fn recall(&self, lines: impl IntoIterator<Item = String>) {
+        let mut history = lock(&self.history);
+        lines.into_iter().for_each(|line| history.add(line));
+    }
+
+    /// Of the lines entered after the first `known` ones those that are kept, the latest last.
+    pub fn recalled(&self, known: usize) -> Vec<String> {
+        let history = lock(&self.history);
+        let kept = known.saturating_sub(history.dropped);
+        history.lines.iter().skip(kept).cloned().collect()
+    }
+
+    /// Lets the prompt show messages from now on.
+    pub fn print_with(&self, printer: Option<Printer>) {
+        *lock(&self.printer) = printer;
+    }
+
+    /// Shows a message in the terminal without breaking the line that is being typed.
+    pub fn say(&self, text: &str) {
+        let printed = lock(&self.printer).as_mut().is_some_and(|print| print(text));
+        if !printed {
+            notes::say(text);
+        }
+    }
+
+    /// Enters a line, from prompt or window, and does what it asks for; `png` saves the picture, under a name if one is
+    /// given.
+    ///
+    /// # Errors
+    /// What to show if it is refused, with carets.
+    pub fn enter(
+        self: &Arc<Self>,
+        line: &str,
+        png: impl FnOnce(Option<String>) -> Result<()>,
+    ) -> Result<(), String> {
+        let reply = self.live.enter(line).map_err(|refusal| refusal.render(notes::coloured()))?;
+        let done = match reply {
+            Reply::Done => Ok(()),
+            Reply::Say(text) => {
+                self.say(&text);
+                Ok(())
+            }
+            Reply::Load(from) => self.load(&from),
+            Reply::Save(to) => self.save(to.as_deref()),
+            Reply::Png(to) => png(to),
+            Reply::Explain { code } => self.explain(code),
+            Reply::Quit => {
+                self.end();
+                Ok(())
+            }
+        };
+        done.map_err(|error| format!("error: {error:#}"))?;
+        remember(&self.live.text());
+        Ok(())
+    }
+
+    fn load(self: &Arc<Self>, from: &str) -> Result<()> {
+        let Source { name, text } = source::find(OsStr::new(from))?;
+        anyhow::ensure!(name != "formula", "there is no file and no gallery name '{from}'");
+        self.live.load(&name, &text, false);
+        self.watch();
+        Ok(())
+    }
+
+    fn save(&self, to: Option<&str>) -> Result<()> {
+        let path = if let Some(path) = to {
+            PathBuf::from(path)
+        } else {
+            let known = lock(&self.file).as_ref().map(|(path, _)| path.clone());
+            known.context("the document came from no file; say :save FILE.zset")?
+        };
+        let text = self.live.text();
+        Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
+        self.say(&format!("saved '{}'", path.display()));
+        Ok(())
+    }
+
+    /// Waits for the fine picture, saves it and shows the command that makes it again.
+    ///
+    /// # Errors
+    /// If there will be no such picture, or it cannot be written.
+    pub fn png(&self, to: Option<&str>) -> Result<()> {
+        let _one_at_a_time = lock(&self.saving);
+        let path = match to {
+            Some(path) => PathBuf::from(path),
+            None => (1..=9999)
+                .map(|number| PathBuf::from(format!("zeroset-{number}.png")))
+                .find(|path| !path.exists())
+                .context("every name is taken")?,
+        };
+        check_png(&path)?;
+        let output = Output::create(&path)?;
+        // What fits a terminal is too small for a file.
+        let Settings { width, height, .. } = self.live.settings();
+        let small =
+            self.in_terminal.load(Ordering::Relaxed) && width * height < SMALLEST * SMALLEST;
+        if small {
+            let usual = Settings::default();
+            self.live.resize(usual.width, usual.height);
+        }
+        let finished = self.live.finished(PATIENCE);
+        if small {
+            self.live.resize(width, height);
+        }
+        let picture =
+            finished.context("not saved: the picture was changed before it was finished")?;
+        let (buffer, rgb) = (&picture.picture.buffer, &picture.picture.rgb);
+        output.finish(|out| write_png(out, rgb, buffer.width, buffer.height))?;
+        let name = path.display().to_string();
+        self.say(&format!(
+            "saved '{name}'; the command that makes it again:\n{}",
+            picture.command(&name)
+        ));
+        Ok(())
+    }
+
+    fn explain(&self, code: bool) -> Result<()> {
+        let seen = self.live.snapshot().rendering.context("there is no picture yet")?;
+        let request = &seen.request;
+        let subject = Subject {
+            source: Source { name: request.name.clone(), text: request.text.to_string() },
+            document: (*seen.document).clone(),
+            domain: request.domain,
+            parse: seen.parse,
+        };
+        let text = match seen.picture.precision {
+            Precision::F32 => explain::explain::<f32>(&subject, code)?,
+            Precision::F64 => explain::explain::<f64>(&subject, code)?,
+        };
+        self.say(text.trim_end());
+        Ok(())
+    }
+
+    /// Asks for pictures that fit the terminal as it is now.
+    pub fn fit_terminal(&self) {
+        self.in_terminal.store(true, Ordering::Relaxed);
+        let (columns, rows) = preview::room();
+        self.live.resize(columns, rows);
+    }
+
+    /// Shows the fine picture in the terminal, once it is there.
+    ///
+    /// # Errors
+    /// If the terminal cannot be written to.
+    pub fn show_preview(&self) -> Result<()> {
+        if !self.live.wait(PATIENCE) {
+            return Ok(());
+        }
+        let seen = self.live.snapshot();
+        match (&seen.fault, &seen.rendering) {
+            (Some(fault), _) => notes::say(&fault.render(notes::coloured())),
+            (None, Some(rendering)) => preview::print(&rendering.picture, &rendering.summary())?,
+            (None, None) => {}
+        }
+        Ok(())
+    }
+}
+
+/// Where history and the last document are kept, or `None` if there is no place for them.
+pub fn data_directory() -> Option<PathBuf> {
+    let from = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+    let base = from("XDG_DATA_HOME")
+        .map(PathBuf::from)
+        .or_else(|| Some(PathBuf::from(from("HOME")?).join(".local/share")))?;
+    let directory = base.join("zeroset");
+    std::fs::create_dir_all(&directory).ok()?;
+    Some(directory)
+}
+
+/// Keeps the document, so that it is there after whatever ends the program.
+fn remember(text: &str) {
+    let Some(directory) = data_directory() else { return };
+    // A document that cannot be kept is no reason to stop.
+    if let Ok(output) = Output::create(&directory.join("last.zset")) {
+        let _ = output.finish(|out| writeln!(out, "{text}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_latest_lines_are_kept_and_counted_from_the_first() {
+        let mut history = History::default();
+        (0..KEPT_LINES + 5).for_each(|line| history.add(line.to_string()));
+        assert_eq!((history.lines.len(), history.dropped), (KEPT_LINES, 5));
+        assert_eq!(history.lines.front().map(String::as_str), Some("5"));
+    }
+}
