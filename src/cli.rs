@@ -1,8 +1,8 @@
 //! The command line: one module per subcommand, and what they share.
 //!
-//! Pictures, arrays and JSON are the only things written to standard output or files; every note and error goes to
-//! standard error. The exit code is 0, 1 for undecided pixels under `--strict`, 2 for an error of the user's, and 3 for
-//! one of the program's own.
+//! Pictures, arrays and JSON are the only things written to standard output or files; every note
+//! and error goes to standard error. The exit code is 0, 1 for undecided pixels under `--strict`, 2
+//! for an error of the user's, and 3 for one of the program's own.
 
 mod arguments;
 mod array;
@@ -92,8 +92,9 @@ fn dispatch() -> anyhow::Result<ExitCode> {
     }
 }
 
-/// A formula may begin with `-`, and so a flag with its value attached would be taken for one where a formula may stand.
-/// What must be meant as a flag, `-Dname=value` and `-ofile.png`, is split in two.
+/// A formula may begin with `-`, and so a flag with its value attached would be taken for one where
+/// a formula may stand. What must be meant as a flag, `-Dname=value` and `-ofile.png`, is split in
+/// two.
 fn detached(argument: OsString) -> Vec<OsString> {
     if let Some(text) = argument.to_str() {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());

@@ -1,7 +1,8 @@
 //! Where to look when nobody says: `--domain auto`.
 //!
-//! Shells of cubes from ±2⁸ inward are proven empty by intervals. If the outermost are, the surface is bounded as far as
-//! was looked, and its box is tightened; otherwise a window around the origin is chosen.
+//! Shells of cubes from ±2⁸ inward are proven empty by intervals. If the outermost are, the surface
+//! is bounded as far as was looked, and its box is tightened; otherwise a window around the origin
+//! is chosen.
 
 use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
 use zeroset_interval::Facts;
@@ -13,19 +14,21 @@ const SMALLEST: i32 = -4;
 /// Half the extent of the largest cube.
 pub const REACH: f64 = 256.0;
 
-/// The least half extent chosen for an unbounded surface, and that for one with a periodic function.
+/// The least half extent chosen for an unbounded surface, and that for one with a periodic
+/// function.
 const LEAST: f64 = 2.0;
 const LEAST_PERIODIC: f64 = std::f64::consts::TAU;
 
-/// A shell's 56 cells are halved this often, or until more than so many cells are left: beyond that, a surface that
-/// passes through would only cost time.
+/// A shell's 56 cells are halved this often, or until more than so many cells are left: beyond
+/// that, a surface that passes through would only cost time.
 const SHELL_DEPTH: u32 = 4;
 const SHELL_CELLS: usize = 2048;
 
 /// A bounded surface's box is found to within 2 to minus this of the cube around it.
 const BOX_DEPTH: u32 = 6;
 
-/// No cube smaller than this is searched: its cells would have corners with more digits than an `f32` has.
+/// No cube smaller than this is searched: its cells would have corners with more digits than an
+/// `f32` has.
 const FINEST: f32 = 1.0 / 256.0;
 
 /// Space left around a bounded surface, as a share of its extent on each axis.
@@ -64,9 +67,9 @@ impl Finding {
     }
 }
 
-/// Chooses a domain that shows all `surfaces`, whose kernels must hold within ±[`REACH`]. `periodic` tells whether a
-/// trigonometric function of a coordinate occurs. `wanted` is asked between evaluations; once it says no it must go on to,
-/// and the answer is `None`.
+/// Chooses a domain that shows all `surfaces`, whose kernels must hold within ±[`REACH`].
+/// `periodic` tells whether a trigonometric function of a coordinate occurs. `wanted` is asked
+/// between evaluations; once false, it must stay false, and the answer is `None`.
 pub fn find_while(
     surfaces: &[&dyn IntervalKernel],
     periodic: bool,
@@ -75,8 +78,8 @@ pub fn find_while(
     let possible = Possible { surfaces, wanted };
     let occupied = |exponent: i32| {
         let side = 2.0_f32.powi(exponent - 1);
-        // The cube ±2^exponent in cells of half its half extent; for all but the smallest, the inner eight cells are
-        // the next smaller cube's own.
+        // The cube ±2^exponent in cells of half its half extent; for all but the smallest, the
+        // inner eight cells are the next smaller cube's own.
         let cells = (0..64).filter_map(|n: i32| {
             let place = [n % 4 - 2, n / 4 % 4 - 2, n / 16 - 2];
             let inner = place.iter().all(|&k| k == -1 || k == 0);
@@ -120,7 +123,8 @@ fn roomy(low: [f64; 3], high: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         let digits = |steps: f64| {
             if grain < 1.0 { steps / (1.0 / grain).round() } else { steps * grain }
         };
-        // What is a whole number of grains but for rounding is not moved by another; the space absorbs it.
+        // What is a whole number of grains but for rounding is not moved by another; the space
+        // absorbs it.
         let snapped = |steps: f64, outward: f64| {
             let near = steps.round();
             if (steps - near).abs() < 1e-6 { near } else { outward }
@@ -161,7 +165,8 @@ struct Possible<'a> {
 }
 
 impl Possible<'_> {
-    /// The cells that are not proven empty; none, so that every search ends, when it is no longer wanted.
+    /// The cells that are not proven empty; none, so that every search ends, when it is no longer
+    /// wanted.
     fn of(&self, cells: &[Cell]) -> Vec<Cell> {
         if !(self.wanted)() {
             return Vec::new();
@@ -210,7 +215,8 @@ impl Possible<'_> {
         !left.is_empty()
     }
 
-    /// A box around everything in `whole` that is not proven empty, found ever finer around an ever smaller cube.
+    /// A box around everything in `whole` that is not proven empty, found ever finer around an ever
+    /// smaller cube.
     fn tight(&self, mut whole: Cell) -> ([f32; 3], [f32; 3]) {
         loop {
             let (low, high) = self.hull(whole);
@@ -223,7 +229,8 @@ impl Possible<'_> {
         }
     }
 
-    /// The smallest box around the smallest cells of `whole` that are not proven empty; `whole` if all are.
+    /// The smallest box around the smallest cells of `whole` that are not proven empty; `whole` if
+    /// all are.
     fn hull(&self, whole: Cell) -> ([f32; 3], [f32; 3]) {
         let smallest = whole.side / 2.0_f32.powi(BOX_DEPTH as i32);
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);

@@ -1,5 +1,5 @@
-//! The names by which settings are typed and shown: one table for each, of which the command line, the prompt and what
-//! they print are made.
+//! The names by which settings are typed and shown: one table for each, of which the command line,
+//! the prompt and what they print are made.
 
 use crate::picture::{Normals, Precision};
 use std::fmt;

@@ -1,5 +1,5 @@
-//! Where a document is looked at: the domain and the camera, from what the caller says, else from the document, else by
-//! default.
+//! Where a document is looked at: the domain and the camera, from what the caller says, else from
+//! the document, else by default.
 
 use crate::domain::{self, AutoDomain, REACH};
 use crate::enclosure::is_periodic;
@@ -10,7 +10,7 @@ use std::str::FromStr;
 use zeroset_eval::IntervalKernel;
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Node, NodeId};
-use zeroset_syntax::{Document, Domain, Parameter, ParameterKind, Preset};
+use zeroset_syntax::{Document, Domain, Parameter, ParameterKind};
 use zeroset_trace::{Camera, CameraError, HalfSpace, Projection, Region, RegionError, View};
 
 /// Where to look.
@@ -56,8 +56,8 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(number).collect()
 }
 
-/// From where to look. What is `None` is taken from the document, and what that leaves open is chosen to show the whole
-/// domain from [`View::Iso`].
+/// From where to look. What is `None` is taken from the document, and what that leaves open is
+/// chosen to show the whole domain from [`View::Iso`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
     /// A named side; the document's eye and upward direction then do not count.
@@ -89,7 +89,8 @@ pub enum SceneError {
 /// The domain of `document`, cut by `clip`, and what was found if it was searched for.
 ///
 /// # Errors
-/// If a range is empty or not finite, the plane has no normal, or a search is impossible because there is no surface.
+/// If a range is empty or not finite, the plane has no normal, or a search is impossible because
+/// there is no surface.
 ///
 /// # Panics
 /// Never: the domain is wanted to the end.
@@ -101,8 +102,8 @@ pub fn region(
     Ok(region_while(document, choice, clip, &|| true)?.expect("wanted to the end"))
 }
 
-/// As [`region`], but asks during the search whether the domain is still wanted; `None` if not. Once `wanted` says no it
-/// must go on to.
+/// As [`region`], but asks during the search whether the domain is still wanted; `None` if not.
+/// Once `wanted` is false, it must stay false.
 ///
 /// # Errors
 /// As [`region`].
@@ -112,45 +113,35 @@ pub fn region_while(
     clip: Option<HalfSpace>,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
-    let mut searched = None;
-    let [x0, x1, y0, y1, z0, z1] = match (choice, &document.domain) {
-        (DomainChoice::Bounds(bounds), _) => bounds,
-        (DomainChoice::Document, Some(Domain::Box(ranges))) => {
-            let given = |axis: usize| {
-                let (low, high) = ranges[axis].as_ref()?;
-                Some([nearest(low), nearest(high)])
-            };
-            match (given(0), given(1), given(2)) {
-                (Some(x), Some(y), Some(z)) => [x[0], x[1], y[0], y[1], z[0], z[1]],
-                ranges => {
-                    let Some(found) = search_while(document, wanted)? else { return Ok(None) };
-                    searched = Some(found);
-                    let or_found = |axis: usize, range: Option<[f64; 2]>| {
-                        range.unwrap_or([found.low[axis], found.high[axis]])
-                    };
-                    let (x, y, z) =
-                        (or_found(0, ranges.0), or_found(1, ranges.1), or_found(2, ranges.2));
-                    [x[0], x[1], y[0], y[1], z[0], z[1]]
-                }
-            }
+    let (mut ranges, mut searched) = ([None; 3], None);
+    match (choice, &document.domain) {
+        (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
+            ranges = [[x0, x1], [y0, y1], [z0, z1]].map(Some);
         }
-        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(Domain::Auto)) => {
-            let Some(found) = search_while(document, wanted)? else { return Ok(None) };
-            searched = Some(found);
-            let ([x0, y0, z0], [x1, y1, z1]) = (found.low, found.high);
-            [x0, x1, y0, y1, z0, z1]
+        (DomainChoice::Document, Some(Domain::Box(typed))) => {
+            let floats = |(low, high): &(Constant, Constant)| [nearest(low), nearest(high)];
+            ranges = typed.each_ref().map(|range| range.as_ref().map(floats));
         }
-    };
-    let mut region = Region::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1))?;
+        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(Domain::Auto)) => {}
+    }
+    if ranges.contains(&None) {
+        let Some(found) = search_while(document, wanted)? else { return Ok(None) };
+        searched = Some(found);
+        for (axis, range) in ranges.iter_mut().enumerate() {
+            range.get_or_insert([found.low[axis], found.high[axis]]);
+        }
+    }
+    let [x, y, z] = ranges.map(Option::unwrap_or_default);
+    let mut region = Region::new(DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]))?;
     if let Some(clip) = clip {
         region = region.with_clip(clip)?;
     }
     Ok(Some((region, searched)))
 }
 
-/// The surface found by intervals, whatever domain the document gives and whatever its sliders are set to: a surface
-/// that grows with a slider would else always look the same. A slider in an exponent counts with its value, since each
-/// value is another function.
+/// The surface found by intervals, whatever domain the document gives and whatever its sliders are
+/// set to: a surface that grows with a slider would else always look the same. A slider in an
+/// exponent counts with its value, since each value is another function.
 ///
 /// # Errors
 /// If there is no surface, or no code can be made.
@@ -161,7 +152,8 @@ pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
     Ok(search_while(document, &|| true)?.expect("wanted to the end"))
 }
 
-/// As [`search`], but asks between kernels and evaluations whether the answer is still wanted; `None` if not.
+/// As [`search`], but asks between kernels and evaluations whether the answer is still wanted;
+/// `None` if not.
 ///
 /// # Errors
 /// As [`search`].
@@ -185,8 +177,8 @@ fn search_while(
     Ok(domain::find_while(&kernels, periodic, wanted))
 }
 
-/// Whether [`search`] finds the same for two documents that differ in nothing but the values of parameters, of which each
-/// is within its range.
+/// Whether [`search`] finds the same for two documents that differ in nothing but the values of
+/// parameters, of which each is within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
     { parameters }.all(|(one, other)| one.range.is_some() || one.value == other.value)
@@ -215,13 +207,14 @@ pub fn camera(
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
     };
-    let view = choice.view.or(typed.preset.map(view_of)).unwrap_or_default();
+    let view = choice.view.or(typed.preset.as_deref().and_then(View::named)).unwrap_or_default();
     let (offset, view_up) = view.offset_and_up();
     let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
     let given_eye = choice.eye.or(typed_eye);
     let eye = given_eye.unwrap_or(target + offset * region.half_extent());
     let up = choice.up.or(typed_up).unwrap_or_else(|| {
-        // An eye of the user's own may look straight down; then y points upward, as in the view from the top.
+        // An eye of the user's own may look straight down; then y points upward, as in the view
+        // from the top.
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
         if vertical { DVec3::Y } else { view_up }
     });
@@ -233,19 +226,8 @@ pub fn camera(
     Camera::new(eye, target, up, projection)
 }
 
-fn view_of(preset: Preset) -> View {
-    match preset {
-        Preset::Iso => View::Iso,
-        Preset::Front => View::Front,
-        Preset::Back => View::Back,
-        Preset::Left => View::Left,
-        Preset::Right => View::Right,
-        Preset::Top => View::Top,
-        Preset::Bottom => View::Bottom,
-    }
-}
-
-/// The `f64` nearest to a constant expression such as `1/3`; `None` if the text is none, or its value is not finite.
+/// The `f64` nearest to a constant expression such as `1/3`; `None` if the text is none, or its
+/// value is not finite.
 pub fn number(text: &str) -> Option<f64> {
     let value = nearest(&zeroset_syntax::constant(text).ok()?);
     value.is_finite().then_some(value)
@@ -265,8 +247,8 @@ pub fn depends_on_time(document: &Document) -> bool {
     times.any(|time| !is_idle(document, time))
 }
 
-/// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and a flag with the same
-/// digits mean the same.
+/// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and
+/// a flag with the same digits mean the same.
 fn nearest(constant: &Constant) -> f64 {
     let bounds = constant.bounds();
     let exact = constant.exact().and_then(ToPrimitive::to_f64);
@@ -330,5 +312,16 @@ mod tests {
         assert_eq!(eye(own), DVec3::Z * 9.0);
         let side = CameraChoice { view: Some(View::Iso), ..CameraChoice::default() };
         assert_eq!(eye(side), DVec3::new(4.0, -6.0, 3.0));
+    }
+
+    #[test]
+    fn every_view_can_be_named_in_a_document() {
+        for (name, view) in View::ALL {
+            let document = document(&format!("domain 2\nview {name}\nx+y+z"));
+            let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
+            let named = camera(&document, &region, &CameraChoice::default());
+            let projection = Projection::Perspective { fov: View::FOV };
+            assert_eq!(named.expect("valid"), view.camera(&region, projection).expect("valid"));
+        }
     }
 }

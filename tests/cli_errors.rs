@@ -1,4 +1,5 @@
-//! Bad input on the command line: one clear message, exit code 2, no panic, nothing half-written, in bounded time.
+//! Bad input on the command line: one clear message, exit code 2, no panic, nothing half-written,
+//! in bounded time.
 
 mod cli_support;
 

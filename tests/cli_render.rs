@@ -469,7 +469,8 @@ fn a_time_may_be_a_constant_expression_and_is_noted_where_nothing_depends_on_it(
     assert!(run.stderr.contains(note), "{}", run.stderr);
 }
 
-/// A formula without a surface on this domain takes nothing from the others; one without a surface anywhere is refused.
+/// A formula without a surface on this domain takes nothing from the others; one without a surface
+/// anywhere is refused.
 #[test]
 fn what_is_constant_on_this_domain_only_is_noted() {
     let place = Place::new();

@@ -1,5 +1,5 @@
-//! Work that is no longer wanted is left off where it is: between kernels, between tiles of a picture, between tiles of
-//! its shadows.
+//! Work that is no longer wanted is left off where it is: between kernels, between tiles of a
+//! picture, between tiles of its shadows.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset::model::Model;

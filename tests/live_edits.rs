@@ -1,5 +1,5 @@
-//! Thousands of random edits of the live picture: bounded in time and memory, and at the end the picture is that of the
-//! last text that can be drawn.
+//! Thousands of random edits of the live picture: bounded in time and memory, and at the end the
+//! picture is that of the last text that can be drawn.
 //!
 //! A long run: `ZEROSET_CASES=10000 cargo test --release --test live_edits -- --nocapture`.
 

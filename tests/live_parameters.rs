@@ -1,4 +1,5 @@
-//! Sliders and time change the picture without code being compiled again, and the picture is that of code compiled afresh.
+//! Sliders and time change the picture without code being compiled again, and the picture is that
+//! of code compiled afresh.
 
 mod live_support;
 
@@ -9,7 +10,8 @@ use zeroset::picture::render;
 use zeroset::scene;
 use zeroset_syntax::Options;
 
-/// Asserts that the picture is the one that compiling afresh gives, pixel by pixel and status by status.
+/// Asserts that the picture is the one that compiling afresh gives, pixel by pixel and status by
+/// status.
 fn assert_as_compiled_afresh(frame: &Rendering) {
     let request = &frame.request;
     let options = Options { time: request.time, ..Options::default() };

@@ -187,7 +187,9 @@ fn commands_are_answered() {
     assert_eq!(live.enter(":time 0.5").ok(), Some(Reply::Done));
     assert_eq!(settled(&live).request.time, Some(0.5));
     let still = start("x+y+z", 16).enter(":time 1").expect("valid");
-    assert!(matches!(still, Reply::Say(text) if text.contains("nothing here depends on the time")));
+    assert!(
+        matches!(still, Reply::Say(text) if text.contains("nothing that is drawn depends on the time"))
+    );
     live.enter(":domain 4").expect("valid");
     assert_eq!(settled(&live).model.region().high().x, 4.0);
     assert_eq!(live.enter(":quit").ok(), Some(Reply::Quit));
@@ -312,7 +314,7 @@ fn values_that_nothing_depends_on_are_noted() {
         Ok(Reply::Say(text)) => text,
         other => panic!("{line}: {other:?}"),
     };
-    assert!(say(":set q = 3").contains("`q` occurs in nothing that is drawn"));
-    assert!(say(":set t = 3").contains("nothing here depends on the time"));
+    assert!(say(":set q = 3").contains("nothing that is drawn depends on `q`"));
+    assert!(say(":set t = 3").contains("nothing that is drawn depends on the time"));
     assert_eq!(live.enter(":set r = 2").ok(), Some(Reply::Done));
 }

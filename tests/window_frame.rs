@@ -1,4 +1,5 @@
-//! A real window among others: its size, its letters, its file, and the ways in which window and terminal end.
+//! A real window among others: its size, its letters, its file, and the ways in which window and
+//! terminal end.
 
 #![cfg(unix)]
 

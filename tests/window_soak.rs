@@ -1,9 +1,10 @@
-//! Random edits at a real prompt while the file that it watches is saved again and again: it goes on, its memory stays
-//! bounded, and at the end it shows what was entered last.
+//! Random edits at a real prompt while the file that it watches is saved again and again: it goes
+//! on, its memory stays bounded, and at the end it shows what was entered last.
 //!
-//! What memory grows by: some 2.5 MB within the first hundreds of edits (code and stacks that are used for the first time, a
-//! heap for each thread), and some 4 MB with the last picture, which is larger than all before it: what it took goes back to
-//! the allocator, which keeps it. Thousands of edits between them hardly count.
+//! What memory grows by: some 2.5 MB within the first hundreds of edits (code and stacks that are
+//! used for the first time, a heap for each thread), and some 4 MB with the last picture, which is
+//! larger than all before it: what it took goes back to the allocator, which keeps it. Thousands of
+//! edits between them hardly count.
 //!
 //! A long run, of 10,000 edits and 1,000 saves:
 //! `ZEROSET_CASES=10000 cargo test --release --test window_soak -- --nocapture`.
@@ -99,7 +100,8 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     println!("before the last picture: {:?} kB", terminal.resident());
     terminal.type_in(":png end.png\r");
     terminal.shows("saved 'end.png'");
-    // A picture for a file is larger than one for the terminal, which is there again at the next line.
+    // A picture for a file is larger than one for the terminal, which is there again at the next
+    // line.
     let file = terminal.shown().len();
     until("the small picture is there again", || {
         terminal.type_in(":status\r");

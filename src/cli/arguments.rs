@@ -1,4 +1,5 @@
-//! What may be typed after `zeroset`. Values are checked where they are used; only their shape is known here.
+//! What may be typed after `zeroset`. Values are checked where they are used; only their shape is
+//! known here.
 
 use super::array::Arrays;
 use super::vector::{Numbers, Size};
@@ -31,7 +32,7 @@ pub struct Arguments {
 pub enum Command {
     /// Render a formula, a file, or a surface of the gallery to a picture.
     Render(Box<RenderArgs>),
-    /// Evaluate formulas at points or over boxes: one JSON object a line in, one out.
+    /// Evaluate formulas at points or over boxes: JSON lines in, JSON lines out.
     #[command(after_long_help = EVAL_FORMAT)]
     Eval(EvalArgs),
     /// Show how a formula is read, simplified and compiled.
@@ -48,7 +49,7 @@ pub enum Command {
 /// What is shown first, where nothing but a document is given.
 #[derive(Debug, Args)]
 pub struct InteractiveArgs {
-    /// A formula, a file that is watched from then on, or a name from `zeroset gallery --list`
+    /// A formula, a file to draw and watch, or a name from `zeroset gallery --list`
     #[arg(value_name = "FORMULA|FILE|NAME", allow_hyphen_values = true)]
     pub source: Option<OsString>,
 
@@ -77,7 +78,8 @@ pub struct InteractiveArgs {
 /// A document, and the values it is drawn for.
 #[derive(Debug, Args)]
 pub struct DocumentArgs {
-    /// A formula such as 'x^2+y^2+z^2=1', a file of them, a name from `zeroset gallery --list`, or - for standard input
+    /// A formula such as 'x^2+y^2+z^2=1', a file of them, a name from `zeroset gallery --list`, or
+    /// - for standard input
     #[arg(value_name = "FORMULA|FILE|NAME|-", allow_hyphen_values = true)]
     pub source: OsString,
 
@@ -88,7 +90,7 @@ pub struct DocumentArgs {
 /// Values for what a document leaves open.
 #[derive(Debug, Args)]
 pub struct ValueArgs {
-    /// Give a name of the formula a value; may be repeated
+    /// Set a parameter of the formula; may be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     define: Vec<String>,
 
@@ -96,7 +98,7 @@ pub struct ValueArgs {
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     time: Option<String>,
 
-    /// Where to look: auto, a number r for the cube from -r to r, or six bounds
+    /// The domain: auto, a number R for the cube from -R to R, or six bounds
     #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
     domain: Option<DomainChoice>,
 }
@@ -164,7 +166,7 @@ pub struct OutputArgs {
     #[command(flatten)]
     pub arrays: Arrays,
 
-    /// Print times, counts, camera and domain as one JSON object
+    /// Print times, counts, camera and domain as a JSON object
     #[arg(long)]
     pub json: bool,
 }
@@ -175,15 +177,15 @@ pub struct CameraArgs {
     #[arg(long, value_parser = side(), conflicts_with_all = ["eye", "up"])]
     view: Option<View>,
 
-    /// The eye's place; it may lie inside the domain
+    /// The position of the eye; it may lie inside the domain
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     eye: Option<Numbers<3>>,
 
-    /// The point to look at; the middle of the domain if not given
+    /// The point to look at [default: the centre of the domain]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     target: Option<Numbers<3>>,
 
-    /// The direction shown upright
+    /// The direction that points up in the picture
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     up: Option<Numbers<3>>,
 
@@ -191,11 +193,11 @@ pub struct CameraArgs {
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     fov: Option<f64>,
 
-    /// Parallel rays, in a picture this high in world units
+    /// Parallel projection, with a picture this high in world units
     #[arg(long, value_name = "HEIGHT", conflicts_with = "fov", allow_hyphen_values = true)]
     ortho: Option<f64>,
 
-    /// Cut away what lies beyond a plane: keep a*x + b*y + c*z <= d
+    /// Clip by a plane: keep a*x + b*y + c*z <= d
     #[arg(long, value_name = "A,B,C,D", allow_hyphen_values = true)]
     clip: Option<Numbers<4>>,
 }
@@ -226,8 +228,8 @@ pub struct KernelArgs {
     #[arg(long, value_parser = one_of::<Precision>(), default_value = "f32")]
     pub precision: Precision,
 
-    /// How often a ray's way through the domain is halved: at most 20, or 40 in f64; beyond 14, rays
-    /// that stay undecided are given up after 16384 steps
+    /// How many times a ray's path through the domain is halved: at most 20, or 40 in f64; beyond
+    /// 14, rays that stay undecided are given up after 16384 steps
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
 }
@@ -245,11 +247,11 @@ pub struct TracingArgs {
     #[arg(long, value_parser = one_of::<PacketWidth>(), value_name = "RAYS", default_value = "4")]
     pub packet: PacketWidth,
 
-    /// Trace a ray to the light from every point seen
+    /// Trace a ray from every visible point to the light
     #[arg(long)]
     pub shadows: bool,
 
-    /// How often a shadow ray's way is halved [default: one less than --max-depth]
+    /// How many times a shadow ray's path is halved [default: one less than --max-depth]
     #[arg(long, value_name = "N", requires = "shadows")]
     pub shadow_depth: Option<u32>,
 
@@ -264,19 +266,19 @@ pub struct TracingArgs {
 
 #[derive(Debug, Args)]
 pub struct ShadingArgs {
-    /// How undecided pixels are drawn; knoll proves no hit, and shades them by default
+    /// How undecided pixels are drawn
     #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade")]
     pub undecided: UndecidedStyle,
 
-    /// The light's place [default: far above and left of the camera]
+    /// The position of the light [default: far above and to the left of the camera]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub light: Option<Numbers<3>>,
 
-    /// Share of the light that comes from everywhere, from 0 to 1
+    /// Ambient share of the light, from 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.3, allow_hyphen_values = true)]
     pub ambient: f32,
 
-    /// Colour where nothing is seen: six hexadecimal digits, or a name such as white [default: f4f4f6]
+    /// Background colour: six hexadecimal digits, or a name such as white [default: f4f4f6]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }
@@ -327,7 +329,7 @@ pub struct EvalArgs {
     #[arg(long, value_parser = one_of::<Precision>(), default_value = "f32")]
     pub precision: Precision,
 
-    /// Use the reference evaluator in place of compiled code
+    /// Use the reference evaluator instead of compiled code
     #[arg(long)]
     pub reference: bool,
 }
@@ -348,11 +350,11 @@ pub struct ExplainArgs {
 
 #[derive(Debug, Args)]
 pub struct GalleryArgs {
-    /// The directory to write pictures and contact-sheet.png to; made if missing
+    /// The directory for the pictures and contact-sheet.png; created if missing
     #[arg(short, long, value_name = "DIR", required_unless_present = "list")]
     pub output: Option<PathBuf>,
 
-    /// List the names and what they are, and render nothing
+    /// List the surfaces without rendering them
     #[arg(long)]
     pub list: bool,
 

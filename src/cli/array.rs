@@ -1,5 +1,5 @@
-//! Arrays of what is known of each pixel, in numpy's `.npy` format: one row per array, of which flag, help and file are
-//! made.
+//! Arrays of what is known of each pixel, in numpy's `.npy` format: one row per array, of which
+//! flag, help and file are made.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use npyz::{AutoSerialize, WriterBuilder};
@@ -22,7 +22,7 @@ pub struct ArrayRow {
 pub const ARRAYS: &[ArrayRow] = &[
     ArrayRow {
         flag: "distance",
-        help: "Distance from the eye as a float32 array (float64 with --precision f64), inf where there is nothing",
+        help: "Distance from the eye as a float32 array (float64 with --precision f64), inf where nothing is drawn",
         needs_normals: false,
         write: |picture, out| {
             let distance = picture.buffer.distance.iter().copied();
@@ -43,7 +43,7 @@ pub const ARRAYS: &[ArrayRow] = &[
     },
     ArrayRow {
         flag: "normal",
-        help: "Unit normals towards f > 0 as a float32 array, 0 where there is nothing",
+        help: "Unit normals towards f > 0 as a float32 array, 0 where nothing is drawn",
         needs_normals: true,
         write: |picture, out| {
             let [rows, columns] = shape(picture);

@@ -1,5 +1,5 @@
-//! Pixels of the window, and letters, lines and boxes on them. The letters are Noto Sans Mono (SIL Open Font License
-//! 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
+//! Pixels of the window, and letters, lines and boxes on them. The letters are Noto Sans Mono (SIL
+//! Open Font License 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
@@ -71,7 +71,8 @@ impl Canvas {
         self.fill(w as i64 - t as i64, 0, t, h, colour, 255);
     }
 
-    /// Writes one line with its upper left corner at a place. What the font lacks becomes a question mark.
+    /// Writes one line with its upper left corner at a place. What the font lacks becomes a
+    /// question mark.
     pub fn write(&mut self, text: &str, x: i64, y: i64, colour: Rgb) {
         let (advance, scale) = (self.advance() as i64, self.scale as i64);
         for (place, letter) in (0_i64..).zip(text.chars()) {
@@ -102,7 +103,8 @@ impl Canvas {
         self.write(text, x + 4 * self.scale as i64, y + 2 * self.scale as i64, colour);
     }
 
-    /// As many letters as fit the width between margins, with `…` spelt as two dots where some do not.
+    /// As many letters as fit the width between margins, with `…` spelt as two dots where some do
+    /// not.
     pub fn fitting(&self, text: &str, room: usize) -> String {
         let letters = room / self.advance();
         if text.chars().count() <= letters {

@@ -1,7 +1,7 @@
 //! `zeroset eval`: JSON lines in, JSON lines out.
 //!
-//! Kernels compute in floats of 32 or 64 bits. Numbers are read as the nearest of 64; for kernels of 32, points are
-//! rounded to the nearest and boxes outward. Answers are the kernels' own bits.
+//! Kernels compute in floats of 32 or 64 bits. Numbers are read as the nearest of 64; for kernels
+//! of 32, points are rounded to the nearest and boxes outward. Answers are the kernels' own bits.
 
 use super::arguments::EvalArgs;
 use super::number;
@@ -102,6 +102,7 @@ struct Function {
 }
 
 /// The kernels asked for so far.
+#[derive(Default)]
 struct Kernels<T: Real> {
     interval: Option<Box<dyn IntervalKernel<T>>>,
     gradient: Option<Box<dyn GradientKernel<T>>>,
@@ -120,18 +121,18 @@ impl Functions {
         let formula = match request.get("f") {
             Some(Value::String(formula)) => formula,
             Some(other) => return Err(format!("\"f\" must be a string, not {other}")),
-            None => return Err("\"f\" is missing: the formula".to_owned()),
+            None => return Err("the formula \"f\" is missing".to_owned()),
         };
         let known = ["f", "at", "box", "precision"];
         if let Some(other) = request.keys().find(|key| !known.contains(&key.as_str())) {
             return Err(format!(
-                "\"{other}\" has no meaning here; known are \"f\", \"at\", \"box\" and \"precision\""
+                "\"{other}\" is not a key; keys are \"f\", \"at\", \"box\" and \"precision\""
             ));
         }
         let place = match (request.get("at"), request.get("box")) {
             (Some(at), None) => Place::At(three(at, number::read)?),
             (None, Some(over)) => Place::Over(three(over, interval)?),
-            _ => return Err("either \"at\" or \"box\" is needed".to_owned()),
+            _ => return Err("either \"at\" or \"box\" is required".to_owned()),
         };
         let precision = match request.get("precision") {
             None => self.precision,
@@ -168,17 +169,14 @@ impl Function {
         let document = zeroset_syntax::read(formula, &Options::default())
             .map_err(|errors| errors.to_string())?;
         if document.surfaces.len() != 1 {
-            return Err(format!("one formula is needed, not {}", document.surfaces.len()));
+            return Err(format!(
+                "exactly one formula is required, not {}",
+                document.surfaces.len()
+            ));
         }
         let program = Program::unchecked(&document, [Interval::ENTIRE; 3])
             .map_err(|error| error.to_string())?;
         Ok(Self { program, single: Kernels::default(), double: Kernels::default() })
-    }
-}
-
-impl<T: Real> Default for Kernels<T> {
-    fn default() -> Self {
-        Self { interval: None, gradient: None }
     }
 }
 
@@ -222,16 +220,16 @@ fn made<K: ?Sized>(
 fn three<T>(value: &Value, read: impl Fn(&Value) -> Result<T, String>) -> Result<[T; 3], String> {
     match value.as_array().map(Vec::as_slice) {
         Some([x, y, z]) => Ok([read(x)?, read(y)?, read(z)?]),
-        _ => Err("\"at\" and \"box\" need an array of three".to_owned()),
+        _ => Err("\"at\" and \"box\" must be arrays of three".to_owned()),
     }
 }
 
 fn interval(value: &Value) -> Result<Interval, String> {
     let ends = match value.as_array().map(Vec::as_slice) {
         Some([low, high]) => (number::read(low)?, number::read(high)?),
-        _ => return Err("each range of \"box\" needs two numbers".to_owned()),
+        _ => return Err("each range of \"box\" must be an array of two".to_owned()),
     };
-    Interval::new(ends.0, ends.1).ok_or_else(|| format!("{} to {} is no range", ends.0, ends.1))
+    Interval::new(ends.0, ends.1).ok_or_else(|| format!("{} to {} is not a range", ends.0, ends.1))
 }
 
 fn sample<T: Real>(

@@ -27,8 +27,8 @@ pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// How a document is read, simplified and compiled to kernels of `T`: what can be read first, and the code last, if it is
-/// asked for.
+/// How a document is read, simplified and compiled to kernels of `T`: what can be read first, and
+/// the code last, if it is asked for.
 ///
 /// # Errors
 /// If no code can be made.

@@ -25,7 +25,7 @@ pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
         list(&examples)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let directory = arguments.output.as_deref().context("nothing to write to: add -o DIR")?;
+    let directory = arguments.output.as_deref().context("no directory to write to: add -o DIR")?;
     let settings = method_settings(&arguments.tracing, arguments.size)?;
     std::fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the directory '{}'", directory.display()))?;

@@ -1,8 +1,10 @@
-//! Pictures in terminals that show more than characters: the protocols of kitty and of iTerm2, and sixels.
+//! Pictures in terminals that show more than characters: the protocols of kitty and of iTerm2, and
+//! sixels.
 //!
-//! Sixels are made by `icy_sixel`, since they need a palette. The other two take a PNG in base64 between a few keys, which
-//! is less than what the crates that write them bring along: `viuer` asks the terminal without a limit of time and writes
-//! to standard output itself, `ratatui-image` needs `ratatui`.
+//! Sixels are made by `icy_sixel`, since they need a palette. The other two take a PNG in base64
+//! between a few keys, which is less than what the crates that write them bring along: `viuer` asks
+//! the terminal without a limit of time and writes to standard output itself, `ratatui-image` needs
+//! `ratatui`.
 
 use super::output::write_png;
 use base64::Engine as _;
@@ -43,7 +45,8 @@ impl Known {
     pub fn detect(variable: impl Fn(&str) -> Option<String>) -> Self {
         let is_set = |name: &str| variable(name).is_some_and(|value| !value.is_empty());
         let term = variable("TERM").unwrap_or_default();
-        // These show their own screen, whatever the terminal around them can do, and some show sixels on it.
+        // These show their own screen, whatever the terminal around them can do, and some show
+        // sixels on it.
         if is_set("TMUX") || is_set("STY") || term.starts_with("screen") || term.starts_with("tmux")
         {
             return Self::Unknown;
@@ -62,15 +65,16 @@ impl Known {
 }
 
 impl Protocol {
-    /// What a terminal speaks that answers the question for its primary device attributes so; `None` if only characters.
+    /// What a terminal speaks that answers the question for its primary device attributes so;
+    /// `None` if only characters.
     pub fn answered(answer: &str) -> Option<Self> {
         let attributes = answer.strip_prefix("\x1b[?")?.strip_suffix('c')?;
         // The first number is the kind of terminal.
         attributes.split(';').skip(1).any(|one| one == SIXEL).then_some(Self::Sixel)
     }
 
-    /// What shows a picture, three bytes a pixel, over so many columns and rows of characters, from where the cursor is;
-    /// sixels take their own size. `None` if it cannot be packed.
+    /// What shows a picture, three bytes a pixel, over so many columns and rows of characters, from
+    /// where the cursor is; sixels take their own size. `None` if it cannot be packed.
     pub fn encode(
         self,
         rgb: &[u8],
@@ -86,7 +90,8 @@ impl Protocol {
             Self::Sixel => {
                 let opaque: Vec<u8> =
                     rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-                // 256 colours shade a surface or two smoothly; dithering would only add grain and half the bytes again.
+                // 256 colours shade a surface or two smoothly; dithering would only add grain and
+                // half the bytes again.
                 let options = EncodeOptions { diffusion: 0.0, ..EncodeOptions::default() };
                 sixel_encode(&opaque, width, height, &options).ok()
             }

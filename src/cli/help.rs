@@ -67,8 +67,8 @@ const PAD: usize = 10;
 /// The same where there is little.
 const LITTLE_PAD: usize = 3;
 
-/// Draws the help in the middle: in two columns if they fit, else in one, with smaller letters where it must be, else row
-/// after row, as far as there is room.
+/// Draws the help in the middle: in two columns if they fit, else in one, with smaller letters
+/// where it must be, else row after row, as far as there is room.
 pub fn draw(canvas: &mut Canvas) {
     let size = |lines: &[String], canvas: &Canvas| {
         let pad = PAD * canvas.scale;

@@ -1,5 +1,5 @@
-//! `zeroset` without a command: a window and a prompt, or a prompt with pictures in the terminal. Both share one
-//! [`Session`].
+//! `zeroset` without a command: a window and a prompt, or a prompt with pictures in the terminal.
+//! Both share one [`Session`].
 
 use super::arguments::InteractiveArgs;
 use super::session::Session;

@@ -1,4 +1,5 @@
-//! One line that is edited in the window: text, cursor, history, completion. Knows no keys and no pixels.
+//! One line that is edited in the window: text, cursor, history, completion. Knows no keys and no
+//! pixels.
 
 use super::completion::candidates;
 

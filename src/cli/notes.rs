@@ -34,14 +34,16 @@ pub fn say(text: &str) {
 
 /// Whether standard error takes colours: a terminal, unless `NO_COLOR` is set (no-color.org).
 pub fn coloured() -> bool {
-    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-        && std::io::stderr().is_terminal()
+    std::io::stderr().is_terminal() && colours_are_wanted()
 }
 
 /// Whether standard output takes colours, by the same rule.
 pub fn coloured_output() -> bool {
+    std::io::stdout().is_terminal() && colours_are_wanted()
+}
+
+fn colours_are_wanted() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-        && std::io::stdout().is_terminal()
 }
 
 fn label(word: &str, code: &str) -> String {

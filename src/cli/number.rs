@@ -2,8 +2,8 @@
 
 use serde_json::{Number, Value};
 
-/// The number that `value` stands for: a JSON number, or a string with `inf`, `-inf`, `nan`, a decimal or a hexadecimal
-/// float such as `-0x1.8p-3`.
+/// The number that `value` stands for: a JSON number, or a string with `inf`, `-inf`, `nan`, a
+/// decimal or a hexadecimal float such as `-0x1.8p-3`.
 ///
 /// # Errors
 /// A sentence that says what is wrong.

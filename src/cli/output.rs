@@ -1,8 +1,9 @@
 //! Files that appear whole or not at all.
 //!
-//! Content goes to a temporary file beside the target, which is renamed over it. Whether such a file can be made is tried
-//! before any work is done, so that a target that cannot be written is an error at once and not after the rendering; the
-//! file itself is made when there is something to write, so that an interrupted run leaves nothing behind.
+//! Content goes to a temporary file beside the target, which is renamed over it. Whether such a
+//! file can be made is tried before any work is done, so that a target that cannot be written is an
+//! error at once and not after the rendering; the file itself is made when there is something to
+//! write, so that an interrupted run leaves nothing behind.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
@@ -102,8 +103,8 @@ fn replace(
     Ok(())
 }
 
-/// Where a path leads through symbolic links, which a rename would replace; the last of them may lead to a file that does
-/// not exist yet.
+/// Where a path leads through symbolic links, which a rename would replace; the last of them may
+/// lead to a file that does not exist yet.
 fn followed(mut path: PathBuf) -> std::io::Result<PathBuf> {
     for _ in 0..MOST_LINKS {
         if !path.is_symlink() {
@@ -142,7 +143,8 @@ fn print_bytes(bytes: &[u8]) -> Result<()> {
     written(std::io::stdout().write_all(bytes))
 }
 
-/// Whether standard output could be written to, after an attempt with this result; that nobody reads on is no error.
+/// Whether standard output could be written to, after an attempt with this result; that nobody
+/// reads on is no error.
 ///
 /// # Errors
 /// If it could not, or if what is still to be written cannot be.
@@ -164,7 +166,7 @@ pub fn check_png(path: &Path) -> Result<()> {
         Some(extension) if !extension.eq_ignore_ascii_case("png") => {
             let other = path.with_extension("png");
             bail!(
-                "pictures are written as PNG only: '{}' would not be one; say '{}'",
+                "pictures are written as PNG only: '{}' has another extension; use '{}'",
                 path.display(),
                 other.display()
             )

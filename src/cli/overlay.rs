@@ -102,8 +102,8 @@ impl Label {
     }
 }
 
-/// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height` pixels, and returns what
-/// is written.
+/// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height`
+/// pixels, and returns what is written.
 pub fn draw_box(canvas: &mut Canvas, rendering: &Rendering, height: usize) -> Vec<Label> {
     let mut labels = Vec::new();
     let width = canvas.width;
@@ -150,7 +150,8 @@ fn ticks(
     let first = (low / step).ceil() as i64;
     let last = (high / step).floor() as i64;
     let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
-    // Across the edge, so that labels of two edges that meet part; an edge that is seen from its end has no such direction.
+    // Across the edge, so that labels of two edges that meet part; an edge that is seen from its
+    // end has no such direction.
     let away = (middle - centre).normalize_or(DVec2::Y);
     let ends = projector.project(from).zip(projector.project(to));
     let across = ends.map_or(DVec2::ZERO, |((a, _), (b, _))| (b - a).perp());
@@ -160,7 +161,8 @@ fn ticks(
         None => away,
     };
     let scale = canvas.scale as f64;
-    // Where a label of this text belongs, and where it goes: where the box is cut off, its labels are not.
+    // Where a label of this text belongs, and where it goes: where the box is cut off, its labels
+    // are not.
     let size = DVec2::new(canvas.width as f64, projector.rays.height() as f64);
     let letter = DVec2::new(canvas.advance() as f64, canvas.letter_height() as f64);
     let label = |value: f64, text: String, reach: f64| {
@@ -172,7 +174,8 @@ fn ticks(
         let place = place.clamp(DVec2::ZERO, (size - 2.0 * half).max(DVec2::ZERO));
         Some((at, Label { text, place, size: 2.0 * half }))
     };
-    // With a letter's space to what is there already, on this edge and on others: what finds no room is left away.
+    // With a letter's space to what is there already, on this edge and on others: what finds no
+    // room is left away.
     let free = |label: &Label, labels: &[Label]| {
         !labels.iter().any(|other| label.touches(other, letter.x))
     };

@@ -42,7 +42,8 @@ impl<'a> Pick<'a> {
         Some(format!("x {:.digits$}  y {:.digits$}  z {:.digits$}", p.x, p.y, p.z))
     }
 
-    /// Several lines: coordinates, value, normal, what is proven and why, and the command that asks again.
+    /// Several lines: coordinates, value, normal, what is proven and why, and the command that asks
+    /// again.
     pub fn describe(&self) -> String {
         let buffer = &self.rendering.picture.buffer;
         let (column, row) = (self.pixel % buffer.width, self.pixel / buffer.width);
@@ -99,7 +100,8 @@ fn formula(request: &Request, surface: usize) -> String {
     let mut drawings = 0;
     let part = |start: usize| {
         let end = text[start..].find(['\n', ';']).map_or(text.len(), |end| start + end);
-        // A statement goes on where a bracket is open, and is then taken to the end of the text's line that closes it.
+        // A statement goes on where a bracket is open, and is then taken to the end of the text's
+        // line that closes it.
         let mut end = end;
         while super::completion::is_open(&text[start..end]) && end < text.len() {
             end = text[end + 1..].find(['\n', ';']).map_or(text.len(), |more| end + 1 + more);

@@ -1,5 +1,5 @@
-//! Pictures in a terminal: as pixels where it takes them, else two to a character, the upper half block in one colour over
-//! the other, else as letters.
+//! Pictures in a terminal: as pixels where it takes them, else two to a character, the upper half
+//! block in one colour over the other, else as letters.
 
 use super::graphics::{Known, Protocol};
 use super::terminal::{self, Answer};
@@ -17,7 +17,8 @@ const ROWS: usize = 24;
 const MOST_COLUMNS: usize = 120;
 /// Lines left for the prompt and what is said above it.
 const SPARE: usize = 4;
-/// Width and height of a character in pixels where the terminal does not say, and at most: what is sent stays small.
+/// Width and height of a character in pixels where the terminal does not say, and at most: what is
+/// sent stays small.
 const CHARACTER: (usize, usize) = (8, 16);
 /// The same for sixels, which are not scaled: no more than a small font takes.
 const SMALL_CHARACTER: (usize, usize) = (6, 12);
@@ -28,14 +29,14 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Columns and rows of characters that a picture may take.
 fn characters() -> (usize, usize) {
     let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
-    let known = terminal::size();
+    let known = terminal::size().map(|(characters, _)| characters);
     let columns = known.map(|size| size.0).or_else(|| number("COLUMNS")).unwrap_or(COLUMNS);
     let rows = known.map(|size| size.1).or_else(|| number("LINES")).unwrap_or(ROWS);
     (columns.clamp(16, MOST_COLUMNS), rows.saturating_sub(SPARE).clamp(8, MOST_COLUMNS / 2))
 }
 
-/// How pixels are sent, if they can be, and whether an answer may still come. The terminal is asked when this is first
-/// called, which has to be before anything else reads from it.
+/// How pixels are sent, if they can be, and whether an answer may still come. The terminal is asked
+/// when this is first called, which has to be before anything else reads from it.
 fn protocol() -> (Option<Protocol>, bool) {
     static FOUND: OnceLock<(Option<Protocol>, bool)> = OnceLock::new();
     *FOUND.get_or_init(|| {
@@ -54,7 +55,8 @@ fn protocol() -> (Option<Protocol>, bool) {
     })
 }
 
-/// To be called before the first line is read: what the terminal answered too late is not a part of it.
+/// To be called before the first line is read: what the terminal answered too late is not a part of
+/// it.
 pub fn drop_late_answer() {
     if protocol().1 {
         terminal::drop_input();
@@ -68,7 +70,7 @@ pub fn room() -> (usize, usize) {
         // A character is about twice as high as wide, so that pixels are square.
         return (columns, 2 * rows);
     };
-    let (across, down) = match (terminal::character(), protocol) {
+    let (across, down) = match (terminal::size().and_then(|(_, character)| character), protocol) {
         (Some((across, down)), _) => (across.min(CHARACTER.0), down.min(CHARACTER.1)),
         (None, Protocol::Sixel) => SMALL_CHARACTER,
         (None, Protocol::Kitty | Protocol::Iterm) => CHARACTER,

@@ -1,4 +1,5 @@
-//! The prompt: a line that is typed, with history, completion and colours. What a line means is decided elsewhere.
+//! The prompt: a line that is typed, with history, completion and colours. What a line means is
+//! decided elsewhere.
 
 use super::completion::{candidates, is_open};
 use super::session::{KEPT_LINES, Session, data_directory};
@@ -22,7 +23,8 @@ const PAUSE: Duration = Duration::from_millis(300);
 /// How often that is looked at.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Reads and enters lines until the end of input or of the session. With `preview`, pictures are shown as well.
+/// Reads and enters lines until the end of input or of the session. With `preview`, pictures are
+/// shown as well.
 pub fn run(session: &Arc<Session>, preview: bool) {
     session.watch();
     notes::say(&session.welcome);
@@ -31,7 +33,7 @@ pub fn run(session: &Arc<Session>, preview: bool) {
         preview::drop_late_answer();
     }
     if let Err(error) = read_lines(session, preview) {
-        notes::say(&format!("error: the prompt cannot go on: {error}"));
+        notes::say(&format!("error: the prompt has stopped: {error}"));
     }
 }
 

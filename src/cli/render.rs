@@ -197,28 +197,28 @@ fn remark(
         notes::note(&subject::why_nothing_is_seen(subject, region, picture.undefined, searched));
     } else if pixels.undecided > 0 {
         notes::note(&format!(
-            "{} of {} pixels are undecided: this method proves misses; hits only where the domain cuts a solid",
+            "{} of {} pixels are undecided: this method proves misses, and hits only where the domain cuts a solid",
             pixels.undecided,
             pixels.miss + seen,
         ));
-        let passed_over = picture
-            .buffer
+        let buffer = &picture.buffer;
+        let passed_over = buffer
             .status
             .iter()
-            .zip(&picture.buffer.drawn)
-            .filter(|(status, drawn)| **status == Status::Undecided && drawn.is_infinite())
-            .count();
+            .zip(&buffer.drawn)
+            .filter(|(status, drawn)| **status == Status::Undecided && drawn.is_infinite());
+        let passed_over = passed_over.count();
         if picture.statistics.work.given_up > 0 {
             notes::note(&format!(
-                "some rays were given up after {} steps: their slabs stay undecided down to this --max-depth; \
-                 a smaller one takes less time, --precision f64 may decide more",
+                "some rays were given up after {} steps and stay undecided: a smaller --max-depth takes \
+                 less time, --precision f64 may decide more of them",
                 zeroset_trace::STEPS,
             ));
         } else if passed_over > 0 {
             notes::note(&format!(
-                "{passed_over} of these are not drawn: the function has no bounds there in any slab, as near a pole or \
-                 beyond the range of floats, and a root would not show; a larger --max-depth or --precision f64 tells \
-                 more of them apart"
+                "{passed_over} of these are not drawn: the function has no bounds along those rays, as near \
+                 a pole or beyond the range of floats, so a root there would not be seen; a larger \
+                 --max-depth or --precision f64 may decide more of them"
             ));
         }
     }

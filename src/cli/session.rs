@@ -133,7 +133,9 @@ impl Session {
             let Some(session) = session.upgrade() else { return };
             match change {
                 Change::Text(text) => session.live.load(&session.live.request().name, &text, true),
-                Change::Lost(message) => session.say(&format!("note: {message}; still showing it")),
+                Change::Lost(message) => {
+                    session.say(&format!("note: {message}; its last version is still shown"))
+                }
             }
         };
         match Watch::start(path, &self.live.text(), report) {
@@ -178,8 +180,8 @@ impl Session {
         }
     }
 
-    /// Enters a line, from prompt or window, and does what it asks for; `png` saves the picture, under a name if one is
-    /// given.
+    /// Enters a line, from prompt or window, and does what it asks for; `png` saves the picture,
+    /// under a name if one is given.
     ///
     /// # Errors
     /// What to show if it is refused, with carets.
@@ -211,7 +213,7 @@ impl Session {
 
     fn load(self: &Arc<Self>, from: &str) -> Result<()> {
         let Source { name, text } = source::find(OsStr::new(from))?;
-        anyhow::ensure!(name != "formula", "there is no file and no gallery name '{from}'");
+        anyhow::ensure!(name != "formula", "there is no file or gallery surface named '{from}'");
         self.live.load(&name, &text, false);
         self.watch();
         Ok(())
@@ -222,7 +224,7 @@ impl Session {
             PathBuf::from(path)
         } else {
             let known = lock(&self.file).as_ref().map(|(path, _)| path.clone());
-            known.context("the document came from no file; say :save FILE.zset")?
+            known.context("the document did not come from a file; use :save FILE.zset")?
         };
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
@@ -230,7 +232,7 @@ impl Session {
         Ok(())
     }
 
-    /// Waits for the fine picture, saves it and shows the command that makes it again.
+    /// Waits for the fine picture, saves it and shows the command that reproduces it.
     ///
     /// # Errors
     /// If there will be no such picture, or it cannot be written.
@@ -241,7 +243,7 @@ impl Session {
             None => (1..=9999)
                 .map(|number| PathBuf::from(format!("zeroset-{number}.png")))
                 .find(|path| !path.exists())
-                .context("every name is taken")?,
+                .context("all names up to zeroset-9999.png are taken")?,
         };
         check_png(&path)?;
         let output = Output::create(&path)?;
@@ -263,7 +265,7 @@ impl Session {
         output.finish(|out| write_png(out, rgb, buffer.width, buffer.height))?;
         let name = path.display().to_string();
         self.say(&format!(
-            "saved '{name}'; the command that makes it again:\n{}",
+            "saved '{name}'; the command that reproduces it:\n{}",
             picture.command(&name)
         ));
         Ok(())

@@ -1,5 +1,5 @@
-//! A contact sheet: small pictures with their names. The letters are Noto Sans Mono (SIL Open Font License 1.1), as the
-//! crate `noto-sans-mono-bitmap` has drawn them.
+//! A contact sheet: small pictures with their names. The letters are Noto Sans Mono (SIL Open Font
+//! License 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
 
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};

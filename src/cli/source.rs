@@ -1,4 +1,5 @@
-//! Where the text to draw comes from: standard input, a file, the gallery, or the command line itself.
+//! Where the text to draw comes from: standard input, a file, the gallery, or the command line
+//! itself.
 
 use anyhow::{Context, Result, bail};
 use std::ffi::OsStr;
@@ -15,8 +16,8 @@ pub struct Source {
     pub text: String,
 }
 
-/// Finds the text that `argument` stands for: `-` is standard input, an existing file wins over a name of the gallery,
-/// and that over a formula.
+/// Finds the text that `argument` stands for: `-` is standard input, an existing file wins over a
+/// name of the gallery, and that over a formula.
 ///
 /// # Errors
 /// If a file cannot be read, or the text is not UTF-8.
@@ -26,14 +27,13 @@ pub fn find(argument: &OsStr) -> Result<Source> {
     }
     let path = Path::new(argument);
     let shown = argument.to_string_lossy();
-    // An empty argument or one with a NUL byte is no path, and the failing look-up says so. A link that leads nowhere is
-    // a path all the same.
+    // An empty argument or one with a NUL byte is no path, and the failing look-up says so. A link
+    // that leads nowhere is a path all the same.
     if path.symlink_metadata().is_ok() {
         if path.is_dir() {
             bail!("'{shown}' is a directory, not a function file");
         }
-        let file = File::open(path).with_context(|| format!("cannot read '{shown}'"))?;
-        return read(&shown, file);
+        return open(path);
     }
     let Some(text) = argument.to_str() else {
         bail!("the formula is not valid UTF-8, and no file has this name: '{shown}'");
@@ -52,13 +52,14 @@ pub fn find(argument: &OsStr) -> Result<Source> {
     }
     if let Some(slug) = misspelt(text) {
         bail!(
-            "'{shown}' is no file, no name of the gallery and no formula; did you mean '{slug}' of the gallery?"
+            "'{shown}' is not a file, a surface of the gallery or a formula; did you mean '{slug}' of the gallery?"
         );
     }
     Ok(Source { name: "formula".to_owned(), text: text.to_owned() })
 }
 
-/// The name of the gallery that a text is likely to mean which is a word and no formula: one that it begins, or the nearest.
+/// The name of the gallery that a text is likely to mean which is a word and no formula: one that
+/// it begins, or the nearest.
 fn misspelt(text: &str) -> Option<&'static str> {
     const SHORTEST: usize = 4;
     let text = text.trim();
@@ -74,13 +75,23 @@ fn misspelt(text: &str) -> Option<&'static str> {
     zeroset_syntax::read(text, &zeroset_syntax::Options::default()).is_err().then_some(slug)
 }
 
+/// The text of a file.
+///
+/// # Errors
+/// If it cannot be read, or is not UTF-8.
+pub fn open(path: &Path) -> Result<Source> {
+    let shown = path.to_string_lossy();
+    let file = File::open(path).with_context(|| format!("cannot read '{shown}'"))?;
+    read(&shown, file)
+}
+
 fn read(name: &str, from: impl Read) -> Result<Source> {
     let mut bytes = Vec::new();
     from.take(LONGEST + 1)
         .read_to_end(&mut bytes)
         .with_context(|| format!("cannot read '{name}'"))?;
     if bytes.len() as u64 > LONGEST {
-        bail!("'{name}' is longer than {} MB: that is no formula", LONGEST >> 20);
+        bail!("'{name}' is longer than {} MB: too large for a formula", LONGEST >> 20);
     }
     match String::from_utf8(bytes) {
         Ok(text) => Ok(Source { name: name.to_owned(), text }),

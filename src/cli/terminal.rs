@@ -1,36 +1,27 @@
-//! The terminal itself: its size, what it answers, and how it is set up beside a window, which may end while a line is
-//! being typed. Elsewhere than on Unix nothing is known of any.
+//! The terminal itself: its size, what it answers, and how it is set up beside a window, which may
+//! end while a line is being typed. Elsewhere than on Unix nothing is known of any.
 
 #[cfg(unix)]
 use rustix::termios::{LocalModes, OptionalActions, SpecialCodeIndex};
 use std::time::Duration;
 
-/// The terminal's columns and rows.
+/// Columns and rows of a terminal.
+pub type Size = (usize, usize);
+
+/// The terminal's columns and rows, and width and height of a character in pixels where it tells.
 #[cfg(unix)]
-pub fn size() -> Option<(usize, usize)> {
+pub fn size() -> Option<(Size, Option<Size>)> {
     let size = rustix::termios::tcgetwinsize(std::io::stdout()).ok()?;
-    let (columns, rows) = (usize::from(size.ws_col), usize::from(size.ws_row));
-    (columns > 0 && rows > 0).then_some((columns, rows))
+    let pair = |(across, down): (u16, u16)| {
+        (across > 0 && down > 0).then_some((usize::from(across), usize::from(down)))
+    };
+    let characters = pair((size.ws_col, size.ws_row))?;
+    Some((characters, pair((size.ws_xpixel / size.ws_col, size.ws_ypixel / size.ws_row))))
 }
 
-/// Width and height of a character in pixels, where the terminal tells.
-#[cfg(unix)]
-pub fn character() -> Option<(usize, usize)> {
-    let size = rustix::termios::tcgetwinsize(std::io::stdout()).ok()?;
-    let (across, down) =
-        (size.ws_xpixel.checked_div(size.ws_col)?, size.ws_ypixel.checked_div(size.ws_row)?);
-    (across > 0 && down > 0).then_some((usize::from(across), usize::from(down)))
-}
-
-/// Width and height of a character in pixels, where the terminal tells.
+/// Nothing is known of it.
 #[cfg(not(unix))]
-pub fn character() -> Option<(usize, usize)> {
-    None
-}
-
-/// The terminal's columns and rows.
-#[cfg(not(unix))]
-pub fn size() -> Option<(usize, usize)> {
+pub fn size() -> Option<(Size, Option<Size>)> {
     None
 }
 
@@ -40,7 +31,8 @@ pub enum Answer {
     Given(String),
     /// Nothing in time; it may still come.
     Late,
-    /// There was nobody to ask, or keys had been pressed already, among which an answer would be lost.
+    /// There was nobody to ask, or keys had been pressed already, among which an answer would be
+    /// lost.
     NotAsked,
 }
 
@@ -48,8 +40,8 @@ pub enum Answer {
 #[cfg(unix)]
 const LONGEST: usize = 64;
 
-/// Asks the terminal for its primary device attributes (DA1) before anything else reads from it. What is typed until the
-/// answer is there is dropped, as it would be on the way into the prompt.
+/// Asks the terminal for its primary device attributes (DA1) before anything else reads from it.
+/// What is typed until the answer is there is dropped, as it would be on the way into the prompt.
 #[cfg(unix)]
 pub fn ask(limit: Duration) -> Answer {
     use std::io::{IsTerminal, Write};
@@ -58,7 +50,8 @@ pub fn ask(limit: Duration) -> Answer {
         return Answer::NotAsked;
     }
     let Ok(before) = rustix::termios::tcgetattr(&input) else { return Answer::NotAsked };
-    // The answer has no end of line, and nobody wants to see it. An interruption would leave the terminal so.
+    // The answer has no end of line, and nobody wants to see it. An interruption would leave the
+    // terminal so.
     let mut silent = before.clone();
     silent.local_modes.remove(LocalModes::ECHO | LocalModes::ICANON | LocalModes::ISIG);
     silent.special_codes[SpecialCodeIndex::VMIN] = 0;
@@ -91,8 +84,8 @@ fn is_ready(input: &std::io::Stdin, limit: Duration) -> bool {
     matches!(poll(&mut [PollFd::new(input, PollFlags::IN)], Some(&limit)), Ok(1..))
 }
 
-/// Byte by byte, so that nothing after the answer is taken, and past the buffer of standard input, which the prompt does
-/// not know.
+/// Byte by byte, so that nothing after the answer is taken, and past the buffer of standard input,
+/// which the prompt does not know.
 #[cfg(unix)]
 fn read_answer(input: &std::io::Stdin, limit: Duration) -> Option<String> {
     let end = std::time::Instant::now() + limit;

@@ -1,12 +1,11 @@
 //! A file that is watched while an editor saves it, in whatever style.
 //!
-//! The directory is watched and not the file, so that a file that is replaced, deleted or renamed is found again. Nothing
-//! is known of what the text means.
+//! The directory is watched and not the file, so that a file that is replaced, deleted or renamed
+//! is found again. Nothing is known of what the text means.
 
+use super::source::{self, Source};
 use anyhow::{Context, Result};
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -18,8 +17,6 @@ const QUIET: Duration = Duration::from_millis(25);
 const RESTLESS: Duration = Duration::from_millis(200);
 /// The file is looked at this often even without an event: some file systems report none.
 const POLL: Duration = Duration::from_secs(1);
-/// No more of a file is read.
-const LONGEST: u64 = 16 << 20;
 
 /// What became of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,8 +41,8 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Calls `report` on a thread of its own whenever the file's text is no longer `text`, but not when it is empty: a
-    /// file is emptied before it is written.
+    /// Calls `report` on a thread of its own whenever the file's text is no longer `text`, but not
+    /// when it is empty: a file is emptied before it is written.
     ///
     /// # Errors
     /// If the file's directory cannot be named.
@@ -132,8 +129,8 @@ impl<R: FnMut(Change)> Watched<R> {
 
     fn look(&mut self) {
         self.stamp = self.stamp();
-        match read(&self.path) {
-            Ok(text) => {
+        match source::open(&self.path) {
+            Ok(Source { text, .. }) => {
                 self.lost = false;
                 if text != self.text && !text.trim().is_empty() {
                     self.text.clone_from(&text);
@@ -144,22 +141,16 @@ impl<R: FnMut(Change)> Watched<R> {
             Err(_) if self.lost => {}
             Err(error) => {
                 self.lost = true;
-                let name = self.path.display();
-                (self.report)(Change::Lost(format!("cannot read '{name}': {error}")));
+                (self.report)(Change::Lost(format!("{error:#}")));
             }
         }
     }
 }
 
-fn read(path: &Path) -> std::io::Result<String> {
-    let mut text = String::new();
-    File::open(path)?.take(LONGEST).read_to_string(&mut text)?;
-    Ok(text)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::File;
     use std::io::Write;
     use std::sync::Arc;
     use zeroset::live::{Live, Request};

@@ -1,5 +1,5 @@
-//! The window: pictures as they come, the mouse and the keys. It owns the main thread and knows nothing of how a picture
-//! is made.
+//! The window: pictures as they come, the mouse and the keys. It owns the main thread and knows
+//! nothing of how a picture is made.
 
 use super::canvas::{Canvas, Rgb};
 use super::help;
@@ -42,7 +42,8 @@ const ZOOM: f64 = 0.85;
 /// Windows at least this high get letters twice as large, unless told otherwise.
 const HIGH: usize = 1400;
 
-/// What was typed, in order. A key that is pressed and let go between two looks at the keyboard is not lost.
+/// What was typed, in order. A key that is pressed and let go between two looks at the keyboard is
+/// not lost.
 #[derive(Clone, Copy)]
 enum Input {
     Letter(char),
@@ -147,7 +148,7 @@ impl Window {
             ..WindowOptions::default()
         };
         let mut window = minifb::Window::new("zeroset", size.width, size.height, options)
-            .map_err(|error| format!("no window can be opened ({error})"))?;
+            .map_err(|error| format!("a window cannot be opened ({error})"))?;
         window.set_target_fps(60);
         let keyboard = Rc::new(RefCell::new(VecDeque::new()));
         window.set_input_callback(Box::new(Keyboard(Rc::clone(&keyboard))));
@@ -284,7 +285,7 @@ impl Window {
                     self.line.get_or_insert(line);
                 }
                 Outcome::Saved(Ok(())) => {
-                    self.say("saved; the terminal shows the command that makes it again");
+                    self.say("saved; the terminal shows the command that reproduces it");
                 }
                 Outcome::Saved(Err(error)) => self.say(&format!("error: {error:#}")),
             }
@@ -349,15 +350,15 @@ impl Window {
             's' => {
                 let (session, tell) = (Arc::clone(&self.session), self.tell.clone());
                 self.threads.push(spawn(move || save(&session, None, &tell)));
-                self.say("saving the picture when it is finished");
+                self.say("saving the picture once it is finished");
             }
             'q' => self.session.end(),
             _ => {}
         }
     }
 
-    /// Shows the box, or no longer. The view by default cuts corners off, and so is left for one that shows them all, until
-    /// the box is hidden again; a view that somebody chose stays.
+    /// Shows the box, or no longer. The view by default cuts corners off, and so is left for one
+    /// that shows them all, until the box is hidden again; a view that somebody chose stays.
     fn toggle_axes(&mut self) {
         let live = &self.session.live;
         self.axes = !self.axes;

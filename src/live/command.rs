@@ -1,5 +1,5 @@
-//! Lines that are typed, and the commands among them: one row per command, from which reading, help, completion and
-//! suggestions are derived. What touches files is left to the caller.
+//! Lines that are typed, and the commands among them: one row per command, from which reading,
+//! help, completion and suggestions are derived. What touches files is left to the caller.
 
 use super::pipeline::Request;
 use super::session::{Live, Refusal, Reply};
@@ -76,7 +76,8 @@ pub const COMMANDS: &[CommandRow] = &[
 ];
 
 impl Live {
-    /// Shows what the document would be if `line`, which is still being typed, were entered. A command shows nothing new.
+    /// Shows what the document would be if `line`, which is still being typed, were entered. A
+    /// command shows nothing new.
     pub fn type_line(&self, line: &str) {
         match read(line) {
             Ok(Line::Text(formula)) => self.show_typed(Some(formula), false),
@@ -146,7 +147,7 @@ fn set_time(live: &Live, time: f64) -> Result<Reply, Refusal> {
     if live.request().read().map_or(true, |document| scene::depends_on_time(&document)) {
         return Ok(Reply::Done);
     }
-    say("noted; nothing here depends on the time t".to_owned())
+    say("noted; nothing that is drawn depends on the time t".to_owned())
 }
 
 fn look_at(live: &Live, domain: DomainChoice) -> Result<Reply, Refusal> {

@@ -1,12 +1,14 @@
-//! How a line that is entered changes a document's text. Knows statements and lines, but not what they mean.
+//! How a line that is entered changes a document's text. Knows statements and lines, but not what
+//! they mean.
 
 use std::ops::Range;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
 
-/// The text after `line` has been entered into it: a definition replaces the one with the same name, a single value where
-/// that stands; a drawing replaces all others, or joins them if `adding`; a `domain`, `view` or `color` line replaces the
-/// one before. Text or line may be wrong; reading the result tells where. A text that is wrong itself is given up.
+/// The text after `line` has been entered into it: a definition replaces the one with the same
+/// name, a single value where that stands; a drawing replaces all others, or joins them if
+/// `adding`; a `domain`, `view` or `color` line replaces the one before. Text or line may be wrong;
+/// reading the result tells where. A text that is wrong itself is given up.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
@@ -52,7 +54,8 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     kept.trim_start_matches('\n').to_owned()
 }
 
-/// The text with one value replaced where it stands, so that parameters keep their order, if that is all that `line` does.
+/// The text with one value replaced where it stands, so that parameters keep their order, if that
+/// is all that `line` does.
 fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> Option<String> {
     let name = |(_, one): &Placed<'_>| match one {
         Statement::Define(value) if value.parameters.is_none() => Some(value.name.text.clone()),
@@ -88,19 +91,16 @@ fn heading(text: &str) -> usize {
 }
 
 fn extent(statement: &Statement) -> Range<usize> {
-    let (first, mut end) = match statement {
-        Statement::Draw { expr, .. } => (expr.span, expr.span.end),
-        Statement::Define(definition) => (definition.name.span, definition.body.span.end),
-    };
     match statement {
-        Statement::Draw { restrictions, .. } => {
-            end = restrictions.iter().map(|one| one.span.end).fold(end, usize::max);
+        Statement::Draw { expr, restrictions, .. } => {
+            let ends = restrictions.iter().map(|one| one.span.end);
+            expr.span.start..ends.fold(expr.span.end, usize::max)
         }
         Statement::Define(definition) => {
-            end = definition.range.iter().map(|range| range.1.span.end).fold(end, usize::max);
+            let ends = definition.range.iter().map(|range| range.1.span.end);
+            definition.name.span.start..ends.fold(definition.body.span.end, usize::max)
         }
     }
-    first.start..end
 }
 
 /// The whole piece of `text` around a statement, with the break or comment that ends it.

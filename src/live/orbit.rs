@@ -1,5 +1,6 @@
-//! A camera on a turntable: what dragging and zooming change. Lengths are in half extents of the region, so that the
-//! view survives when a surface grows; angles are in radians. Knows no mouse, only pixels.
+//! A camera on a turntable: what dragging and zooming change. Lengths are in half extents of the
+//! region, so that the view survives when a surface grows; angles are in radians. Knows no mouse,
+//! only pixels.
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -114,7 +115,8 @@ impl Orbit {
         self.target += (up * down - right * across) * self.unit(height);
     }
 
-    /// Scales what is seen by `1 / factor`, about a place so many pixels right of and below the middle.
+    /// Scales what is seen by `1 / factor`, about a place so many pixels right of and below the
+    /// middle.
     pub fn zoom(&mut self, factor: f64, across: f64, down: f64, height: usize) {
         let factor = (self.distance * factor).clamp(NEAREST, FARTHEST) / self.distance;
         let (_, right, up) = self.directions();
@@ -125,14 +127,15 @@ impl Orbit {
         }
     }
 
-    /// Shows the whole of the region's box from the same side, with space around it for labels, in a picture of so many
-    /// pixels.
+    /// Shows the whole of the region's box from the same side, with space around it for labels, in
+    /// a picture of so many pixels.
     pub fn fit(&mut self, region: &Region, width: usize, height: usize) {
         self.target = DVec3::ZERO;
         let (back, right, up) = self.directions();
         let aspect = width.max(1) as f64 / height.max(1) as f64;
         let half = (region.high() - region.low()) / (2.0 * region.half_extent());
-        // Of each corner, how far from the middle it lies, in halves of the picture's height, and how near to the eye.
+        // Of each corner, how far from the middle it lies, in halves of the picture's height, and
+        // how near to the eye.
         let corners = (0..8).map(|n: i32| {
             let side = |axis: usize| if n >> axis & 1 == 1 { half[axis] } else { -half[axis] };
             let corner = DVec3::new(side(0), side(1), side(2));

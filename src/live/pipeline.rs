@@ -1,8 +1,9 @@
-//! From the latest request to pictures, on a thread of its own: read, compile, a coarse picture, a fine one.
+//! From the latest request to pictures, on a thread of its own: read, compile, a coarse picture, a
+//! fine one.
 //!
-//! A new request ends the work on the one before between tiles. What an older stage made is kept as long as nothing that it
-//! depends on has changed. Pictures and what they were made with are shared by counting, so that the last of them to use a
-//! kernel frees it.
+//! A new request ends the work on the one before between tiles. What an older stage made is kept as
+//! long as nothing that it depends on has changed. Pictures and what they were made with are shared
+//! by counting, so that the last of them to use a kernel frees it.
 
 use super::orbit::Orbit;
 use crate::domain::AutoDomain;
@@ -68,7 +69,8 @@ pub struct Rendering {
     pub picture: Picture,
     /// Whether a finer one is still to come.
     pub coarse: bool,
-    /// Time taken by reading, if it was done for this request; the other stages' times are in the picture.
+    /// Time taken by reading, if it was done for this request; the other stages' times are in the
+    /// picture.
     pub parse: Duration,
     /// Time from the request to this picture.
     pub latency: Duration,
@@ -181,8 +183,8 @@ impl Pipeline {
         self.shared.lock().snapshot.clone()
     }
 
-    /// Waits until `done` holds of what can be seen and of the latest request's number, and tells whether it came to that in
-    /// time.
+    /// Waits until `done` holds of what can be seen and of the latest request's number, and tells
+    /// whether it came to that in time.
     pub fn wait(&self, timeout: Duration, done: impl Fn(&Snapshot, u64) -> bool) -> bool {
         let state = self.shared.lock();
         let waiting = |state: &mut State| !done(&state.snapshot, state.revision);
@@ -208,10 +210,12 @@ const COARSE: Duration = Duration::from_millis(20);
 /// If the fine picture is expected to take no longer than this, there is no coarse one.
 const PROMPT: Duration = Duration::from_millis(30);
 
-/// If the full picture is expected to take longer than this after a coarse one, there is one of half the size between.
+/// If the full picture is expected to take longer than this after a coarse one, there is one of
+/// half the size between.
 const PATIENCE: Duration = Duration::from_millis(150);
 
-/// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface whose cost is unknown.
+/// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface
+/// whose cost is unknown.
 const COARSEST: usize = 8;
 
 /// Halvings along the ray that a coarse picture keeps at least.
@@ -305,7 +309,8 @@ impl Worker {
             let coarse = divisor > 1;
             let settings = coarser(full, divisor);
             let started = Instant::now();
-            // A coarse picture is worth finishing while only the camera moves: it is what is seen of the movement.
+            // A coarse picture is worth finishing while only the camera moves: it is what is seen
+            // of the movement.
             let advance = |_| if coarse { self.wanted_coarsely(job) } else { self.wanted(job) };
             let picture = model.trace(&camera, &settings, &advance);
             if !advance(0) {
@@ -411,7 +416,8 @@ impl Worker {
     }
 }
 
-/// How many times fewer columns and rows the first picture should have, if the full one is expected to take so long.
+/// How many times fewer columns and rows the first picture should have, if the full one is expected
+/// to take so long.
 fn coarsest(expected: Option<Duration>) -> usize {
     let Some(expected) = expected else { return COARSEST };
     if expected <= PROMPT {
@@ -421,8 +427,8 @@ fn coarsest(expected: Option<Duration>) -> usize {
     [2, 4].into_iter().find(affordable).unwrap_or(COARSEST)
 }
 
-/// The same of the picture after one with this divisor: where the full one is waited for, there is one between, for a
-/// quarter of its time.
+/// The same of the picture after one with this divisor: where the full one is waited for, there is
+/// one between, for a quarter of its time.
 fn finer(expected: Option<Duration>, divisor: usize) -> usize {
     if divisor > 2 && expected.is_some_and(|expected| expected > PATIENCE) { 2 } else { 1 }
 }

@@ -15,8 +15,8 @@ use zeroset_trace::UndecidedStyle;
 
 /// A document that is typed and turned, and its picture.
 ///
-/// All methods may be called from any thread. The lock is held for moments only: what takes longer, as reading and
-/// simplifying, is done without it.
+/// All methods may be called from any thread. The lock is held for moments only: what takes longer,
+/// as reading and simplifying, is done without it.
 pub struct Live {
     state: Mutex<State>,
     pipeline: Pipeline,
@@ -27,7 +27,8 @@ struct State {
     request: Request,
     /// The text last asked for, with what is being typed.
     shown: Arc<str>,
-    /// The last text that could be read, from which typing goes on when a watched file no longer can.
+    /// The last text that could be read, from which typing goes on when a watched file no longer
+    /// can.
     readable: Arc<str>,
     revision: u64,
 }
@@ -121,15 +122,15 @@ impl Live {
         self.pipeline.snapshot()
     }
 
-    /// Waits until the fine picture of everything asked for so far, or what is wrong with it, is there, and tells whether
-    /// it came to that in time.
+    /// Waits until the fine picture of everything asked for so far, or what is wrong with it, is
+    /// there, and tells whether it came to that in time.
     pub fn wait(&self, timeout: Duration) -> bool {
         let revision = self.lock().revision;
         self.pipeline.wait(timeout, |seen, _| seen.settled >= revision)
     }
 
-    /// Waits for the fine picture of everything asked for so far. `None` if it does not come in time, if something is
-    /// wrong with it, or once something else is asked for.
+    /// Waits for the fine picture of everything asked for so far. `None` if it does not come in
+    /// time, if something is wrong with it, or once something else is asked for.
     pub fn finished(&self, timeout: Duration) -> Option<Arc<Rendering>> {
         let revision = self.lock().revision;
         self.pipeline.wait(timeout, |seen, latest| seen.settled >= revision || latest > revision);
@@ -137,8 +138,8 @@ impl Live {
         (rendering.revision == revision && !rendering.coarse).then_some(rendering)
     }
 
-    /// Waits until something newer than the picture or fault with this number can be seen, and tells whether it came to
-    /// that in time.
+    /// Waits until something newer than the picture or fault with this number can be seen, and
+    /// tells whether it came to that in time.
     pub fn wait_for_news(&self, timeout: Duration, known: u64) -> bool {
         self.pipeline.wait(timeout, |seen, _| {
             let rendering = seen.rendering.as_ref().map_or(0, |rendering| rendering.revision);
@@ -166,7 +167,8 @@ impl Live {
         self.lock().request.settings.clone()
     }
 
-    /// Shows what the document would be if a line that is still being typed were entered; `None` for the document as it is.
+    /// Shows what the document would be if a line that is still being typed were entered; `None`
+    /// for the document as it is.
     pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
         let shown = |request: &Request, readable: &str| {
             Ok(match line {
@@ -217,13 +219,14 @@ impl Live {
         let parameter = document.parameters.iter().find(|parameter| parameter.name == name);
         Ok(match parameter {
             Some(parameter) if is_idle(&document, parameter) => {
-                Reply::Say(format!("noted; `{name}` occurs in nothing that is drawn"))
+                Reply::Say(format!("noted; nothing that is drawn depends on `{name}`"))
             }
             _ => Reply::Done,
         })
     }
 
-    /// Replaces the document by what `work` makes of it and of the last text that could be read, and returns it as read.
+    /// Replaces the document by what `work` makes of it and of the last text that could be read,
+    /// and returns it as read.
     fn edit(
         &self,
         work: impl Fn(&Request, &str) -> Result<Edit, Refusal>,
@@ -239,8 +242,8 @@ impl Live {
         })
     }
 
-    /// Does `work`, which may take long, without the lock, and again if somebody has changed the document meanwhile. What
-    /// it results in is then applied.
+    /// Does `work`, which may take long, without the lock, and again if somebody has changed the
+    /// document meanwhile. What it results in is then applied.
     fn change_after<W, R>(
         &self,
         work: impl Fn(&Request, &str) -> Result<W, Refusal>,
@@ -259,7 +262,8 @@ impl Live {
         }
     }
 
-    /// Takes `text` for the document. The view stays if `again`: the text is the same document in a newer version.
+    /// Takes `text` for the document. The view stays if `again`: the text is the same document in a
+    /// newer version.
     pub fn load(&self, name: &str, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let text: Arc<str> = text.into();
@@ -400,5 +404,5 @@ fn is_nothing_to_draw(error: &zeroset_syntax::Error) -> bool {
 }
 
 fn nothing_drawn() -> Reply {
-    Reply::Say("noted; nothing is drawn yet".to_owned())
+    Reply::Say("noted; there is nothing to draw yet".to_owned())
 }

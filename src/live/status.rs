@@ -1,4 +1,4 @@
-//! What a picture shows and what it took, in words and as the command that makes it again.
+//! What a picture shows and what it took, in words and as the command that reproduces it.
 
 use super::pipeline::{Rendering, Snapshot};
 use crate::names::Named;
@@ -11,7 +11,7 @@ use zeroset_trace::{Projection, UndecidedStyle};
 
 /// What is said of a function that may be 0 everywhere.
 pub const FLAT: &str =
-    "a function could not be told from 0 at any point looked at: it may be 0 everywhere";
+    "a function could not be distinguished from 0 at any sampled point: it may be 0 everywhere";
 
 /// Several lines on what can be seen.
 pub(super) fn describe(snapshot: &Snapshot) -> String {
@@ -95,7 +95,7 @@ impl Rendering {
         )
     }
 
-    /// The command that makes this picture again, at full size, as `output`.
+    /// The command that reproduces this picture at full size, as `output`.
     pub fn command(&self, output: &str) -> String {
         let request = &self.request;
         let settings = &request.settings;

@@ -23,8 +23,8 @@ pub enum Domain {
 /// Where to look from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
-    /// A named direction.
-    pub preset: Option<Preset>,
+    /// The name of a direction, one of those that the grammar lists.
+    pub preset: Option<String>,
     /// The eye, in world units.
     pub eye: Option<[Constant; 3]>,
     /// The point looked at, in world units.
@@ -35,32 +35,6 @@ pub struct View {
     pub fov: Option<Constant>,
     /// The height of an orthographic picture, in world units.
     pub ortho: Option<Constant>,
-}
-
-/// A named direction to look from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // each is what its name says
-pub enum Preset {
-    Iso,
-    Front,
-    Back,
-    Left,
-    Right,
-    Top,
-    Bottom,
-}
-
-impl Preset {
-    /// All of them, with their names.
-    pub const ALL: [(&'static str, Self); 7] = [
-        ("iso", Self::Iso),
-        ("front", Self::Front),
-        ("back", Self::Back),
-        ("left", Self::Left),
-        ("right", Self::Right),
-        ("top", Self::Top),
-        ("bottom", Self::Bottom),
-    ];
 }
 
 /// A color, as sRGB.
@@ -233,10 +207,7 @@ impl Reader<'_> {
         let mut view = View::default();
         for child in pair.into_inner() {
             match child.as_rule() {
-                Rule::preset => {
-                    let found = Preset::ALL.iter().find(|(name, _)| *name == child.as_str());
-                    view.preset = found.map(|(_, preset)| *preset);
-                }
+                Rule::preset => view.preset = Some(child.as_str().to_owned()),
                 Rule::setting => self.setting(child, &mut view)?,
                 _ => {}
             }
