@@ -297,13 +297,13 @@ fn a_picture_is_waited_for_only_until_another_is_asked_for() {
     let settings = Settings { width: 3000, height: 3000, max_depth: 16, ..Settings::default() };
     let live = Live::new(Request { text: heavy.into(), settings, ..Request::default() });
     std::thread::scope(|scope| {
-        let waiting = scope.spawn(|| live.finished(LIMIT).is_none());
+        let waiting = scope.spawn(|| live.finished(live.revision(), LIMIT).is_none());
         assert!(live.wait_for_news(LIMIT, 0), "no coarse picture");
         assert!(!waiting.is_finished());
         live.resize(20, 20);
         assert!(waiting.join().expect("no panic"), "that picture was never finished");
     });
-    let picture = live.finished(LIMIT).expect("a small picture");
+    let picture = live.finished(live.revision(), LIMIT).expect("a small picture");
     assert_eq!((picture.picture.buffer.width, picture.coarse), (20, false));
 }
 

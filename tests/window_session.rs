@@ -115,3 +115,20 @@ fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
     scene.terminal.type_in(":quit\r");
     assert_eq!(scene.terminal.ends(), 0);
 }
+
+/// A picture that takes long is waited for on another thread: the window goes on.
+#[test]
+fn saving_a_slow_picture_does_not_hold_the_window() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    // The coarse picture is there at once; the fine one would take minutes.
+    let slow = ["barth-decic", "--size", "900x700", "--precision", "f64", "--max-depth", "30"];
+    let scene = Scene::start(&slow);
+    scene.key("s");
+    scene.changes("help", || scene.key("F1"));
+    scene.changes("no help", || scene.key("Escape"));
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+    assert!(!scene.terminal.place().join("zeroset-1.png").exists());
+}

@@ -101,7 +101,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             // At once, so that nothing is lost however the program ends.
             let _ = editor.append_history(history);
         }
-        match session.enter(&line, |to| session.png(to.as_deref())) {
+        match session.enter(&line, |to| session.png(to.as_deref(), session.live.revision())) {
             // What a command says is not to scroll away behind a picture that was there already.
             Ok(()) if preview && !line.trim().is_empty() && !session.has_ended() => {
                 session.fit_terminal();

@@ -232,11 +232,12 @@ impl Session {
         Ok(())
     }
 
-    /// Waits for the fine picture, saves it and shows the command that reproduces it.
+    /// Waits for the fine picture of the request with this number, saves it and shows the command
+    /// that reproduces it.
     ///
     /// # Errors
     /// If there will be no such picture, or it cannot be written.
-    pub fn png(&self, to: Option<&str>) -> Result<()> {
+    pub fn png(&self, to: Option<&str>, mut revision: u64) -> Result<()> {
         let _one_at_a_time = lock(&self.saving);
         let path = match to {
             Some(path) => PathBuf::from(path),
@@ -254,13 +255,14 @@ impl Session {
         if small {
             let usual = Settings::default();
             self.live.resize(usual.width, usual.height);
+            revision = self.live.revision();
         }
-        let finished = self.live.finished(PATIENCE);
+        let finished = self.live.finished(revision, PATIENCE);
         if small {
             self.live.resize(width, height);
         }
-        let picture =
-            finished.context("not saved: the picture was changed before it was finished")?;
+        let picture = finished
+            .context("not saved: the picture was changed before it was finished, or never was")?;
         let (buffer, rgb) = (&picture.picture.buffer, &picture.picture.rgb);
         output.finish(|out| write_png(out, rgb, buffer.width, buffer.height))?;
         let name = path.display().to_string();

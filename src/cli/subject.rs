@@ -93,7 +93,7 @@ pub fn why_nothing_is_seen(
             let [x0, y0, z0] = found.low;
             let [x1, y1, z1] = found.high;
             format!(
-                "nothing is seen here; the surface lies elsewhere, try --domain {x0},{x1},{y0},{y1},{z0},{z1}"
+                "nothing is seen here; the surface lies elsewhere: try --domain {x0},{x1},{y0},{y1},{z0},{z1}"
             )
         }
         _ => "nothing is seen: every ray is proven to miss".to_owned(),

@@ -349,7 +349,8 @@ impl Window {
             'x' => self.toggle_axes(),
             's' => {
                 let (session, tell) = (Arc::clone(&self.session), self.tell.clone());
-                self.threads.push(spawn(move || save(&session, None, &tell)));
+                let revision = live.revision();
+                self.threads.push(spawn(move || save(&session, None, revision, &tell)));
                 self.say("saving the picture once it is finished");
             }
             'q' => self.session.end(),
@@ -544,9 +545,12 @@ fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Sender<O
     let mut saves = Vec::new();
     for line in lines {
         let result = session.enter(line.text().trim(), |to| {
-            // The lines after it need not wait for the picture.
+            // The lines after it need not wait for the picture. Whoever ends the session asks for
+            // another one after that, so that it is not waited for.
+            let revision = session.live.revision();
+            anyhow::ensure!(!session.has_ended(), "not saved: the window was closed");
             let (session, tell) = (Arc::clone(session), tell.clone());
-            saves.push(spawn(move || save(&session, to.as_deref(), &tell)));
+            saves.push(spawn(move || save(&session, to.as_deref(), revision, &tell)));
             Ok(())
         });
         // Nobody is left to tell once the window is closed.
@@ -557,8 +561,8 @@ fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Sender<O
     }
 }
 
-fn save(session: &Session, to: Option<&str>, tell: &Sender<Outcome>) {
-    let _ = tell.send(Outcome::Saved(session.png(to)));
+fn save(session: &Session, to: Option<&str>, revision: u64, tell: &Sender<Outcome>) {
+    let _ = tell.send(Outcome::Saved(session.png(to, revision)));
 }
 
 impl Backdrop {

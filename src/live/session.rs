@@ -129,10 +129,9 @@ impl Live {
         self.pipeline.wait(timeout, |seen, _| seen.settled >= revision)
     }
 
-    /// Waits for the fine picture of everything asked for so far. `None` if it does not come in
+    /// Waits for the fine picture of the request with this number. `None` if it does not come in
     /// time, if something is wrong with it, or once something else is asked for.
-    pub fn finished(&self, timeout: Duration) -> Option<Arc<Rendering>> {
-        let revision = self.lock().revision;
+    pub fn finished(&self, revision: u64, timeout: Duration) -> Option<Arc<Rendering>> {
         self.pipeline.wait(timeout, |seen, latest| seen.settled >= revision || latest > revision);
         let rendering = self.snapshot().rendering?;
         (rendering.revision == revision && !rendering.coarse).then_some(rendering)
