@@ -1,0 +1,92 @@
+//! One function as a method sees it: the kernels that answer for it.
+
+use crate::batch::{Boxes, Zeros};
+use crate::question::{Enclose, EncloseGradient, FindZeros, Kernel, Sample, SampleGradient};
+use crate::real::Real;
+use std::error::Error;
+use std::sync::Arc;
+
+/// Why a kernel cannot be had.
+pub type KernelError = Arc<dyn Error + Send + Sync>;
+
+/// A kernel, or why there is none.
+pub type Asked<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
+
+/// What may be asked of one function, in either precision.
+///
+/// A kernel is made when it is first asked for, so only what a picture needs should be.
+pub trait Surface: Sync {
+    /// Kernels that compute in `f32`.
+    fn single(&self) -> &dyn Kernels<f32>;
+    /// Kernels that compute in `f64`.
+    fn double(&self) -> &dyn Kernels<f64>;
+}
+
+/// The kernels of one function in one precision.
+pub trait Kernels<T: Real>: Sync {
+    /// May a box hold a zero?
+    ///
+    /// # Errors
+    /// If there can be no such kernel; as for all others.
+    fn zeros(&self) -> Asked<'_, FindZeros, T>;
+    /// Bounds of the function.
+    ///
+    /// # Errors
+    /// As above.
+    fn bounds(&self) -> Asked<'_, Enclose, T>;
+    /// Bounds of the numerator and of the denominator of the function's cleared form, if it has one: where it is defined,
+    /// it vanishes where the numerator does and the denominator does not, and has its poles where the denominator does.
+    ///
+    /// # Errors
+    /// As above.
+    fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError>;
+    /// Bounds of function and gradient.
+    ///
+    /// # Errors
+    /// As above.
+    fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T>;
+    /// Samples of the function.
+    ///
+    /// # Errors
+    /// As above.
+    fn values(&self) -> Asked<'_, Sample, T>;
+    /// Samples of function and gradient.
+    ///
+    /// # Errors
+    /// As above.
+    fn gradients(&self) -> Asked<'_, SampleGradient, T>;
+}
+
+/// Where a function may vanish, by up to three forms of it, each asked only where the one before leaves lanes open.
+#[derive(Clone, Debug)]
+pub struct ZeroTest<K> {
+    /// The function.
+    pub function: K,
+    /// The numerator of its cleared form, which vanishes at the same points of the function's domain: poles are proven
+    /// empty by it, and a root near a pole has bounds.
+    pub numerator: Option<K>,
+    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)), asked where it may jump.
+    pub branches: Option<K>,
+}
+
+impl<T: Real, K: Kernel<FindZeros, T>> Kernel<FindZeros, T> for ZeroTest<K> {
+    #[inline]
+    fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
+        self.function.ask(boxes, zeros);
+        if let Some(numerator) = &self.numerator
+            && zeros.possible != 0
+        {
+            let mut cleared = Zeros::default();
+            numerator.ask(boxes, &mut cleared);
+            zeros.possible &= cleared.possible;
+            zeros.unbounded &= cleared.unbounded;
+        }
+        if let Some(branches) = &self.branches
+            && zeros.possible & zeros.jumping != 0
+        {
+            let mut together = Zeros::default();
+            branches.ask(boxes, &mut together);
+            zeros.possible &= together.possible | !zeros.jumping;
+        }
+    }
+}
