@@ -4,6 +4,7 @@ use crate::batch::{Boxes, Zeros};
 use crate::question::{Enclose, EncloseGradient, FindZeros, Kernel, Sample, SampleGradient};
 use crate::real::Real;
 use std::error::Error;
+use std::fmt;
 use std::sync::Arc;
 
 /// Why a kernel cannot be had.
@@ -14,48 +15,62 @@ pub type Asked<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
 
 /// What may be asked of one function, in either precision.
 ///
-/// A kernel is made when it is first asked for, so only what a picture needs should be.
+/// A kernel is made when it is first asked for, so only what a picture needs should be. What an implementation leaves out
+/// is not answered.
 pub trait Surface: Sync {
     /// Kernels that compute in `f32`.
-    fn single(&self) -> &dyn Kernels<f32>;
+    fn single(&self) -> &dyn Kernels<f32> {
+        &Unanswered
+    }
     /// Kernels that compute in `f64`.
-    fn double(&self) -> &dyn Kernels<f64>;
+    fn double(&self) -> &dyn Kernels<f64> {
+        &Unanswered
+    }
 }
 
-/// The kernels of one function in one precision.
+/// The kernels of one function in one precision; each may be impossible to make, for a reason that is told.
+#[allow(clippy::missing_errors_doc, reason = "the same for each, and said above")]
 pub trait Kernels<T: Real>: Sync {
     /// May a box hold a zero?
-    ///
-    /// # Errors
-    /// If there can be no such kernel; as for all others.
-    fn zeros(&self) -> Asked<'_, FindZeros, T>;
+    fn zeros(&self) -> Asked<'_, FindZeros, T> {
+        Err(Arc::new(Unanswered))
+    }
     /// Bounds of the function.
-    ///
-    /// # Errors
-    /// As above.
-    fn bounds(&self) -> Asked<'_, Enclose, T>;
-    /// Bounds of the numerator and of the denominator of the function's cleared form, if it has one: where it is defined,
-    /// it vanishes where the numerator does and the denominator does not, and has its poles where the denominator does.
-    ///
-    /// # Errors
-    /// As above.
-    fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError>;
+    fn bounds(&self) -> Asked<'_, Enclose, T> {
+        Err(Arc::new(Unanswered))
+    }
+    /// Bounds of the numerator and of the denominator of the function's cleared form, if it has one: where the function
+    /// is defined, it vanishes where the numerator does and the denominator does not, and it has its poles where the
+    /// denominator vanishes.
+    fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
+        Err(Arc::new(Unanswered))
+    }
     /// Bounds of function and gradient.
-    ///
-    /// # Errors
-    /// As above.
-    fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T>;
+    fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T> {
+        Err(Arc::new(Unanswered))
+    }
     /// Samples of the function.
-    ///
-    /// # Errors
-    /// As above.
-    fn values(&self) -> Asked<'_, Sample, T>;
+    fn values(&self) -> Asked<'_, Sample, T> {
+        Err(Arc::new(Unanswered))
+    }
     /// Samples of function and gradient.
-    ///
-    /// # Errors
-    /// As above.
-    fn gradients(&self) -> Asked<'_, SampleGradient, T>;
+    fn gradients(&self) -> Asked<'_, SampleGradient, T> {
+        Err(Arc::new(Unanswered))
+    }
 }
+
+/// Why there is no answer: the surface has no kernel for the question.
+#[derive(Clone, Copy, Debug)]
+struct Unanswered;
+
+impl fmt::Display for Unanswered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("this surface has no kernel for this question")
+    }
+}
+
+impl Error for Unanswered {}
+impl<T: Real> Kernels<T> for Unanswered {}
 
 /// Where a function may vanish, by up to three forms of it, each asked only where the one before leaves lanes open.
 #[derive(Clone, Debug)]

@@ -1,5 +1,7 @@
 //! What is known of each pixel before it has a colour.
 
+use crate::method::Found;
+
 /// What is proven of the ray through a pixel's centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
@@ -63,6 +65,13 @@ impl GBuffer {
             cap: vec![false; pixels],
             shadow: vec![false; pixels],
         }
+    }
+
+    /// Writes what became of a pixel's ray, distances in world units.
+    pub(crate) fn set(&mut self, pixel: usize, found: &Found) {
+        self.status[pixel] = found.status;
+        self.distance[pixel] = found.distance;
+        self.drawn[pixel] = found.drawn;
     }
 
     /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and the nearer painted

@@ -4,28 +4,26 @@
 //! given by its share τ of that extent, from 0 where rays enter to 1 where they leave, so one τ is one plane for all
 //! rays of the packet. Everything here is in the kernel's floats with explicit slack, and encloses the exact rays.
 
+use crate::method::Segment;
 use crate::region::Region;
 use crate::scalar::{Four, Scalar};
 use glam::DVec3;
-use zeroset_eval::BoxPacket;
+use zeroset_eval::Boxes;
 
-/// A part of a line: the points `origin + t · direction` for t from 0 to `to`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Segment {
-    pub origin: DVec3,
-    /// Any length but 0.
-    pub direction: DVec3,
-    /// May be infinite.
-    pub to: f64,
-}
+/// Rays in a packet.
+pub(crate) const RAYS: usize = 4;
 
-/// Rays in groups of four lanes, and what they share.
+/// Four rays, and what they share.
 #[derive(Clone, Debug)]
-pub(crate) struct Packet<T: Scalar, const GROUPS: usize> {
+pub(crate) struct Packet<T: Scalar> {
     planes: Planes,
     /// Per axis, the region's bounds as (−lo, hi), rounded outward, in all lanes.
     bounds: [[T::Four; 2]; 3],
-    pub groups: [Group<T>; GROUPS],
+    /// By axis.
+    sides: [Side<T::Four>; 3],
+    /// A ray is within the region only between these τ.
+    enter: T::Four,
+    leave: T::Four,
 }
 
 /// The planes τ = 0 and τ = 1.
@@ -36,16 +34,6 @@ struct Planes {
     extent: f64,
     /// 1 / `extent`.
     inverse: f64,
-}
-
-/// Four rays.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Group<T: Scalar> {
-    /// By axis.
-    sides: [Side<T::Four>; 3],
-    /// The ray is within the region only between these τ.
-    pub enter: T::Four,
-    pub leave: T::Four,
 }
 
 /// One coordinate of four rays: within `slack` of `start + τ · extent`.
@@ -74,17 +62,17 @@ fn fastest_axis(direction: DVec3) -> usize {
     }
 }
 
-impl<T: Scalar, const GROUPS: usize> Packet<T, GROUPS> {
-    /// The packet of these rays, four to a group, advancing on the first one's fastest axis. `None` if the rays do not
+impl<T: Scalar> Packet<T> {
+    /// The packet of these rays, advancing on the first one's fastest axis. `None` if the rays do not
     /// all advance together: they then need packets of their own.
     #[inline]
-    pub fn new(segments: &[[Segment; 4]; GROUPS], region: &Region) -> Option<Self> {
-        let first = segments[0][0].direction;
+    pub fn new(segments: &[Segment; RAYS], region: &Region) -> Option<Self> {
+        let first = segments[0].direction;
         let k = fastest_axis(first);
         let forward = first[k] > 0.0;
-        for segment in segments.iter().flatten() {
+        for segment in segments {
             let d = segment.direction;
-            // So put that a direction which is not a number is refused as well.
+            // Written so that NaN directions are rejected too.
             let fast = d[k].abs() >= LEAST_SHARE * d.abs().max_element();
             if !fast || (d[k] > 0.0) != forward {
                 return None;
@@ -98,58 +86,47 @@ impl<T: Scalar, const GROUPS: usize> Packet<T, GROUPS> {
             bounds[0] = T::Four::splat(T::above(-region.low()[axis]));
             bounds[1] = T::Four::splat(T::above(region.high()[axis]));
         }
-        let mut packet = Self { planes, bounds, groups: [Group::default(); GROUPS] };
-        for (group, segments) in packet.groups.iter_mut().zip(segments) {
-            group.follow(segments, &planes, &bounds, region);
-        }
+        let zero = T::Four::default();
+        let sides = [Side { start: zero, extent: zero, slack: zero }; 3];
+        let mut packet = Self { planes, bounds, sides, enter: zero, leave: zero };
+        packet.place(segments, region);
         Some(packet)
     }
 
     /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the region if that is
-    /// farther; rounded to nearest in `T`.
-    pub fn distance(&self, share: T, group: usize, lane: usize, segment: &Segment) -> f64 {
+    /// farther; in lengths of its direction.
+    pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
         let Planes { k, start, extent, .. } = self.planes;
-        let share = share.into().max(self.groups[group].enter.to_array()[lane].into());
+        let share = share.into().max(self.enter.to_array()[lane].into());
         let plane = start + share * extent;
-        let steps = (plane - segment.origin[k]) / segment.direction[k];
-        T::nearest((steps * segment.direction.length()).max(0.0)).into()
+        ((plane - segment.origin[k]) / segment.direction[k]).max(0.0)
     }
 
-    /// Whether none of the `alive` rays has a part of the region from τ = `from` on.
-    pub fn all_left(&self, alive: &[u32; GROUPS], from: T) -> bool {
-        let mut lanes = self.groups.iter().zip(alive);
-        lanes.all(|(group, alive)| alive & group.meets(from, T::integer(2)) == 0)
-    }
-
-    /// Boxes around the rays between each two of three planes in order, clipped to the region.
+    /// Boxes around the rays between each two of three planes in order, clipped to the region: those of the first two
+    /// planes in the first lanes, then those of the other two.
     #[inline]
-    pub fn boxes(&self, planes: [T; 3], out: &mut [[BoxPacket<T>; GROUPS]; 2]) {
-        for (g, group) in self.groups.iter().enumerate() {
-            for axis in 0..3 {
-                let side = &group.sides[axis];
-                let [neg_lo, hi] = self.bounds[axis];
-                let at = planes.map(|plane| side.at(plane));
-                for half in 0..2 {
-                    let (a, b) = (at[half], at[half + 1]);
-                    let out = &mut out[half][g];
-                    out.neg_lo[axis] = (side.slack - a.min(b)).min(neg_lo).to_array();
-                    out.hi[axis] = (side.slack + a.max(b)).min(hi).to_array();
-                }
+    pub fn boxes(&self, planes: [T; 3], out: &mut Boxes<T>) {
+        for axis in 0..3 {
+            let side = &self.sides[axis];
+            let [neg_lo, hi] = self.bounds[axis];
+            let at = planes.map(|plane| side.at(plane));
+            for half in 0..2 {
+                let (a, b) = (at[half], at[half + 1]);
+                let lanes = RAYS * half..RAYS * (half + 1);
+                let (lower, upper) = (
+                    (side.slack - a.min(b)).min(neg_lo).to_array(),
+                    (side.slack + a.max(b)).min(hi).to_array(),
+                );
+                out.neg_lo[axis][lanes.clone()].copy_from_slice(&lower);
+                out.hi[axis][lanes].copy_from_slice(&upper);
             }
         }
     }
-}
 
-impl<T: Scalar> Group<T> {
+    /// Finds where the rays are.
     #[inline]
-    fn follow(
-        &mut self,
-        segments: &[Segment; 4],
-        planes: &Planes,
-        bounds: &[[T::Four; 2]; 3],
-        region: &Region,
-    ) {
-        let Planes { k, start, extent, inverse } = *planes;
+    fn place(&mut self, segments: &[Segment; RAYS], region: &Region) {
+        let Planes { k, start, extent, inverse } = self.planes;
         // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way from there to τ = 1.
         let (mut from, mut to) = ([T::integer(0); 4], [T::integer(1); 4]);
         let (mut t0, mut dt) = ([0.0_f64; 4], [0.0_f64; 4]);
@@ -182,7 +159,7 @@ impl<T: Scalar> Group<T> {
             let slack = size + (T::Four::from_array(reach) + T::Four::splat(T::LEAST_NORMAL));
             self.sides[axis] = Side { start, extent, slack };
             if axis != k {
-                let [neg_lo, hi] = bounds[axis];
+                let [neg_lo, hi] = self.bounds[axis];
                 self.cut(start + (slack + neg_lo), extent);
                 self.cut((slack + hi) - start, -extent);
             }
@@ -192,7 +169,7 @@ impl<T: Scalar> Group<T> {
 
     /// Keeps only τ in the region's half-space.
     #[inline]
-    fn clip(&mut self, segments: &[Segment; 4], t0: &[f64; 4], dt: &[f64; 4], region: &Region) {
+    fn clip(&mut self, segments: &[Segment; RAYS], t0: &[f64; 4], dt: &[f64; 4], region: &Region) {
         let Some(half) = region.clip() else { return };
         // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0. Both are sums of terms that may cancel; each
         // takes at most eight operations of half a unit in the last place of `f64`.

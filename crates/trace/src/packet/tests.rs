@@ -89,7 +89,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     let mut refused = 0_u32;
     for _ in 0..3_000 {
         let (region, segments) = scene(&mut random);
-        let Some(packet) = Packet::<T, 1>::new(&[segments], &region) else {
+        let Some(packet) = Packet::<T>::new(&segments, &region) else {
             refused += 1;
             continue;
         };
@@ -105,7 +105,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
             };
             let at = |i: u64| T::nearest(i as f64 / count as f64);
             let planes = [at(index), at(index + 1), at(index + 2)];
-            let mut boxes = [[BoxPacket::default(); 1]; 2];
+            let mut boxes = Boxes::default();
             packet.boxes(planes, &mut boxes);
             for half in 0..2 {
                 // A place within the slab: an end, or anywhere between.
@@ -133,15 +133,15 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                         continue;
                     }
                     checked += 1;
-                    let meets = packet.groups[0].meets(planes[half], planes[half + 1]);
+                    let meets = packet.meets(planes[half], planes[half + 1]);
                     assert!(
                         meets >> lane & 1 == 1,
                         "out of range: {segment:?} {region:?} {planes:?}"
                     );
-                    assert!(packet.groups[0].outside() >> lane & 1 == 0, "{segment:?}");
+                    assert!(packet.outside() >> lane & 1 == 0, "{segment:?}");
                     for (axis, point) in point.iter().enumerate() {
-                        let lo = exact(-boxes[half][0].neg_lo[axis][lane].into());
-                        let hi = exact(boxes[half][0].hi[axis][lane].into());
+                        let lo = exact(-boxes.neg_lo[axis][RAYS * half + lane].into());
+                        let hi = exact(boxes.hi[axis][RAYS * half + lane].into());
                         assert!(
                             lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
@@ -160,7 +160,7 @@ fn rays_that_do_not_advance_together_are_refused() {
     let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("a box");
     let ray = |direction: DVec3| Segment { origin: DVec3::ZERO, direction, to: f64::INFINITY };
     let packet = |other| {
-        Packet::<f32, 1>::new(&[[ray(DVec3::X), ray(DVec3::X), ray(DVec3::X), ray(other)]], &region)
+        Packet::<f32>::new(&[ray(DVec3::X), ray(DVec3::X), ray(DVec3::X), ray(other)], &region)
     };
     assert!(packet(DVec3::new(1.0, 0.5, 0.0)).is_some());
     assert!(packet(DVec3::NEG_X).is_none());
