@@ -3,10 +3,9 @@
 
 use crate::domain::{self, AutoDomain, REACH};
 use crate::enclosure::is_periodic;
-use crate::program::{CodeSize, Program, ProgramError};
+use crate::program::{Program, ProgramError};
 use glam::DVec3;
 use num_traits::ToPrimitive;
-use zeroset_eval::IntervalKernel;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_syntax::{Document, Domain, Preset};
@@ -139,16 +138,9 @@ fn search_while(
 ) -> Result<Option<AutoDomain>, ProgramError> {
     let program = Program::new(document, [Interval { lo: -REACH, hi: REACH }; 3])?;
     let program = program.over_ranges(document);
-    let spent = CodeSize::default();
-    let kernels = (0..program.roots().len())
-        .take_while(|_| wanted())
-        .map(|surface| {
-            let kernel = program.zero_kernel(surface)?;
-            spent.add(kernel.code_bytes()).map(|()| kernel)
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let kernels: Vec<&dyn IntervalKernel> =
-        kernels.iter().map(|kernel| kernel as &dyn IntervalKernel).collect();
+    let surfaces = (0..program.roots().len()).take_while(|_| wanted());
+    let kernels = surfaces.map(|surface| program.kernels(surface).zeros());
+    let kernels = kernels.collect::<Result<Vec<_>, _>>()?;
     let periodic = is_periodic(program.graph(), program.roots());
     Ok(domain::find_while(&kernels, periodic, wanted))
 }

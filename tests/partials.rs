@@ -1,8 +1,6 @@
 //! The derivatives that the table of operations states are those that gradients are made of.
 
-use zeroset_eval::{
-    Assumptions, Binding, LANES, PointKernel, PointPacket, Reference, Tape, ValuePacket,
-};
+use zeroset_eval::{Assumptions, Binding, Kernel, LANES, Points, Reference, Sample, Tape};
 use zeroset_ir::{Axis, Graph, NodeId, gradient};
 use zeroset_ops::TABLE;
 use zeroset_syntax::{Options, read};
@@ -12,19 +10,16 @@ const POINTS: usize = 400;
 /// Fractions that fill a cube evenly (Roberts 2018, generalised golden ratios), so that no point is special.
 const STEPS: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
 
-fn points() -> Vec<PointPacket<f64>> {
-    let place = |n: usize, axis: usize| 6.0 * (STEPS[axis] * n as f64).fract() - 3.0;
-    let packet = |n| PointPacket { at: [0, 1, 2].map(|axis| [place(n, axis); LANES]) };
-    (1..=POINTS).map(packet).collect()
+fn points() -> Vec<Points<f64>> {
+    let place = |n: usize| STEPS.map(|step| 6.0 * (step * n as f64).fract() - 3.0);
+    Points::near(&(1..=POINTS).map(place).collect::<Vec<_>>())
 }
 
 /// Values at all points; NaN where there is none.
 fn values(graph: &Graph, root: NodeId) -> Vec<f64> {
     let tape = Tape::<f64>::new(graph, &[root], &Assumptions::none(0));
-    let points = points();
-    let mut out = vec![ValuePacket::default(); points.len()];
-    Reference::new(tape, Binding::empty()).sample(&points, &mut out);
-    out.iter().map(|packet| packet.value[0]).collect()
+    let out = Reference::<Sample, f64>::new(tape, Binding::empty()).ask_all(&points());
+    (0..POINTS).map(|n| out[n / LANES].value[n % LANES]).collect()
 }
 
 #[test]

@@ -4,13 +4,22 @@
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release --test soundness`.
 
 use zeroset::program::Program;
-use zeroset_eval::IntervalKernel;
+use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel};
 use zeroset_ops::{Notation, TABLE};
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::suite::check_interval_cases;
 use zeroset_testkit::{Case, Effort, GraphOptions, typed};
 
-fn compiled(case: &Case) -> Option<Box<dyn IntervalKernel>> {
+/// A program's first surface.
+struct First(Program);
+
+impl Kernel<Enclose> for First {
+    fn ask(&self, boxes: &Boxes, enclosures: &mut Enclosures) {
+        self.0.kernels(0).bounds().expect("compiles").ask(boxes, enclosures);
+    }
+}
+
+fn compiled(case: &Case) -> Option<Box<dyn Kernel<Enclose>>> {
     // A text gives each parameter one value.
     let values: Vec<(f64, f64)> =
         case.parameters.iter().map(|value| (value.lo, value.hi)).collect();
@@ -18,7 +27,8 @@ fn compiled(case: &Case) -> Option<Box<dyn IntervalKernel>> {
     let document = read(&text, &Options::default())
         .unwrap_or_else(|errors| panic!("{}", errors.render(None, &text, false)));
     let program = Program::unchecked(&document, case.assumptions.domain).ok()?;
-    Some(Box::new(program.interval_kernel(0).expect("compiles")))
+    program.kernels::<f32>(0).bounds().expect("compiles");
+    Some(Box::new(First(program)))
 }
 
 #[test]

@@ -11,9 +11,7 @@ use zeroset::gallery::example;
 use zeroset::picture::{Precision, Settings, render};
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::{
-    Camera, Frame, GBuffer, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, Projection, Status,
-};
+use zeroset_trace::{Camera, Frame, GBuffer, Projection, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -23,10 +21,10 @@ const CROSSINGS: usize = 95_746;
 
 /// What is varied.
 #[derive(Clone, Copy, Debug)]
-struct Method(u32, PacketWidth, Precision);
+struct Method(u32, Precision);
 
 /// That of the table.
-const TABLE: Method = Method(DEPTH, PacketWidth::Four, Precision::F32);
+const TABLE: Method = Method(DEPTH, Precision::F32);
 
 /// The surface as seen by the reference's camera.
 fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
@@ -41,12 +39,11 @@ fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
     let projection = Projection::Perspective { fov: view.fov };
     let camera = Camera::new(eye, target, up, projection).expect("a camera");
     let (width, height) = (SIDE, SIDE);
-    let Method(max_depth, packet, precision) = method;
+    let Method(max_depth, precision) = method;
     let settings = Settings {
         width,
         height,
         max_depth,
-        packet,
         precision,
         normals: None,
         ..Settings::default()
@@ -105,22 +102,20 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     compare("truth_table.txt", &Table(&rows).to_string());
 }
 
-/// Wide packets hold rays that are less alike; at the greatest depth, slabs are as thin as the floats can tell apart.
+/// At the greatest depth, slabs are as thin as the floats can tell apart.
 #[test]
-fn no_claim_of_wider_packets_or_thinner_slabs_contradicts_an_exact_root() {
+fn no_claim_of_thinner_slabs_contradicts_an_exact_root() {
     let methods = [
-        Method(DEPTH, PacketWidth::Eight, Precision::F32),
-        Method(DEPTH, PacketWidth::Sixteen, Precision::F32),
-        Method(16, PacketWidth::Four, Precision::F32),
-        Method(MAX_DEPTH, PacketWidth::Four, Precision::F32),
-        Method(DEPTH, PacketWidth::Sixteen, Precision::F64),
-        Method(MAX_DEPTH_F64, PacketWidth::Four, Precision::F64),
+        Method(16, Precision::F32),
+        Method(Precision::F32.max_depth(), Precision::F32),
+        Method(DEPTH, Precision::F64),
+        Method(Precision::F64.max_depth(), Precision::F64),
     ];
     let mut false_claims = Vec::new();
     for truth in read("truth") {
         for method in methods {
             let (frame, buffer) = picture(&truth, method);
-            let found = contradictions(&truth, method.2, &frame, &buffer);
+            let found = contradictions(&truth, method.1, &frame, &buffer);
             false_claims.extend(found.iter().map(|claim| format!("{method:?}: {claim}")));
         }
     }

@@ -1,10 +1,12 @@
 //! What may be typed after `zeroset`. Values are checked where they are used; only their shape is known here.
 
 use super::vector::{Domain, Numbers, Size};
+use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset::picture;
+use zeroset_trace::{METHODS, Method};
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -185,8 +187,8 @@ pub struct Camera {
 #[derive(Debug, Args)]
 pub struct Tracing {
     /// How rays are traced
-    #[arg(long, value_enum, default_value_t = MethodName::Knoll)]
-    pub method: MethodName,
+    #[arg(long, value_parser = methods(), default_value = METHODS[0].name)]
+    pub method: &'static Method,
 
     /// The floats to compute in
     #[arg(long, value_enum, default_value_t = Precision::F32)]
@@ -196,10 +198,6 @@ pub struct Tracing {
     /// that stay undecided are given up after 16384 steps
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
-
-    /// Rays that advance together: 2x2, 4x2 or 4x4 pixels
-    #[arg(long, value_enum, value_name = "RAYS", default_value_t = Packet::Four)]
-    pub packet: Packet,
 
     /// Trace a ray to the light from every point seen
     #[arg(long)]
@@ -235,22 +233,6 @@ pub struct Look {
     /// Colour where nothing is seen, as six hexadecimal digits or by a CSS name [default: f4f4f6]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MethodName {
-    /// Packets of rays in slabs of the dominant axis (Knoll et al. 2007)
-    Knoll,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Packet {
-    #[value(name = "4", help = "2x2 pixels, as in the paper")]
-    Four,
-    #[value(name = "8", help = "4x2 pixels")]
-    Eight,
-    #[value(name = "16", help = "4x4 pixels")]
-    Sixteen,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -350,4 +332,11 @@ pub struct Gallery {
 
     #[command(flatten)]
     pub tracing: Tracing,
+}
+
+/// The rows of the table of methods, as values of an argument.
+fn methods() -> impl clap::builder::TypedValueParser<Value = &'static Method> {
+    let values = METHODS.iter().map(|row| PossibleValue::new(row.name).help(row.help));
+    clap::builder::PossibleValuesParser::new(values)
+        .map(|name| Method::named(&name).expect("one of the possible values"))
 }

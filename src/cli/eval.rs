@@ -11,12 +11,10 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use zeroset::kernels::Evaluator;
 use zeroset::picture::Precision;
-use zeroset::program::{Program, Routine};
-use zeroset_eval::{
-    BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, PointPacket, Real,
-    Reference,
-};
+use zeroset::program::Program;
+use zeroset_eval::{Boxes, Enclose, Kernel, KernelError, Points, Real, SampleGradient};
 use zeroset_interval::{Facts, Interval};
 use zeroset_syntax::Options;
 
@@ -95,14 +93,6 @@ struct Functions {
 
 struct Function {
     program: Program,
-    single: Kernels<f32>,
-    double: Kernels<f64>,
-}
-
-/// The kernels asked for so far.
-struct Kernels<T: Real> {
-    interval: Option<Box<dyn IntervalKernel<T>>>,
-    gradient: Option<Box<dyn GradientKernel<T>>>,
 }
 
 /// Where a formula is evaluated.
@@ -138,18 +128,19 @@ impl Functions {
             Some(other) => return Err(format!("\"precision\" is \"f32\" or \"f64\", not {other}")),
         };
         let reference = self.reference;
-        let Function { program, single, double } = self.function(formula)?;
+        let Function { program } = self.function(formula, reference)?;
         let mut answer = match precision {
-            Precision::F32 => single.answer(program, &place, reference)?,
-            Precision::F64 => double.answer(program, &place, reference)?,
-        };
+            Precision::F32 => answer::<f32>(program, &place),
+            Precision::F64 => answer::<f64>(program, &place),
+        }
+        .map_err(|error| error.to_string())?;
         answer["precision"] = precision.to_string().into();
         Ok(answer)
     }
 
-    fn function(&mut self, formula: &str) -> Result<&mut Function, String> {
+    fn function(&mut self, formula: &str, reference: bool) -> Result<&mut Function, String> {
         if !self.compiled.contains_key(formula) {
-            let function = Function::read(formula)?;
+            let function = Function::read(formula, reference)?;
             if self.compiled.len() >= KEPT {
                 self.compiled.clear();
             }
@@ -160,7 +151,7 @@ impl Functions {
 }
 
 impl Function {
-    fn read(formula: &str) -> Result<Self, String> {
+    fn read(formula: &str, reference: bool) -> Result<Self, String> {
         let document = zeroset_syntax::read(formula, &Options::default())
             .map_err(|errors| errors.to_string())?;
         if document.surfaces.len() != 1 {
@@ -168,61 +159,17 @@ impl Function {
         }
         let program = Program::unchecked(&document, [Interval::ENTIRE; 3])
             .map_err(|error| error.to_string())?;
-        Ok(Self { program, single: Kernels::default(), double: Kernels::default() })
+        let evaluator = if reference { Evaluator::Reference } else { Evaluator::Native };
+        Ok(Self { program: program.on(evaluator) })
     }
 }
 
-impl<T: Real> Default for Kernels<T> {
-    fn default() -> Self {
-        Self { interval: None, gradient: None }
-    }
-}
-
-impl<T: Real> Kernels<T> {
-    fn answer(
-        &mut self,
-        program: &Program,
-        place: &Place,
-        reference: bool,
-    ) -> Result<Value, String> {
-        Ok(match place {
-            Place::At(point) => sample(self.gradient(program, reference)?, *point),
-            Place::Over(bounds) => enclose(self.interval(program, reference)?, *bounds),
-        })
-    }
-
-    fn interval(
-        &mut self,
-        program: &Program,
-        reference: bool,
-    ) -> Result<&dyn IntervalKernel<T>, String> {
-        if self.interval.is_none() {
-            self.interval = Some(if reference {
-                let Routine { tape, binding, .. } = program.routine(0);
-                Box::new(Reference::new(tape, binding))
-            } else {
-                Box::new(program.interval_kernel(0).map_err(|error| error.to_string())?)
-            });
-        }
-        self.interval.as_deref().ok_or_else(|| "there is no kernel".to_owned())
-    }
-
-    fn gradient(
-        &mut self,
-        program: &Program,
-        reference: bool,
-    ) -> Result<&dyn GradientKernel<T>, String> {
-        if self.gradient.is_none() {
-            self.gradient = Some(if reference {
-                let routine = program.gradient_routine(0).map_err(|error| error.to_string())?;
-                let Routine { tape, binding, .. } = routine;
-                Box::new(Reference::new(tape, binding))
-            } else {
-                Box::new(program.gradient_kernel(0).map_err(|error| error.to_string())?)
-            });
-        }
-        self.gradient.as_deref().ok_or_else(|| "there is no kernel".to_owned())
-    }
+fn answer<T: Real>(program: &Program, place: &Place) -> Result<Value, KernelError> {
+    let kernels = program.kernels::<T>(0);
+    Ok(match place {
+        Place::At(point) => sample(kernels.gradients()?, *point),
+        Place::Over(bounds) => enclose(kernels.bounds()?, *bounds),
+    })
 }
 
 fn three<T>(value: &Value, read: impl Fn(&Value) -> Result<T, String>) -> Result<[T; 3], String> {
@@ -240,21 +187,14 @@ fn interval(value: &Value) -> Result<Interval, String> {
     Interval::new(ends.0, ends.1).ok_or_else(|| format!("{} to {} is no range", ends.0, ends.1))
 }
 
-fn sample<T: Real>(kernel: &dyn GradientKernel<T>, point: [f64; 3]) -> Value {
-    let packet = PointPacket { at: point.map(|c| [T::nearest(c); 4]) };
-    let mut out = [GradientPacket::default()];
-    kernel.gradient(&[packet], &mut out);
+fn sample<T: Real>(kernel: &dyn Kernel<SampleGradient, T>, point: [f64; 3]) -> Value {
+    let out = kernel.ask_all(&Points::near(&[point]));
     let gradient = out[0].gradient.map(|lanes| number::write(lanes[0].into()));
     json!({ "value": number::write(out[0].value[0].into()), "grad": gradient })
 }
 
-fn enclose<T: Real>(kernel: &dyn IntervalKernel<T>, bounds: [Interval; 3]) -> Value {
-    let packet = BoxPacket {
-        neg_lo: bounds.map(|b| [T::above(-b.lo); 4]),
-        hi: bounds.map(|b| [T::above(b.hi); 4]),
-    };
-    let mut out = [EnclosurePacket::default()];
-    kernel.enclose(&[packet], &mut out);
+fn enclose<T: Real>(kernel: &dyn Kernel<Enclose, T>, bounds: [Interval; 3]) -> Value {
+    let out = kernel.ask_all(&Boxes::around(&[bounds]));
     let facts = out[0].facts(0);
     // Added to 0, so that no bound is printed as -0.
     let (low, high) = (0.0 - out[0].neg_lo[0].into(), 0.0 + out[0].hi[0].into());

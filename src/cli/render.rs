@@ -1,6 +1,6 @@
 //! `zeroset render`.
 
-use super::arguments::{self, Outputs, Packet, Render, Undecided};
+use super::arguments::{self, Outputs, Render, Undecided};
 use super::notes;
 use super::output::{Output, check_png, print, write_png};
 use super::progress::Progress;
@@ -14,7 +14,7 @@ use zeroset::domain::AutoDomain;
 use zeroset::picture::{self, Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice};
 use zeroset_syntax::Color;
-use zeroset_trace::{Colour, HalfSpace, PacketWidth, Projection, Status, UndecidedStyle, View};
+use zeroset_trace::{Colour, HalfSpace, Projection, Status, UndecidedStyle, View};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
@@ -103,13 +103,9 @@ pub fn method_settings(method: &arguments::Tracing, size: super::vector::Size) -
     Ok(Settings {
         width: size.width,
         height: size.height,
+        method: method.method,
         precision,
         max_depth: method.max_depth,
-        packet: match method.packet {
-            Packet::Four => PacketWidth::Four,
-            Packet::Eight => PacketWidth::Eight,
-            Packet::Sixteen => PacketWidth::Sixteen,
-        },
         shadow_depth: method.shadows.then_some(shadow_depth),
         normals: Some(match method.normals {
             arguments::Normals::Gradient => Normals::Gradient,

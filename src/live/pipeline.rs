@@ -295,6 +295,7 @@ impl Worker {
             // A coarse picture is worth finishing while only the camera moves: it is what is seen of the movement.
             let advance = |_| if coarse { self.wanted_coarsely(job) } else { self.wanted(job) };
             let picture = model.trace(&camera, &settings, &advance);
+            let picture = picture.map_err(|error| scene(error.into()))?;
             if !advance(0) {
                 return Ok(());
             }

@@ -13,7 +13,7 @@ use std::time::Duration;
 use zeroset_interval::Interval;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, ParameterKind, language_names, parse};
-use zeroset_trace::{HalfSpace, Region, UndecidedStyle};
+use zeroset_trace::{HalfSpace, METHODS, Method, Region, UndecidedStyle};
 
 /// What to begin with.
 #[derive(Clone, Debug, Default)]
@@ -276,11 +276,17 @@ impl Live {
                 });
                 Ok(Reply::Done)
             }
-            Command::Method(None) => Ok(Reply::Say("knoll (the only one so far)".to_owned())),
-            Command::Method(Some(name)) if name == "knoll" => Ok(Reply::Done),
-            Command::Method(Some(name)) => {
-                refused(format!("there is no method '{name}'; there is: knoll"))
-            }
+            Command::Method(None) => Ok(Reply::Say(methods(self.settings().method))),
+            Command::Method(Some(name)) => match Method::named(&name) {
+                Some(method) => {
+                    self.change(|wish| wish.settings.method = method);
+                    Ok(Reply::Done)
+                }
+                None => {
+                    let names: Vec<&str> = METHODS.iter().map(|row| row.name).collect();
+                    refused(format!("no method named '{name}'; there is {}", names.join(", ")))
+                }
+            },
             Command::Tolerance(length) => self.tolerance(length),
             Command::Precision(precision) => Ok(self.precision(precision)),
             Command::Time(time) => {
@@ -523,4 +529,13 @@ fn help_on(name: &str) -> Result<String, String> {
         Some((0, ..)) | None => format!("nothing is known of '{name}'; :help lists everything"),
         Some((.., other)) => format!("nothing is known of '{name}'; did you mean {other}?"),
     })
+}
+
+/// The table of methods, a line each, the one in use marked.
+fn methods(used: &Method) -> String {
+    let line = |row: &Method| {
+        let mark = if row == used { '*' } else { ' ' };
+        format!("{mark} {:8} {}", row.name, row.help)
+    };
+    METHODS.iter().map(line).collect::<Vec<_>>().join("\n")
 }

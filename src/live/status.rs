@@ -33,7 +33,8 @@ pub(super) fn describe(view: &View) -> String {
         low.x, high.x, low.y, high.y, low.z, high.z
     );
     let (depth, precision) = (frame.wish.settings.max_depth, frame.picture.precision);
-    let _ = writeln!(text, "method      knoll, depth {depth}, {precision}");
+    let method = frame.picture.method.name;
+    let _ = writeln!(text, "method      {method}, depth {depth}, {precision}");
     let pixels = statistics.pixels;
     let _ = writeln!(
         text,
@@ -83,8 +84,9 @@ impl Frame {
             format!("compiled in {}", ms(times.simplify + times.compile))
         };
         format!(
-            "{} · {width}x{height} · knoll {} {} · {undecided} undecided · {made}{}",
+            "{} · {width}x{height} · {} {} {} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
+            self.picture.method.name,
             self.wish.settings.max_depth,
             self.picture.precision,
             if self.picture.flat { " · 0 everywhere?" } else { "" },

@@ -5,11 +5,11 @@
 use glam::DVec3;
 use zeroset::picture::{Precision, Settings, render};
 use zeroset::program::Program;
-use zeroset_eval::{IntervalKernel, Real};
+use zeroset_eval::{Boxes, FindZeros, Kernel, Real, Zeros};
 use zeroset_interval::Interval;
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
-use zeroset_trace::{Camera, PacketWidth, Projection, Region, Status};
+use zeroset_trace::{Camera, Projection, Region, Status};
 
 /// What a picture of a scene says of each pixel's ray; `None` if its camera is impossible or its formula has no surface.
 #[allow(dead_code)] // each fuzz target needs one of the two
@@ -22,15 +22,10 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
         Err(height) => Projection::Orthographic { height },
     };
     let camera = Camera::new(eye, target, up, projection).ok()?;
-    let packet = match scene.packet {
-        4 => PacketWidth::Four,
-        8 => PacketWidth::Eight,
-        _ => PacketWidth::Sixteen,
-    };
     let [width, height] = scene.size;
     let precision = if scene.double { Precision::F64 } else { Precision::F32 };
     let max_depth = scene.depth;
-    let settings = Settings { width, height, precision, max_depth, packet, ..Settings::default() };
+    let settings = Settings { width, height, precision, max_depth, ..Settings::default() };
     let picture = render(&scene.formula.document, &region, &camera, &settings, &|_, _| {}).ok()?;
     let frame = camera.frame(width, height);
     let pixels = (0..width * height).map(|index| {
@@ -56,8 +51,18 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
 /// # Panics
 /// If its code does not compile.
 #[allow(dead_code)] // each fuzz target needs one of the two
-pub fn zero_kernel<T: Real>(formula: &Formula) -> Option<Box<dyn IntervalKernel<T>>> {
+pub fn zero_kernel<T: Real>(formula: &Formula) -> Option<Box<dyn Kernel<FindZeros, T>>> {
     let domain = formula.region.map(|[lo, hi]| Interval { lo, hi });
     let program = Program::new(&formula.document, domain).ok()?;
-    Some(Box::new(program.zero_kernel(0).expect("compiles")))
+    program.kernels::<T>(0).zeros().expect("compiles");
+    Some(Box::new(First(program)))
+}
+
+/// A program's first surface.
+struct First(Program);
+
+impl<T: Real> Kernel<FindZeros, T> for First {
+    fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
+        self.0.kernels::<T>(0).zeros().expect("compiles").ask(boxes, zeros);
+    }
 }

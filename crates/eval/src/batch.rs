@@ -166,9 +166,9 @@ batch! {
 pub struct Zeros {
     /// Lanes in which it may have a zero: where the bit is clear, it is proven to have none in the box.
     pub possible: u32,
-    /// Of these, lanes in which no finite bounds of it are known: perhaps an asymptote, and no zero.
+    /// Lanes in which no finite bounds of it are known: perhaps an asymptote, and no zero.
     pub unbounded: u32,
-    /// Of these, lanes in which it is not known to be continuous.
+    /// Lanes in which it is not known to be continuous.
     pub jumping: u32,
 }
 

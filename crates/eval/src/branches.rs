@@ -202,7 +202,7 @@ impl<T: Real> Tape<T> {
                         Step::Parameter(number) => leaf(leaves.parameter(m, *number as usize)),
                         Step::Constant(bounds, _) => leaf(leaves.constant(m, *bounds)),
                         Step::Apply(op, operands) => {
-                            self.enclose_step(m, branches, &now, index, *op, operands)
+                            enclose_step::<T, M>(m, branches, &now, index, *op, operands)
                         }
                     };
                     let (range, exponent) = (self.range(index), step.exponent());
@@ -227,31 +227,30 @@ impl<T: Real> Tape<T> {
         }
         possible
     }
+}
 
-    /// An operation in one combination, and the lanes in which its choice has been made then.
-    fn enclose_step<M: Machine>(
-        &self,
-        m: &mut M,
-        branches: &Branches,
-        now: &Combination<M::V>,
-        index: usize,
-        op: Op,
-        operands: &[usize],
-    ) -> (Enclosure<M::V>, Fact<M::V>) {
-        let operands: Vec<_> = operands.iter().map(|&i| now.values[i]).collect();
-        let Some(choice) = branches.makes[index] else {
-            return (enclose(m, T::FORMAT, op, &operands), Fact::False);
-        };
-        let part = enclose_part(m, T::FORMAT, op, &operands, now.parts[choice]);
-        if !branches.choices[choice].is_shared {
-            return (part, Fact::False);
-        }
-        let whole = enclose(m, T::FORMAT, op, &operands);
-        let made = now.made[choice];
-        // Where it does not jump, there is no choice to be made.
-        let jumps = whole.continuous.not(m, T::FORMAT);
-        (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
+/// An operation in one combination, and the lanes in which its choice has been made then.
+fn enclose_step<T: Real, M: Machine>(
+    m: &mut M,
+    branches: &Branches,
+    now: &Combination<M::V>,
+    index: usize,
+    op: Op,
+    operands: &[usize],
+) -> (Enclosure<M::V>, Fact<M::V>) {
+    let operands: Vec<_> = operands.iter().map(|&i| now.values[i]).collect();
+    let Some(choice) = branches.makes[index] else {
+        return (enclose(m, T::FORMAT, op, &operands), Fact::False);
+    };
+    let part = enclose_part(m, T::FORMAT, op, &operands, now.parts[choice]);
+    if !branches.choices[choice].is_shared {
+        return (part, Fact::False);
     }
+    let whole = enclose(m, T::FORMAT, op, &operands);
+    let made = now.made[choice];
+    // Where it does not jump, there is no choice to be made.
+    let jumps = whole.continuous.not(m, T::FORMAT);
+    (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
 }
 
 /// `whole` in the lanes of `mask`, else `part`.

@@ -125,21 +125,20 @@ impl Question for FindZeros {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V> {
-        let masks = match tape.vanishing_together(m, loader) {
+        let masks = if let Some(possible) = tape.vanishing_together(m, loader) {
             // Only the possible lanes are known; nothing is claimed of the others.
-            Some(possible) => vec![possible, Fact::False, Fact::False],
-            None => {
-                let value = tape.evaluate(m, &mut Bounds(loader))[0];
-                let possible = may_vanish(m, T::FORMAT, &value);
-                let unbounded = if tape.is_bounded() {
-                    Fact::False
-                } else {
-                    let most = m.max(value.neg_lo, value.hi);
-                    let largest = m.number(T::FORMAT, T::LARGEST.into());
-                    Fact::Lanes(m.lt(largest, most))
-                };
-                vec![possible, unbounded, value.continuous.not(m, T::FORMAT)]
-            }
+            vec![possible, Fact::False, Fact::False]
+        } else {
+            let value = tape.evaluate(m, &mut Bounds(loader))[0];
+            let possible = may_vanish(m, T::FORMAT, &value);
+            let unbounded = if tape.is_bounded() {
+                Fact::False
+            } else {
+                let most = m.max(value.neg_lo, value.hi);
+                let largest = m.number(T::FORMAT, T::LARGEST.into());
+                Fact::Lanes(m.lt(largest, most))
+            };
+            vec![possible, unbounded, value.continuous.not(m, T::FORMAT)]
         };
         Answer { quantities: Vec::new(), masks }
     }

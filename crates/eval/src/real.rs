@@ -1,6 +1,7 @@
 //! The two float types in which kernels compute.
 
 use crate::batch::Lanes;
+use crate::surface::{Kernels, Surface};
 use std::fmt::Debug;
 use std::ops::Neg;
 use zeroset_interval::{Format, Lanes as Vector, round::f32_up};
@@ -36,6 +37,8 @@ pub trait Real:
     fn store(vector: Vector, index: usize, lanes: &mut Lanes<Self>);
     /// The lanes of a vector in which a mask is set: a bit each, the lowest for the first.
     fn bits(mask: Vector) -> u32;
+    /// The kernels of a surface that compute in this type.
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self>;
 }
 
 impl Real for f32 {
@@ -58,6 +61,9 @@ impl Real for f32 {
     fn bits(mask: Vector) -> u32 {
         gather(mask.bits_32().map(|lane| lane != 0))
     }
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
+        surface.single()
+    }
 }
 
 impl Real for f64 {
@@ -79,6 +85,9 @@ impl Real for f64 {
     }
     fn bits(mask: Vector) -> u32 {
         gather(mask.bits_64().map(|lane| lane != 0))
+    }
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
+        surface.double()
     }
 }
 

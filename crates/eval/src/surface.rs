@@ -73,18 +73,17 @@ impl Error for Unanswered {}
 impl<T: Real> Kernels<T> for Unanswered {}
 
 /// Where a function may vanish, by up to three forms of it, each asked only where the one before leaves lanes open.
-#[derive(Clone, Debug)]
-pub struct ZeroTest<K> {
+pub struct ZeroTest<T: Real> {
     /// The function.
-    pub function: K,
+    pub function: Box<dyn Kernel<FindZeros, T>>,
     /// The numerator of its cleared form, which vanishes at the same points of the function's domain: poles are proven
     /// empty by it, and a root near a pole has bounds.
-    pub numerator: Option<K>,
+    pub numerator: Option<Box<dyn Kernel<FindZeros, T>>>,
     /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)), asked where it may jump.
-    pub branches: Option<K>,
+    pub branches: Option<Box<dyn Kernel<FindZeros, T>>>,
 }
 
-impl<T: Real, K: Kernel<FindZeros, T>> Kernel<FindZeros, T> for ZeroTest<K> {
+impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     #[inline]
     fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
         self.function.ask(boxes, zeros);

@@ -10,7 +10,7 @@ use crate::packet::{Packet, RAYS};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
-use zeroset_eval::{Boxes, FindZeros, Kernel, KernelError, Kernels, Surface, Zeros};
+use zeroset_eval::{Boxes, FindZeros, Kernel, KernelError, Surface, Zeros};
 
 pub(crate) const METHOD: Method = Method {
     name: "knoll",
@@ -29,8 +29,8 @@ fn prepare<'a>(
     options: &Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
     Ok(match options.precision {
-        Precision::F32 => Box::new(Knoll::new(surface.single(), region, options)?),
-        Precision::F64 => Box::new(Knoll::new(surface.double(), region, options)?),
+        Precision::F32 => Box::new(Knoll::<f32>::new(surface, region, options)?),
+        Precision::F64 => Box::new(Knoll::<f64>::new(surface, region, options)?),
     })
 }
 
@@ -68,12 +68,12 @@ const ALL: u32 = (1 << RAYS) - 1;
 
 impl<'a, T: Scalar> Knoll<'a, T> {
     fn new(
-        kernels: &'a dyn Kernels<T>,
+        surface: &'a dyn Surface,
         region: &'a Region,
         options: &Options,
     ) -> Result<Self, KernelError> {
         Ok(Self {
-            kernel: kernels.zeros()?,
+            kernel: T::kernels(surface).zeros()?,
             region,
             last: options.depth.clamp(1, T::MAX_DEPTH) - 1,
             suppress_asymptotes: options.suppress_asymptotes,
