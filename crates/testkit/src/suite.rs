@@ -11,7 +11,7 @@ mod rewrite;
 mod subjects;
 
 use std::fmt;
-use zeroset_eval::{GradientKernel, IntervalKernel, PointKernel};
+use zeroset_eval::Kernel;
 use zeroset_ir::{Graph, NodeId};
 
 pub use cases::{MakeCase, check_interval_case, check_interval_cases};
@@ -21,12 +21,8 @@ pub use point::check_points;
 pub(crate) use rewrite::contradiction;
 pub use rewrite::{Rewrite, check_rewrite};
 
-/// Makes an interval kernel for a graph without parameters.
-pub type MakeInterval<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn IntervalKernel<T>>;
-/// Makes a point kernel for a graph without parameters.
-pub type MakePoint<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn PointKernel<T>>;
-/// Makes a gradient kernel for a graph without parameters.
-pub type MakeGradient<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn GradientKernel<T>>;
+/// Makes a kernel for a graph without parameters.
+pub type Make<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, T>>;
 
 /// How much a passing check has looked at: a test should ask for a minimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,12 +5,10 @@
 //!
 //! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test branches`.
 
-use zeroset_eval::{
-    Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, Real, Reference, Tape,
-};
-use zeroset_interval::{Facts, Interval};
+use zeroset_eval::{Assumptions, Binding, Boxes, FindZeros, Kernel, Real, Reference, Tape};
+use zeroset_interval::Interval;
 use zeroset_ir::{clear, rewrite, simplify};
-use zeroset_jit::NativeInterval;
+use zeroset_jit::Compiled;
 use zeroset_ops::{Class, Continuity, Op, TABLE};
 use zeroset_testkit::{
     Adversarial, Case, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
@@ -54,19 +52,9 @@ fn options(rng: &mut Rng) -> GraphOptions {
     }
 }
 
-fn enclosed<T: Real>(kernel: &dyn IntervalKernel<T>, packet: &BoxPacket<T>) -> EnclosurePacket<T> {
-    let mut out = [EnclosurePacket::default()];
-    kernel.enclose(std::slice::from_ref(packet), &mut out);
-    out[0]
-}
-
-fn is_empty<T: Real>(packet: &EnclosurePacket<T>) -> bool {
-    T::facts(packet.facts[0]).has(Facts::NOWHERE)
-}
-
-fn may_vanish<T: Real>(packet: &EnclosurePacket<T>) -> bool {
-    let zero = T::nearest(0.0);
-    !is_empty(packet) && packet.neg_lo[0] >= zero && packet.hi[0] >= zero
+/// Whether there may be a zero in the only box of a batch.
+fn is_possible<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &[Boxes<T>]) -> bool {
+    kernel.ask_all(boxes)[0].possible & 1 == 1
 }
 
 #[test]
@@ -92,7 +80,7 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
         let Some((branches, plain)) = tapes::<T>(&shifted(&case)) else { continue };
         let oracle = Oracle::new(&case.graph, &[case.root]);
         let values: Vec<(f64, f64)> = case.parameters.iter().map(|v| (v.lo, v.hi)).collect();
-        let mut native: Option<NativeInterval<T>> = None;
+        let mut native: Option<Compiled<FindZeros, T>> = None;
         cases += 1;
         for _ in 0..POINTS {
             let region: [[T; 2]; 3] = case.random_box(&mut rng);
@@ -104,18 +92,15 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
             let value = Interval { lo: claim.lo, hi: claim.hi };
             let bind = |value: Interval| {
                 let known = case.parameters.iter().copied().chain([value]);
-                Binding::new(&known.map(|bounds| (bounds, Facts::TOTAL)).collect::<Vec<_>>())
+                Binding::new(&known.collect::<Vec<_>>())
             };
-            let packet = pack_boxes(&[region])[0];
+            let boxes = pack_boxes(&[region]);
             let mut compare = |value: Interval| {
-                let binding = bind(value);
-                let kernel = match &native {
-                    Some(kernel) => kernel.bind(&binding),
-                    None => NativeInterval::compile(&branches, &binding).expect("compiles"),
-                };
-                let answer = enclosed(&kernel, &packet);
-                native = Some(kernel);
-                let expected = enclosed(&Reference::new(branches.clone(), binding), &packet);
+                let code = native
+                    .get_or_insert_with(|| Compiled::new(branches.clone()).expect("compiles"));
+                let answer = is_possible(&code.bind(bind(value)), &boxes);
+                let reference = Reference::new(branches.clone(), bind(value));
+                let expected = is_possible(&reference, &boxes);
                 let context = || {
                     let line = case.describe::<T>(&Place::over(&region));
                     let at = point.map(hexadecimal);
@@ -128,13 +113,13 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
                 (answer, context())
             };
             let (answer, context) = compare(value);
-            assert!(!is_empty(&answer), "a zero is lost: {context}");
+            assert!(answer, "a zero is lost: {context}");
             points += 1;
             // Beside the value, branches are often empty where the function as a whole is not.
             let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
             let (answer, _) = compare(beside);
-            let whole = enclosed(&Reference::new(plain.clone(), bind(beside)), &packet);
-            shut += u32::from(is_empty(&answer) && may_vanish(&whole));
+            let whole = is_possible(&Reference::new(plain.clone(), bind(beside)), &boxes);
+            shut += u32::from(!answer && whole);
         }
     }
     println!("{points} zeros in {cases} functions kept, {shut} boxes emptied");
