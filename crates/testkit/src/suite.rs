@@ -8,6 +8,7 @@ mod gradient;
 mod interval;
 mod point;
 mod rewrite;
+mod slopes;
 mod subjects;
 
 use std::fmt;
@@ -20,6 +21,7 @@ pub use interval::{check_interval_graphs, check_interval_ops};
 pub use point::check_points;
 pub(crate) use rewrite::contradiction;
 pub use rewrite::{Rewrite, check_rewrite};
+pub use slopes::{check_slopes, check_slopes_of_ops};
 
 /// Makes a kernel for a graph without parameters.
 pub type Make<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, T>>;

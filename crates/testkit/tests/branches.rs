@@ -1,15 +1,18 @@
-//! Kernels that tell where a function may vanish, branch by branch: no zero is lost, and native code gives the bits of
-//! the reference.
+//! Kernels that tell where a function may vanish: branch by branch no zero is lost, and native code gives the bits of the
+//! reference; as a whole they say what bounds of the same steps say.
 //!
 //! For a random point p of a box, f − f(p) has a zero in the box, whatever f does elsewhere in it.
 //!
 //! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test branches`.
 
-use zeroset_eval::{Assumptions, Binding, Boxes, FindZeros, Kernel, Real, Reference, Tape};
-use zeroset_interval::Interval;
+use zeroset_eval::{
+    Assumptions, Binding, Boxes, Enclose, FindZeros, Kernel, LANES, Real, Reference, Tape,
+};
+use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{clear, rewrite, simplify};
-use zeroset_jit::Compiled;
+use zeroset_jit::{Compiled, Native};
 use zeroset_ops::{Class, Continuity, Op, TABLE};
+use zeroset_testkit::property::Subject;
 use zeroset_testkit::{
     Adversarial, Case, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
 };
@@ -124,4 +127,64 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
     }
     println!("{points} zeros in {cases} functions kept, {shut} boxes emptied");
     assert!(u64::from(shut) * 200 > effort.cases || effort.cases < 1000, "{shut}");
+}
+
+/// Boxes per kernel.
+const BOXES: usize = 64;
+
+#[test]
+fn zeros_are_where_bounds_of_the_same_steps_hold_them() {
+    zeros_and_bounds::<f32>(0x5eed_0920_0000);
+    zeros_and_bounds::<f64>(0x5eed_0930_0000);
+}
+
+fn zeros_and_bounds<T: Adversarial>(seed: u64) {
+    let effort = Effort::from_environment(seed, 50_000);
+    let (mut boxes, mut possible) = (0, [0_u32; 3]);
+    for seed in effort.seed.. {
+        if boxes >= effort.cases {
+            break;
+        }
+        let mut rng = Rng::with_seed(seed);
+        let options = GraphOptions { adversarial: rng.bool(), ..options(&mut rng) };
+        let case = Case::random(&mut rng, &options);
+        let Some(tape) = Subject::Zeros.tape::<T>(rng.bool(), &case) else { continue };
+        let regions: Vec<_> = (0..BOXES).map(|_| case.random_box(&mut rng)).collect();
+        let inputs = pack_boxes::<T>(&regions);
+        let binding = Binding::new(&case.parameters);
+        let zeros = Native::<FindZeros, T>::new(tape.clone(), binding.clone()).expect("compiles");
+        let bounds = Native::<Enclose, T>::new(tape, binding).expect("compiles");
+        let (zeros, bounds) = (zeros.ask_all(&inputs), bounds.ask_all(&inputs));
+        for (index, region) in regions.iter().enumerate() {
+            let (zeros, bounds, lane) =
+                (&zeros[index / LANES], &bounds[index / LANES], index % LANES);
+            let ends = [bounds.neg_lo[lane], bounds.hi[lane]];
+            let holds_zero = ends.iter().all(|end| *end >= T::default());
+            let is_infinite = ends.iter().any(|end| *end > T::LARGEST);
+            let facts = bounds.facts(lane);
+            let expected = [
+                holds_zero && !facts.has(Facts::NOWHERE),
+                is_infinite,
+                !facts.has(Facts::CONTINUOUS),
+            ];
+            let found =
+                [zeros.possible, zeros.unbounded, zeros.jumping].map(|mask| mask >> lane & 1 == 1);
+            // Where there is no zero, the other two mean nothing.
+            let told = if expected[0] { 3 } else { 1 };
+            assert_eq!(
+                found[..told],
+                expected[..told],
+                "{ends:?} {facts:?}\n{}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1",
+                case.describe::<T>(&Place::over(region))
+            );
+            for (count, found) in possible.iter_mut().zip(found) {
+                *count += u32::from(found);
+            }
+            boxes += 1;
+        }
+    }
+    println!("{:?}: of {boxes} boxes {possible:?} possible, unbounded, jumping", T::FORMAT);
+    let fair =
+        possible.iter().all(|count| (boxes / 20..boxes * 19 / 20).contains(&u64::from(*count)));
+    assert!(fair || effort.cases < 1000, "{possible:?}");
 }

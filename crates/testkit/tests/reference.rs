@@ -1,6 +1,6 @@
 //! The suite, with the reference evaluator plugged in, in both precisions.
 
-use zeroset_eval::{Assumptions, Binding, Kernel, Question, Real, Reference, SampleGradient, Tape};
+use zeroset_eval::{Assumptions, Binding, Kernel, Question, Real, Reference, Tape};
 use zeroset_interval::Format;
 use zeroset_ir::{Graph, NodeId};
 use zeroset_ops::Op;

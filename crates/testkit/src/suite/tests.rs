@@ -1,9 +1,10 @@
 //! The suite must accept an honest kernel and catch each kind of lie.
 
 use super::*;
-use crate::{Claim, Defined, GraphOptions, Oracle};
+use crate::{Case, Claim, Defined, GraphOptions, Oracle};
 use zeroset_eval::{
-    Boxes, Enclose, Enclosures, Gradients, LANES, Lanes, Points, Sample, SampleGradient, Values,
+    Boxes, Enclose, EncloseGradient, Enclosures, GradientEnclosures, Gradients, LANES, Lanes,
+    Points, Sample, SampleGradient, Values,
 };
 use zeroset_interval::Facts;
 use zeroset_ops::Op;
@@ -160,6 +161,51 @@ fn wrong_gradients_are_caught() {
     let make = |_: &Graph, _: NodeId| -> Box<dyn Kernel<SampleGradient>> { Box::new(Zero) };
     let failure = check_gradients(&make, SEED, 50, 1e-3).expect_err("no slope");
     assert!(failure.to_string().contains("derivative 0 is 0e0"), "{failure}");
+}
+
+/// Says the same of the gradient over every box.
+#[derive(Clone, Copy)]
+struct Slope {
+    range: [f32; 2],
+    lipschitz: bool,
+    differentiable: bool,
+}
+
+impl Kernel<EncloseGradient> for Slope {
+    fn ask(&self, _: &Boxes, answers: &mut GradientEnclosures) {
+        let [lo, hi] = self.range;
+        let mask = |claim| if claim { u32::MAX } else { 0 };
+        *answers = GradientEnclosures {
+            neg_lo: Lanes::splat(f32::INFINITY),
+            hi: Lanes::splat(f32::INFINITY),
+            gradient_neg_lo: [Lanes::splat(-lo); 3],
+            gradient_hi: [Lanes::splat(hi); 3],
+            lipschitz: mask(self.lipschitz),
+            differentiable: mask(self.differentiable),
+        };
+    }
+}
+
+#[test]
+fn lies_about_slopes_are_caught() {
+    const ANY: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
+    let verdict = |range, lipschitz, differentiable| {
+        let slope = Slope { range, lipschitz, differentiable };
+        let make = |_: &Case| -> Option<Box<dyn Kernel<EncloseGradient>>> { Some(Box::new(slope)) };
+        check_slopes_of_ops(&make, SEED, 32)
+    };
+    let tally = verdict([1.0, 0.0], false, false).expect("claims nothing");
+    assert!(tally.compared > 10_000 && tally.defined == 0, "{tally:?}");
+    for (range, lipschitz, differentiable, reason) in [
+        (ANY, false, true, "not Lipschitz continuous"),
+        (ANY, true, false, "where undefined"),
+        ([1.0, 0.0], true, false, "not in order"),
+        ([0.0, 0.0], true, false, "slopes allow"),
+        ([-1e30, -2.0], true, false, "slopes allow"),
+    ] {
+        let failure = verdict(range, lipschitz, differentiable).expect_err(reason).to_string();
+        assert!(failure.contains(reason) && failure.contains("{\"f\":"), "{failure}");
+    }
 }
 
 #[test]
