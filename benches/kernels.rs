@@ -1,4 +1,5 @@
-//! Interval kernels: native code, rigorous, against the same operations in intrinsics that round to nearest.
+//! Interval kernels: native code, rigorous, against the same operations in intrinsics that round to
+//! nearest.
 //!
 //! `cargo bench --bench kernels` prints a table; names are `kernel/case`.
 

@@ -1,5 +1,6 @@
-//! Rivals and timing shared by the benches: three interval functions written by hand in 128-bit intrinsics (glam's
-//! `Vec4` is `__m128`, each operation below one instruction), rounding to nearest (so not rigorous), with the operations that the simplifier leaves.
+//! Rivals and timing shared by the benches: three interval functions written by hand in 128-bit
+//! intrinsics (glam's `Vec4` is `__m128`, each operation below one instruction), rounding to
+//! nearest (so not rigorous), with the operations that the simplifier leaves.
 
 use glam::Vec4;
 use std::time::Instant;
@@ -112,8 +113,8 @@ pub const SURFACES: [(&str, &str, f64); 3] = [
     ),
 ];
 
-/// Times both closures in turn and returns the medians of the seconds that each took and of their ratio, with the
-/// quartiles of the ratio.
+/// Times both closures in turn and returns the medians of the seconds that each took and of their
+/// ratio, with the quartiles of the ratio.
 pub fn compare(rounds: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) -> Comparison {
     let time = |f: &mut dyn FnMut()| {
         let start = Instant::now();

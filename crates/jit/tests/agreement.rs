@@ -1,4 +1,5 @@
-//! Native kernels give the bits of the reference evaluator: one graph per operation, adversarial lanes.
+//! Native kernels give the bits of the reference evaluator: one graph per operation, adversarial
+//! lanes.
 
 use std::fmt::Debug;
 use zeroset_eval::{

@@ -90,7 +90,10 @@ fn a_kernel_is_asked_about_one_to_sixteen_lanes() {
     for (count, is_allowed) in [(0, false), (1, true), (16, true), (17, false)] {
         let points = Points { count, ..Points::default() };
         assert_eq!(is_refused(&mut || drop(bounds.ask_all(&[origin(count)]))), !is_allowed);
-        assert_eq!(is_refused(&mut || drop(gradients.ask_all(&[points.clone()]))), !is_allowed);
+        assert_eq!(
+            is_refused(&mut || drop(gradients.ask_all(std::slice::from_ref(&points)))),
+            !is_allowed
+        );
     }
 }
 

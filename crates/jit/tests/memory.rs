@@ -1,6 +1,7 @@
 //! Compiling and dropping kernels leaves no memory behind. Alone in its file, hence in its process.
 //!
-//! A long run: `ZEROSET_CYCLES=200000 cargo test --release -p zeroset-jit --test memory -- --nocapture`.
+//! A long run:
+//! `ZEROSET_CYCLES=200000 cargo test --release -p zeroset-jit --test memory -- --nocapture`.
 
 #![cfg(target_os = "linux")]
 

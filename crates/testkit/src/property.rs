@@ -1,7 +1,8 @@
-//! What must hold of single inputs: fuzz targets call these with a fuzzer's bytes, tests with random ones.
+//! What must hold of single inputs: fuzz targets call these with a fuzzer's bytes, tests with
+//! random ones.
 //!
-//! Each property draws its input from bytes or a seed, says how much it compared, and prints a failing case so that
-//! it can be reproduced. Which bytes are worth trying is not known here.
+//! Each property draws its input from bytes or a seed, says how much it compared, and prints a
+//! failing case so that it can be reproduced. Which bytes are worth trying is not known here.
 
 mod agreement;
 mod enclosing;

@@ -1,7 +1,7 @@
 //! One suite for every evaluator: each row of the table over adversarial inputs, and random graphs.
 //!
-//! An evaluator plugs in as a function that makes a kernel out of a graph. Nothing is assumed of how
-//! it works; what it says is held against the [oracle](crate::Oracle).
+//! An evaluator plugs in as a function that makes a kernel out of a graph. Nothing is assumed of
+//! how it works; what it says is held against the [oracle](crate::Oracle).
 
 mod cases;
 mod gradient;

@@ -1,13 +1,13 @@
-//! Native code gives the bits of the reference evaluator in both precisions: random graphs, as typed and
-//! simplified, over all of space and over boxes, with parameters.
+//! Native code gives the bits of the reference evaluator in both precisions: random graphs, as
+//! typed and simplified, over all of space and over boxes, with parameters.
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test agreement`.
 
 use zeroset_testkit::property::{Subject, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
-/// Inputs per kernel: in a test few, so that there are many formulas; in a long run so many that compiling is a small part
-/// of the work.
+/// Inputs per kernel: in a test few, so that there are many formulas; in a long run so many that
+/// compiling is a small part of the work.
 fn inputs(cases: u64) -> usize {
     if cases <= 1_000_000 { 256 } else { 1024 }
 }

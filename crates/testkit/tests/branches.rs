@@ -1,5 +1,5 @@
-//! Kernels that tell where a function may vanish: branch by branch no zero is lost, and native code gives the bits of the
-//! reference; as a whole they say what bounds of the same steps say.
+//! Kernels that tell where a function may vanish: branch by branch no zero is lost, and native code
+//! gives the bits of the reference; as a whole they say what bounds of the same steps say.
 //!
 //! For a random point p of a box, f − f(p) has a zero in the box, whatever f does elsewhere in it.
 //!
@@ -29,7 +29,8 @@ fn shifted(case: &Case) -> Case {
     shifted
 }
 
-/// Steps that tell where a case's function may vanish, made as programs make them; also those of the function alone.
+/// Steps that tell where a case's function may vanish, made as programs make them; also those of
+/// the function alone.
 fn tapes<T: Real>(case: &Case) -> Option<(Tape<T>, Tape<T>)> {
     let Assumptions { domain, parameters } = &case.assumptions;
     let (mut graph, roots) = rewrite(&case.graph, &[case.root], domain, parameters).ok()?;
@@ -40,7 +41,8 @@ fn tapes<T: Real>(case: &Case) -> Option<(Tape<T>, Tape<T>)> {
     Some((branches, Tape::new(&graph, &roots[..1], &case.assumptions)))
 }
 
-/// What jumps, has a pole, or is a little arithmetic around that; with everything else now and then.
+/// What jumps, has a pole, or is a little arithmetic around that; with everything else now and
+/// then.
 fn options(rng: &mut Rng) -> GraphOptions {
     let ops = TABLE.iter().filter(|row| match row.class {
         Class::Quotient | Class::Power | Class::Sum | Class::Product | Class::Extremum => true,

@@ -1,5 +1,5 @@
-//! Functions on which a property once failed, with the box that showed it: what was found by long runs and by fuzzers
-//! and can be typed.
+//! Functions on which a property once failed, with the box that showed it: what was found by long
+//! runs and by fuzzers and can be typed.
 
 use zeroset_eval::{Binding, Enclosures, Kernel, Reference, Tape};
 use zeroset_interval::Interval;
@@ -15,7 +15,8 @@ struct Finding {
     formula: &'static str,
     domain: [[f64; 2]; 3],
     region: [[f64; 2]; 3],
-    /// Where its bounds lie, also where it has no value: what is computed from them may rely on that.
+    /// Where its bounds lie, also where it has no value: what is computed from them may rely on
+    /// that.
     within: [f64; 2],
     was: &'static str,
 }

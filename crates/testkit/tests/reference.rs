@@ -50,8 +50,9 @@ fn random_graphs_enclose_the_oracle() {
 fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> {
     /// Beyond this, in radians, sines lose more.
     const FARTHEST: f64 = 8192.0;
-    // Relative to the value: about five times the unit roundoff in f32, and what texts in f64 reach; the kernels claim
-    // no bound. Then, what a sine may be off near its zeros, where it is good to an absolute error only.
+    // Relative to the value: about five times the unit roundoff in f32, and what texts in f64
+    // reach; the kernels claim no bound. Then, what a sine may be off near its zeros, where it is
+    // good to an absolute error only.
     let (relative, wave) = match T::FORMAT {
         Format::F32 => (3e-7, 1e-7),
         Format::F64 => (1e-14, 1e-15),

@@ -1,5 +1,6 @@
-//! Bounds of gradients hold derivatives and slopes, and what they claim of smoothness is true: of every operation alone,
-//! and of random functions with kinks, jumps, poles, ends of domains and restrictions, in both precisions.
+//! Bounds of gradients hold derivatives and slopes, and what they claim of smoothness is true: of
+//! every operation alone, and of random functions with kinks, jumps, poles, ends of domains and
+//! restrictions, in both precisions.
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test slopes`.
 
@@ -116,7 +117,8 @@ fn slopes_beside_hazards_are_bounded() {
     check::<f64>("hazards", 0x5eed_0a60_0000, &options);
 }
 
-/// What is claimed of a function over a range of x, with y from 1 to 2: Lipschitz continuous, differentiable.
+/// What is claimed of a function over a range of x, with y from 1 to 2: Lipschitz continuous,
+/// differentiable.
 fn claims<T: Real>(graph: &Graph, root: NodeId, [lo, hi]: [f64; 2]) -> [bool; 2] {
     let mut graph = graph.clone();
     let [x, y, z] = gradient(&mut graph, root);

@@ -121,7 +121,8 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     values[0].value[0]
 }
 
-/// A thread that panics in a kernel's own check, and goes on to compile and call, again and again, beside others.
+/// A thread that panics in a kernel's own check, and goes on to compile and call, again and again,
+/// beside others.
 #[test]
 fn threads_that_panic_and_are_used_again_round_to_nearest() {
     thread::scope(|scope| {

@@ -1,7 +1,7 @@
 //! Native enclosures of functions of one variable at every float, against correctly rounded values.
 //!
-//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding mode set to +∞,
-//! sixteen floats a batch. What is true comes from `core-math` alone.
+//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding
+//! mode set to +∞, sixteen floats a batch. What is true comes from `core-math` alone.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -60,7 +60,8 @@ pub fn functions() -> Vec<Function> {
             let is_exact = is_short && (root * root).mul_add(root, -f64::from(x)) == 0.0;
             where_defined(true, root, is_exact)
         }),
-        // A rational operand but 0 (1 for a logarithm) has an irrational value under these: Lindemann.
+        // A rational operand but 0 (1 for a logarithm) has an irrational value under these:
+        // Lindemann.
         all(Op::Exp, [0.0, f64::INFINITY], f32::MAX, |x| {
             where_defined(true, core_math::exp(f64::from(x)), x == 0.0)
         }),
@@ -153,7 +154,8 @@ pub struct Report {
     pub unbounded: u64,
     /// The operand of smallest magnitude with such an enclosure.
     pub first_unbounded: Option<f32>,
-    /// Enclosures wider than the tightest by more ulps than the function's row allows, unbounded ones apart.
+    /// Enclosures wider than the tightest by more ulps than the function's row allows, unbounded
+    /// ones apart.
     pub wide: u64,
     /// The operand of smallest magnitude with such an enclosure.
     pub first_wide: Option<f32>,
@@ -210,7 +212,8 @@ impl Function {
         self.within.map_or(name.to_owned(), |limit| format!("{name}-{limit}"))
     }
 
-    /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`, on all processors.
+    /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`, on
+    /// all processors.
     ///
     /// # Panics
     /// If the processor is not supported or `stride` is 0.

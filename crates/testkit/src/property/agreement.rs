@@ -46,8 +46,8 @@ impl Subject {
         matches!(self, Self::Gradients | Self::GradientBounds)
     }
 
-    /// The steps that compute this of a case: of its function as typed, or, if `simple`, made as programs make them.
-    /// `None` if they are too many, or there are none.
+    /// The steps that compute this of a case: of its function as typed, or, if `simple`, made as
+    /// programs make them. `None` if they are too many, or there are none.
     pub fn tape<T: Real>(self, simple: bool, case: &Case) -> Option<Tape<T>> {
         let Assumptions { domain, parameters } = &case.assumptions;
         let (mut graph, mut root) = (case.graph.clone(), case.root);
@@ -72,8 +72,9 @@ impl Subject {
     }
 }
 
-/// Compares native code and reference in the precision `T` on `inputs` random inputs: of the function as typed, or as
-/// simplified if `simple`. A function that is too long is left out, and nothing compared.
+/// Compares native code and reference in the precision `T` on `inputs` random inputs: of the
+/// function as typed, or as simplified if `simple`. A function that is too long is left out, and
+/// nothing compared.
 ///
 /// # Errors
 /// The first input on which they differ, with a smaller case that still does.

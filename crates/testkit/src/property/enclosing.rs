@@ -6,8 +6,8 @@ use zeroset_eval::{Binding, Enclose, Kernel, Real, Tape};
 use zeroset_ir::{rewrite, simplify};
 use zeroset_jit::Native;
 
-/// Native code for a case, by the steps that lead from a document to a kernel: simplified over its domain, parameters
-/// bound. `None` if the graph is too large.
+/// Native code for a case, by the steps that lead from a document to a kernel: simplified over its
+/// domain, parameters bound. `None` if the graph is too large.
 ///
 /// # Panics
 /// If the code does not compile.
@@ -20,8 +20,9 @@ pub fn native_interval<T: Real>(case: &Case) -> Option<Box<dyn Kernel<Enclose, T
     Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
 }
 
-/// Asks native code of a case about `boxes` random boxes: the oracle's enclosure at points of a box, of the unsimplified
-/// graph, must meet the code's enclosure of that box, and the code's claims must be true there.
+/// Asks native code of a case about `boxes` random boxes: the oracle's enclosure at points of a
+/// box, of the unsimplified graph, must meet the code's enclosure of that box, and the code's
+/// claims must be true there.
 ///
 /// # Errors
 /// The first contradiction, made smaller, with a line that reproduces it.

@@ -37,8 +37,8 @@ impl Versions {
     }
 }
 
-/// Compares a case's function with what is left of it after rewriting and after simplifying, by the oracle at points of
-/// its domain, and by the reference evaluator over boxes.
+/// Compares a case's function with what is left of it after rewriting and after simplifying, by the
+/// oracle at points of its domain, and by the reference evaluator over boxes.
 ///
 /// # Errors
 /// The first contradiction, with a smaller case that still shows it.
@@ -96,7 +96,8 @@ fn at(case: &Case, point: [f64; 3], values: &[(f64, f64)]) -> Option<String> {
 
 /// What the reference evaluator finds over a box.
 fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
-    // Only folding tells whether such an exponent is an integer, so the graph as typed means less to the evaluator.
+    // Only folding tells whether such an exponent is an integer, so the graph as typed means less
+    // to the evaluator.
     if has_computed_exponent(&case.graph) {
         return None;
     }

@@ -16,8 +16,8 @@ const BUDGET: u32 = 2000;
 /// Makes the kernel that tells where a formula may vanish; `None` if it has no surface.
 pub type MakeZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
 
-/// Asks the kernel that `make` gives for a formula about boxes around certain zeros: it must not say that there is none.
-/// `defined` counts the boxes.
+/// Asks the kernel that `make` gives for a formula about boxes around certain zeros: it must not
+/// say that there is none. `defined` counts the boxes.
 ///
 /// # Errors
 /// The first zero denied.
@@ -54,8 +54,8 @@ pub fn vanish<T: Adversarial>(
     Ok(tally)
 }
 
-/// A box that holds the piece of the line between the ends of a crossing, which is inside the region; not further
-/// outside than a rounding.
+/// A box that holds the piece of the line between the ends of a crossing, which is inside the
+/// region; not further outside than a rounding.
 fn around<T: Adversarial>(
     formula: &Formula,
     line: &Line,

@@ -58,8 +58,8 @@ pub fn check_gradients<T: Real>(
     Ok(tally)
 }
 
-/// The value and the slope along `axis`, if the function is defined around `point`, known well, and straight
-/// enough that the slopes to either side agree.
+/// The value and the slope along `axis`, if the function is defined around `point`, known well, and
+/// straight enough that the slopes to either side agree.
 fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option<(f64, f64)> {
     let value = |offset: f64| {
         let mut at = point;

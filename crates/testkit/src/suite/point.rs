@@ -1,4 +1,5 @@
-//! Point kernels: NaN exactly where an operation is undefined, and values within a stated tolerance.
+//! Point kernels: NaN exactly where an operation is undefined, and values within a stated
+//! tolerance.
 
 use super::subjects::{Subject, subjects};
 use super::{Failure, Make, Tally};
@@ -9,7 +10,8 @@ use zeroset_ops::Op;
 /// Checks every operation alone at `points` adversarial points, whose coordinates are operands.
 ///
 /// `tolerance` says how far a value may lie from the oracle's bounds, or `None` to leave the value
-/// of this operation at this point unchecked. A value beyond the largest number of `T` may be infinite.
+/// of this operation at this point unchecked. A value beyond the largest number of `T` may be
+/// infinite.
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.

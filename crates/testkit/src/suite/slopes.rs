@@ -1,8 +1,8 @@
-//! Bounds of gradients: they hold the derivatives where a function is called differentiable, and bound its changes
-//! where it is called Lipschitz continuous.
+//! Bounds of gradients: they hold the derivatives where a function is called differentiable, and
+//! bound its changes where it is called Lipschitz continuous.
 //!
-//! The second is the mean value form, f(q) − f(p) ∈ G·(q − p). It needs values alone, so no table of derivatives is
-//! trusted in it.
+//! The second is the mean value form, f(q) − f(p) ∈ G·(q − p). It needs values alone, so no table
+//! of derivatives is trusted in it.
 
 use super::subjects::subjects;
 use super::{Failure, MakeCase, Tally};
@@ -59,7 +59,8 @@ impl Answer {
         }
     }
 
-    /// What is wrong with it, given what is certain of the function and its derivatives at both ends of a probe.
+    /// What is wrong with it, given what is certain of the function and its derivatives at both
+    /// ends of a probe.
     fn contradiction(
         &self,
         region: [[f64; 2]; 3],
@@ -82,7 +83,8 @@ impl Answer {
                 return Some("called Lipschitz continuous where undefined".into());
             }
             for (axis, claim) in derivatives.iter().enumerate() {
-                // At a face of the box there is a derivative towards its inside, which the rules may not give.
+                // At a face of the box there is a derivative towards its inside, which the rules
+                // may not give.
                 let [lo, hi] = region[axis];
                 if !self.differentiable || point[axis] <= lo || hi <= point[axis] {
                     continue;
@@ -151,8 +153,9 @@ pub fn check_slopes_of_ops<T: Adversarial>(
     Ok(tally)
 }
 
-/// Asks a kernel of gradient bounds about `boxes` random boxes of a case. `compared` counts pairs of points in them,
-/// `defined` those at which the function is certainly defined, and called Lipschitz continuous in the box.
+/// Asks a kernel of gradient bounds about `boxes` random boxes of a case. `compared` counts pairs
+/// of points in them, `defined` those at which the function is certainly defined, and called
+/// Lipschitz continuous in the box.
 ///
 /// # Errors
 /// The first contradiction, made smaller, with a line that reproduces it.

@@ -1,4 +1,5 @@
-//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native code.
+//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native
+//! code.
 
 use super::itl::{Decoration, Term};
 use std::collections::HashMap;
@@ -154,7 +155,8 @@ impl<T: Real> Native<T> {
         Self { told, kernels: HashMap::new() }
     }
 
-    /// Encloses `function`, known as `key`, over operands whose ends are of the precision; `None` is the empty set.
+    /// Encloses `function`, known as `key`, over operands whose ends are of the precision; `None`
+    /// is the empty set.
     pub fn enclose(
         &mut self,
         key: &str,
