@@ -83,18 +83,12 @@ impl Answer {
                 return Some("called Lipschitz continuous where undefined".into());
             }
             for (axis, claim) in derivatives.iter().enumerate() {
-                // At a face of the box there is a derivative towards its inside, which the rules
-                // may not give.
+                // At a face of the box there is a derivative towards its inside, which the rules may
+                // not give; nor do they everywhere where a function as simplified has one.
                 let [lo, hi] = region[axis];
-                if !self.differentiable || point[axis] <= lo || hi <= point[axis] {
-                    continue;
-                }
-                let wrong = match claim.defined {
-                    Defined::Yes => !meets(self.slopes[axis], claim),
-                    Defined::No => true,
-                    Defined::Unknown => false,
-                };
-                if wrong {
+                let is_inside = lo < point[axis] && point[axis] < hi;
+                let is_known = self.differentiable && claim.defined == Defined::Yes;
+                if is_inside && is_known && !meets(self.slopes[axis], claim) {
                     return Some(format!("derivative {axis} is {claim:?}"));
                 }
             }
