@@ -1,7 +1,7 @@
 //! Functions on which a property once failed, with the box that showed it: what was found by long
 //! runs and by fuzzers and can be typed.
 
-use zeroset_eval::{Binding, Enclosures, Kernel, Reference, Tape};
+use zeroset_eval::{Binding, Enclose, Enclosures, Kernel, Reference, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::simplify;
 use zeroset_syntax::{Options, read};
@@ -71,7 +71,7 @@ fn bounds<T: Adversarial>(case: &Case, region: [[f64; 2]; 3]) -> [Enclosures<T>;
     let domain = &case.assumptions.domain;
     let (graph, roots) = simplify(&case.graph, &[case.root], domain, &[]).expect("small");
     let tape = Tape::new(&graph, &roots, &case.assumptions);
-    let reference = Reference::new(tape, Binding::empty());
+    let reference = Reference::<Enclose, T>::new(tape, Binding::empty());
     [native.ask_all(&boxes).remove(0), reference.ask_all(&boxes).remove(0)]
 }
 
