@@ -116,8 +116,10 @@ fn smooth<T: Real, M: Machine>(
         },
         Op::Min | Op::Max => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
         Op::SelectNegative => {
-            let negative = below::<T, M>(m, a, 0.0);
-            let other = at_least::<T, M>(m, a, 0.0);
+            // The bounds of a choice that is defined in places only say nothing of the others.
+            let defined = a.value.value.defined;
+            let negative = below::<T, M>(m, a, 0.0).and(m, defined);
+            let other = at_least::<T, M>(m, a, 0.0).and(m, defined);
             let [b, c] = [operands[1].value, operands[2].value];
             let mut choose = |b: Fact<M::V>, c: Fact<M::V>| {
                 let (b, c) = (negative.and(m, b), other.and(m, c));

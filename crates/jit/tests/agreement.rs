@@ -1,12 +1,14 @@
-//! Native kernels give the bits of the reference evaluator: one graph per operation, adversarial lanes.
+//! Native kernels give the bits of the reference evaluator: one graph per operation, adversarial
+//! lanes.
 
+use std::fmt::Debug;
 use zeroset_eval::{
-    Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, PointKernel, PointPacket,
-    Real, Reference, Tape, ValuePacket,
+    Assumptions, Batch, Binding, Boxes, Enclose, Input, Kernel, LANES, Points, Question, Real,
+    Reference, Sample, Tape,
 };
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
-use zeroset_jit::{NativeInterval, NativePoint};
+use zeroset_jit::Native;
 use zeroset_ops::TABLE;
 
 /// A small generator, so that this crate's own tests need no other crate: splitmix64.
@@ -105,55 +107,49 @@ fn every_operation_agrees<T: Draw>() {
                 assumptions.domain = [Interval { lo: -8.0, hi: 8.0 }; 3];
             }
             let tape = Tape::<T>::new(&graph, &[root], &assumptions);
-            let reference = Reference::new(tape.clone(), Binding::empty());
-            let native = NativeInterval::compile(&tape, &Binding::empty()).expect(row.name);
-            let points = NativePoint::compile(&tape, &Binding::empty()).expect(row.name);
-            let mut boxes = vec![BoxPacket::default(); 600];
-            let mut at = vec![PointPacket::default(); 600];
-            for (packet, at) in boxes.iter_mut().zip(&mut at) {
+            let mut boxes = vec![Boxes { count: LANES as u32, ..Boxes::default() }; 150];
+            let mut points = vec![Points { count: LANES as u32, ..Points::default() }; 150];
+            for (boxes, points) in boxes.iter_mut().zip(&mut points) {
                 for axis in 0..3 {
-                    for lane in 0..4 {
+                    for lane in 0..LANES {
                         let (mut lo, mut hi) = random.bounds::<T>();
                         if bounded {
                             let inside = |x: T| T::nearest(x.into().clamp(-8.0, 8.0));
                             (lo, hi) = (inside(lo), inside(hi));
                         }
-                        packet.neg_lo[axis][lane] = -lo;
-                        packet.hi[axis][lane] = hi;
-                        at.at[axis][lane] = hi;
+                        boxes.neg_lo[axis][lane] = -lo;
+                        boxes.hi[axis][lane] = hi;
+                        points.at[axis][lane] = hi;
                     }
                 }
             }
-            let mut expected = vec![EnclosurePacket::default(); boxes.len()];
-            let mut found = expected.clone();
-            reference.enclose(&boxes, &mut expected);
-            native.enclose(&boxes, &mut found);
-            for ((packet, e), f) in boxes.iter().zip(&expected).zip(&found) {
-                for lane in 0..4 {
-                    let agree = same(e.neg_lo[lane], f.neg_lo[lane])
-                        && same(e.hi[lane], f.hi[lane])
-                        && e.facts[lane] == f.facts[lane];
-                    assert!(agree, "{} lane {lane}: {packet:?}\n{e:?}\n{f:?}", row.name);
-                    assert!(
-                        !f.neg_lo[lane].into().is_nan() && !f.hi[lane].into().is_nan(),
-                        "{}",
-                        row.name
-                    );
-                }
+            for found in agreed::<Enclose, T>(&tape, &boxes) {
+                let is_nan = |end: &T| (*end).into().is_nan();
+                assert!(!found.neg_lo.iter().chain(&*found.hi).any(is_nan), "{}", row.name);
             }
-            let mut expected = vec![ValuePacket::default(); at.len()];
-            let mut found = expected.clone();
-            reference.sample(&at, &mut expected);
-            points.sample(&at, &mut found);
-            for ((packet, e), f) in at.iter().zip(&expected).zip(&found) {
-                for lane in 0..4 {
-                    assert!(
-                        same(e.value[lane], f.value[lane]),
-                        "{} lane {lane}: {packet:?}\n{e:?}\n{f:?}",
-                        row.name
-                    );
-                }
-            }
+            agreed::<Sample, T>(&tape, &points);
         }
     }
+}
+
+/// The answers of native code, which are those of the reference.
+fn agreed<Q: Question, T: Real>(tape: &Tape<T>, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>>
+where
+    Q::Input<T>: Debug,
+    Q::Output<T>: Debug,
+{
+    let native = Native::<Q, T>::new(tape.clone(), Binding::empty()).expect("compiles");
+    let found = native.ask_all(inputs);
+    let expected = Reference::<Q, T>::new(tape.clone(), Binding::empty()).ask_all(inputs);
+    for ((input, e), f) in inputs.iter().zip(&expected).zip(&found) {
+        let lanes =
+            |number| e.quantity(number).iter().zip(&**f.quantity(number)).take(input.count());
+        let quantities =
+            (0..Q::Output::<T>::QUANTITIES).all(|q| lanes(q).all(|(a, b)| same(*a, *b)));
+        let used = (1 << input.count()) - 1;
+        let word = |output: &Q::Output<T>, number| *output.clone().word_mut(number) & used;
+        let words = (0..Q::Output::<T>::WORDS).all(|w| word(e, w) == word(f, w));
+        assert!(quantities && words, "{:?}: {input:?}\n{e:?}\n{f:?}", tape.steps());
+    }
+    found
 }

@@ -1,22 +1,28 @@
-//! What a kernel may not be or do: too long, too deep, called with short buffers, written to.
+//! What a kernel may not be or do: too long, too deep, asked of no lanes, written to.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
-use zeroset_eval::{
-    Assumptions, Binding, BoxPacket, EnclosurePacket, GradientKernel, GradientPacket,
-    IntervalKernel, PointKernel, PointPacket, Tape, ValuePacket,
-};
+use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Points, SampleGradient, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph, NodeId};
-use zeroset_jit::{Error, NativeGradient, NativeInterval, NativePoint};
+use zeroset_jit::{Compiled, Error, Native};
 use zeroset_ops::Op;
 
 fn assumptions() -> Assumptions {
     Assumptions { domain: [Interval { lo: -2.0, hi: 2.0 }; 3], parameters: Vec::new() }
 }
 
-fn compile(graph: &Graph, root: NodeId) -> Result<NativeInterval<f32>, Error> {
-    NativeInterval::compile(&Tape::new(graph, &[root], &assumptions()), &Binding::empty())
+fn compile(graph: &Graph, root: NodeId) -> Result<Native<Enclose>, Error> {
+    Native::new(Tape::new(graph, &[root], &assumptions()), Binding::empty())
+}
+
+/// The origin, so many times.
+fn origin(count: u32) -> Boxes {
+    Boxes { count, ..Boxes::default() }
+}
+
+fn is_refused(call: &mut dyn FnMut()) -> bool {
+    catch_unwind(AssertUnwindSafe(call)).is_err()
 }
 
 /// `op` of x, of that, and so on: `length` operations, none of which is used twice.
@@ -69,39 +75,74 @@ fn large_kernels_are_compiled_in_bounded_time_and_run() {
     ] {
         let started = Instant::now();
         let kernel = compile(&graph, root).expect("within all limits");
-        println!("{name}: {:?}, {} bytes", started.elapsed(), kernel.code_bytes());
-        let mut out = [EnclosurePacket::default()];
-        kernel.enclose(&[BoxPacket::default()], &mut out);
-        assert!(out[0].hi[0] >= -out[0].neg_lo[0], "{name}");
+        println!("{name}: {:?}, {} bytes", started.elapsed(), kernel.compiled().code_bytes());
+        let out = &kernel.ask_all(&[origin(1)])[0];
+        assert!(out.hi[0] >= -out.neg_lo[0], "{name}");
     }
 }
 
 #[test]
-fn a_kernel_is_not_called_with_a_short_buffer() {
+fn a_kernel_is_asked_about_one_to_sixteen_lanes() {
     let (graph, root) = tower(Op::Sin, 1);
-    let tape = Tape::<f32>::new(&graph, &[root], &assumptions());
+    let bounds = compile(&graph, root).expect("compiles");
     let four = Tape::<f32>::new(&graph, &[root; 4], &assumptions());
-    let empty = Binding::empty();
-    let interval = NativeInterval::compile(&tape, &empty).expect("compiles");
-    let point = NativePoint::compile(&tape, &empty).expect("compiles");
-    let gradient = NativeGradient::compile(&four, &empty).expect("compiles");
-    let boxes = [BoxPacket::default(); 2];
-    let points = [PointPacket::default(); 2];
-    let refused = |call: &mut dyn FnMut()| catch_unwind(AssertUnwindSafe(call)).is_err();
-    let mut enclosures = [EnclosurePacket::default(); 2];
-    let mut values = [ValuePacket::default(); 2];
-    let mut gradients = [GradientPacket::default(); 2];
-    assert!(refused(&mut || interval.enclose(&boxes, &mut enclosures[..1])));
-    assert!(refused(&mut || point.sample(&points, &mut values[..1])));
-    assert!(refused(&mut || gradient.gradient(&points, &mut gradients[..1])));
-    assert!(!refused(&mut || interval.enclose(&boxes, &mut enclosures)));
-    assert!(!refused(&mut || point.sample(&points, &mut values)));
-    assert!(!refused(&mut || gradient.gradient(&points, &mut gradients)));
-    // Nor with another number of parameters, or of outputs, than it was compiled for.
-    let one = Binding::new(&[(Interval::ONE, zeroset_interval::Facts::TOTAL)]);
-    assert!(refused(&mut || drop(NativeInterval::compile(&tape, &one))));
-    assert!(refused(&mut || drop(interval.bind(&one))));
-    assert!(refused(&mut || drop(NativeGradient::compile(&tape, &empty))));
+    let gradients = Native::<SampleGradient>::new(four, Binding::empty()).expect("compiles");
+    for (count, is_allowed) in [(0, false), (1, true), (16, true), (17, false)] {
+        let points = Points { count, ..Points::default() };
+        assert_eq!(is_refused(&mut || drop(bounds.ask_all(&[origin(count)]))), !is_allowed);
+        assert_eq!(
+            is_refused(&mut || drop(gradients.ask_all(std::slice::from_ref(&points)))),
+            !is_allowed
+        );
+    }
+}
+
+#[test]
+fn a_kernel_has_as_many_parameters_and_outputs_as_asked_for() {
+    let (graph, root) = tower(Op::Sin, 1);
+    let tape = || Tape::<f32>::new(&graph, &[root], &assumptions());
+    let one = Binding::new(&[Interval::ONE]);
+    let compiled = Compiled::<Enclose>::new(tape()).expect("compiles");
+    assert!(!is_refused(&mut || drop(compiled.bind(Binding::empty()))));
+    assert!(is_refused(&mut || drop(compiled.bind(one.clone()))));
+    assert!(is_refused(&mut || drop(Native::<Enclose>::new(tape(), one.clone()))));
+    assert!(is_refused(&mut || drop(Compiled::<SampleGradient>::new(tape()))));
+}
+
+/// Code leaves guards out by what it may assume, so a question beyond that has no true answer.
+#[cfg(debug_assertions)]
+#[test]
+fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
+    use zeroset_eval::Reference;
+    let mut graph = Graph::new();
+    let (x, p) = (graph.variable(Axis::X), graph.parameter(0));
+    let root = graph.apply(Op::Add, &[x, p]);
+    let unit = Interval { lo: 0.0, hi: 1.0 };
+    let assumed = Assumptions { parameters: vec![unit], ..assumptions() };
+    let tape = || Tape::<f32>::new(&graph, &[root], &assumed);
+    let compiled = Compiled::<Enclose>::new(tape()).expect("compiles");
+    let bound = |value| Binding::new(&[value]);
+    for (value, is_allowed) in
+        [(unit, true), (Interval { lo: 0.5, hi: 1.5 }, false), (Interval::ENTIRE, false)]
+    {
+        assert_eq!(is_refused(&mut || drop(compiled.bind(bound(value)))), !is_allowed);
+        let reference = || Reference::<Enclose>::new(tape(), bound(value));
+        assert_eq!(is_refused(&mut || drop(reference())), !is_allowed);
+    }
+    let native = compiled.bind(bound(unit));
+    let reference = Reference::<Enclose>::new(tape(), bound(unit));
+    let kernels: [&dyn Kernel<Enclose>; 2] = [&native, &reference];
+    for kernel in kernels {
+        for (lo, hi, is_allowed) in [(-2.0, 2.0, true), (-2.5, 0.0, false), (0.0, 2.001, false)] {
+            for axis in 0..3 {
+                let mut ends = [Interval::ONE; 3];
+                ends[axis] = Interval { lo, hi };
+                // In the last lane, which alone is outside.
+                let boxes = Boxes::around(&[[[Interval::ONE; 3]; 8].as_slice(), &[ends]].concat());
+                assert_eq!(is_refused(&mut || drop(kernel.ask_all(&boxes))), !is_allowed);
+            }
+        }
+    }
 }
 
 /// No page is writable and executable, while code is there and runs.
@@ -121,9 +162,8 @@ fn no_page_is_writable_and_executable() {
             compile(&graph, root).expect("compiles")
         })
         .collect();
-    let mut out = [EnclosurePacket::default()];
     for kernel in &kernels {
-        kernel.enclose(&[BoxPacket::default()], &mut out);
+        kernel.ask_all(&[origin(1)]);
     }
     let maps = maps();
     let both: Vec<&str> = maps

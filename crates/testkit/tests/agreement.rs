@@ -1,13 +1,13 @@
-//! Native code gives the bits of the reference evaluator in both precisions: random graphs, as typed and
-//! simplified, over all of space and over boxes, with parameters.
+//! Native code gives the bits of the reference evaluator in both precisions: random graphs, as
+//! typed and simplified, over all of space and over boxes, with parameters.
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test agreement`.
 
 use zeroset_testkit::property::{Subject, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
-/// Inputs per kernel: in a test few, so that there are many formulas; in a long run so many that compiling is a small part
-/// of the work.
+/// Inputs per kernel: in a test few, so that there are many formulas; in a long run so many that
+/// compiling is a small part of the work.
 fn inputs(cases: u64) -> usize {
     if cases <= 1_000_000 { 256 } else { 1024 }
 }
@@ -64,22 +64,42 @@ fn check_all<T: Adversarial>(
     check::<T>(seed + 0x30_0000, subject, true, &typical);
 }
 
-#[test]
-fn intervals_agree() {
-    let long = GraphOptions { size: 16, ..options() };
-    check_all::<f32>(0x5eed_0400_0000, Subject::Intervals, [&options(), &long]);
-    check_all::<f64>(0x5eed_0440_0000, Subject::Intervals, [&options(), &long]);
+fn long() -> GraphOptions {
+    GraphOptions { size: 16, ..options() }
 }
 
 #[test]
-fn points_agree() {
-    let long = GraphOptions { size: 16, ..options() };
-    check_all::<f32>(0x5eed_0500_0000, Subject::Points, [&options(), &long]);
-    check_all::<f64>(0x5eed_0540_0000, Subject::Points, [&options(), &long]);
+fn bounds_agree() {
+    check_all::<f32>(0x5eed_0400_0000, Subject::Bounds, [&options(), &long()]);
+    check_all::<f64>(0x5eed_0440_0000, Subject::Bounds, [&options(), &long()]);
+}
+
+#[test]
+fn zeros_agree() {
+    check_all::<f32>(0x5eed_0480_0000, Subject::Zeros, [&options(), &long()]);
+    check_all::<f64>(0x5eed_04c0_0000, Subject::Zeros, [&options(), &long()]);
+}
+
+#[test]
+fn zeros_by_branches_agree() {
+    check_all::<f32>(0x5eed_0680_0000, Subject::Branches, [&options(), &long()]);
+    check_all::<f64>(0x5eed_06c0_0000, Subject::Branches, [&options(), &long()]);
+}
+
+#[test]
+fn values_agree() {
+    check_all::<f32>(0x5eed_0500_0000, Subject::Values, [&options(), &long()]);
+    check_all::<f64>(0x5eed_0540_0000, Subject::Values, [&options(), &long()]);
 }
 
 #[test]
 fn gradients_agree() {
     check_all::<f32>(0x5eed_0600_0000, Subject::Gradients, [&short(), &options()]);
     check_all::<f64>(0x5eed_0640_0000, Subject::Gradients, [&short(), &options()]);
+}
+
+#[test]
+fn gradient_bounds_agree() {
+    check_all::<f32>(0x5eed_0580_0000, Subject::GradientBounds, [&short(), &options()]);
+    check_all::<f64>(0x5eed_05c0_0000, Subject::GradientBounds, [&short(), &options()]);
 }

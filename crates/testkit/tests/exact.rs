@@ -1,8 +1,9 @@
-//! Software enclosures in `f64` at points hold the exact value: not its rounding to nearest, which would still be held
-//! by a bound that is wrong by nearly half a unit in the last place.
+//! Software enclosures in `f64` at points hold the exact value: not its rounding to nearest, which
+//! would still be held by a bound that is wrong by nearly half a unit in the last place.
 //!
-//! What is true comes from Taylor series in integers alone. Inverse functions are judged by their inverses, which rise:
-//! a ≤ ln x where exp a ≤ x. Operands lie where the texts err most, at the ends of their reduced ranges.
+//! What is true comes from Taylor series in integers alone. Inverse functions are judged by their
+//! inverses, which rise: a ≤ ln x where exp a ≤ x. Operands lie where the texts err most, at the
+//! ends of their reduced ranges.
 
 use num_bigint::BigInt;
 use num_traits::Zero;
@@ -39,7 +40,8 @@ fn over(a: &BigInt, b: &BigInt) -> BigInt {
     (a << PLACES) / b
 }
 
-/// Σ xⁿ/n! over even n and over odd n, with alternating signs if `turns`: (cos, sin) of x, or (cosh, sinh).
+/// Σ xⁿ/n! over even n and over odd n, with alternating signs if `turns`: (cos, sin) of x, or
+/// (cosh, sinh).
 fn series(x: &BigInt, turns: bool) -> [BigInt; 2] {
     let mut sums = [BigInt::zero(), BigInt::zero()];
     let mut term = BigInt::from(1) << PLACES;

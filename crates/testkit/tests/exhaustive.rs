@@ -1,5 +1,5 @@
-//! A slice of the exhaustive sweep: native enclosures of functions of one variable hold the value at every float tried,
-//! and are as tight as its row in the table says.
+//! A slice of the exhaustive sweep: native enclosures of functions of one variable hold the value
+//! at every float tried, and are as tight as its row in the table says.
 //!
 //! All floats: `cargo run --release -p zeroset-testkit --example exhaustive`.
 

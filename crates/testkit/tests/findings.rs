@@ -1,7 +1,7 @@
-//! Functions on which a property once failed, with the box that showed it: what was found by long runs and by fuzzers
-//! and can be typed.
+//! Functions on which a property once failed, with the box that showed it: what was found by long
+//! runs and by fuzzers and can be typed.
 
-use zeroset_eval::{Binding, EnclosurePacket, IntervalKernel, Reference, Tape};
+use zeroset_eval::{Binding, Enclose, Enclosures, Kernel, Reference, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::simplify;
 use zeroset_syntax::{Options, read};
@@ -15,7 +15,8 @@ struct Finding {
     formula: &'static str,
     domain: [[f64; 2]; 3],
     region: [[f64; 2]; 3],
-    /// Where its bounds lie, also where it has no value: what is computed from them may rely on that.
+    /// Where its bounds lie, also where it has no value: what is computed from them may rely on
+    /// that.
     within: [f64; 2],
     was: &'static str,
 }
@@ -63,30 +64,26 @@ fn case(finding: &Finding) -> Case {
 }
 
 /// Native and reference bounds of a case over a box.
-fn bounds<T: Adversarial>(case: &Case, region: [[f64; 2]; 3]) -> [EnclosurePacket<T>; 2] {
+fn bounds<T: Adversarial>(case: &Case, region: [[f64; 2]; 3]) -> [Enclosures<T>; 2] {
     let round = |end: f64| T::nearest(end.clamp(-T::LARGEST.into(), T::LARGEST.into()));
     let boxes = pack_boxes(&[region.map(|range| range.map(round))]);
-    let mut out = [[EnclosurePacket::default()]; 2];
-    native_interval::<T>(case).expect("small").enclose(&boxes, &mut out[0]);
+    let native = native_interval::<T>(case).expect("small");
     let domain = &case.assumptions.domain;
     let (graph, roots) = simplify(&case.graph, &[case.root], domain, &[]).expect("small");
     let tape = Tape::new(&graph, &roots, &case.assumptions);
-    Reference::new(tape, Binding::empty()).enclose(&boxes, &mut out[1]);
-    out.map(|[packet]| packet)
+    let reference = Reference::<Enclose, T>::new(tape, Binding::empty());
+    [native.ask_all(&boxes).remove(0), reference.ask_all(&boxes).remove(0)]
 }
 
 fn check<T: Adversarial>(finding: &Finding) {
     let [native, reference] = bounds::<T>(&case(finding), finding.region);
     let what = format!("{:?}, {}: {native:?}\n{reference:?}", finding.formula, finding.was);
-    for lane in 0..native.hi.len() {
-        let ends =
-            |packet: &EnclosurePacket<T>| [packet.neg_lo[lane], packet.hi[lane]].map(Into::into);
-        let (these, those): ([f64; 2], [f64; 2]) = (ends(&native), ends(&reference));
-        assert_eq!(these, those, "{what}");
-        let [neg_lo, hi] = these;
-        let [least, most] = finding.within;
-        assert!(-neg_lo <= hi && -neg_lo >= least && hi <= most, "{what}");
-    }
+    let ends = |answer: &Enclosures<T>| [answer.neg_lo[0], answer.hi[0]].map(Into::into);
+    let (these, those): ([f64; 2], [f64; 2]) = (ends(&native), ends(&reference));
+    assert_eq!(these, those, "{what}");
+    let [neg_lo, hi] = these;
+    let [least, most] = finding.within;
+    assert!(-neg_lo <= hi && -neg_lo >= least && hi <= most, "{what}");
 }
 
 #[test]

@@ -1,7 +1,8 @@
-//! The properties that fuzz targets attack, over random bytes and over what fuzzers are started from: the seeds, among
-//! which every input is kept that once broke a property.
+//! The properties that fuzz targets attack, over random bytes and over what fuzzers are started
+//! from: the seeds, among which every input is kept that once broke a property.
 //!
-//! A long run of one: `ZEROSET_CASES=100000 cargo test --release -p zeroset-testkit --test properties -- simplif`.
+//! A long run of one:
+//! `ZEROSET_CASES=100000 cargo test --release -p zeroset-testkit --test properties -- simplif`.
 
 use std::path::{Path, PathBuf};
 use zeroset_testkit::property::{jit_vs_oracle, jit_vs_reference, parse, simplify};

@@ -1,8 +1,6 @@
 //! The suite, with the reference evaluator plugged in, in both precisions.
 
-use zeroset_eval::{
-    Assumptions, Binding, GradientKernel, IntervalKernel, PointKernel, Real, Reference, Tape,
-};
+use zeroset_eval::{Assumptions, Binding, Kernel, Question, Real, Reference, Tape};
 use zeroset_interval::Format;
 use zeroset_ir::{Graph, NodeId};
 use zeroset_ops::Op;
@@ -11,27 +9,18 @@ use zeroset_testkit::suite::{
 };
 use zeroset_testkit::{Adversarial, Claim, GraphOptions};
 
-fn reference<T: Real>(graph: &Graph, roots: &[NodeId]) -> Reference<T> {
-    let tape = Tape::new(graph, roots, &Assumptions::none(0));
-    Reference::new(tape, Binding::empty())
-}
-
-fn interval<T: Real>(graph: &Graph, root: NodeId) -> Box<dyn IntervalKernel<T>> {
-    Box::new(reference(graph, &[root]))
-}
-
-fn point<T: Real>(graph: &Graph, root: NodeId) -> Box<dyn PointKernel<T>> {
-    Box::new(reference(graph, &[root]))
-}
-
-fn gradient<T: Real>(graph: &Graph, root: NodeId) -> Box<dyn GradientKernel<T>> {
-    let mut graph = graph.clone();
-    let [x, y, z] = zeroset_ir::gradient(&mut graph, root);
-    Box::new(reference(&graph, &[root, x, y, z]))
+/// Answers of a function alone, or with its derivatives.
+fn reference<Q: Question, T: Real>(graph: &Graph, root: NodeId) -> Box<dyn Kernel<Q, T>> {
+    let (mut graph, mut roots) = (graph.clone(), vec![root]);
+    if Q::OUTPUTS == 4 {
+        roots.extend(zeroset_ir::gradient(&mut graph, root));
+    }
+    let tape = Tape::new(&graph, &roots, &Assumptions::none(0));
+    Box::new(Reference::<Q, T>::new(tape, Binding::empty()))
 }
 
 fn operations<T: Adversarial>(seed: u64) {
-    let tally = check_interval_ops::<T>(&interval, seed, 2000);
+    let tally = check_interval_ops::<T>(&reference, seed, 2000);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 100_000, "{tally:?}");
 }
@@ -44,7 +33,7 @@ fn every_operation_encloses_the_oracle() {
 
 fn graphs<T: Adversarial>(seed: u64, adversarial: bool) {
     let options = GraphOptions { adversarial, ..GraphOptions::default() };
-    let tally = check_interval_graphs::<T>(&interval, seed, &options, 10_000, 16);
+    let tally = check_interval_graphs::<T>(&reference, seed, &options, 10_000, 16);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 100_000, "{tally:?}");
 }
@@ -61,8 +50,9 @@ fn random_graphs_enclose_the_oracle() {
 fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> {
     /// Beyond this, in radians, sines lose more.
     const FARTHEST: f64 = 8192.0;
-    // Relative to the value: about five times the unit roundoff in f32, and what texts in f64 reach; the kernels claim
-    // no bound. Then, what a sine may be off near its zeros, where it is good to an absolute error only.
+    // Relative to the value: about five times the unit roundoff in f32, and what texts in f64
+    // reach; the kernels claim no bound. Then, what a sine may be off near its zeros, where it is
+    // good to an absolute error only.
     let (relative, wave) = match T::FORMAT {
         Format::F32 => (3e-7, 1e-7),
         Format::F64 => (1e-14, 1e-15),
@@ -79,7 +69,7 @@ fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> 
 }
 
 fn points<T: Adversarial>(seed: u64) {
-    let tally = check_points::<T>(&point, seed, 2000, &tolerance::<T>);
+    let tally = check_points::<T>(&reference, seed, 2000, &tolerance::<T>);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 100_000, "{tally:?}");
 }
@@ -91,7 +81,7 @@ fn points_are_close_and_nan_where_undefined() {
 }
 
 fn gradients<T: Real>(seed: u64, relative: f64) {
-    let tally = check_gradients::<T>(&gradient, seed, 500, relative);
+    let tally = check_gradients::<T>(&reference, seed, 500, relative);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 50_000, "{tally:?}");
 }

@@ -6,11 +6,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use zeroset_eval::{
-    Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, PointKernel, PointPacket,
-    Real, Reference, Tape, ValuePacket,
+    Assumptions, Binding, Boxes, Enclose, Kernel, Points, Real, Reference, Sample, Tape,
 };
+use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
-use zeroset_jit::{NativeInterval, NativePoint};
+use zeroset_jit::Native;
 use zeroset_ops::Op;
 use zeroset_testkit::{Adversarial, Case, GraphOptions, Rng, pack_boxes};
 
@@ -18,15 +18,6 @@ const SEED: u64 = 0x5eed_00a0;
 
 fn tape<T: Real>(case: &Case) -> Tape<T> {
     Tape::new(&case.graph, &[case.root], &case.assumptions)
-}
-
-fn enclose<T: Real>(
-    kernel: &dyn IntervalKernel<T>,
-    boxes: &[BoxPacket<T>],
-) -> Vec<EnclosurePacket<T>> {
-    let mut out = vec![EnclosurePacket::default(); boxes.len()];
-    kernel.enclose(boxes, &mut out);
-    out
 }
 
 #[test]
@@ -44,9 +35,10 @@ fn many_threads<T: Adversarial>() {
             let case = Case::random(&mut rng, &options);
             let regions: Vec<_> = (0..64).map(|_| case.random_box(&mut rng)).collect();
             let boxes = pack_boxes(&regions);
-            let kernel = NativeInterval::<T>::compile(&tape(&case), &Binding::empty());
+            let kernel = Native::<Enclose, T>::new(tape(&case), Binding::empty());
             let kernel = kernel.expect("compiles");
-            let expected = enclose(&Reference::new(tape(&case), Binding::empty()), &boxes);
+            let expected = Reference::<Enclose, T>::new(tape(&case), Binding::empty());
+            let expected = expected.ask_all(&boxes);
             (kernel, boxes, expected)
         })
         .collect();
@@ -60,7 +52,7 @@ fn many_threads<T: Adversarial>() {
             scope.spawn(move || {
                 while !done.load(Ordering::Relaxed) {
                     for (kernel, boxes, expected) in &work {
-                        assert_eq!(&enclose(kernel, boxes), expected, "seed {SEED:#x}");
+                        assert_eq!(&kernel.ask_all(boxes), expected, "seed {SEED:#x}");
                         assert_rounds_to_nearest();
                         runs.fetch_add(1, Ordering::Relaxed);
                     }
@@ -69,7 +61,7 @@ fn many_threads<T: Adversarial>() {
         }
         drop(work);
         for case in &dropped {
-            let kernel = NativeInterval::<T>::compile(&tape(case), &Binding::empty());
+            let kernel = Native::<Enclose, T>::new(tape(case), Binding::empty());
             let kernel = kernel.expect("compiles");
             let other = kernel.clone();
             scope.spawn(move || drop(other));
@@ -108,31 +100,29 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     let (x, y) = (graph.variable(Axis::X), graph.variable(Axis::Y));
     let root = graph.apply(Op::Div, &[x, y]);
     let tape = Tape::new(&graph, &[root], &Assumptions::none(0));
-    let point = NativePoint::compile(&tape, &Binding::empty()).expect("compiles");
-    let interval = NativeInterval::<T>::compile(&tape, &Binding::empty()).expect("compiles");
+    let point = Native::<Sample, T>::new(tape.clone(), Binding::empty()).expect("compiles");
+    let interval = Native::<Enclose, T>::new(tape, Binding::empty()).expect("compiles");
     assert_rounds_to_nearest();
-    let mut out = [ValuePacket::default()];
-    let at = [[7.0; 4], [10.0; 4], [0.0; 4]].map(|lanes| lanes.map(T::nearest));
-    point.sample(&[PointPacket { at }], &mut out);
+    let values = point.ask_all(&Points::near(&[[7.0, 10.0, 0.0]]));
     assert_rounds_to_nearest();
-    // Also when every exception is raised, and for no boxes at all.
-    let numbers = |numbers: [f64; 4]| numbers.map(T::nearest);
-    let mut packet = BoxPacket::default();
-    packet.neg_lo[0] = numbers([-1.0, 0.0, -1e-45, 0.0]);
-    packet.neg_lo[0][1] = T::LARGEST;
-    packet.hi[0] = numbers([1.0, 0.0, 1e-45, 0.0]);
-    packet.hi[0][1] = T::LARGEST;
-    packet.hi[1] = numbers([3.0, 1e-45, 3.0, 0.0]);
-    let enclosures = enclose(&interval, &[packet; 3]);
+    // Also when every exception is raised.
+    let (largest, least): (f64, f64) = (T::LARGEST.into(), 1e-45);
+    let boxes = [
+        ([1.0, 1.0], [0.0, 3.0]),
+        ([-largest, largest], [0.0, least]),
+        ([least, least], [0.0, 3.0]),
+        ([0.0, 0.0], [0.0, 0.0]),
+    ];
+    let boxes = boxes.map(|(x, y)| [x, y, [0.0; 2]].map(|[lo, hi]| Interval { lo, hi }));
+    let enclosures = interval.ask_all(&Boxes::around(&[boxes; 12].concat()));
     let infinite = enclosures[0].hi[1].into() == f64::INFINITY;
     assert!(infinite && enclosures[2] == enclosures[0]);
     assert_rounds_to_nearest();
-    enclose(&interval, &[]);
-    assert_rounds_to_nearest();
-    out[0].value[0]
+    values[0].value[0]
 }
 
-/// A thread that panics in a kernel's own check, and goes on to compile and call, again and again, beside others.
+/// A thread that panics in a kernel's own check, and goes on to compile and call, again and again,
+/// beside others.
 #[test]
 fn threads_that_panic_and_are_used_again_round_to_nearest() {
     thread::scope(|scope| {
@@ -143,14 +133,11 @@ fn threads_that_panic_and_are_used_again_round_to_nearest() {
                     let mut graph = Graph::new();
                     let root = graph.variable(Axis::X);
                     let tape = Tape::<f32>::new(&graph, &[root], &Assumptions::none(0));
-                    let kernel = NativeInterval::compile(&tape, &Binding::empty());
-                    let kernel = kernel.expect("compiles");
-                    let boxes = [BoxPacket::default(); 2];
-                    let mut short = [EnclosurePacket::default()];
-                    let call = AssertUnwindSafe(|| kernel.enclose(&boxes, &mut short));
-                    assert!(catch_unwind(call).is_err(), "the buffer is short");
+                    let kernel = Native::<Enclose>::new(tape, Binding::empty()).expect("compiles");
+                    let call = AssertUnwindSafe(|| kernel.ask_all(&[Boxes::default()]));
+                    assert!(catch_unwind(call).is_err(), "no lane is in use");
                     assert_rounds_to_nearest();
-                    assert_eq!(enclose(&kernel, &boxes).len(), 2);
+                    kernel.ask_all(&[Boxes { count: 1, ..Boxes::default() }]);
                     assert_rounds_to_nearest();
                 }
             });

@@ -1,8 +1,9 @@
-//! Software enclosures in `f64` at points: they hold the correctly rounded value, and are as tight as each function's
-//! text says.
+//! Software enclosures in `f64` at points: they hold the correctly rounded value, and are as tight
+//! as each function's text says.
 //!
-//! What is true comes from `core-math` alone. Operands are seeded: all exponents, all of the range where a function
-//! bends, and the places where texts go wrong: zeros and poles, ends of domains, edges of overflow and underflow.
+//! What is true comes from `core-math` alone. Operands are seeded: all exponents, all of the range
+//! where a function bends, and the places where texts go wrong: zeros and poles, ends of domains,
+//! edges of overflow and underflow.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 use zeroset_interval::{
@@ -164,8 +165,8 @@ fn angles_of_points_are_as_tight_as_stated() {
     assert!(worst[0] <= 4 && worst[1] <= most, "seed {SEED:#x}: {worst:?} ulp at {worst_at:?}");
 }
 
-/// The enclosure of an operation on two floats in `f32`, if it holds `value`, and how many floats wider than the tightest it
-/// is.
+/// The enclosure of an operation on two floats in `f32`, if it holds `value`, and how many floats
+/// wider than the tightest it is.
 fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     let operand = |x: f32| {
         let lanes = |x| Lanes::from_f32([x; 4]);
@@ -182,7 +183,8 @@ fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     holds.then(|| place(hi).abs_diff(place(lo)) - tightest)
 }
 
-/// The worst of many pairs of operands in `f32`, which no sweep can try, against what the row of the table says.
+/// The worst of many pairs of operands in `f32`, which no sweep can try, against what the row of
+/// the table says.
 fn search_in_f32(op: Op, truth: fn(f64, f64) -> f64, draw: impl Fn(&mut Rng) -> Option<[f32; 2]>) {
     let mut random = Rng::with_seed(SEED);
     let (mut worst, mut worst_at, mut count) = (0, [0.0; 2], 0);

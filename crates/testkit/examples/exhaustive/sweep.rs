@@ -1,19 +1,17 @@
 //! Native enclosures of functions of one variable at every float, against correctly rounded values.
 //!
-//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding mode set to +∞,
-//! four floats a packet. What is true comes from `core-math` alone.
+//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding
+//! mode set to +∞, sixteen floats a batch. What is true comes from `core-math` alone.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
-use zeroset_eval::{Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Tape};
+use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Enclosures, Kernel, LANES, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{Axis, Graph};
-use zeroset_jit::NativeInterval;
+use zeroset_jit::Native;
 use zeroset_ops::Op;
 
-/// Packets per call of a kernel.
-const PACKETS: usize = 256;
 /// Floats that a thread takes at a time.
 const CHUNK: u64 = 1 << 16;
 /// Angles up to here are enclosed tightly; beyond, an enclosure is the function's range.
@@ -62,7 +60,8 @@ pub fn functions() -> Vec<Function> {
             let is_exact = is_short && (root * root).mul_add(root, -f64::from(x)) == 0.0;
             where_defined(true, root, is_exact)
         }),
-        // A rational operand but 0 (1 for a logarithm) has an irrational value under these: Lindemann.
+        // A rational operand but 0 (1 for a logarithm) has an irrational value under these:
+        // Lindemann.
         all(Op::Exp, [0.0, f64::INFINITY], f32::MAX, |x| {
             where_defined(true, core_math::exp(f64::from(x)), x == 0.0)
         }),
@@ -155,7 +154,8 @@ pub struct Report {
     pub unbounded: u64,
     /// The operand of smallest magnitude with such an enclosure.
     pub first_unbounded: Option<f32>,
-    /// Enclosures wider than the tightest by more ulps than the function's row allows, unbounded ones apart.
+    /// Enclosures wider than the tightest by more ulps than the function's row allows, unbounded
+    /// ones apart.
     pub wide: u64,
     /// The operand of smallest magnitude with such an enclosure.
     pub first_wide: Option<f32>,
@@ -212,7 +212,8 @@ impl Function {
         self.within.map_or(name.to_owned(), |limit| format!("{name}-{limit}"))
     }
 
-    /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`, on all processors.
+    /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`, on
+    /// all processors.
     ///
     /// # Panics
     /// If the processor is not supported or `stride` is 0.
@@ -225,7 +226,7 @@ impl Function {
             assumptions.domain = [Interval { lo: -f64::from(limit), hi: f64::from(limit) }; 3];
         }
         let tape = Tape::new(&graph, &[root], &assumptions);
-        let kernel = NativeInterval::compile(&tape, &Binding::empty()).expect("compiles");
+        let kernel = Native::new(tape, Binding::empty()).expect("compiles");
         let count = (1_u64 << 32).div_ceil(stride);
         let (next, total) = (AtomicU64::new(0), Mutex::new(Report::default()));
         let threads = thread::available_parallelism().map_or(1, usize::from);
@@ -250,23 +251,20 @@ impl Function {
 
     fn check(
         &self,
-        kernel: &dyn IntervalKernel,
+        kernel: &dyn Kernel<Enclose>,
         xs: impl Iterator<Item = f32>,
         report: &mut Report,
     ) {
         let xs: Vec<f32> = xs.filter(|x| x.abs() <= self.within.unwrap_or(f32::MAX)).collect();
-        let mut boxes = vec![BoxPacket::default(); PACKETS];
-        let mut out = vec![EnclosurePacket::default(); PACKETS];
-        for xs in xs.chunks(PACKETS * LANES) {
-            for (index, x) in xs.iter().enumerate() {
-                let (packet, lane) = (&mut boxes[index / LANES], index % LANES);
-                (packet.neg_lo[0][lane], packet.hi[0][lane]) = (-x, *x);
+        let (mut boxes, mut out) = (Boxes::default(), Enclosures::default());
+        for xs in xs.chunks(LANES) {
+            boxes.count = xs.len() as u32;
+            for (lane, x) in xs.iter().enumerate() {
+                (boxes.neg_lo[0][lane], boxes.hi[0][lane]) = (-x, *x);
             }
-            kernel.enclose(&boxes, &mut out);
-            for (index, &x) in xs.iter().enumerate() {
-                let (packet, lane) = (&out[index / LANES], index % LANES);
-                let (lo, hi) = (-packet.neg_lo[lane], packet.hi[lane]);
-                self.judge(x, lo, hi, Facts::from_bits(packet.facts[lane]), report);
+            kernel.ask(&boxes, &mut out);
+            for (lane, &x) in xs.iter().enumerate() {
+                self.judge(x, -out.neg_lo[lane], out.hi[lane], out.facts(lane), report);
             }
         }
     }

@@ -4,8 +4,8 @@ use super::scene::{Scene, describe};
 use crate::certified::{Certificate, Entry, Function, Line};
 use crate::suite::{Failure, Tally};
 
-/// What a picture says of one ray. Distances are multiples of the line's direction. A solid also has zeros where its
-/// inside meets the region's faces.
+/// What a picture says of one ray. Distances are multiples of the line's direction. A solid also
+/// has zeros where its inside meets the region's faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Claimed {
     /// There is no zero.
@@ -50,8 +50,8 @@ impl Certain {
     }
 }
 
-/// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds each claim against what
-/// is certain of that ray. `defined` counts rays with a certain crossing.
+/// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds
+/// each claim against what is certain of that ray. `defined` counts rays with a certain crossing.
 ///
 /// # Errors
 /// The first false claim.
@@ -108,8 +108,9 @@ fn contradiction(scene: &Scene, claimed: Claimed, certain: &Certain) -> Option<&
     }
 }
 
-/// Whether the claim is false of the neighbouring lines as well: a camera's directions are rounded, and the line that
-/// was followed may differ from the one that was told by a rounding of each number.
+/// Whether the claim is false of the neighbouring lines as well: a camera's directions are rounded,
+/// and the line that was followed may differ from the one that was told by a rounding of each
+/// number.
 fn is_stable(function: &Function, scene: &Scene, pixel: &Pixel) -> bool {
     let moves = [f64::next_up, f64::next_down];
     (0..8).all(|which| {

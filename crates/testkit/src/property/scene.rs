@@ -26,8 +26,8 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// A formula that can be typed, mostly one that has a zero near some point of the region; `None` if what was drawn
-    /// cannot be typed.
+    /// A formula that can be typed, mostly one that has a zero near some point of the region;
+    /// `None` if what was drawn cannot be typed.
     ///
     /// # Panics
     /// If what was printed does not read.

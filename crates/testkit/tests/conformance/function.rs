@@ -1,13 +1,11 @@
-//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native code.
+//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native
+//! code.
 
 use super::itl::{Decoration, Term};
 use std::collections::HashMap;
-use zeroset_eval::{
-    Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Real, Tape,
-};
+use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Real, Tape};
 use zeroset_interval::{Facts, Interval, Value, fold};
 use zeroset_ir::{Axis, Graph, Node, NodeId};
-use zeroset_jit::NativeInterval;
 use zeroset_ops::Op;
 
 /// An expression in x, y and z.
@@ -149,7 +147,7 @@ pub enum Told {
 /// Native code in one precision, kept by what it was compiled for.
 pub struct Native<T: Real> {
     told: Told,
-    kernels: HashMap<String, NativeInterval<T>>,
+    kernels: HashMap<String, zeroset_jit::Native<Enclose, T>>,
 }
 
 impl<T: Real> Native<T> {
@@ -157,7 +155,8 @@ impl<T: Real> Native<T> {
         Self { told, kernels: HashMap::new() }
     }
 
-    /// Encloses `function`, known as `key`, over operands whose ends are of the precision; `None` is the empty set.
+    /// Encloses `function`, known as `key`, over operands whose ends are of the precision; `None`
+    /// is the empty set.
     pub fn enclose(
         &mut self,
         key: &str,
@@ -169,11 +168,7 @@ impl<T: Real> Native<T> {
         for (axis, operand) in operands.iter().enumerate() {
             domain[axis] = operand.unwrap_or(Interval::ZERO);
         }
-        let mut packet = BoxPacket::default();
-        for (axis, bounds) in domain.iter().enumerate() {
-            packet.neg_lo[axis] = [T::nearest(-bounds.lo); LANES];
-            packet.hi[axis] = [T::nearest(bounds.hi); LANES];
-        }
+        let boxes = Boxes::around(&[domain]); // exact
         let compile = || {
             let restricted = function.restricted(&empty);
             let mut assumptions = Assumptions::none(0);
@@ -181,18 +176,17 @@ impl<T: Real> Native<T> {
                 assumptions.domain = domain;
             }
             let tape = Tape::new(&restricted.graph, &[restricted.root], &assumptions);
-            NativeInterval::compile(&tape, &Binding::empty()).expect("compiles")
+            zeroset_jit::Native::new(tape, Binding::empty()).expect("compiles")
         };
-        let mut out = [EnclosurePacket::default()];
-        match self.told {
+        let answers = match self.told {
             Told::Nothing => {
                 let kernel = self.kernels.entry(format!("{key} {empty:?}")).or_insert_with(compile);
-                kernel.enclose(&[packet], &mut out);
+                kernel.ask_all(&boxes)
             }
-            Told::TheBox => compile().enclose(&[packet], &mut out),
-        }
-        let (neg_lo, hi): (f64, f64) = (out[0].neg_lo[0].into(), out[0].hi[0].into());
-        let (lo, facts) = (-neg_lo, out[0].facts(0));
+            Told::TheBox => compile().ask_all(&boxes),
+        };
+        let (neg_lo, hi): (f64, f64) = (answers[0].neg_lo[0].into(), answers[0].hi[0].into());
+        let (lo, facts) = (-neg_lo, answers[0].facts(0));
         assert!(!lo.is_nan() && !hi.is_nan(), "{key}: NaN over {operands:?}");
         Answer { bounds: Interval { lo, hi }, facts }
     }

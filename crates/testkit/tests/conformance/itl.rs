@@ -1,4 +1,5 @@
-//! Reads test cases in the interval test language of ITF1788: `name operand… = result;` within `testcase … { }`.
+//! Reads test cases in the interval test language of ITF1788: `name operand… = result;` within
+//! `testcase … { }`.
 //!
 //! It knows the notation of numbers, intervals and decorations, not what any operation means.
 
@@ -28,7 +29,8 @@ pub enum Term {
     Integer(i32),
 }
 
-/// A decoration, from the weakest claim to the strongest; `com` (bounded as well) counts as `Dac`, for bounds tell.
+/// A decoration, from the weakest claim to the strongest; `com` (bounded as well) counts as `Dac`,
+/// for bounds tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decoration {
     /// Nothing is claimed.

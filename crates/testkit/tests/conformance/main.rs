@@ -1,8 +1,9 @@
-//! Conformance with IEEE 1788: the vectors of ITF1788 against software intervals in `f64` and native kernels in `f32` and
-//! `f64`.
+//! Conformance with IEEE 1788: the vectors of ITF1788 against software intervals in `f64` and
+//! native kernels in `f32` and `f64`.
 //!
-//! Every enclosure must hold the tightest one; how much wider it is goes into `tests/data/itl/report.txt`, which this
-//! test compares. `ZEROSET_BLESS=1 cargo test -p zeroset-testkit --test conformance` rewrites it.
+//! Every enclosure must hold the tightest one; how much wider it is goes into
+//! `tests/data/itl/report.txt`, which this test compares.
+//! `ZEROSET_BLESS=1 cargo test -p zeroset-testkit --test conformance` rewrites it.
 
 mod function;
 mod itl;
@@ -16,14 +17,16 @@ use tally::{Tally, Ulp, Verdict, judge};
 use zeroset_eval::Real;
 use zeroset_interval::{Facts, Interval};
 
-/// Where the software type is the tightest whatever its operands, and native code is on finite ones.
+/// Where the software type is the tightest whatever its operands, and native code is on finite
+/// ones.
 const TIGHTEST: [&str; 15] = [
     "neg", "add", "sub", "mul", "div", "recip", "sqr", "sqrt", "abs", "sign", "floor", "ceil",
     "trunc", "min", "max",
 ];
 const ROUND: &str = "roundTiesToEven";
 
-/// Wider enclosures up to this many ulps are counted, not listed, unless the operation should be tightest.
+/// Wider enclosures up to this many ulps are counted, not listed, unless the operation should be
+/// tightest.
 const UNREMARKABLE: u64 = 64;
 
 fn is_tightest(name: &str) -> bool {
@@ -140,7 +143,8 @@ fn natively<T: Real>(cases: &[Case], told: Told, ulp: Ulp) -> Tally {
             question.record(answer, question.result.map(outward::<T>), ulp, &mut tally);
             continue;
         }
-        // Over widened operands only the software type knows the tightest result, where it is tightest itself.
+        // Over widened operands only the software type knows the tightest result, where it is
+        // tightest itself.
         if let Err(violation) = judge(answer, question.result, ulp) {
             panic!("{} natively: {violation}", case.text);
         }
