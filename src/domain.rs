@@ -283,7 +283,7 @@ mod tests {
                     low += if a <= 0.0 && b >= 0.0 { 0.0 } else { a.abs().min(b.abs()).powi(2) };
                 }
                 let square = self.1 * self.1;
-                zeros.possible |= u32::from(low <= square && square <= high) << lane;
+                zeros.possible |= u16::from(low <= square && square <= high) << lane;
             }
         }
     }
@@ -296,7 +296,7 @@ mod tests {
             *zeros = Zeros::default();
             for lane in 0..boxes.count as usize {
                 let (low, high) = (-boxes.neg_lo[2][lane], boxes.hi[2][lane]);
-                zeros.possible |= u32::from(low <= self.0 && self.0 <= high) << lane;
+                zeros.possible |= u16::from(low <= self.0 && self.0 <= high) << lane;
             }
         }
     }

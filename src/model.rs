@@ -139,7 +139,7 @@ impl Model {
         for surface in 0..self.surfaces() {
             let zeros = self.program.kernels::<T>(surface).zeros()?;
             let flat = zeros.ask_all(&boxes).iter().zip(&boxes).all(|(zeros, boxes)| {
-                let all = u32::MAX >> (u32::BITS - boxes.count);
+                let all = u16::MAX >> (u16::BITS - boxes.count);
                 zeros.possible & !zeros.jumping & all == all
             });
             if flat {

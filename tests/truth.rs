@@ -40,14 +40,8 @@ fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
     let camera = Camera::new(eye, target, up, projection).expect("a camera");
     let (width, height) = (SIDE, SIDE);
     let Method(max_depth, precision) = method;
-    let settings = Settings {
-        width,
-        height,
-        max_depth,
-        precision,
-        normals: None,
-        ..Settings::default()
-    };
+    let settings =
+        Settings { width, height, max_depth, precision, normals: None, ..Settings::default() };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {})
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
     (camera.frame(SIDE, SIDE), picture.buffer)

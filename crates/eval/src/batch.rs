@@ -38,15 +38,13 @@ impl<T> DerefMut for Lanes<T> {
     }
 }
 
-/// Memory that a kernel reads or writes: first quantities, then words of 32 bits.
+/// Memory that a kernel reads or writes: quantities first.
 ///
 /// Only the types of this module are such; they are `repr(C)`, so that quantity k starts `k` times the size of
-/// [`Lanes`] after the beginning, and word k that many bytes and `4k` after the last quantity.
+/// [`Lanes`] after the beginning.
 pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'static {
     /// How many quantities there are.
     const QUANTITIES: usize;
-    /// How many words there are.
-    const WORDS: usize;
 
     /// The quantity with this number.
     ///
@@ -55,11 +53,6 @@ pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'stat
     fn quantity(&self, number: usize) -> &Lanes<T>;
     /// As [`Batch::quantity`].
     fn quantity_mut(&mut self, number: usize) -> &mut Lanes<T>;
-    /// The word with this number.
-    ///
-    /// # Panics
-    /// If there is none.
-    fn word_mut(&mut self, number: usize) -> &mut u32;
 }
 
 /// A batch that a kernel reads.
@@ -70,24 +63,36 @@ pub trait Input<T: Real>: Batch<T> {
     fn is_within(&self, domain: &[Interval; 3]) -> bool;
 }
 
+/// A batch that a kernel writes. Up to four masks of [`LANES`] bits follow the quantities, the lowest bit of each for the
+/// first lane; where there are any, 64 bits are written at once, so that none of them is waited for when it is read.
+pub trait Output<T: Real>: Batch<T> {
+    /// How many masks there are.
+    const MASKS: usize;
+
+    /// The mask with this number.
+    ///
+    /// # Panics
+    /// If there is none.
+    fn mask_mut(&mut self, number: usize) -> &mut u16;
+}
+
 macro_rules! batch {
     ($(#[$doc:meta])* $name:ident {
         $($(#[$quantity_doc:meta])* $quantity:ident: $type:ty = $quantities:literal,)*
-        ; $($(#[$word_doc:meta])* $word:ident,)*
+        ; $($(#[$word_doc:meta])* $word:ident: $word_type:ty,)*
     }) => {
         $(#[$doc])*
         #[derive(Clone, Debug, Default, PartialEq)]
         #[repr(C, align(64))]
         pub struct $name<T: Real = f32> {
             $($(#[$quantity_doc])* pub $quantity: $type,)*
-            $($(#[$word_doc])* pub $word: u32,)*
+            $($(#[$word_doc])* pub $word: $word_type,)*
         }
 
         impl<T: Real> sealed::Sealed for $name<T> {}
 
         impl<T: Real> Batch<T> for $name<T> {
             const QUANTITIES: usize = 0 $(+ $quantities)*;
-            const WORDS: usize = 0 $(+ { let _ = stringify!($word); 1 })*;
 
             fn quantity(&self, number: usize) -> &Lanes<T> {
                 let all: &[&[Lanes<T>]] = &[$(self.$quantity.as_ref()),*];
@@ -98,14 +103,28 @@ macro_rules! batch {
                 let all: Vec<&mut [Lanes<T>]> = vec![$(self.$quantity.as_mut()),*];
                 all.into_iter().flatten().nth(number).expect("a quantity of this batch")
             }
+        }
+    };
+}
 
-            fn word_mut(&mut self, number: usize) -> &mut u32 {
-                let all: Vec<&mut u32> = vec![$(&mut self.$word),*];
-                all.into_iter().nth(number).expect("a word of this batch")
+macro_rules! output {
+    ($name:ty: $($mask:ident),*) => {
+        impl<T: Real> Output<T> for $name {
+            const MASKS: usize = 0 $(+ { let _ = stringify!($mask); 1 })*;
+
+            fn mask_mut(&mut self, number: usize) -> &mut u16 {
+                let all: Vec<&mut u16> = vec![$(&mut self.$mask),*];
+                all.into_iter().nth(number).expect("a mask of this batch")
             }
         }
     };
 }
+
+output!(Enclosures<T>: nowhere, defined, continuous);
+output!(Zeros: possible, unbounded, jumping);
+output!(GradientEnclosures<T>: lipschitz, differentiable);
+output!(Values<T>:);
+output!(Gradients<T>:);
 
 impl<T> AsRef<[Self]> for Lanes<T> {
     fn as_ref(&self) -> &[Self] {
@@ -128,7 +147,7 @@ batch! {
         hi: [Lanes<T>; 3] = 3,
         ;
         /// Lanes in use.
-        count,
+        count: u32,
     }
 }
 
@@ -139,7 +158,7 @@ batch! {
         at: [Lanes<T>; 3] = 3,
         ;
         /// Lanes in use.
-        count,
+        count: u32,
     }
 }
 
@@ -152,11 +171,11 @@ batch! {
         hi: Lanes<T> = 1,
         ;
         /// Lanes in which the function is defined nowhere in the box.
-        nowhere,
+        nowhere: u16,
         /// Lanes in which it is defined throughout the box.
-        defined,
+        defined: u16,
         /// Lanes in which it is defined throughout the box, and continuous.
-        continuous,
+        continuous: u16,
     }
 }
 
@@ -165,18 +184,17 @@ batch! {
 #[repr(C, align(64))]
 pub struct Zeros {
     /// Lanes in which it may have a zero: where the bit is clear, it is proven to have none in the box.
-    pub possible: u32,
+    pub possible: u16,
     /// Lanes in which no finite bounds of it are known: perhaps an asymptote, and no zero.
-    pub unbounded: u32,
+    pub unbounded: u16,
     /// Lanes in which it is not known to be continuous.
-    pub jumping: u32,
+    pub jumping: u16,
 }
 
 impl sealed::Sealed for Zeros {}
 
 impl<T: Real> Batch<T> for Zeros {
     const QUANTITIES: usize = 0;
-    const WORDS: usize = 3;
 
     fn quantity(&self, _: usize) -> &Lanes<T> {
         unreachable!("zeros have no quantities")
@@ -184,10 +202,6 @@ impl<T: Real> Batch<T> for Zeros {
 
     fn quantity_mut(&mut self, _: usize) -> &mut Lanes<T> {
         unreachable!("zeros have no quantities")
-    }
-
-    fn word_mut(&mut self, number: usize) -> &mut u32 {
-        [&mut self.possible, &mut self.unbounded, &mut self.jumping][number]
     }
 }
 
@@ -205,9 +219,9 @@ batch! {
         ;
         /// Lanes in which the function is Lipschitz continuous in the box. Only there do the bounds of the gradient
         /// mean anything: it is within them wherever it exists.
-        lipschitz,
+        lipschitz: u16,
         /// Lanes in which it is differentiable at each point of the box, towards points of the box at least.
-        differentiable,
+        differentiable: u16,
     }
 }
 
@@ -259,6 +273,20 @@ impl<T: Real> Boxes<T> {
             batch
         });
         batches.collect()
+    }
+}
+
+impl<T: Real> Boxes<T> {
+    /// The boxes of these lanes, in order; at least one.
+    pub(crate) fn gathered(&self, lanes: u16) -> Self {
+        let mut out = Self { count: lanes.count_ones(), ..Self::default() };
+        for (to, lane) in (0..LANES).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
+            for axis in 0..3 {
+                out.neg_lo[axis][to] = self.neg_lo[axis][lane];
+                out.hi[axis][to] = self.hi[axis][lane];
+            }
+        }
+        out
     }
 }
 

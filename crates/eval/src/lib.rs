@@ -18,8 +18,8 @@ mod surface;
 mod tape;
 
 pub use batch::{
-    Batch, Boxes, Enclosures, GradientEnclosures, Gradients, Input, LANES, Lanes, Points, Values,
-    Zeros,
+    Batch, Boxes, Enclosures, GradientEnclosures, Gradients, Input, LANES, Lanes, Output, Points,
+    Values, Zeros,
 };
 pub use binding::Binding;
 pub use domain::{Term, ValueDomain};

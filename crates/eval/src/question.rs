@@ -4,7 +4,7 @@
 //! the domain, parameters within their ranges. Debug builds assert that.
 
 use crate::batch::{
-    Batch, Boxes, Enclosures, GradientEnclosures, Gradients, Input, Points, Values, Zeros,
+    Boxes, Enclosures, GradientEnclosures, Gradients, Input, Output, Points, Values, Zeros,
 };
 use crate::differentiable::Differentiable;
 use crate::domain::{Bounds, Samples};
@@ -21,9 +21,9 @@ pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
     /// What is asked about.
     type Input<T: Real>: Input<T>;
     /// The answer.
-    type Output<T: Real>: Batch<T>;
+    type Output<T: Real>: Output<T>;
 
-    /// Writes the answer on `m`: its quantities, and a mask for each of its words.
+    /// Writes the answer on `m`: its quantities and its masks.
     ///
     /// # Panics
     /// If the tape computes another number of expressions, or only finds zeros and this asks for more.
@@ -46,7 +46,7 @@ pub trait Loader<M: Machine> {
 pub struct Answer<V> {
     /// In the order of the output's quantities.
     pub quantities: Vec<V>,
-    /// In the order of its words.
+    /// In the order of its masks.
     pub masks: Vec<Fact<V>>,
 }
 

@@ -1,6 +1,6 @@
 //! The reference evaluator: a loop over steps on the software machine.
 
-use crate::batch::{Batch, Input, LANES};
+use crate::batch::{Batch, Input, Output};
 use crate::binding::Binding;
 use crate::question::{Answer, Kernel, Loader, Question};
 use crate::real::Real;
@@ -50,7 +50,7 @@ impl<Q: Question, T: Real> Loader<Software> for Cursor<'_, Q, T> {
 impl<Q: Question, T: Real> Kernel<Q, T> for Reference<Q, T> {
     fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         self.tape.check_input::<Q>(input);
-        (0..Q::Output::<T>::WORDS).for_each(|number| *output.word_mut(number) = 0);
+        (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
         for vector in 0..input.count().div_ceil(T::VECTOR_LANES) {
             let mut cursor = Cursor::<Q, T> { input, binding: &self.binding, vector };
             let Answer { quantities, masks } = Q::answer(&self.tape, &mut Software, &mut cursor);
@@ -59,9 +59,8 @@ impl<Q: Question, T: Real> Kernel<Q, T> for Reference<Q, T> {
             }
             for (number, mask) in masks.into_iter().enumerate() {
                 let bits = T::bits(mask.mask(&mut Software, T::FORMAT));
-                *output.word_mut(number) |= bits << (T::VECTOR_LANES * vector);
+                *output.mask_mut(number) |= (bits << (T::VECTOR_LANES * vector)) as u16;
             }
         }
-        debug_assert!(input.count() <= LANES);
     }
 }

@@ -90,17 +90,32 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
         if let Some(numerator) = &self.numerator
             && zeros.possible != 0
         {
-            let mut cleared = Zeros::default();
-            numerator.ask(boxes, &mut cleared);
+            let cleared = ask_some(&**numerator, boxes, zeros.possible);
             zeros.possible &= cleared.possible;
             zeros.unbounded &= cleared.unbounded;
         }
         if let Some(branches) = &self.branches
             && zeros.possible & zeros.jumping != 0
         {
-            let mut together = Zeros::default();
-            branches.ask(boxes, &mut together);
+            let together = ask_some(&**branches, boxes, zeros.possible & zeros.jumping);
             zeros.possible &= together.possible | !zeros.jumping;
         }
     }
+}
+
+/// Asks about some lanes of a batch: gathered, if that leaves at most half of it. Of other lanes nothing is known.
+fn ask_some<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
+    let mut zeros = Zeros::default();
+    if 2 * lanes.count_ones() > boxes.count {
+        kernel.ask(boxes, &mut zeros);
+        return zeros;
+    }
+    kernel.ask(&boxes.gathered(lanes), &mut zeros);
+    let mut spread = Zeros::default();
+    for (from, lane) in (0..u16::BITS).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
+        spread.possible |= (zeros.possible >> from & 1) << lane;
+        spread.unbounded |= (zeros.unbounded >> from & 1) << lane;
+        spread.jumping |= (zeros.jumping >> from & 1) << lane;
+    }
+    spread
 }

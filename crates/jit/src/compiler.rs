@@ -7,16 +7,18 @@ use crate::lanes::{Emitter, VECTOR, Vector, type_of};
 use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::condcodes::IntCC;
-use cranelift_codegen::ir::types::{I32, I64};
-use cranelift_codegen::ir::{AbiParam, Function, InstBuilder, MemFlagsData, Signature, Value};
+use cranelift_codegen::ir::types::I64;
+use cranelift_codegen::ir::{
+    AbiParam, BlockArg, Function, InstBuilder, MemFlagsData, Signature, Value,
+};
 use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
-use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext, Variable};
+use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Module, default_libcall_names};
 use std::marker::PhantomData;
 use std::sync::OnceLock;
-use zeroset_eval::{Answer, Batch, Lanes, Loader, Question, Real, Tape};
+use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Question, Real, Tape};
 use zeroset_interval::Fact;
 
 /// Operations in one kernel, at most: beyond this even the fast tier takes too long.
@@ -206,68 +208,66 @@ fn build<Q: Question, T: Real>(tape: &Tape<T>) -> Result<(Function, Vec<u128>), 
     let [inputs, outputs, count, parameters, constants, _guards] = arguments[..] else {
         unreachable!("the signature has six parameters");
     };
-    let [input, output, lane] = [inputs, outputs, count].map(|argument| {
-        let variable = builder.declare_var(I64);
-        builder.def_var(variable, argument);
-        variable
-    });
-    let zero = builder.ins().iconst(I64, 0);
-    builder.def_var(lane, zero);
-    let words: Vec<Variable> =
-        (0..<Q::Output<T>>::WORDS).map(|_| builder.declare_var(I32)).collect();
-    for &word in &words {
-        let none = builder.ins().iconst(I32, 0);
-        builder.def_var(word, none);
-    }
     let (body, end) = (builder.create_block(), builder.create_block());
-    builder.ins().jump(body, &[]);
+    // As parameters of the block: the batches from the lanes on that are next, the first of these lanes, and the masks.
+    let [input, output, lane, masks] = [(); 4].map(|()| builder.append_block_param(body, I64));
+    let zero = builder.ins().iconst(I64, 0);
+    builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));
 
     builder.switch_to_block(body);
     // The pool's address is read anew in each round, so that no load from it is moved out of the loop.
     let pool = builder.ins().load(I64, trusted(), constants, 0);
-    let (from, to) = (builder.use_var(input), builder.use_var(output));
-    let mut cursor = Cursor::<T> { input: from, parameters, format: PhantomData };
+    let mut cursor = Cursor::<T> { input, parameters, format: PhantomData };
     let mut emitter = Emitter::new(&mut builder, pool);
-    let Answer { quantities, masks } = Q::answer(tape, &mut emitter, &mut cursor);
-    for (number, value) in quantities.into_iter().enumerate() {
+    let answer = Q::answer(tape, &mut emitter, &mut cursor);
+    for (number, value) in answer.quantities.into_iter().enumerate() {
         let value = emitter.value(value);
-        emitter.builder().ins().store(trusted(), value, to, offset::<T>(number));
+        emitter.builder().ins().store(trusted(), value, output, offset::<T>(number));
     }
-    let at = emitter.builder().use_var(lane);
-    for (&word, mask) in words.iter().zip(&masks) {
-        if let Fact::Lanes(mask) = mask {
-            let bits = emitter.sign_bits(*mask);
-            let builder = emitter.builder();
-            let bits = builder.ins().ishl(bits, at);
-            let so_far = builder.use_var(word);
-            let all = builder.ins().bor(so_far, bits);
-            builder.def_var(word, all);
+    let (mut known, mut found) = (0_u64, None);
+    for (mask, shift) in answer.masks.iter().zip((0..).step_by(LANES)) {
+        match mask {
+            Fact::False => {}
+            Fact::True => known |= u64::from(u16::MAX) << shift,
+            Fact::Lanes(mask) => {
+                let bits = emitter.sign_bits(*mask);
+                let builder = emitter.builder();
+                let mut bits = builder.ins().uextend(I64, bits);
+                if shift != 0 {
+                    bits = builder.ins().ishl_imm_u(bits, shift);
+                }
+                found = Some(found.map_or(bits, |found| builder.ins().bor(found, bits)));
+            }
         }
     }
     let pool = emitter.finish();
-    for (variable, step) in [(input, VECTOR), (output, VECTOR), (lane, VECTOR / size_of::<T>())] {
-        let value = builder.use_var(variable);
-        let value = builder.ins().iadd_imm_s(value, step as i64);
-        builder.def_var(variable, value);
+    let mut all = masks;
+    if let Some(found) = found {
+        let found = builder.ins().ishl(found, lane);
+        all = builder.ins().bor(masks, found);
     }
-    let next = builder.use_var(lane);
-    let more = builder.ins().icmp(IntCC::UnsignedLessThan, next, count);
-    builder.ins().brif(more, body, &[], end, &[]);
+    let input = builder.ins().iadd_imm_s(input, VECTOR as i64);
+    let output = builder.ins().iadd_imm_s(output, VECTOR as i64);
+    let lane = builder.ins().iadd_imm_s(lane, (VECTOR / size_of::<T>()) as i64);
+    let more = builder.ins().icmp(IntCC::UnsignedLessThan, lane, count);
+    builder.ins().brif(more, body, &args(&[input, output, lane, all]), end, &[]);
 
     builder.switch_to_block(end);
-    for (number, (&word, mask)) in words.iter().zip(&masks).enumerate() {
-        let bits = match mask {
-            Fact::Lanes(_) => builder.use_var(word),
-            Fact::True => builder.ins().iconst(I32, i64::from(u32::MAX)),
-            Fact::False => builder.ins().iconst(I32, 0),
-        };
-        let place = offset::<T>(<Q::Output<T>>::QUANTITIES) + (size_of::<u32>() * number) as i32;
-        builder.ins().store(trusted(), bits, outputs, place);
+    if <Q::Output<T>>::MASKS > 0 {
+        if known != 0 {
+            let known = builder.ins().iconst(I64, known as i64);
+            all = builder.ins().bor(all, known);
+        }
+        builder.ins().store(trusted(), all, outputs, offset::<T>(<Q::Output<T>>::QUANTITIES));
     }
     builder.ins().return_(&[]);
     builder.seal_all_blocks();
     builder.finalize(target(Tier::Optimised)?.frontend_config());
     Ok((function, pool))
+}
+
+fn args(values: &[Value]) -> Vec<BlockArg> {
+    values.iter().map(|&value| value.into()).collect()
 }
 
 /// Where the quantity with this number starts in a batch, in bytes.

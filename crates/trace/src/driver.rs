@@ -27,8 +27,8 @@ pub struct Driver<'a> {
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
-/// Indices of pixels that belong together.
-type Tile = Vec<usize>;
+/// A pixel's column and row: an index would have to be divided again for each ray.
+type Pixel = [u32; 2];
 
 impl Driver<'_> {
     /// Traces all pixels.
@@ -51,7 +51,7 @@ impl Driver<'_> {
     /// If there is no such pixel, or the picture has another size.
     pub fn pixels(&self, pixels: &[usize], buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.frame.width(), self.frame.height()));
-        let tiles = pixels.par_chunks(TILE * TILE).map(|tile| (tile.to_vec(), tile.len()));
+        let tiles = pixels.par_chunks(TILE * TILE).map(|tile| (self.places(tile), tile.len()));
         for &pixel in pixels {
             buffer.set(pixel, &Found::MISS);
         }
@@ -60,12 +60,11 @@ impl Driver<'_> {
 
     fn scatter(
         &self,
-        tiles: impl IndexedParallelIterator<Item = (Tile, usize)>,
+        tiles: impl IndexedParallelIterator<Item = (Vec<Pixel>, usize)>,
         buffer: &mut GBuffer,
     ) -> Work {
-        let segment = |pixel: usize| {
-            let (origin, direction) =
-                self.frame.line(pixel % self.frame.width(), pixel / self.frame.width());
+        let segment = |[column, row]: Pixel| {
+            let (origin, direction) = self.frame.line(column as usize, row as usize);
             Segment { origin, direction, to: f64::INFINITY }
         };
         let (found, work) = self.follow(tiles, &segment, Start::Anywhere);
@@ -73,7 +72,7 @@ impl Driver<'_> {
             let length = segment(pixel).direction.length();
             let world = |distance: f64| distance * length;
             buffer.set(
-                pixel,
+                self.index(pixel),
                 &Found { distance: world(found.distance), drawn: world(found.drawn), ..found },
             );
         }
@@ -86,31 +85,41 @@ impl Driver<'_> {
     pub fn shadows(&self, buffer: &mut GBuffer, light: &Light, offset: f64) -> Work {
         let painted: Vec<usize> =
             (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
-        let segment = |pixel: usize| {
-            let ray = self.frame.ray_of(pixel);
+        let segment = |pixel: Pixel| {
+            let [column, row] = pixel.map(|place| place as usize);
+            let (ray, pixel) = (self.frame.ray(column, row), self.index(pixel));
             let point = ray.at(buffer.drawn[pixel]);
             let (way, distance) = light.towards(point);
             // Off the surface on the side of the eye, then along the light.
             let origin = point - ray.direction * offset + way * offset;
             Segment { origin, direction: way, to: distance }
         };
-        let tiles = painted.par_chunks(TILE * TILE).map(|tile| (tile.to_vec(), 0));
+        let tiles = painted.par_chunks(TILE * TILE).map(|tile| (self.places(tile), 0));
         let (found, work) = self.follow(tiles, &segment, Start::OnSurface);
         painted.iter().for_each(|&pixel| buffer.shadow[pixel] = false);
         for (pixel, found) in found {
-            buffer.shadow[pixel] = found.drawn.is_finite();
+            buffer.shadow[self.index(pixel)] = found.drawn.is_finite();
         }
         work
+    }
+
+    fn index(&self, [column, row]: Pixel) -> usize {
+        row as usize * self.frame.width() + column as usize
+    }
+
+    fn places(&self, pixels: &[usize]) -> Vec<Pixel> {
+        let width = self.frame.width();
+        pixels.iter().map(|pixel| [(pixel % width) as u32, (pixel / width) as u32]).collect()
     }
 
     /// Follows a ray for each pixel; returns what is no miss.
     fn follow(
         &self,
-        tiles: impl IndexedParallelIterator<Item = (Tile, usize)>,
-        segment: &(impl Fn(usize) -> Segment + Sync),
+        tiles: impl IndexedParallelIterator<Item = (Vec<Pixel>, usize)>,
+        segment: &(impl Fn(Pixel) -> Segment + Sync),
         start: Start,
-    ) -> (Vec<(usize, Found)>, Work) {
-        let done: Vec<(Vec<(usize, Found)>, Work)> = tiles
+    ) -> (Vec<(Pixel, Found)>, Work) {
+        let done: Vec<(Vec<(Pixel, Found)>, Work)> = tiles
             .map(|(tile, size)| {
                 let mut work = Work::default();
                 let mut all = Vec::new();
@@ -142,23 +151,33 @@ impl Driver<'_> {
     }
 }
 
-/// The pixels of a tile, square by square: each four in a row are 2×2 pixels, each sixteen 4×4, each 64 8×8. Squares
-/// that stick out of the picture repeat its last pixels.
-fn squares(left: usize, top: usize, width: usize, height: usize) -> Tile {
-    let reach = |from: usize, end: usize| (end - from).min(TILE);
-    let mut tile = Vec::with_capacity(TILE * TILE);
-    for place in 0..TILE * TILE / 4 {
-        // Every other bit of the place in Morton's order.
-        let bits = |from: usize| (0..4).map(|k| (place >> (2 * k + from) & 1) << k).sum::<usize>();
-        let (x, y) = (2 * bits(0), 2 * bits(1));
-        if x < reach(left, width) && y < reach(top, height) {
-            for (i, j) in [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)] {
-                let (i, j) = ((left + i).min(width - 1), (top + j).min(height - 1));
-                tile.push(j * width + i);
-            }
+/// Columns and rows within a tile, square by square (Morton's order): each four in a row are 2×2 pixels, each sixteen
+/// 4×4, each 64 8×8.
+const ORDER: [Pixel; TILE * TILE] = {
+    let mut order = [[0; 2]; TILE * TILE];
+    let mut place = 0;
+    while place < order.len() {
+        let mut bit = 0;
+        while bit < TILE.ilog2() {
+            order[place][0] |= (place as u32 >> (2 * bit) & 1) << bit;
+            order[place][1] |= (place as u32 >> (2 * bit + 1) & 1) << bit;
+            bit += 1;
         }
+        place += 1;
     }
-    tile
+    order
+};
+
+/// The pixels of a tile in this order. Squares of 2×2 that stick out of the picture repeat its last pixels.
+fn squares(left: usize, top: usize, width: usize, height: usize) -> Vec<Pixel> {
+    let [left, top, width, height] = [left, top, width, height].map(|place| place as u32);
+    let place = |&[x, y]: &Pixel| [left + x, top + y];
+    if left + TILE as u32 <= width && top + TILE as u32 <= height {
+        return ORDER.iter().map(place).collect();
+    }
+    let reaches = |&[x, y]: &Pixel| (x & !1) < width && (y & !1) < height;
+    let inside = ORDER.iter().map(place).filter(reaches);
+    inside.map(|[x, y]| [x.min(width - 1), y.min(height - 1)]).collect()
 }
 
 #[cfg(test)]
@@ -174,22 +193,19 @@ mod tests {
                     let tile = squares(left, top, width, height);
                     assert_eq!(tile.len() % 4, 0);
                     for four in tile.chunks(4) {
-                        let columns = four.iter().map(|pixel| pixel % width);
-                        let rows = four.iter().map(|pixel| pixel / width);
+                        let columns = four.iter().map(|[column, _]| *column);
+                        let rows = four.iter().map(|[_, row]| *row);
                         assert!(
                             columns.clone().max().expect("four") < columns.min().expect("four") + 2
                         );
                         assert!(rows.clone().max().expect("four") < rows.min().expect("four") + 2);
                     }
-                    tile.iter().for_each(|&pixel| seen[pixel] += 1);
+                    tile.iter().for_each(|[i, j]| seen[*j as usize * width + *i as usize] += 1);
                 }
             }
             assert!(seen.iter().all(|&times| times > 0), "{width}×{height}");
         }
-        let first: Vec<(usize, usize)> = squares(32, 0, 64, 32)[..16]
-            .iter()
-            .map(|pixel| (pixel % 64 - 32, pixel / 64))
-            .collect();
-        assert!(first.iter().all(|&(x, y)| x < 4 && y < 4), "{first:?}");
+        let first = &squares(32, 0, 64, 32)[..16];
+        assert!(first.iter().all(|&[x, y]| x < 36 && y < 4), "{first:?}");
     }
 }

@@ -52,19 +52,17 @@ struct Outcome<T> {
     suppressed: Option<T>,
 }
 
-/// What is known of one slab: rays as bits.
+/// What is known of one slab. Rays are bits: those that asked, those on which the function may vanish there, and those on
+/// which no finite bounds of it are known. Bytes, so that all levels' are quickly cleared.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slab {
-    /// The rays that asked.
-    active: u32,
-    /// The function may vanish there.
-    vanishing: u32,
-    /// No finite bounds of it are known there.
-    unbounded: u32,
+    active: u8,
+    vanishing: u8,
+    unbounded: u8,
 }
 
 /// All rays of a packet.
-const ALL: u32 = (1 << RAYS) - 1;
+const ALL: u8 = (1 << RAYS) - 1;
 
 impl<'a, T: Scalar> Knoll<'a, T> {
     fn new(
@@ -83,11 +81,12 @@ impl<'a, T: Scalar> Knoll<'a, T> {
 
 impl<T: Scalar> Tracer for Knoll<'_, T> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
-        let mut boxes = Boxes::default();
+        let (mut boxes, mut packet) = (Boxes::default(), Packet::new(self.region));
         for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
             // The last packet repeats its last ray.
-            let four = std::array::from_fn(|lane| rays[lane.min(rays.len() - 1)]);
-            if let Some(packet) = Packet::new(&four, self.region) {
+            let last = rays.len() - 1;
+            let four = [&rays[0], &rays[last.min(1)], &rays[last.min(2)], &rays[last]];
+            if packet.take(&four, self.region) {
                 let outcomes = self.packet(&packet, &mut boxes, start, work);
                 for (lane, (found, ray)) in found.iter_mut().zip(rays).enumerate() {
                     *found = outcomes[lane].found(&packet, lane, ray);
@@ -97,11 +96,10 @@ impl<T: Scalar> Tracer for Knoll<'_, T> {
             // One by one: a packet of one ray, four times, always advances together. Were it not so (a direction that is
             // not a number), nothing would be known of the ray.
             for (found, ray) in found.iter_mut().zip(rays) {
-                *found = match Packet::new(&[*ray; RAYS], self.region) {
-                    Some(packet) => {
-                        self.packet(&packet, &mut boxes, start, work)[0].found(&packet, 0, ray)
-                    }
-                    None => Found { status: Status::Undecided, distance: 0.0, ..Found::MISS },
+                *found = if packet.take(&[ray; RAYS], self.region) {
+                    self.packet(&packet, &mut boxes, start, work)[0].found(&packet, 0, ray)
+                } else {
+                    Found { status: Status::Undecided, distance: 0.0, ..Found::MISS }
                 };
             }
         }
@@ -192,32 +190,44 @@ impl<T: Scalar> Knoll<'_, T> {
         &self,
         packet: &Packet<T>,
         boxes: &mut Boxes<T>,
-        alive: u32,
+        alive: u8,
         from: T,
         size: T,
         work: &mut Work,
     ) -> Option<[Slab; 2]> {
         let planes = [from, from + size, from + T::integer(2) * size]; // exact
-        let active = [0, 1].map(|half| alive & packet.meets(planes[half], planes[half + 1]));
-        let mut slabs = active.map(|active| Slab { active, ..Slab::default() });
+        let active = [
+            alive & packet.meets(planes[0], planes[1]),
+            alive & packet.meets(planes[1], planes[2]),
+        ];
         if active == [0, 0] {
             let all_left = alive & packet.meets(from, T::integer(2)) == 0;
-            return (!all_left).then_some(slabs);
+            return (!all_left).then(Default::default);
         }
-        packet.boxes(planes, boxes);
-        boxes.count = if active[1] == 0 { RAYS as u32 } else { 2 * RAYS as u32 };
+        // Where only the second asks, its rays have the first lanes.
+        let mut skipped = 0;
+        if active[1] == 0 {
+            packet.boxes([planes[0], planes[1]], boxes);
+        } else if active[0] == 0 {
+            packet.boxes([planes[1], planes[2]], boxes);
+            skipped = RAYS;
+        } else {
+            packet.boxes(planes, boxes);
+        }
         let mut zeros = Zeros::default();
         self.kernel.ask(boxes, &mut zeros);
         work.interval.called(active[0].count_ones() + active[1].count_ones());
-        for (half, slab) in slabs.iter_mut().enumerate() {
-            slab.vanishing = zeros.possible >> (RAYS * half) & slab.active;
-            slab.unbounded = zeros.unbounded >> (RAYS * half) & ALL;
-        }
-        Some(slabs)
+        let (possible, unbounded) = (zeros.possible << skipped, zeros.unbounded << skipped);
+        let slab = |active, half: usize| Slab {
+            active,
+            vanishing: (possible >> (RAYS * half)) as u8 & active,
+            unbounded: (unbounded >> (RAYS * half)) as u8 & active,
+        };
+        Some([slab(active[0], 0), slab(active[1], 1)])
     }
 
     /// Notes a slab of the last depth in which rays may meet a zero; returns those that are drawn there.
-    fn record(&self, slab: Slab, from: T, outcomes: &mut [Outcome<T>; RAYS]) -> u32 {
+    fn record(&self, slab: Slab, from: T, outcomes: &mut [Outcome<T>; RAYS]) -> u8 {
         let mut drawn = slab.vanishing;
         if self.suppress_asymptotes {
             drawn &= !slab.unbounded;

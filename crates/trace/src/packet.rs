@@ -63,10 +63,23 @@ fn fastest_axis(direction: DVec3) -> usize {
 }
 
 impl<T: Scalar> Packet<T> {
-    /// The packet of these rays, advancing on the first one's fastest axis. `None` if the rays do not
-    /// all advance together: they then need packets of their own.
+    /// A packet through `region`, without rays.
+    pub fn new(region: &Region) -> Self {
+        let zero = T::Four::default();
+        let bound = |end: f64| T::Four::splat(T::above(end));
+        Self {
+            planes: Planes { k: 0, start: 0.0, extent: 0.0, inverse: 0.0 },
+            bounds: [0, 1, 2].map(|k| [bound(-region.low()[k]), bound(region.high()[k])]),
+            sides: [Side { start: zero, extent: zero, slack: zero }; 3],
+            enter: zero,
+            leave: zero,
+        }
+    }
+
+    /// Takes these rays, advancing on the first one's fastest axis. Returns whether they all advance together: otherwise
+    /// they need packets of their own.
     #[inline]
-    pub fn new(segments: &[Segment; RAYS], region: &Region) -> Option<Self> {
+    pub fn take(&mut self, segments: &[&Segment; RAYS], region: &Region) -> bool {
         let first = segments[0].direction;
         let k = fastest_axis(first);
         let forward = first[k] > 0.0;
@@ -75,22 +88,14 @@ impl<T: Scalar> Packet<T> {
             // Written so that NaN directions are rejected too.
             let fast = d[k].abs() >= LEAST_SHARE * d.abs().max_element();
             if !fast || (d[k] > 0.0) != forward {
-                return None;
+                return false;
             }
         }
         let (low, high) = (region.low()[k], region.high()[k]);
         let (start, end) = if forward { (low, high) } else { (high, low) };
-        let planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
-        let mut bounds = [[T::Four::default(); 2]; 3];
-        for (axis, bounds) in bounds.iter_mut().enumerate() {
-            bounds[0] = T::Four::splat(T::above(-region.low()[axis]));
-            bounds[1] = T::Four::splat(T::above(region.high()[axis]));
-        }
-        let zero = T::Four::default();
-        let sides = [Side { start: zero, extent: zero, slack: zero }; 3];
-        let mut packet = Self { planes, bounds, sides, enter: zero, leave: zero };
-        packet.place(segments, region);
-        Some(packet)
+        self.planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
+        self.place(segments, region);
+        true
     }
 
     /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the region if that is
@@ -102,30 +107,30 @@ impl<T: Scalar> Packet<T> {
         ((plane - segment.origin[k]) / segment.direction[k]).max(0.0)
     }
 
-    /// Boxes around the rays between each two of three planes in order, clipped to the region: those of the first two
-    /// planes in the first lanes, then those of the other two.
+    /// Boxes around the rays between each two of some planes in order, clipped to the region: those of the first two planes
+    /// in the first lanes, and so on.
     #[inline]
-    pub fn boxes(&self, planes: [T; 3], out: &mut Boxes<T>) {
+    pub fn boxes<const PLANES: usize>(&self, planes: [T; PLANES], out: &mut Boxes<T>) {
+        out.count = (RAYS * (PLANES - 1)) as u32;
         for axis in 0..3 {
             let side = &self.sides[axis];
             let [neg_lo, hi] = self.bounds[axis];
-            let at = planes.map(|plane| side.at(plane));
-            for half in 0..2 {
-                let (a, b) = (at[half], at[half + 1]);
-                let lanes = RAYS * half..RAYS * (half + 1);
-                let (lower, upper) = (
-                    (side.slack - a.min(b)).min(neg_lo).to_array(),
-                    (side.slack + a.max(b)).min(hi).to_array(),
-                );
+            let mut a = side.at(planes[0]);
+            for (slab, &plane) in planes[1..].iter().enumerate() {
+                let b = side.at(plane);
+                let lower = (side.slack - a.min(b)).min(neg_lo).to_array();
+                let upper = (side.slack + a.max(b)).min(hi).to_array();
+                let lanes = RAYS * slab..RAYS * (slab + 1);
                 out.neg_lo[axis][lanes.clone()].copy_from_slice(&lower);
                 out.hi[axis][lanes].copy_from_slice(&upper);
+                a = b;
             }
         }
     }
 
     /// Finds where the rays are.
     #[inline]
-    fn place(&mut self, segments: &[Segment; RAYS], region: &Region) {
+    fn place(&mut self, segments: &[&Segment; RAYS], region: &Region) {
         let Planes { k, start, extent, inverse } = self.planes;
         // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way from there to τ = 1.
         let (mut from, mut to) = ([T::integer(0); 4], [T::integer(1); 4]);
@@ -148,7 +153,7 @@ impl<T: Scalar> Packet<T> {
         for axis in 0..3 {
             let [mut starts, mut extents, mut reach] = [[T::integer(0); 4]; 3];
             for lane in 0..4 {
-                let Segment { origin, direction, .. } = &segments[lane];
+                let Segment { origin, direction, .. } = segments[lane];
                 let step = t0[lane] * direction[axis];
                 starts[lane] = T::nearest(origin[axis] + step);
                 extents[lane] = T::nearest(dt[lane] * direction[axis]);
@@ -169,7 +174,7 @@ impl<T: Scalar> Packet<T> {
 
     /// Keeps only τ in the region's half-space.
     #[inline]
-    fn clip(&mut self, segments: &[Segment; RAYS], t0: &[f64; 4], dt: &[f64; 4], region: &Region) {
+    fn clip(&mut self, segments: &[&Segment; RAYS], t0: &[f64; 4], dt: &[f64; 4], region: &Region) {
         let Some(half) = region.clip() else { return };
         // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0. Both are sums of terms that may cancel; each
         // takes at most eight operations of half a unit in the last place of `f64`.
@@ -209,14 +214,14 @@ impl<T: Scalar> Packet<T> {
 
     /// The lanes whose part inside the region meets the planes from `from` to `to`, as bits.
     #[inline]
-    pub fn meets(&self, from: T, to: T) -> u32 {
+    pub fn meets(&self, from: T, to: T) -> u8 {
         let begun = self.enter.at_most(T::Four::splat(to));
-        T::Four::bits(begun & T::Four::splat(from).at_most(self.leave))
+        T::Four::bits(begun & T::Four::splat(from).at_most(self.leave)) as u8
     }
 
     /// The lanes that have no part inside the region, as bits.
-    pub fn outside(&self) -> u32 {
-        T::Four::bits(self.leave.less(self.enter))
+    pub fn outside(&self) -> u8 {
+        T::Four::bits(self.leave.less(self.enter)) as u8
     }
 }
 

@@ -124,7 +124,7 @@ mod tests {
                 out.neg_lo[lane] = boxes.neg_lo[0][lane] + 0.25;
                 out.hi[lane] = boxes.hi[0][lane] - 0.25;
             }
-            (out.defined, out.continuous) = (u32::MAX, u32::MAX);
+            (out.defined, out.continuous) = (u16::MAX, u16::MAX);
         }
     }
 

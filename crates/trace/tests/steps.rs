@@ -28,7 +28,7 @@ impl Kernel<FindZeros> for Stubborn {
         for lane in 0..boxes.count as usize {
             let (low, high) = (-boxes.neg_lo[2][lane], boxes.hi[2][lane]);
             let empty = high < self.top && high - low <= self.finest;
-            zeros.possible |= u32::from(!empty) << lane;
+            zeros.possible |= u16::from(!empty) << lane;
         }
     }
 }
