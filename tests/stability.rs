@@ -205,7 +205,7 @@ fn check_zero_throughout(case: &Case, frame: &Frame, picture: &Picture) {
         let ray = frame.ray_of(index);
         let points = (0..20_000).map(|step| f64::from(step) * 3e-3);
         let first = points.into_iter().find(|&distance| {
-            let point = ray.at(distance);
+            let point = ray.at(ray.parameter(distance));
             point.cmpge(region.low()).all() && point.cmple(region.high()).all() && is_inside(point)
         });
         let Some(first) = first else { continue };

@@ -31,7 +31,7 @@ impl<'a> Pick<'a> {
         let pixel = row * buffer.width + column;
         let ray = frame.camera.frame(buffer.width, buffer.height).ray_of(pixel);
         let distance = buffer.drawn[pixel];
-        let point = distance.is_finite().then(|| ray.at(distance));
+        let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
         Some(Self { frame, pixel, point })
     }
 

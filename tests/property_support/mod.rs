@@ -43,8 +43,8 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
         assert!(normal.iter().all(|part| part.is_finite()), "{scene}: {normal:?}");
         let claimed = match buffer.status[index] {
             Status::Miss => Claimed::Miss,
-            Status::Hit => Claimed::Hit(distance),
-            Status::Undecided => Claimed::Undecided(distance),
+            Status::Hit => Claimed::Hit(ray.parameter(distance)),
+            Status::Undecided => Claimed::Undecided(ray.parameter(distance)),
         };
         Pixel { line, claimed }
     });

@@ -1,6 +1,6 @@
 //! The grid of rays of one picture: a camera together with a size in pixels.
 
-use crate::camera::{Camera, Projection, Ray};
+use crate::camera::{Basis, Camera, Projection, Ray};
 use glam::DVec3;
 
 /// The rays of a picture, one through each pixel's centre.
@@ -19,23 +19,13 @@ pub struct Frame {
 
 impl Frame {
     pub(crate) fn new(camera: &Camera, width: usize, height: usize) -> Self {
-        let forward = (camera.target() - camera.eye()).normalize();
-        // Normalised first, so that a tiny or huge `up` neither underflows nor overflows.
-        let right = forward.cross(camera.up().normalize()).normalize();
         let (scale, parallel) = match camera.projection() {
-            Projection::Perspective { fov } => ((fov.to_radians() / 2.0).tan(), false),
+            Projection::Perspective { fov } => (half_tangent(fov), false),
             Projection::Orthographic { height } => (height / 2.0, true),
         };
-        Self {
-            width,
-            height,
-            eye: camera.eye(),
-            forward,
-            right,
-            up: right.cross(forward),
-            unit: scale / height as f64,
-            parallel,
-        }
+        let Basis { forward, right, up } = camera.basis;
+        let unit = scale / height as f64;
+        Self { width, height, eye: camera.eye(), forward, right, up, unit, parallel }
     }
 
     /// Pixels in a row.
@@ -68,23 +58,21 @@ impl Frame {
         self.up
     }
 
-    /// The ray through the centre of the pixel in column `i` and row `j`, by the formula of [`Camera::ray`].
-    pub fn ray(&self, i: usize, j: usize) -> Ray {
-        let (origin, direction) = self.line(i, j);
-        Ray { origin, direction: direction.normalize() }
-    }
-
-    /// Origin and direction of the same ray, the direction at any length: without the cost of a root and a division.
+    /// The ray through the centre of the pixel in column `i` and row `j`; row 0 is on top.
+    ///
+    /// Its direction is `forward + (2(i+½)/width − 1)·s·(width/height)·right + (1 − 2(j+½)/height)·s·up`, where `s` is the
+    /// tangent of half the vertical field of view. In an orthographic picture the direction is `forward`, and the same two
+    /// offsets, with `s` half the height, move the origin. How exact that is: [`Camera`].
     #[inline]
-    pub(crate) fn line(&self, i: usize, j: usize) -> (DVec3, DVec3) {
-        // (2(i+½)/width − 1)·s·width/height and (1 − 2(j+½)/height)·s with s the scale: integers until the last step.
+    pub fn ray(&self, i: usize, j: usize) -> Ray {
+        // Integers until the last step.
         let across = (2 * i as i64 + 1 - self.width as i64) as f64 * self.unit;
         let upward = (self.height as i64 - 1 - 2 * j as i64) as f64 * self.unit;
         let offset = across * self.right + upward * self.up;
         if self.parallel {
-            (self.eye + offset, self.forward)
+            Ray { origin: self.eye + offset, direction: self.forward }
         } else {
-            (self.eye, self.forward + offset)
+            Ray { origin: self.eye, direction: self.forward + offset }
         }
     }
 
@@ -93,3 +81,12 @@ impl Frame {
         self.ray(index % self.width, index / self.width)
     }
 }
+
+/// The tangent of half an angle in degrees. Near 180 it hangs on how much the angle lacks, which is exact.
+fn half_tangent(degrees: f64) -> f64 {
+    let half = |degrees: f64| (degrees.to_radians() / 2.0).tan();
+    if degrees <= 90.0 { half(degrees) } else { half(180.0 - degrees).recip() }
+}
+
+#[cfg(test)]
+mod tests;

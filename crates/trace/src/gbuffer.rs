@@ -34,7 +34,7 @@ pub struct GBuffer {
     /// What is proven.
     pub status: Vec<Status>,
     /// Distance from the ray's origin, in world units: of the hit, or of the start of the first undecided segment;
-    /// infinite for a miss. As precise as the kernel: where that computes in `f32`, so are these.
+    /// infinite for a miss, but the status alone says what is one. Over kernels of `f32` it is known to some 24 bits.
     pub distance: Vec<f64>,
     /// Distance of the point that is painted; infinite where the background shows.
     pub drawn: Vec<f64>,

@@ -4,6 +4,7 @@
 //! It proves misses only. Where a slab of the last depth may hold a root it is drawn as one; nothing says that it does,
 //! so such pixels are undecided.
 
+use crate::camera::Ray;
 use crate::frame::Frame;
 use crate::gbuffer::{GBuffer, Status};
 use crate::packet::{Packet, Segment};
@@ -160,7 +161,8 @@ impl Knoll {
                 for (group, segments) in segments.iter_mut().enumerate() {
                     for (lane, segment) in segments.iter_mut().enumerate() {
                         let (i, j) = place(group, lane);
-                        (segment.origin, segment.direction) = frame.line(i, j);
+                        let Ray { origin, direction } = frame.ray(i, j);
+                        (segment.origin, segment.direction) = (origin, direction);
                     }
                 }
                 let outcomes = self.rays(&segments, region, kernel, Start::Anywhere, &mut work);
@@ -352,10 +354,10 @@ impl Knoll {
                     let segment = |lane: usize| {
                         let pixel = four[lane.min(four.len() - 1)];
                         let ray = frame.ray_of(pixel);
-                        let point = ray.at(buffer.drawn[pixel]);
-                        let (way, distance) = light.towards(point);
+                        let t = ray.parameter(buffer.drawn[pixel]);
+                        let (way, distance) = light.towards(ray.at(t));
                         // Off the surface on the side of the eye, then along the light.
-                        let origin = point - ray.direction * offset + way * offset;
+                        let origin = ray.at(t - ray.parameter(offset)) + way * offset;
                         Segment { origin, direction: way, to: distance }
                     };
                     let segments = [std::array::from_fn(segment)];
@@ -393,11 +395,10 @@ struct Pixel {
 }
 
 impl Found {
-    /// The pixel that this makes, or `None` for a miss.
+    /// The pixel that this makes, or `None` for a miss. Only what was found decides, however far away that is.
     fn pixel(&self, index: usize) -> Option<Pixel> {
+        let first = self.suppressed.into_iter().chain(self.drawn).reduce(f64::min);
         let drawn = self.drawn.unwrap_or(f64::INFINITY);
-        let distance = self.suppressed.unwrap_or(f64::INFINITY).min(drawn);
-        let status = Status::Undecided;
-        distance.is_finite().then_some(Pixel { index, status, distance, drawn })
+        first.map(|distance| Pixel { index, status: Status::Undecided, distance, drawn })
     }
 }

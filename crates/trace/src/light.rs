@@ -1,6 +1,5 @@
 //! The one light of a picture.
 
-use crate::camera::Ray;
 use crate::frame::Frame;
 use glam::DVec3;
 
@@ -33,12 +32,6 @@ impl Light {
             }
         }
     }
-
-    /// The ray from `point` to the light and the distance at which it arrives, or `None` at the light itself.
-    pub fn shadow_ray(&self, point: DVec3) -> Option<(Ray, f64)> {
-        let (direction, distance) = self.towards(point);
-        (direction != DVec3::ZERO).then_some((Ray { origin: point, direction }, distance))
-    }
 }
 
 #[cfg(test)]
@@ -60,6 +53,6 @@ mod tests {
     fn a_positional_light_is_approached() {
         let light = Light::Positional(DVec3::new(0.0, 0.0, 4.0));
         assert_eq!(light.towards(DVec3::Z), (DVec3::Z, 3.0));
-        assert!(light.shadow_ray(DVec3::new(0.0, 0.0, 4.0)).is_none());
+        assert_eq!(light.towards(DVec3::new(0.0, 0.0, 4.0)), (DVec3::ZERO, 0.0));
     }
 }

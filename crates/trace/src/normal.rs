@@ -4,6 +4,7 @@
 //! replaced by that a little farther along the ray, then by central differences over growing steps, and at last by the
 //! direction to the eye, so that a picture never holds a NaN.
 
+use crate::camera::Ray;
 use crate::frame::Frame;
 use crate::gbuffer::GBuffer;
 use glam::DVec3;
@@ -52,7 +53,8 @@ pub fn normals<T: Real>(
                 .iter()
                 .map(|&pixel| {
                     let ray = frame.ray_of(pixel);
-                    Seen { point: ray.at(buffer.drawn[pixel]), direction: ray.direction }
+                    let t = ray.parameter(buffer.drawn[pixel]);
+                    Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
                 })
                 .collect();
             source.of_batch(&seen, step)
@@ -63,19 +65,19 @@ pub fn normals<T: Real>(
     }
 }
 
-/// A painted point and the direction in which it is seen.
+/// What is left of a ray behind the point that it paints, and the t that makes one step.
 struct Seen {
-    point: DVec3,
-    direction: DVec3,
+    ray: Ray,
+    step: f64,
 }
 
 impl<T: Real> NormalSource<'_, T> {
     fn of_batch(&self, seen: &[Seen], step: f64) -> Vec<[f32; 3]> {
-        let points: Vec<DVec3> = seen.iter().map(|seen| seen.point).collect();
+        let points: Vec<DVec3> = seen.iter().map(|seen| seen.ray.origin).collect();
         let mut normals = vec![None; points.len()];
         if let Self::Gradient(kernel) = self {
             for ahead in AHEAD {
-                let point = |k: usize| points[k] + seen[k].direction * (ahead * step);
+                let point = |k: usize| seen[k].ray.at(ahead * seen[k].step);
                 fill(&mut normals, |open| gradients(*kernel, open.iter().map(|&k| point(k))));
             }
         }
@@ -85,7 +87,7 @@ impl<T: Real> NormalSource<'_, T> {
             fill(&mut normals, |open| self.differences(open.iter().map(|&k| point(k)), reach));
             reach *= STEP_GROWTH;
         }
-        let before: Vec<DVec3> = seen.iter().map(|s| s.point - s.direction * step).collect();
+        let before: Vec<DVec3> = seen.iter().map(|seen| seen.ray.at(-seen.step)).collect();
         let unresolved = normals.iter().any(Option::is_none);
         let values = if unresolved { self.sample(&before) } else { Vec::new() };
         normals
@@ -93,7 +95,7 @@ impl<T: Real> NormalSource<'_, T> {
             .enumerate()
             .map(|(k, normal)| {
                 normal.unwrap_or_else(|| {
-                    let towards_eye = -seen[k].direction.as_vec3();
+                    let towards_eye = -seen[k].ray.direction.normalize().as_vec3();
                     (if values[k] < T::default() { -towards_eye } else { towards_eye }).to_array()
                 })
             })

@@ -106,13 +106,13 @@ impl<T: Scalar, const GROUPS: usize> Packet<T, GROUPS> {
     }
 
     /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the region if that is
-    /// farther; rounded to nearest in `T`.
+    /// farther, in world units: in `f64` whatever the kernel's floats are.
     pub fn distance(&self, share: T, group: usize, lane: usize, segment: &Segment) -> f64 {
         let Planes { k, start, extent, .. } = self.planes;
         let share = share.into().max(self.groups[group].enter.to_array()[lane].into());
         let plane = start + share * extent;
         let steps = (plane - segment.origin[k]) / segment.direction[k];
-        T::nearest((steps * segment.direction.length()).max(0.0)).into()
+        (steps * segment.direction.length()).max(0.0)
     }
 
     /// Whether none of the `alive` rays has a part of the region from τ = `from` on.

@@ -65,8 +65,8 @@ pub enum RegionError {
 /// Where a ray comes into a region from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Entry {
-    /// Bounds on the distance at which the ray crosses the face.
-    pub distance: (f64, f64),
+    /// Bounds on the t at which the ray crosses the face.
+    pub t: (f64, f64),
     /// The face's unit normal, out of the region.
     pub normal: DVec3,
     /// Whether the ray certainly meets the region, rounding aside.
@@ -127,8 +127,8 @@ impl Region {
         (self.high - self.low).max_element() / 2.0
     }
 
-    /// Bounds on the distances along `ray` that lie inside the region, rounded outward and never negative: no point of
-    /// the ray inside is left out. `None` if there is none.
+    /// Bounds on the t ≥ 0 whose points of `ray` lie inside the region, rounded outward: no point of the ray inside is
+    /// left out. `None` if there is none.
     pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
         for axis in 0..3 {
@@ -138,7 +138,7 @@ impl Region {
         }
         if let Some(clip) = &self.clip {
             let (room, slope) = clip.relation(ray);
-            // Kept are the distances t with t·slope ≤ room, for some slope and room within their bounds; as t ≥ 0,
+            // Kept are the t with t·slope ≤ room, for some slope and room within their bounds; as t ≥ 0,
             // the smallest slope and the largest room keep the most.
             let (slope, room) = (slope.0, room.1);
             if slope > 0.0 {
@@ -181,10 +181,10 @@ impl Region {
         }
         self.span(ray)?;
         let normal = normal?;
-        Some(Entry { distance: near, normal, certain: near.1 <= far })
+        Some(Entry { t: near, normal, certain: near.1 <= far })
     }
 
-    /// Bounds on the distances at which the ray enters and leaves the slab of one axis, or `None` if it runs outside.
+    /// Bounds on the t at which the ray enters and leaves the slab of one axis, or `None` if it runs outside.
     fn slab(&self, ray: &Ray, axis: usize) -> Option<((f64, f64), (f64, f64))> {
         let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
         let (low, high) = (self.low[axis], self.high[axis]);
@@ -195,8 +195,8 @@ impl Region {
         }
         let (first, last) = if direction > 0.0 { (low, high) } else { (high, low) };
         let at = |bound: f64| {
-            let distance = (bound - origin) / direction;
-            (down(distance), up(distance))
+            let t = (bound - origin) / direction;
+            (down(t), up(t))
         };
         Some((at(first), at(last)))
     }
@@ -248,7 +248,7 @@ mod tests {
         assert!(near < 2.0 && 2.0 - near < 1e-14 && far > 4.0 && far - 4.0 < 1e-14);
         let entry = cube().entry(&along).expect("from outside");
         assert!(entry.certain && entry.normal == DVec3::NEG_X);
-        assert!(entry.distance.0 < 2.0 && entry.distance.1 > 2.0);
+        assert!(entry.t.0 < 2.0 && entry.t.1 > 2.0);
         assert_eq!(cube().span(&ray([-3.0, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
         assert_eq!(cube().span(&ray([-3.0, 1.5, 0.0], [1.0, 0.0, 0.0])), None);
     }

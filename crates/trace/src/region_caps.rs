@@ -38,7 +38,7 @@ pub fn cap<T: Real>(
         .flat_map_iter(|batch| judge(batch, frame, region, kernel))
         .collect();
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
-        let distance = T::nearest(entry.distance.0).into();
+        let distance = frame.ray_of(pixel).distance(entry.t.0);
         match inside {
             Inside::No => continue,
             Inside::Unknown => {
@@ -99,12 +99,13 @@ fn judge<T: Real>(
 /// Bounds on one coordinate of the point where the ray enters, which lies in the box.
 fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64) {
     let (origin, slope) = (ray.origin[axis], ray.direction[axis]);
-    let ends = [entry.distance.0, entry.distance.1].map(|t| slope * t);
+    let ends = [slope * entry.t.0, slope * entry.t.1];
     let low = (origin + ends[0].min(ends[1]).next_down()).next_down();
     let high = (origin + ends[0].max(ends[1]).next_up()).next_up();
-    // Clamped on both sides, so that the two stay in order even if rounding put the point outside.
-    let clamp = |x: f64| x.clamp(region.low()[axis], region.high()[axis]);
-    (clamp(low), clamp(high))
+    // Clamped on both sides, so that the two stay in order even if rounding put the point outside. What is not a number,
+    // because an end overflowed, becomes the region's own end.
+    let (least, most) = (region.low()[axis], region.high()[axis]);
+    (low.max(least).min(most), high.min(most).max(least))
 }
 
 #[cfg(test)]

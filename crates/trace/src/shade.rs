@@ -122,14 +122,14 @@ fn pixel_colour(
         return None;
     }
     let ray = frame.ray(column, row);
-    let to_eye = -ray.direction.as_vec3();
+    let to_eye = -ray.direction.normalize().as_vec3();
     let towards_positive = Vec3::from(buffer.normal[pixel]);
     let facing = towards_positive.dot(to_eye);
     let colours = appearance.colours(usize::from(buffer.surface[pixel]));
     let base = if facing < 0.0 || buffer.cap[pixel] { colours.negative } else { colours.positive };
     let normal = if facing < 0.0 { -towards_positive } else { towards_positive };
 
-    let point = ray.at(buffer.drawn[pixel]);
+    let point = ray.at(ray.parameter(buffer.drawn[pixel]));
     let to_light = appearance.light.towards(point).0.as_vec3();
     let (mut direct, mut highlight) = (0.0, 0.0);
     if !buffer.shadow[pixel] {
