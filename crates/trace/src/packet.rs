@@ -225,9 +225,10 @@ impl<T: Scalar> Group<T> {
         let never = change.equal(zero) & room.less(zero);
         let enter = T::Four::select(rising, crossing - slack, self.enter);
         let leave = T::Four::select(falling, crossing + slack, self.leave);
-        self.enter = self.enter.max(enter);
+        // What is not a number comes first, so that it gives way: of an overflow nothing is concluded.
+        self.enter = enter.max(self.enter);
         let nowhere = T::Four::splat(-T::integer(1));
-        self.leave = T::Four::select(never, nowhere, self.leave.min(leave));
+        self.leave = T::Four::select(never, nowhere, leave.min(self.leave));
     }
 
     /// The lanes whose part inside the region meets the planes from `from` to `to`, as bits.

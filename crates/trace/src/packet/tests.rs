@@ -167,3 +167,37 @@ fn rays_that_do_not_advance_together_are_refused() {
     assert!(packet(DVec3::new(0.1, 1.0, 0.0)).is_none());
     assert!(packet(DVec3::NAN).is_none());
 }
+
+/// Rays through the region's middle, exactly, from where coordinates overflow in `f32`, and their squares in `f64`.
+#[test]
+fn rays_from_very_far_keep_the_point_that_they_meet() {
+    from_very_far::<f32>(0x5eed_7006);
+    from_very_far::<f64>(0x5eed_7007);
+}
+
+fn from_very_far<T: Scalar>(seed: u64) {
+    println!("seed {seed:#x}");
+    let mut random = Random(seed);
+    let cube = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a box");
+    for exponent in 0..333 {
+        for offset in [None, Some(0.0), Some(0.5), Some(1e300)] {
+            let direction = random.vector(1.0);
+            let region = offset.map_or(cube, |offset| {
+                cube.with_clip(HalfSpace { normal: random.vector(1.0), offset }).expect("a plane")
+            });
+            let origin = -direction * 2_f64.powi(exponent);
+            let segment = Segment { origin, direction, to: f64::INFINITY };
+            let packet = Packet::<T, 1>::new(&[[segment; 4]], &region).expect("together");
+            let half = T::halved(1);
+            let (zero, one) = (T::integer(0), T::integer(1));
+            let mut boxes = [[BoxPacket::default(); 1]; 2];
+            packet.boxes([zero, half, one], &mut boxes);
+            assert_eq!(packet.groups[0].outside(), 0, "{segment:?} in {region:?}");
+            for (from, to, [b]) in [(zero, half, boxes[0]), (half, one, boxes[1])] {
+                assert_eq!(packet.groups[0].meets(from, to), 15, "{segment:?} in {region:?}");
+                let holds = |axis: usize| b.neg_lo[axis][0] >= zero && b.hi[axis][0] >= zero;
+                assert!((0..3).all(holds), "{segment:?} in {region:?}: {b:?}");
+            }
+        }
+    }
+}
