@@ -222,7 +222,7 @@ impl Files {
             let distance = buffer.distance.iter().copied();
             let shape = [height, width];
             match picture.precision {
-                // Exact, as these kernels know no more.
+                // These kernels know no more.
                 picture::Precision::F32 => {
                     file.finish(|out| array::write(out, &shape, distance.map(|d| d as f32)))?;
                 }

@@ -92,12 +92,12 @@ pub enum CameraError {
     #[error("the field of view is {0} degrees; it must be at least 1e-7 and below 180")]
     FieldOfView(f64),
     /// The height leaves no picture.
-    #[error("the orthographic height is {0}; it must be above 0, from 1e-300 to 1e100")]
+    #[error("the orthographic height is {0:?}; it must be from 1e-300 to 1e100")]
     Height(f64),
     /// Parallel rays this close would coincide, or miss the pixels that they are meant for.
     #[error(
-        "the orthographic height is {height}, but with an eye and a target this far out 64-bit floats can only tell \
-         rays apart from a height of {least:.1e} on; move the eye nearer"
+        "the orthographic height is {height:?}, too little for an eye and a target this far away: 64-bit floats can \
+         tell the rays apart from a height of about {least:.1e} on"
     )]
     RaysCoincide {
         /// The height asked for.

@@ -130,7 +130,7 @@ fn axes_are_those_of_real_geometry() {
     println!("seed {:#x}", random.0);
     let largest = exact(2_f64.powi(-51)).pow(2);
     let (mut checked, mut along) = (0, 0);
-    for _ in 0..1000 {
+    for _ in 0..500 {
         let [eye, target, up] = random.view();
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = match Camera::new(eye, target, up, projection) {
@@ -158,7 +158,7 @@ fn axes_are_those_of_real_geometry() {
         checked += 1;
     }
     println!("{checked} checked, {along} refused");
-    assert!(checked > 600 && along > 10);
+    assert!(checked > 300 && along > 10);
 }
 
 #[test]
