@@ -220,7 +220,7 @@ impl Scene {
         match rng.u32(0..5) {
             // Far away, along an axis or anywhere, with rays so close together that they meet the region.
             0 => {
-                let [aim, distance] = [self.formula.aim, power(rng, 99)];
+                let (aim, distance) = (self.formula.aim, power(rng, 99));
                 let only = rng.u32(0..6) as usize;
                 let back = way(*target, *eye);
                 for axis in 0..3 {
