@@ -17,7 +17,7 @@ use zeroset_interval::{Facts, Interval};
 use zeroset_jit::{NativeGradient, NativePoint};
 use zeroset_syntax::{Color, Document, Kind};
 use zeroset_trace::{
-    Appearance, Camera, Colour, Frame, GBuffer, Knoll, Light, NormalSource, Region, Scalar,
+    Appearance, Camera, GBuffer, Knoll, Light, LinearRgb, NormalSource, RayGrid, Region, Scalar,
     SurfaceColours, cap, normals, shade,
 };
 
@@ -216,7 +216,7 @@ impl Model {
         let region = &self.region;
         let mut watch = Stopwatch::start();
         let mut times = self.times.unwrap_or_default();
-        let frame = camera.frame(settings.width, settings.height);
+        let frame = camera.rays(settings.width, settings.height);
         let light = match settings.light {
             Some(place) => Light::Positional(place),
             None => Light::above_left(&frame),
@@ -429,7 +429,7 @@ const STEP: f64 = 1e-3;
 
 fn fill_normals<T: Real>(
     layer: &mut GBuffer,
-    frame: &Frame,
+    frame: &RayGrid,
     region: &Region,
     kernels: &Kernels<T>,
     work: &mut Work,
@@ -456,7 +456,7 @@ fn appearance(looks: &[Look], settings: &Settings, light: Light) -> Appearance {
         match look.color {
             // One colour typed serves both sides; the side where f < 0 is darker.
             Some(color) => {
-                let positive = Colour::from_srgb(color.rgb);
+                let positive = LinearRgb::from_srgb(color.rgb);
                 SurfaceColours { positive, negative: positive.lit(0.45, 0.0) }
             }
             None => SurfaceColours::default_for(index),

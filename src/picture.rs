@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use zeroset_syntax::Document;
 use zeroset_trace::{
-    Camera, Colour, GBuffer, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, PixelCounts, Region,
+    Camera, GBuffer, LinearRgb, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, PixelCounts, Region,
     UndecidedStyle,
 };
 
@@ -37,7 +37,7 @@ pub struct Settings {
     /// Share of the light that comes from everywhere, within [0, 1].
     pub ambient: f32,
     /// Shown where there is nothing; `None` for the default.
-    pub background: Option<Colour>,
+    pub background: Option<LinearRgb>,
 }
 
 /// The floats in which kernels compute. Enclosures are rigorous in either.

@@ -12,7 +12,7 @@ use zeroset::picture::{Precision, Settings, render};
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_trace::{
-    Camera, Frame, GBuffer, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, Projection, Status,
+    Camera, GBuffer, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, Projection, RayGrid, Status,
 };
 
 /// The depth of the table.
@@ -29,7 +29,7 @@ struct Method(u32, PacketWidth, Precision);
 const TABLE: Method = Method(DEPTH, PacketWidth::Four, Precision::F32);
 
 /// The surface as seen by the reference's camera.
-fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
+fn picture(truth: &Truth, method: Method) -> (RayGrid, GBuffer) {
     let view = &truth.view;
     let example = example(&view.slug).unwrap_or_else(|| panic!("no example {}", view.slug));
     let document = read_document(example.text, &Options::default())
@@ -53,7 +53,7 @@ fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
     };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {})
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
-    (camera.frame(SIDE, SIDE), picture.buffer)
+    (camera.rays(SIDE, SIDE), picture.buffer)
 }
 
 /// Every claim about a ray that its first root contradicts.
@@ -63,7 +63,7 @@ fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
 fn contradictions(
     truth: &Truth,
     precision: Precision,
-    frame: &Frame,
+    frame: &RayGrid,
     buffer: &GBuffer,
 ) -> Vec<String> {
     let mut found = Vec::new();

@@ -32,7 +32,7 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     let max_depth = scene.depth;
     let settings = Settings { width, height, precision, max_depth, packet, ..Settings::default() };
     let picture = render(&scene.formula.document, &region, &camera, &settings, &|_, _| {}).ok()?;
-    let frame = camera.frame(width, height);
+    let frame = camera.rays(width, height);
     let pixels = (0..width * height).map(|index| {
         let ray = frame.ray_of(index);
         let line = Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() };

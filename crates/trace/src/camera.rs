@@ -2,15 +2,15 @@
 //!
 //! A camera knows nothing of the surface, of pixels' contents, or of how rays are grouped.
 
-use crate::frame::Frame;
+use crate::grid::RayGrid;
 use glam::DVec3;
 use thiserror::Error;
 
 /// A half line: the points `origin + t · direction` for t ≥ 0, in world coordinates.
 ///
-/// It is *defined* by the `f64` numbers stored here, exactly. Every proof about a pixel, every cap, normal, shadow and
-/// coordinate is about this one real line; how far it may be from the line that the camera asks for is said at
-/// [`Camera`].
+/// It is *defined* by the `f64` numbers stored here, exactly. Every proof about a pixel, every cap,
+/// normal, shadow and coordinate is about this one real line; how far it may be from the line that
+/// the camera asks for is said at [`Camera`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where t is 0: the eye, or a point of the eye's plane in an orthographic picture.
@@ -26,7 +26,8 @@ impl Ray {
         self.origin + self.direction * t
     }
 
-    /// The distance of the point at `t` from the origin in world units: t times the direction's length.
+    /// The distance of the point at `t` from the origin in world units: t times the direction's
+    /// length.
     pub fn distance(&self, t: f64) -> f64 {
         t * self.direction.length()
     }
@@ -42,7 +43,8 @@ impl Ray {
 pub enum Projection {
     /// Rays start at the eye and spread.
     Perspective {
-        /// The angle between the picture's lowest and highest edge, in degrees, at least 1e-7 and below 180.
+        /// The angle between the picture's lowest and highest edge, in degrees, at least 1e-7 and
+        /// below 180.
         fov: f64,
     },
     /// Rays are parallel and start on the plane through the eye.
@@ -54,11 +56,12 @@ pub enum Projection {
 
 /// A point of view. The eye may lie anywhere, inside the domain too.
 ///
-/// The rays of a picture are those of real geometry for the floats given here, up to rounding: each direction is within
-/// 2⁻⁴⁹ radians of the ideal one, perspective rays start at the eye exactly, and from the eye's plane to the target's
-/// parallel rays are within 2⁻²⁰ of the picture's height of where they should be. In perspective, 2⁻⁴⁹ radians are 2⁻²⁰
-/// of the narrowest field of view. A camera for which `f64` cannot do this is refused, so the rays of a picture with
-/// fewer than 10⁵ rows are all different.
+/// The rays of a picture are those of real geometry for the floats given here, up to rounding: each
+/// direction is within 2⁻⁴⁹ radians of the ideal one, perspective rays start at the eye exactly,
+/// and from the eye's plane to the target's parallel rays are within 2⁻²⁰ of the picture's height
+/// of where they should be. In perspective, 2⁻⁴⁹ radians are 2⁻²⁰ of the narrowest field of view. A
+/// camera for which `f64` cannot do this is refused, so the rays of a picture with fewer than 10⁵
+/// rows are all different.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,
@@ -107,7 +110,8 @@ pub enum CameraError {
     },
 }
 
-/// Below this sine between view and `up`, `up` says too little about the picture's upper edge to mean it.
+/// Below this sine between view and `up`, `up` says too little about the picture's upper edge to
+/// mean it.
 const LEAST_SINE: f64 = 1e-9;
 
 /// Coordinates beyond this magnitude leave no room for their squares.
@@ -126,8 +130,9 @@ impl Camera {
     /// A camera at `eye` that looks at `target`, with `up` as near to upright as the view allows.
     ///
     /// # Errors
-    /// If a coordinate is not within ±1e100, eye and target coincide, `up` does not determine a direction across the
-    /// view, the projection's parameter is out of range, or parallel rays would be too close together for `f64`.
+    /// If a coordinate is not within ±1e100, eye and target coincide, `up` does not determine a
+    /// direction across the view, the projection's parameter is out of range, or parallel rays
+    /// would be too close together for `f64`.
     pub fn new(
         eye: DVec3,
         target: DVec3,
@@ -182,21 +187,24 @@ impl Camera {
     }
 
     /// The rays of a picture of `width` × `height` pixels.
-    pub fn frame(&self, width: usize, height: usize) -> Frame {
-        Frame::new(self, width, height)
+    pub fn rays(&self, width: usize, height: usize) -> RayGrid {
+        RayGrid::new(self, width, height)
     }
 }
 
 impl Basis {
-    /// The axes of a view, each within some units in the last place of the real ones; `None` if `up` points along it.
+    /// The axes of a view, each within some units in the last place of the real ones; `None` if
+    /// `up` points along it.
     fn new(eye: DVec3, target: DVec3, up: DVec3) -> Option<Self> {
-        // The way is high + low exactly. What follows only depends on directions, so all is first brought near 1.
+        // The way is high + low exactly. What follows only depends on directions, so all is first
+        // brought near 1.
         let low = DVec3::from_array([0, 1, 2].map(|axis| difference(target[axis], eye[axis]).1));
         let high = target - eye;
         let (scale, up) = (towards_one(high), up * towards_one(up));
         let (high, low) = (high * scale, low * scale);
-        // (high + low) × up. The two products of a component nearly cancel where `up` is along the view, so they are
-        // taken exactly; as the sine is at least LEAST_SINE, what is rounded here is beyond the result's last place.
+        // (high + low) × up. The two products of a component nearly cancel where `up` is along the
+        // view, so they are taken exactly; as the sine is at least LEAST_SINE, what is rounded here
+        // is beyond the result's last place.
         let component = |i: usize, j: usize| {
             let (one, other) = (high[i] * up[j], high[j] * up[i]);
             let rests = high[i].mul_add(up[j], -one) - high[j].mul_add(up[i], -other);
@@ -212,9 +220,9 @@ impl Basis {
         })
     }
 
-    /// A bound of how far rounding moves a parallel ray aside, from the eye's plane to the target's: a unit in the last
-    /// place of its origin, and two of its direction. Moves along the ray do not count, so that a view along an axis is
-    /// exact from anywhere.
+    /// A bound of how far rounding moves a parallel ray aside, from the eye's plane to the
+    /// target's: a unit in the last place of its origin, and two of its direction. Moves along the
+    /// ray do not count, so that a view along an axis is exact from anywhere.
     fn drift(&self, eye: DVec3, target: DVec3) -> f64 {
         let DVec3 { x, y, z } = self.forward;
         let aside = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));
@@ -222,14 +230,16 @@ impl Basis {
     }
 }
 
-/// a − b as a float and what that lacks: their sum is exact (Knuth's `TwoSum`) where nothing overflows.
+/// a − b as a float and what that lacks: their sum is exact (Knuth's `TwoSum`) where nothing
+/// overflows.
 fn difference(a: f64, b: f64) -> (f64, f64) {
     let main = a - b;
     let taken = main - a;
     (main, (a - (main - taken)) - (b + taken))
 }
 
-/// The power of two that brings a vector's largest component between ½ and 1, or between 2⁻⁵² and 1 if it is subnormal.
+/// The power of two that brings a vector's largest component between ½ and 1, or between 2⁻⁵² and 1
+/// if it is subnormal.
 fn towards_one(vector: DVec3) -> f64 {
     let exponent = vector.abs().max_element().to_bits() >> 52;
     f64::from_bits((2045 - exponent) << 52)
@@ -263,7 +273,7 @@ mod tests {
         let a = (2.0 * (i + 0.5) / width - 1.0) * s * (width / height);
         let b = (1.0 - 2.0 * (j + 0.5) / height) * s;
         let expected = norm([0, 1, 2].map(|k| forward[k] + a * right[k] + b * up[k]));
-        let ray = camera(FOV_40).frame(64, 48).ray(5, 11);
+        let ray = camera(FOV_40).rays(64, 48).ray(5, 11);
         assert!((ray.direction.normalize() - DVec3::from(expected)).length() < 1e-15);
         assert_eq!(ray.origin, DVec3::new(4.0, 3.0, 6.0));
     }
@@ -272,14 +282,14 @@ mod tests {
     fn row_0_is_on_top_and_column_0_on_the_left() {
         let camera =
             Camera::new(DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z, FOV_40).expect("valid");
-        let corner = camera.frame(8, 8).ray(0, 0).direction;
+        let corner = camera.rays(8, 8).ray(0, 0).direction;
         assert!(corner.x < 0.0 && corner.z > 0.0 && corner.y > 0.0);
     }
 
     #[test]
     fn orthographic_rays_are_parallel_and_span_the_height() {
         let camera = camera(Projection::Orthographic { height: 3.0 });
-        let (top, bottom) = (camera.frame(4, 6).ray(2, 0), camera.frame(4, 6).ray(2, 5));
+        let (top, bottom) = (camera.rays(4, 6).ray(2, 0), camera.rays(4, 6).ray(2, 5));
         assert_eq!(top.direction, bottom.direction);
         // Six rows of half a unit: the outer centres are 2.5 apart.
         assert!(((top.origin - bottom.origin).length() - 2.5).abs() < 1e-14);

@@ -5,8 +5,8 @@
 //! so such pixels are undecided.
 
 use crate::camera::Ray;
-use crate::frame::Frame;
 use crate::gbuffer::{GBuffer, Status};
+use crate::grid::RayGrid;
 use crate::packet::{Packet, Segment};
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -89,7 +89,7 @@ impl Knoll {
     /// early by returning `false`; pixels not reached are then left as misses.
     pub fn trace<K: IntervalKernel<T> + ?Sized, T: Scalar>(
         self,
-        frame: &Frame,
+        frame: &RayGrid,
         region: &Region,
         kernel: &K,
         advance: &(dyn Fn(usize) -> bool + Sync),
@@ -103,7 +103,7 @@ impl Knoll {
 
     fn picture<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
         self,
-        frame: &Frame,
+        frame: &RayGrid,
         region: &Region,
         kernel: &K,
         advance: &(dyn Fn(usize) -> bool + Sync),
@@ -137,7 +137,7 @@ impl Knoll {
 
     fn tile<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
         self,
-        frame: &Frame,
+        frame: &RayGrid,
         region: &Region,
         kernel: &K,
         left: usize,
@@ -333,7 +333,7 @@ impl Knoll {
     pub fn shadows<K: IntervalKernel<T> + ?Sized, T: Scalar>(
         self,
         buffer: &mut GBuffer,
-        frame: &Frame,
+        frame: &RayGrid,
         region: &Region,
         kernel: &K,
         light: &crate::light::Light,

@@ -7,8 +7,8 @@
 
 mod camera;
 mod colour;
-mod frame;
 mod gbuffer;
+mod grid;
 mod knoll;
 mod light;
 mod normal;
@@ -22,9 +22,9 @@ mod view;
 mod work;
 
 pub use camera::{Camera, CameraError, Projection, Ray};
-pub use colour::Colour;
-pub use frame::Frame;
+pub use colour::LinearRgb;
 pub use gbuffer::{GBuffer, PixelCounts, Status};
+pub use grid::RayGrid;
 pub use knoll::{Knoll, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, STEPS};
 pub use light::Light;
 pub use normal::{NormalSource, normals};
@@ -32,5 +32,5 @@ pub use region::{HalfSpace, Region, RegionError};
 pub use region_caps::cap;
 pub use scalar::Scalar;
 pub use shade::{Appearance, SurfaceColours, UndecidedStyle, shade};
-pub use view::View;
+pub use view::StandardView;
 pub use work::Work;

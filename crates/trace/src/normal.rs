@@ -1,12 +1,13 @@
 //! Normals of painted points, asked for after the traversal and only where something is painted.
 //!
-//! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the function's domain) is
-//! replaced by that a little farther along the ray, then by central differences over growing steps, and at last by the
-//! direction to the eye, so that a picture never holds a NaN.
+//! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the
+//! function's domain) is replaced by that a little farther along the ray, then by central
+//! differences over growing steps, and at last by the direction to the eye, so that a picture never
+//! holds a NaN.
 
 use crate::camera::Ray;
-use crate::frame::Frame;
 use crate::gbuffer::GBuffer;
+use crate::grid::RayGrid;
 use glam::DVec3;
 use rayon::prelude::*;
 use zeroset_eval::{
@@ -31,15 +32,15 @@ const STEP_GROWTH: f64 = 8.0;
 /// How many step lengths are tried.
 const STEPS: u32 = 3;
 
-/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint the near end of the
-/// segment that holds a root, and there the function may not yet be defined.
+/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint
+/// the near end of the segment that holds a root, and there the function may not yet be defined.
 const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
-/// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of central differences in
-/// world units; a thousandth of the region's extent serves.
+/// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of
+/// central differences in world units; a thousandth of the region's extent serves.
 pub fn normals<T: Real>(
     buffer: &mut GBuffer,
-    frame: &Frame,
+    rays: &RayGrid,
     source: NormalSource<'_, T>,
     step: f64,
 ) {
@@ -52,7 +53,7 @@ pub fn normals<T: Real>(
             let seen: Vec<Seen> = batch
                 .iter()
                 .map(|&pixel| {
-                    let ray = frame.ray_of(pixel);
+                    let ray = rays.ray_of(pixel);
                     let t = ray.parameter(buffer.drawn[pixel]);
                     Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
                 })
@@ -102,8 +103,8 @@ impl<T: Real> NormalSource<'_, T> {
             .collect()
     }
 
-    /// Twice the step times the gradient, by differences; one-sided where the function is undefined on the other side,
-    /// and 0 where it is on both.
+    /// Twice the step times the gradient, by differences; one-sided where the function is undefined
+    /// on the other side, and 0 where it is on both.
     fn differences(&self, points: impl Iterator<Item = DVec3>, step: f64) -> Vec<DVec3> {
         // Seven samples per point: itself, then a pair for each axis.
         let stencil: Vec<DVec3> = points
@@ -192,7 +193,8 @@ fn packed<T: Real>(points: &[DVec3]) -> Vec<PointPacket<T>> {
 
 /// The vector at length 1, or `None` if it has no direction.
 fn unit(vector: DVec3) -> Option<[f32; 3]> {
-    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the direction.
+    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the
+    // direction.
     let largest = vector.abs().max_element();
     if !vector.is_finite() || largest == 0.0 {
         return None;
@@ -242,7 +244,7 @@ mod tests {
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let mut buffer = GBuffer::new(1, 1, 0);
         buffer.drawn[0] = 4.0;
-        normals(&mut buffer, &camera.expect("valid").frame(1, 1), source, 1e-3);
+        normals(&mut buffer, &camera.expect("valid").rays(1, 1), source, 1e-3);
         buffer.normal[0]
     }
 

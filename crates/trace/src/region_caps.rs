@@ -1,10 +1,11 @@
 //! Caps: where the region's faces cut a solid open.
 //!
-//! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region already inside it.
+//! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region
+//! already inside it.
 
 use crate::camera::Ray;
-use crate::frame::Frame;
 use crate::gbuffer::{GBuffer, Status};
+use crate::grid::RayGrid;
 use crate::region::{Entry, Region};
 use rayon::prelude::*;
 use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES, Real};
@@ -21,24 +22,25 @@ enum Inside {
     Unknown,
 }
 
-/// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates what is proven: an
-/// entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is undefined changes nothing, and any other
-/// makes its pixel undecided from there on. A ray that starts inside the region enters nowhere.
+/// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates
+/// what is proven: an entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is
+/// undefined changes nothing, and any other makes its pixel undecided from there on. A ray that
+/// starts inside the region enters nowhere.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
-    frame: &Frame,
+    rays: &RayGrid,
     region: &Region,
     kernel: &dyn IntervalKernel<T>,
 ) {
     let entries: Vec<(usize, Entry)> = (0..buffer.status.len())
-        .filter_map(|pixel| Some((pixel, region.entry(&frame.ray_of(pixel))?)))
+        .filter_map(|pixel| Some((pixel, region.entry(&rays.ray_of(pixel))?)))
         .collect();
     let verdicts: Vec<Inside> = entries
         .par_chunks(BATCH)
-        .flat_map_iter(|batch| judge(batch, frame, region, kernel))
+        .flat_map_iter(|batch| judge(batch, rays, region, kernel))
         .collect();
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
-        let distance = frame.ray_of(pixel).distance(entry.t.0);
+        let distance = rays.ray_of(pixel).distance(entry.t.0);
         match inside {
             Inside::No => continue,
             Inside::Unknown => {
@@ -59,7 +61,7 @@ pub fn cap<T: Real>(
 
 fn judge<T: Real>(
     batch: &[(usize, Entry)],
-    frame: &Frame,
+    rays: &RayGrid,
     region: &Region,
     kernel: &dyn IntervalKernel<T>,
 ) -> Vec<Inside> {
@@ -69,7 +71,7 @@ fn judge<T: Real>(
             let mut packet = BoxPacket::default();
             for lane in 0..LANES {
                 let (pixel, entry) = &chunk[lane.min(chunk.len() - 1)];
-                let ray = frame.ray_of(*pixel);
+                let ray = rays.ray_of(*pixel);
                 for axis in 0..3 {
                     let (low, high) = enclosed(&ray, entry, region, axis);
                     packet.neg_lo[axis][lane] = T::above(-low);
@@ -102,8 +104,8 @@ fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64
     let ends = [slope * entry.t.0, slope * entry.t.1];
     let low = (origin + ends[0].min(ends[1]).next_down()).next_down();
     let high = (origin + ends[0].max(ends[1]).next_up()).next_up();
-    // Clamped on both sides, so that the two stay in order even if rounding put the point outside. What is not a number,
-    // because an end overflowed, becomes the region's own end.
+    // Clamped on both sides, so that the two stay in order even if rounding put the point outside.
+    // What is not a number, because an end overflowed, becomes the region's own end.
     let (least, most) = (region.low()[axis], region.high()[axis]);
     (low.max(least).min(most), high.min(most).max(least))
 }
@@ -133,9 +135,9 @@ mod tests {
     fn picture(region: &Region) -> GBuffer {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
-        let frame = camera.expect("valid").frame(8, 8);
+        let rays = camera.expect("valid").rays(8, 8);
         let mut buffer = GBuffer::new(8, 8, 0);
-        cap(&mut buffer, &frame, region, &LeftHalf);
+        cap(&mut buffer, &rays, region, &LeftHalf);
         buffer
     }
 

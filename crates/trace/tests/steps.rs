@@ -4,7 +4,7 @@ use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
 use zeroset_interval::Facts;
-use zeroset_trace::{Camera, Frame, GBuffer, Knoll, Projection, Region, STEPS, Status, Work};
+use zeroset_trace::{Camera, GBuffer, Knoll, Projection, RayGrid, Region, STEPS, Status, Work};
 
 /// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than `finest`; above, it is 0.
 struct Stubborn {
@@ -39,10 +39,10 @@ const SIZE: usize = 4;
 const PACKETS: u64 = (SIZE * SIZE / 4) as u64;
 
 /// Looks up along z.
-fn frame() -> Frame {
+fn frame() -> RayGrid {
     let parallel = Projection::Orthographic { height: 1.0 };
     let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
-    camera.expect("valid").frame(SIZE, SIZE)
+    camera.expect("valid").rays(SIZE, SIZE)
 }
 
 fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {

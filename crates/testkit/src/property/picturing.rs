@@ -4,8 +4,8 @@ use super::scene::{Scene, describe};
 use crate::certified::{Certificate, Entry, Function, Line};
 use crate::suite::{Failure, Tally};
 
-/// What a picture says of one ray. Distances are multiples of the line's direction. A solid also has zeros where its
-/// inside meets the region's faces.
+/// What a picture says of one ray. Distances are multiples of the line's direction. A solid also
+/// has zeros where its inside meets the region's faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Claimed {
     /// There is no zero.
@@ -28,8 +28,8 @@ pub struct Pixel {
 /// Evaluations per ray: what takes more remains undecided.
 const BUDGET: u32 = 4000;
 
-/// Parts by which a distance in world units, plus 1, may be off: by a few roundings of the floats in which it was
-/// computed.
+/// Parts by which a distance in world units, plus 1, may be off: by a few roundings of the floats
+/// in which it was computed.
 fn rounding(scene: &Scene) -> f64 {
     if scene.double { 1e-12 } else { 1e-6 }
 }
@@ -51,8 +51,8 @@ impl Certain {
     }
 }
 
-/// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds each claim against what
-/// is certain of that ray. `defined` counts rays with a certain crossing.
+/// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds
+/// each claim against what is certain of that ray. `defined` counts rays with a certain crossing.
 ///
 /// # Errors
 /// The first false claim.

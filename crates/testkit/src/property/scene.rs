@@ -26,8 +26,8 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// A formula that can be typed, mostly one that has a zero near some point of the region; `None` if what was drawn
-    /// cannot be typed.
+    /// A formula that can be typed, mostly one that has a zero near some point of the region;
+    /// `None` if what was drawn cannot be typed.
     ///
     /// # Panics
     /// If what was printed does not read.
@@ -212,13 +212,15 @@ impl Scene {
         Some(scene)
     }
 
-    /// Moves the camera to where floats are short of digits or of range, mostly so that it still sees what it saw.
+    /// Moves the camera to where floats are short of digits or of range, mostly so that it still
+    /// sees what it saw.
     fn be_extreme(&mut self, rng: &mut Rng) {
         let way = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let power = |rng: &mut Rng, most: i32| 10_f64.powi(rng.i32(1..=most));
         let Self { eye, target, up, fov, .. } = self;
         match rng.u32(0..5) {
-            // Far away, along an axis or anywhere, with rays so close together that they meet the region.
+            // Far away, along an axis or anywhere, with rays so close together that they meet the
+            // region.
             0 => {
                 let (aim, distance) = (self.formula.aim, power(rng, 99));
                 let only = rng.u32(0..6) as usize;

@@ -101,7 +101,8 @@ impl Random {
         10_f64.powi(least + (self.next() % (most - least + 1) as u64) as i32)
     }
 
-    /// Eye, target and up: of any size, the target perhaps next to the eye, `up` perhaps along the view.
+    /// Eye, target and up: of any size, the target perhaps next to the eye, `up` perhaps along the
+    /// view.
     fn view(&mut self) -> [DVec3; 3] {
         let eye = match self.next() % 4 {
             0 => DVec3::ZERO,
@@ -176,7 +177,7 @@ fn perspective_rays_are_within_the_stated_angle() {
             let [forward, right, up] = ideal(eye, target, up);
             let (width, height) = [(512, 512), (65, 64), (8000, 1), (1, 8000)][checked % 4];
             let (i, j) = (random.next() as usize % width, random.next() as usize % height);
-            let ray = camera.frame(width, height).ray(i, j);
+            let ray = camera.rays(width, height).ray(i, j);
             let integer = |n: usize| exact(n as f64);
             let share = |n: usize, of: usize| (exact(2.0) * integer(n) + exact(1.0)) / integer(of);
             let across = (share(i, width) - exact(1.0)) * integer(width) / integer(height);
@@ -210,7 +211,7 @@ fn parallel_rays_are_within_the_stated_share_of_the_height() {
         };
         let [forward, right, up] = ideal(eye, target, up);
         let (i, j) = (random.next() as usize % 64, random.next() as usize % 64);
-        let ray = camera.frame(64, 64).ray(i, j);
+        let ray = camera.rays(64, 64).ray(i, j);
         let share = |n: usize| exact((2 * n + 1) as f64 / 128.0 - 0.5) * exact(height);
         let origin = sum(&vector(eye), &right, &share(i));
         let origin = sum(&origin, &up, &-share(j));
