@@ -10,7 +10,7 @@ use zeroset_eval::{Boxes, Points, Real, Surface};
 use zeroset_interval::Interval;
 use zeroset_syntax::{Color, Document, Kind};
 use zeroset_trace::{
-    Appearance, Camera, Colour, Driver, GBuffer, Light, NormalSource, Options, Region,
+    Appearance, Camera, Driver, GBuffer, Light, LinearRgb, NormalSource, Options, Region,
     SurfaceColours, Work, cap, normals, shade,
 };
 
@@ -175,10 +175,10 @@ impl Model {
         let region = &self.region;
         let mut watch = Stopwatch::start();
         let mut times = self.times.unwrap_or_default();
-        let frame = camera.frame(settings.width, settings.height);
+        let rays = camera.rays(settings.width, settings.height);
         let light = match settings.light {
             Some(place) => Light::Positional(place),
-            None => Light::above_left(&frame),
+            None => Light::above_left(&rays),
         };
         let mut work = Work::default();
         let tracer = |surface: usize, depth| {
@@ -191,11 +191,11 @@ impl Model {
         for (index, style) in self.styles.iter().enumerate() {
             let kernels = self.program.kernels::<T>(index);
             let tracer = tracer(index, settings.max_depth)?;
-            let (mut layer, done) = Driver { frame: &frame, tracer: &*tracer, advance }.picture();
+            let (mut layer, done) = Driver { rays: &rays, tracer: &*tracer, advance }.picture();
             work += done;
             layer.surface.fill(index as u16);
             if style.kind == Kind::Solid {
-                work += cap(&mut layer, &frame, region, kernels.bounds()?);
+                work += cap(&mut layer, &rays, region, kernels.bounds()?);
             }
             times.trace += watch.lap();
             if let Some(kind) = settings.normals {
@@ -204,7 +204,7 @@ impl Model {
                     Normals::Central => NormalSource::Central(kernels.values()?),
                 };
                 let step = 2.0 * region.half_extent() * STEP;
-                work += normals(&mut layer, &frame, source, step);
+                work += normals(&mut layer, &rays, source, step);
             }
             // One layer at a time, so that many surfaces take no more memory than one.
             if index == 0 {
@@ -227,7 +227,7 @@ impl Model {
             let wanted = |_| advance(0);
             for index in 0..self.surfaces() {
                 let tracer = tracer(index, depth)?;
-                let driver = Driver { frame: &frame, tracer: &*tracer, advance: &wanted };
+                let driver = Driver { rays: &rays, tracer: &*tracer, advance: &wanted };
                 work += driver.shadows(&mut buffer, &light, offset);
                 hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
                 if !advance(0) {
@@ -239,7 +239,7 @@ impl Model {
         }
 
         let rgb = match settings.normals {
-            Some(_) => shade(&buffer, &frame, &appearance(&self.styles, settings, light)),
+            Some(_) => shade(&buffer, &rays, &appearance(&self.styles, settings, light)),
             None => Vec::new(),
         };
         times.shade += watch.lap();
@@ -314,7 +314,7 @@ fn appearance(styles: &[Style], settings: &Settings, light: Light) -> Appearance
         match style.color {
             // One colour typed serves both sides; the side where f < 0 is darker.
             Some(color) => {
-                let positive = Colour::from_srgb(color.rgb);
+                let positive = LinearRgb::from_srgb(color.rgb);
                 SurfaceColours { positive, negative: positive.lit(0.45, 0.0) }
             }
             None => SurfaceColours::default_for(index),

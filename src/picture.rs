@@ -7,7 +7,9 @@ use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use zeroset_syntax::Document;
-use zeroset_trace::{Camera, Colour, GBuffer, Method, PixelCounts, Region, UndecidedStyle, Work};
+use zeroset_trace::{
+    Camera, GBuffer, LinearRgb, Method, PixelCounts, Region, UndecidedStyle, Work,
+};
 
 pub use zeroset_trace::Precision;
 
@@ -35,7 +37,7 @@ pub struct Settings {
     /// Share of the light that comes from everywhere, within [0, 1].
     pub ambient: f32,
     /// Shown where there is nothing; `None` for the default.
-    pub background: Option<Colour>,
+    pub background: Option<LinearRgb>,
 }
 
 /// Where normals come from.

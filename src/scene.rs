@@ -9,7 +9,9 @@ use num_traits::ToPrimitive;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_syntax::{Document, Domain, Preset};
-use zeroset_trace::{Camera, CameraError, HalfSpace, Projection, Region, RegionError, View};
+use zeroset_trace::{
+    Camera, CameraError, HalfSpace, Projection, Region, RegionError, StandardView,
+};
 
 /// Where to look.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,11 +26,11 @@ pub enum DomainChoice {
 }
 
 /// From where to look. What is `None` is taken from the document, and what that leaves open is chosen to show the whole
-/// domain from [`View::Iso`].
+/// domain from [`StandardView::Iso`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
     /// A named side; the document's eye and upward direction then do not count.
-    pub view: Option<View>,
+    pub view: Option<StandardView>,
     /// The eye.
     pub eye: Option<DVec3>,
     /// The point looked at.
@@ -188,20 +190,20 @@ pub fn camera(
     let projection = choice.projection.unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
         (Some(height), _) => Projection::Orthographic { height: nearest(height) },
         (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },
-        (None, None) => Projection::Perspective { fov: View::FOV },
+        (None, None) => Projection::Perspective { fov: StandardView::FOV },
     });
     Camera::new(eye, target, up, projection)
 }
 
-fn view_of(preset: Preset) -> View {
+fn view_of(preset: Preset) -> StandardView {
     match preset {
-        Preset::Iso => View::Iso,
-        Preset::Front => View::Front,
-        Preset::Back => View::Back,
-        Preset::Left => View::Left,
-        Preset::Right => View::Right,
-        Preset::Top => View::Top,
-        Preset::Bottom => View::Bottom,
+        Preset::Iso => StandardView::Iso,
+        Preset::Front => StandardView::Front,
+        Preset::Back => StandardView::Back,
+        Preset::Left => StandardView::Left,
+        Preset::Right => StandardView::Right,
+        Preset::Top => StandardView::Top,
+        Preset::Bottom => StandardView::Bottom,
     }
 }
 
@@ -255,7 +257,7 @@ mod tests {
         assert_eq!(eye(CameraChoice::default()), DVec3::X * 4.0);
         let own = CameraChoice { eye: Some(DVec3::Z * 9.0), ..CameraChoice::default() };
         assert_eq!(eye(own), DVec3::Z * 9.0);
-        let side = CameraChoice { view: Some(View::Iso), ..CameraChoice::default() };
+        let side = CameraChoice { view: Some(StandardView::Iso), ..CameraChoice::default() };
         assert_eq!(eye(side), DVec3::new(4.0, -6.0, 3.0));
     }
 }

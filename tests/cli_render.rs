@@ -31,6 +31,51 @@ fn a_formula_becomes_a_picture() {
     assert_eq!(sphere.get_pixel(0, 0).0, [244, 244, 246]);
 }
 
+/// Cameras at the ends of what floats hold: what their rays certainly meet is not called a miss, or they are refused.
+#[test]
+fn no_extreme_camera_hides_what_its_rays_meet() {
+    let place = Place::new();
+    let render = |formula: &str, camera: &str| {
+        let arguments = ["render", formula, "--domain", "2", "--status", "status.npy"];
+        place.run(&[&arguments[..], &camera.split(' ').collect::<Vec<_>>()].concat())
+    };
+    let status = |formula: &str, camera: &str, [column, row]: [usize; 2]| {
+        render(formula, camera).ok();
+        let (shape, status) = array::<u8>(&place, "status.npy");
+        status[row * shape[1] as usize + column]
+    };
+    // Along an axis even the farthest rays are exact: 101 of them meet the ball.
+    for eye in ["3e38", "4e38", "1e100"] {
+        for precision in ["f32", "f64"] {
+            let camera = format!(
+                "--eye {eye},0,0 --target 0,0,0 --up 0,0,1 --ortho 3 --size 17 --precision {precision}"
+            );
+            assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");
+            let (_, status) = array::<u8>(&place, "status.npy");
+            assert_eq!(status.iter().filter(|&&status| status != 0).count(), 101, "{camera}");
+        }
+    }
+    // The middle ray passes through the origin exactly, from where the way's numbers overflow in f32.
+    for eye in ["1e60,1e60,1e60", "-9e99,9e99,-9e99"] {
+        let camera = format!("--eye={eye} --target 0,0,0 --up 0,0,1 --fov 40 --size 17");
+        assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");
+        let parallel = camera.replace("--fov 40", "--ortho 3");
+        let refused = render(SPHERE, &parallel);
+        assert_eq!(refused.code, Some(2), "{parallel}");
+        assert!(refused.stderr.contains("can tell the rays apart"), "{}", refused.stderr);
+    }
+    // The squares of the view's numbers are subnormal.
+    let ball = "(x-1)^2+(y-0.9)^2+(z-0.8)^2=0.01";
+    let close = "--eye 0,0,0 --target 2.6e-162,1.4e-162,4e-163 --up 0,0,1 --fov 90 --size 65";
+    assert_eq!(status(ball, close, [25, 16]), 2);
+    // Forward × up loses ten digits to cancellation.
+    let speck = "(x+0.13391258274386464)^2+(y-0.77058820789075788)^2+(z-0.65331571406091693)^2\
+                 -(2e-12)^2";
+    let upright = "--eye 3,2,9 --target 0,0,0 --up 3.00007,1.99997,9.00011 --fov 20 --size 64 \
+                   --precision f64 --max-depth 40";
+    assert_eq!(status(speck, upright, [31, 46]), 2);
+}
+
 #[test]
 fn arrays_hold_what_the_picture_shows() {
     let place = Place::new();

@@ -145,7 +145,7 @@ fn the_view_survives_edits_until_it_is_reset() {
     live.reset_view();
     assert_eq!(settled(&live).camera.eye(), eye);
     live.enter(":view top").expect("valid");
-    assert!(settled(&live).camera.frame(1, 1).forward().z < -0.99);
+    assert!(settled(&live).camera.rays(1, 1).forward().z < -0.99);
     // A new document starts anew.
     live.load("other", "domain 2\nx+y+z", false);
     assert_eq!(settled(&live).camera.eye(), eye);

@@ -10,7 +10,7 @@ use std::fs::File;
 use truth_support::{Pixel, SIDE, Truth, compare, path, read, rounding};
 use zeroset::picture::{Picture, Precision, Settings, render};
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::{Camera, Frame, Projection, Region, Status};
+use zeroset_trace::{Camera, Projection, RayGrid, Region, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -192,7 +192,7 @@ The test `stability` compares this table; ZEROSET_BLESS=1 cargo test --test stab
 ";
 
 /// Where f is 0 throughout a solid: a ray that meets it is undecided from its first point.
-fn check_zero_throughout(case: &Case, frame: &Frame, picture: &Picture) {
+fn check_zero_throughout(case: &Case, frame: &RayGrid, picture: &Picture) {
     let region = region(case);
     let is_inside = |point: DVec3| match case.slug.as_str() {
         "zero-times-inf" => true,
@@ -205,7 +205,7 @@ fn check_zero_throughout(case: &Case, frame: &Frame, picture: &Picture) {
         let ray = frame.ray_of(index);
         let points = (0..20_000).map(|step| f64::from(step) * 3e-3);
         let first = points.into_iter().find(|&distance| {
-            let point = ray.at(distance);
+            let point = ray.at(ray.parameter(distance));
             point.cmpge(region.low()).all() && point.cmple(region.high()).all() && is_inside(point)
         });
         let Some(first) = first else { continue };
@@ -237,7 +237,7 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
         println!("{}: {counts:?}; wanted: {}", case.slug, case.want);
         match case.expect.as_str() {
             "undecided-from-entry" => {
-                check_zero_throughout(&case, &camera.frame(SIDE, SIDE), &picture);
+                check_zero_throughout(&case, &camera.rays(SIDE, SIDE), &picture);
             }
             "refused-or-undecided" => {
                 assert_eq!(counts.hit, 0, "{}", case.slug);

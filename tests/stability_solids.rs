@@ -3,12 +3,12 @@
 use glam::DVec3;
 use zeroset::picture::{Picture, Settings, render};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Frame, Projection, Region};
+use zeroset_trace::{Camera, Projection, RayGrid, Region};
 
 const SIDE: usize = 41;
 
 /// A picture of the cube ±2 by parallel rays towards +x, or along another axis.
-fn picture(formula: &str, along: DVec3) -> (Frame, Picture) {
+fn picture(formula: &str, along: DVec3) -> (RayGrid, Picture) {
     let document = read(formula, &Options::default()).expect("reads");
     let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a cube");
     let up = if along.z == 0.0 { DVec3::Z } else { DVec3::Y };
@@ -16,7 +16,7 @@ fn picture(formula: &str, along: DVec3) -> (Frame, Picture) {
     let camera = Camera::new(along * -8.0, DVec3::ZERO, up, projection).expect("a camera");
     let settings = Settings { width: SIDE, height: SIDE, max_depth: 12, ..Settings::default() };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
-    (camera.frame(SIDE, SIDE), picture)
+    (camera.rays(SIDE, SIDE), picture)
 }
 
 /// Checks each ray along `along`: `expected` says, from where it passes the plane through the origin, how far along the

@@ -11,7 +11,7 @@ use zeroset::gallery::example;
 use zeroset::picture::{Precision, Settings, render};
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::{Camera, Frame, GBuffer, Projection, Status};
+use zeroset_trace::{Camera, GBuffer, Projection, RayGrid, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -27,7 +27,7 @@ struct Method(u32, Precision);
 const TABLE: Method = Method(DEPTH, Precision::F32);
 
 /// The surface as seen by the reference's camera.
-fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
+fn picture(truth: &Truth, method: Method) -> (RayGrid, GBuffer) {
     let view = &truth.view;
     let example = example(&view.slug).unwrap_or_else(|| panic!("no example {}", view.slug));
     let document = read_document(example.text, &Options::default())
@@ -44,7 +44,7 @@ fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
         Settings { width, height, max_depth, precision, normals: None, ..Settings::default() };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {})
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
-    (camera.frame(SIDE, SIDE), picture.buffer)
+    (camera.rays(SIDE, SIDE), picture.buffer)
 }
 
 /// Every claim about a ray that its first root contradicts.
@@ -54,7 +54,7 @@ fn picture(truth: &Truth, method: Method) -> (Frame, GBuffer) {
 fn contradictions(
     truth: &Truth,
     precision: Precision,
-    frame: &Frame,
+    frame: &RayGrid,
     buffer: &GBuffer,
 ) -> Vec<String> {
     let mut found = Vec::new();

@@ -18,12 +18,12 @@ const TICKS: f64 = 4.0;
 /// Where points of space appear in a window of a given size.
 pub struct Projector<'a> {
     frame: &'a Frame,
-    rays: zeroset_trace::Frame,
+    rays: zeroset_trace::RayGrid,
 }
 
 impl<'a> Projector<'a> {
     pub fn new(frame: &'a Frame, width: usize, height: usize) -> Self {
-        Self { frame, rays: frame.camera.frame(width, height) }
+        Self { frame, rays: frame.camera.rays(width, height) }
     }
 
     /// The place in pixels and the distance from the ray's origin; `None` behind the eye.

@@ -29,9 +29,9 @@ impl<'a> Pick<'a> {
         let column = scaled(place.0, window.0, buffer.width)?;
         let row = scaled(place.1, window.1, buffer.height)?;
         let pixel = row * buffer.width + column;
-        let ray = frame.camera.frame(buffer.width, buffer.height).ray_of(pixel);
+        let ray = frame.camera.rays(buffer.width, buffer.height).ray_of(pixel);
         let distance = buffer.drawn[pixel];
-        let point = distance.is_finite().then(|| ray.at(distance));
+        let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
         Some(Self { frame, pixel, point })
     }
 

@@ -14,7 +14,7 @@ use zeroset::domain::AutoDomain;
 use zeroset::picture::{self, Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice};
 use zeroset_syntax::Color;
-use zeroset_trace::{Colour, HalfSpace, Projection, Status, UndecidedStyle, View};
+use zeroset_trace::{HalfSpace, LinearRgb, Projection, StandardView, Status, UndecidedStyle};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
@@ -121,8 +121,8 @@ fn settings(arguments: &Render) -> Result<Settings> {
     let background = match &look.background {
         None => None,
         Some(text) => {
-            let named = Color::named(text).map(|color| Colour::from_srgb(color.rgb));
-            Some(named.or_else(|| Colour::from_hex(text)).with_context(|| {
+            let named = Color::named(text).map(|color| LinearRgb::from_srgb(color.rgb));
+            Some(named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
                 format!("--background '{text}' is not a colour such as white or ffffff")
             })?)
         }
@@ -152,7 +152,7 @@ pub fn camera_choice(camera: &arguments::Camera) -> Result<CameraChoice> {
     let point = |numbers: Option<super::vector::Numbers<3>>| numbers.map(|n| DVec3::from(n.0));
     let view = match &camera.view {
         None => None,
-        Some(name) => Some(View::named(name).with_context(|| format!("no view '{name}'"))?),
+        Some(name) => Some(StandardView::named(name).with_context(|| format!("no view '{name}'"))?),
     };
     let projection = match (camera.ortho, camera.fov) {
         (Some(height), _) => Some(Projection::Orthographic { height }),
@@ -218,7 +218,7 @@ impl Files {
             let distance = buffer.distance.iter().copied();
             let shape = [height, width];
             match picture.precision {
-                // Exact, as these kernels know no more.
+                // These kernels know no more.
                 picture::Precision::F32 => {
                     file.finish(|out| array::write(out, &shape, distance.map(|d| d as f32)))?;
                 }

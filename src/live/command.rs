@@ -3,7 +3,7 @@
 
 use crate::picture::Precision;
 use crate::scene::DomainChoice;
-use zeroset_trace::View;
+use zeroset_trace::StandardView;
 
 /// What a line asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +35,7 @@ pub enum Command {
     /// Where to look.
     Domain(DomainChoice),
     /// From which side to look.
-    View(View),
+    View(StandardView),
     /// How rays are traced; `None` asks which are there.
     Method(Option<String>),
     /// The largest slab that counts as a hit, in world units; `None` asks for it.
@@ -94,7 +94,7 @@ pub const COMMANDS: &[Row] = &[
     Row { name: "domain", arguments: "auto|R|X0,X1,Y0,Y1,Z0,Z1", doc: "where to look",
         read: |text| domain(text).map(Command::Domain) },
     Row { name: "view", arguments: "iso|front|back|left|right|top|bottom", doc: "look from this side",
-        read: |text| View::named(text).map(Command::View) },
+        read: |text| StandardView::named(text).map(Command::View) },
     Row { name: "method", arguments: "[NAME]", doc: "how rays are traced",
         read: |text| Some(Command::Method(some(text))) },
     Row { name: "tolerance", arguments: "[LENGTH]", doc: "how finely surfaces are located, in world units",
@@ -228,7 +228,7 @@ mod tests {
             let set = Command::Set { name: "r".to_owned(), value: "2".to_owned() };
             assert_eq!(command(text), set, "{text}");
         }
-        assert_eq!(command(":view top"), Command::View(View::Top));
+        assert_eq!(command(":view top"), Command::View(StandardView::Top));
         assert_eq!(command(":precision f64"), Command::Precision(Some(Precision::F64)));
         assert_eq!(command(":prec"), Command::Precision(None));
         assert_eq!(command(":explain"), Command::Explain { code: false });

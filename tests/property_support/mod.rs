@@ -27,7 +27,7 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     let max_depth = scene.depth;
     let settings = Settings { width, height, precision, max_depth, ..Settings::default() };
     let picture = render(&scene.formula.document, &region, &camera, &settings, &|_, _| {}).ok()?;
-    let frame = camera.frame(width, height);
+    let frame = camera.rays(width, height);
     let pixels = (0..width * height).map(|index| {
         let ray = frame.ray_of(index);
         let line = Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() };
@@ -38,8 +38,8 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
         assert!(normal.iter().all(|part| part.is_finite()), "{scene}: {normal:?}");
         let claimed = match buffer.status[index] {
             Status::Miss => Claimed::Miss,
-            Status::Hit => Claimed::Hit(distance),
-            Status::Undecided => Claimed::Undecided(distance),
+            Status::Hit => Claimed::Hit(ray.parameter(distance)),
+            Status::Undecided => Claimed::Undecided(ray.parameter(distance)),
         };
         Pixel { line, claimed }
     });

@@ -2,8 +2,9 @@
 //!
 //! How a ray is followed is not known here.
 
-use crate::frame::Frame;
+use crate::camera::Ray;
 use crate::gbuffer::GBuffer;
+use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::method::{Found, Segment, Start, Tracer};
 use crate::work::Work;
@@ -19,7 +20,7 @@ const RAYS: usize = 64;
 #[derive(Clone, Copy)]
 pub struct Driver<'a> {
     /// Where rays start and go.
-    pub frame: &'a Frame,
+    pub rays: &'a RayGrid,
     /// What follows them.
     pub tracer: &'a dyn Tracer,
     /// Told how many pixels were finished since it was last called; ends the work early by returning `false`. Pixels not
@@ -33,7 +34,7 @@ type Pixel = [u32; 2];
 impl Driver<'_> {
     /// Traces all pixels.
     pub fn picture(&self) -> (GBuffer, Work) {
-        let (width, height) = (self.frame.width(), self.frame.height());
+        let (width, height) = (self.rays.width(), self.rays.height());
         let across = width.div_ceil(TILE);
         let tiles = (0..across * height.div_ceil(TILE)).into_par_iter().map(|tile| {
             let (left, top) = (TILE * (tile % across), TILE * (tile / across));
@@ -50,7 +51,7 @@ impl Driver<'_> {
     /// # Panics
     /// If there is no such pixel, or the picture has another size.
     pub fn pixels(&self, pixels: &[usize], buffer: &mut GBuffer) -> Work {
-        assert_eq!((buffer.width, buffer.height), (self.frame.width(), self.frame.height()));
+        assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         let tiles = pixels.par_chunks(TILE * TILE).map(|tile| (self.places(tile), tile.len()));
         for &pixel in pixels {
             buffer.set(pixel, &Found::MISS);
@@ -63,14 +64,14 @@ impl Driver<'_> {
         tiles: impl IndexedParallelIterator<Item = (Vec<Pixel>, usize)>,
         buffer: &mut GBuffer,
     ) -> Work {
-        let segment = |[column, row]: Pixel| {
-            let (origin, direction) = self.frame.line(column as usize, row as usize);
-            Segment { origin, direction, to: f64::INFINITY }
+        let segment = |[column, row]: Pixel| Segment {
+            ray: self.rays.ray(column as usize, row as usize),
+            to: f64::INFINITY,
         };
         let (found, work) = self.follow(tiles, &segment, Start::Anywhere);
         for (pixel, found) in found {
-            let length = segment(pixel).direction.length();
-            let world = |distance: f64| distance * length;
+            let ray = segment(pixel).ray;
+            let world = |t: f64| ray.distance(t);
             buffer.set(
                 self.index(pixel),
                 &Found { distance: world(found.distance), drawn: world(found.drawn), ..found },
@@ -87,12 +88,12 @@ impl Driver<'_> {
             (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
         let segment = |pixel: Pixel| {
             let [column, row] = pixel.map(|place| place as usize);
-            let (ray, pixel) = (self.frame.ray(column, row), self.index(pixel));
-            let point = ray.at(buffer.drawn[pixel]);
-            let (way, distance) = light.towards(point);
+            let (ray, pixel) = (self.rays.ray(column, row), self.index(pixel));
+            let t = ray.parameter(buffer.drawn[pixel]);
+            let (way, distance) = light.towards(ray.at(t));
             // Off the surface on the side of the eye, then along the light.
-            let origin = point - ray.direction * offset + way * offset;
-            Segment { origin, direction: way, to: distance }
+            let origin = ray.at(t - ray.parameter(offset)) + way * offset;
+            Segment { ray: Ray { origin, direction: way }, to: distance }
         };
         let tiles = painted.par_chunks(TILE * TILE).map(|tile| (self.places(tile), 0));
         let (found, work) = self.follow(tiles, &segment, Start::OnSurface);
@@ -104,11 +105,11 @@ impl Driver<'_> {
     }
 
     fn index(&self, [column, row]: Pixel) -> usize {
-        row as usize * self.frame.width() + column as usize
+        row as usize * self.rays.width() + column as usize
     }
 
     fn places(&self, pixels: &[usize]) -> Vec<Pixel> {
-        let width = self.frame.width();
+        let width = self.rays.width();
         pixels.iter().map(|pixel| [(pixel % width) as u32, (pixel / width) as u32]).collect()
     }
 
@@ -126,7 +127,8 @@ impl Driver<'_> {
                 if !(self.advance)(0) {
                     return (all, work);
                 }
-                let unset = Segment { origin: DVec3::ZERO, direction: DVec3::Z, to: 0.0 };
+                let unset =
+                    Segment { ray: Ray { origin: DVec3::ZERO, direction: DVec3::Z }, to: 0.0 };
                 let (mut rays, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
                 for pixels in tile.chunks(RAYS) {
                     let (rays, found) = (&mut rays[..pixels.len()], &mut found[..pixels.len()]);

@@ -35,14 +35,16 @@ pub struct GBuffer {
     pub height: usize,
     /// What is proven.
     pub status: Vec<Status>,
-    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first undecided segment;
-    /// infinite for a miss. As precise as the kernel: where that computes in `f32`, so are these.
+    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first
+    /// undecided segment; infinite for a miss, but the status alone says what is one. Over kernels
+    /// of `f32` it is known to some 24 bits.
     pub distance: Vec<f64>,
     /// Distance of the point that is painted; infinite where the background shows.
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
     pub surface: Vec<u16>,
-    /// Unit normal of what is painted, towards f > 0; zero where unknown or where the background shows.
+    /// Unit normal of what is painted, towards f > 0; zero where unknown or where the background
+    /// shows.
     pub normal: Vec<[f32; 3]>,
     /// Whether the painted point lies on a face of the region that cuts a solid open.
     pub cap: Vec<bool>,
@@ -51,7 +53,8 @@ pub struct GBuffer {
 }
 
 impl GBuffer {
-    /// A picture of the given size in which every pixel is a miss, for the surface with this number.
+    /// A picture of the given size in which every pixel is a miss, for the surface with this
+    /// number.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let pixels = width * height;
         Self {
@@ -130,7 +133,8 @@ mod tests {
 
     #[test]
     fn the_nearer_claim_and_the_nearer_paint_win_apart() {
-        // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint is the hit's.
+        // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint
+        // is the hit's.
         let mut buffer = pixel(Status::Hit, 5.0, 5.0, 0);
         buffer.merge(&pixel(Status::Undecided, 3.0, f64::INFINITY, 1));
         assert_eq!((buffer.status[0], buffer.distance[0]), (Status::Undecided, 3.0));

@@ -8,8 +8,8 @@
 mod camera;
 mod colour;
 mod driver;
-mod frame;
 mod gbuffer;
+mod grid;
 mod knoll;
 mod light;
 mod method;
@@ -23,10 +23,10 @@ mod view;
 mod work;
 
 pub use camera::{Camera, CameraError, Projection, Ray};
-pub use colour::Colour;
+pub use colour::LinearRgb;
 pub use driver::Driver;
-pub use frame::Frame;
 pub use gbuffer::{GBuffer, PixelCounts, Status};
+pub use grid::RayGrid;
 pub use knoll::STEPS;
 pub use light::Light;
 pub use method::{
@@ -37,5 +37,5 @@ pub use region::{HalfSpace, Region, RegionError};
 pub use region_caps::cap;
 pub use scalar::Scalar;
 pub use shade::{Appearance, SurfaceColours, UndecidedStyle, shade};
-pub use view::View;
+pub use view::StandardView;
 pub use work::{Count, Work};

@@ -3,12 +3,12 @@
 //! A method is a file with a row, and a [`Tracer`] that the row makes. Which rays it is given, on which threads, and what
 //! becomes of its findings, a method does not know: that is the [`Driver`](crate::Driver)'s.
 
+use crate::camera::Ray;
 use crate::gbuffer::Status;
 use crate::knoll;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
-use glam::DVec3;
 use std::fmt;
 use zeroset_eval::{KernelError, Surface};
 
@@ -89,13 +89,11 @@ pub trait Tracer: Sync {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work);
 }
 
-/// A part of a line: the points `origin + t · direction` for t from 0 to `to`.
+/// The part of a ray for t from 0 to `to`.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    /// Where it starts.
-    pub origin: DVec3,
-    /// Any length but 0.
-    pub direction: DVec3,
+    /// The ray.
+    pub ray: Ray,
     /// May be infinite.
     pub to: f64,
 }
@@ -109,7 +107,7 @@ pub enum Start {
     OnSurface,
 }
 
-/// What became of one ray. Distances are along it, in lengths of its direction.
+/// What became of one ray. Distances are values of its parameter t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
     /// What is proven, whatever the distances are.

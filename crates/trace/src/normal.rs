@@ -1,11 +1,13 @@
 //! Normals of painted points, asked for after the traversal and only where something is painted.
 //!
-//! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the function's domain) is
-//! replaced by that a little farther along the ray, then by central differences over growing steps, and at last by the
-//! direction to the eye, so that a picture never holds a NaN.
+//! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the
+//! function's domain) is replaced by that a little farther along the ray, then by central
+//! differences over growing steps, and at last by the direction to the eye, so that a picture never
+//! holds a NaN.
 
-use crate::frame::Frame;
+use crate::camera::Ray;
 use crate::gbuffer::GBuffer;
+use crate::grid::RayGrid;
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -29,15 +31,16 @@ const STEP_GROWTH: f64 = 8.0;
 /// How many step lengths are tried.
 const STEPS: u32 = 3;
 
-/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint the near end of the
-/// segment that holds a root, and there the function may not yet be defined.
+/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint
+/// the near end of the segment that holds a root, and there the function may not yet be defined.
 const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
-/// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of central differences in
-/// world units; a thousandth of the region's extent serves. Returns what it asked for.
+/// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of
+/// central differences in world units; a thousandth of the region's extent serves. Returns what was
+/// asked of the kernel.
 pub fn normals<T: Real>(
     buffer: &mut GBuffer,
-    frame: &Frame,
+    rays: &RayGrid,
     source: NormalSource<'_, T>,
     step: f64,
 ) -> Work {
@@ -50,8 +53,9 @@ pub fn normals<T: Real>(
             let seen: Vec<Seen> = batch
                 .iter()
                 .map(|&pixel| {
-                    let ray = frame.ray_of(pixel);
-                    Seen { point: ray.at(buffer.drawn[pixel]), direction: ray.direction }
+                    let ray = rays.ray_of(pixel);
+                    let t = ray.parameter(buffer.drawn[pixel]);
+                    Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
                 })
                 .collect();
             let mut work = Work::default();
@@ -69,19 +73,19 @@ pub fn normals<T: Real>(
     work
 }
 
-/// A painted point and the direction in which it is seen.
+/// What is left of a ray behind the point that it paints, and the t that makes one step.
 struct Seen {
-    point: DVec3,
-    direction: DVec3,
+    ray: Ray,
+    step: f64,
 }
 
 impl<T: Real> NormalSource<'_, T> {
     fn of_batch(&self, seen: &[Seen], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
-        let points: Vec<DVec3> = seen.iter().map(|seen| seen.point).collect();
+        let points: Vec<DVec3> = seen.iter().map(|seen| seen.ray.origin).collect();
         let mut normals = vec![None; points.len()];
         if let Self::Gradient(kernel) = self {
             for ahead in AHEAD {
-                let point = |k: usize| points[k] + seen[k].direction * (ahead * step);
+                let point = |k: usize| seen[k].ray.at(ahead * seen[k].step);
                 fill(&mut normals, |open| gradients(*kernel, open.iter().map(|&k| point(k)), work));
             }
         }
@@ -93,7 +97,7 @@ impl<T: Real> NormalSource<'_, T> {
             });
             reach *= STEP_GROWTH;
         }
-        let before: Vec<DVec3> = seen.iter().map(|s| s.point - s.direction * step).collect();
+        let before: Vec<DVec3> = seen.iter().map(|seen| seen.ray.at(-seen.step)).collect();
         let unresolved = normals.iter().any(Option::is_none);
         let values = if unresolved { self.sample(&before, work) } else { Vec::new() };
         normals
@@ -101,15 +105,15 @@ impl<T: Real> NormalSource<'_, T> {
             .enumerate()
             .map(|(k, normal)| {
                 normal.unwrap_or_else(|| {
-                    let towards_eye = -seen[k].direction.as_vec3();
+                    let towards_eye = -seen[k].ray.direction.normalize().as_vec3();
                     (if values[k] < T::default() { -towards_eye } else { towards_eye }).to_array()
                 })
             })
             .collect()
     }
 
-    /// Twice the step times the gradient, by differences; one-sided where the function is undefined on the other side,
-    /// and 0 where it is on both.
+    /// Twice the step times the gradient, by differences; one-sided where the function is undefined
+    /// on the other side, and 0 where it is on both.
     fn differences(
         &self,
         points: impl Iterator<Item = DVec3>,
@@ -196,7 +200,8 @@ fn batches<T: Real>(points: &[DVec3]) -> Vec<Points<T>> {
 
 /// The vector at length 1, or `None` if it has no direction.
 fn unit(vector: DVec3) -> Option<[f32; 3]> {
-    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the direction.
+    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the
+    // direction.
     let largest = vector.abs().max_element();
     if !vector.is_finite() || largest == 0.0 {
         return None;
@@ -250,7 +255,7 @@ mod tests {
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let mut buffer = GBuffer::new(1, 1, 0);
         buffer.drawn[0] = 4.0;
-        normals(&mut buffer, &camera.expect("valid").frame(1, 1), source, 1e-3);
+        normals(&mut buffer, &camera.expect("valid").rays(1, 1), source, 1e-3);
         buffer.normal[0]
     }
 

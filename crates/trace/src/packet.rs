@@ -4,6 +4,7 @@
 //! given by its share τ of that extent, from 0 where rays enter to 1 where they leave, so one τ is one plane for all
 //! rays of the packet. Everything here is in the kernel's floats with explicit slack, and encloses the exact rays.
 
+use crate::camera::Ray;
 use crate::method::Segment;
 use crate::region::Region;
 use crate::scalar::{Four, Scalar};
@@ -80,11 +81,11 @@ impl<T: Scalar> Packet<T> {
     /// they need packets of their own.
     #[inline]
     pub fn take(&mut self, segments: &[&Segment; RAYS], region: &Region) -> bool {
-        let first = segments[0].direction;
+        let first = segments[0].ray.direction;
         let k = fastest_axis(first);
         let forward = first[k] > 0.0;
         for segment in segments {
-            let d = segment.direction;
+            let d = segment.ray.direction;
             // Written so that NaN directions are rejected too.
             let fast = d[k].abs() >= LEAST_SHARE * d.abs().max_element();
             if !fast || (d[k] > 0.0) != forward {
@@ -99,12 +100,12 @@ impl<T: Scalar> Packet<T> {
     }
 
     /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the region if that is
-    /// farther; in lengths of its direction.
+    /// farther; as a value of t.
     pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
         let Planes { k, start, extent, .. } = self.planes;
         let share = share.into().max(self.enter.to_array()[lane].into());
         let plane = start + share * extent;
-        ((plane - segment.origin[k]) / segment.direction[k]).max(0.0)
+        ((plane - segment.ray.origin[k]) / segment.ray.direction[k]).max(0.0)
     }
 
     /// Boxes around the rays between each two of some planes in order, clipped to the region: those of the first two planes
@@ -136,7 +137,7 @@ impl<T: Scalar> Packet<T> {
         let (mut from, mut to) = ([T::integer(0); 4], [T::integer(1); 4]);
         let (mut t0, mut dt) = ([0.0_f64; 4], [0.0_f64; 4]);
         for (lane, segment) in segments.iter().enumerate() {
-            let (origin, direction) = (segment.origin[k], segment.direction[k]);
+            let (origin, direction) = (segment.ray.origin[k], segment.ray.direction[k]);
             let first = start - origin;
             let per_k = 1.0 / direction;
             (t0[lane], dt[lane]) = (first * per_k, extent * per_k);
@@ -153,7 +154,7 @@ impl<T: Scalar> Packet<T> {
         for axis in 0..3 {
             let [mut starts, mut extents, mut reach] = [[T::integer(0); 4]; 3];
             for lane in 0..4 {
-                let Segment { origin, direction, .. } = segments[lane];
+                let Ray { origin, direction } = segments[lane].ray;
                 let step = t0[lane] * direction[axis];
                 starts[lane] = T::nearest(origin[axis] + step);
                 extents[lane] = T::nearest(dt[lane] * direction[axis]);
@@ -181,10 +182,11 @@ impl<T: Scalar> Packet<T> {
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
         let [mut room, mut change, mut terms] = [[T::integer(0); 4]; 3];
-        for (lane, Segment { origin, direction, .. }) in segments.iter().enumerate() {
-            let at = *origin + t0[lane] * *direction;
+        for (lane, segment) in segments.iter().enumerate() {
+            let Ray { origin, direction } = segment.ray;
+            let at = origin + t0[lane] * direction;
             room[lane] = T::nearest((half.offset - half.normal.dot(at)) * scale);
-            change[lane] = T::nearest(-half.normal.dot(*direction) * dt[lane] * scale);
+            change[lane] = T::nearest(-half.normal.dot(direction) * dt[lane] * scale);
             let moved = size.dot(direction.abs()) * dt[lane].abs();
             terms[lane] = T::nearest((size.dot(at.abs()) + half.offset.abs() + moved) * scale);
         }
@@ -207,9 +209,10 @@ impl<T: Scalar> Packet<T> {
         let never = change.equal(zero) & room.less(zero);
         let enter = T::Four::select(rising, crossing - slack, self.enter);
         let leave = T::Four::select(falling, crossing + slack, self.leave);
-        self.enter = self.enter.max(enter);
+        // What is not a number comes first, so that it gives way: of an overflow nothing is concluded.
+        self.enter = enter.max(self.enter);
         let nowhere = T::Four::splat(-T::integer(1));
-        self.leave = T::Four::select(never, nowhere, self.leave.min(leave));
+        self.leave = T::Four::select(never, nowhere, leave.min(self.leave));
     }
 
     /// The lanes whose part inside the region meets the planes from `from` to `to`, as bits.

@@ -1,10 +1,11 @@
 //! Caps: where the region's faces cut a solid open.
 //!
-//! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region already inside it.
+//! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region
+//! already inside it.
 
 use crate::camera::Ray;
-use crate::frame::Frame;
 use crate::gbuffer::{GBuffer, Status};
+use crate::grid::RayGrid;
 use crate::region::{Entry, Region};
 use crate::work::Work;
 use rayon::prelude::*;
@@ -28,23 +29,23 @@ enum Inside {
 /// kernel.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
-    frame: &Frame,
+    rays: &RayGrid,
     region: &Region,
     kernel: &dyn Kernel<Enclose, T>,
 ) -> Work {
     let entries: Vec<(usize, Entry)> = (0..buffer.status.len())
-        .filter_map(|pixel| Some((pixel, region.entry(&frame.ray_of(pixel))?)))
+        .filter_map(|pixel| Some((pixel, region.entry(&rays.ray_of(pixel))?)))
         .collect();
     let verdicts: Vec<Inside> = entries
         .par_chunks(BATCH)
-        .flat_map_iter(|batch| judge(batch, frame, region, kernel))
+        .flat_map_iter(|batch| judge(batch, rays, region, kernel))
         .collect();
     let mut work = Work::default();
     for batch in entries.chunks(LANES) {
         work.interval.called(batch.len() as u32);
     }
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
-        let distance = T::nearest(entry.distance.0).into();
+        let distance = rays.ray_of(pixel).distance(entry.t.0);
         match inside {
             Inside::No => continue,
             Inside::Unknown => {
@@ -66,14 +67,14 @@ pub fn cap<T: Real>(
 
 fn judge<T: Real>(
     batch: &[(usize, Entry)],
-    frame: &Frame,
+    rays: &RayGrid,
     region: &Region,
     kernel: &dyn Kernel<Enclose, T>,
 ) -> Vec<Inside> {
     let boxes: Vec<[Interval; 3]> = batch
         .iter()
         .map(|(pixel, entry)| {
-            let ray = frame.ray_of(*pixel);
+            let ray = rays.ray_of(*pixel);
             [0, 1, 2].map(|axis| {
                 let (lo, hi) = enclosed(&ray, entry, region, axis);
                 Interval { lo, hi }
@@ -99,12 +100,13 @@ fn judge<T: Real>(
 /// Bounds on one coordinate of the point where the ray enters, which lies in the box.
 fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64) {
     let (origin, slope) = (ray.origin[axis], ray.direction[axis]);
-    let ends = [entry.distance.0, entry.distance.1].map(|t| slope * t);
+    let ends = [slope * entry.t.0, slope * entry.t.1];
     let low = (origin + ends[0].min(ends[1]).next_down()).next_down();
     let high = (origin + ends[0].max(ends[1]).next_up()).next_up();
     // Clamped on both sides, so that the two stay in order even if rounding put the point outside.
-    let clamp = |x: f64| x.clamp(region.low()[axis], region.high()[axis]);
-    (clamp(low), clamp(high))
+    // What is not a number, because an end overflowed, becomes the region's own end.
+    let (least, most) = (region.low()[axis], region.high()[axis]);
+    (low.max(least).min(most), high.min(most).max(least))
 }
 
 #[cfg(test)]
@@ -131,9 +133,9 @@ mod tests {
     fn picture(region: &Region) -> GBuffer {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
-        let frame = camera.expect("valid").frame(8, 8);
+        let rays = camera.expect("valid").rays(8, 8);
         let mut buffer = GBuffer::new(8, 8, 0);
-        cap(&mut buffer, &frame, region, &LeftHalf);
+        cap(&mut buffer, &rays, region, &LeftHalf);
         buffer
     }
 

@@ -4,8 +4,8 @@ use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 use zeroset_eval::{Asked, Boxes, FindZeros, Kernel, Kernels, Surface, Zeros};
 use zeroset_trace::{
-    Camera, Driver, Frame, GBuffer, Method, Options, Precision, Projection, Region, STEPS, Status,
-    Work,
+    Camera, Driver, GBuffer, Method, Options, Precision, Projection, RayGrid, Region, STEPS,
+    Status, Work,
 };
 
 /// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than `finest`; above, it is 0.
@@ -50,10 +50,10 @@ const SIZE: usize = 4;
 const PACKETS: u64 = (SIZE * SIZE / 4) as u64;
 
 /// Looks up along z.
-fn frame() -> Frame {
+fn frame() -> RayGrid {
     let parallel = Projection::Orthographic { height: 1.0 };
     let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
-    camera.expect("valid").frame(SIZE, SIZE)
+    camera.expect("valid").rays(SIZE, SIZE)
 }
 
 fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
@@ -61,7 +61,7 @@ fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
     let options = Options { precision: Precision::F32, depth, suppress_asymptotes: true };
     let knoll = Method::named("knoll").expect("a row");
     let tracer = knoll.prepare(kernel, &region, &options).expect("a kernel");
-    Driver { frame: &frame(), tracer: &*tracer, advance: &|_| true }.picture()
+    Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true }.picture()
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
     let options = Options { precision: Precision::F32, depth: 12, suppress_asymptotes: true };
     let tracer = <&Method>::default().prepare(&kernel, &region, &options).expect("a kernel");
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
-    let driver = Driver { frame: &frame(), tracer: &*tracer, advance: &|_| true };
+    let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true };
     driver.pixels(&[3, 9, 10], &mut buffer);
     for pixel in 0..SIZE * SIZE {
         let expected =
