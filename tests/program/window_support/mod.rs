@@ -183,6 +183,7 @@ impl Terminal {
     }
 
     /// Everything that the terminal has shown, as it came.
+    #[cfg(feature = "sixel")]
     pub fn bytes(&self) -> Vec<u8> {
         self.log.lock().expect("whole").shown.clone()
     }
