@@ -1,6 +1,6 @@
 //! Pictures in terminals that show more than characters: the protocols of kitty and of iTerm2, and sixels.
 //!
-//! Sixels are made by `icy_sixel`, since they need a palette. The other two take a PNG in base64 between a few keys, which
+//! Sixels are made by `icy_sixel` (feature `sixel`), since they need a palette. The other two take a PNG in base64 between a few keys, which
 //! is less than what the crates that write them bring along: `viuer` asks the terminal without a limit of time and writes
 //! to standard output itself, `ratatui-image` needs `ratatui`.
 
