@@ -1,13 +1,12 @@
 //! Pictures in terminals that show more than characters: the protocols of kitty and of iTerm2, and sixels.
 //!
-//! Sixels are made by `icy_sixel`, since they need a palette. The other two take a PNG in base64 between a few keys, which
+//! Sixels are made by `icy_sixel` (feature `sixel`), since they need a palette. The other two take a PNG in base64 between a few keys, which
 //! is less than what the crates that write them bring along: `viuer` asks the terminal without a limit of time and writes
 //! to standard output itself, `ratatui-image` needs `ratatui`.
 
 use super::output::write_png;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use icy_sixel::{EncodeOptions, sixel_encode};
 use std::fmt::Write as _;
 
 /// How pixels are sent.
@@ -83,13 +82,7 @@ impl Protocol {
                 write_png(&mut png, rgb, width, height).ok()?;
                 Some(self.wrap(&png, columns, rows))
             }
-            Self::Sixel => {
-                let opaque: Vec<u8> =
-                    rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-                // 256 colours shade a surface or two smoothly; dithering would only add grain and half the bytes again.
-                let options = EncodeOptions { diffusion: 0.0, ..EncodeOptions::default() };
-                sixel_encode(&opaque, width, height, &options).ok()
-            }
+            Self::Sixel => sixels(rgb, width, height),
         }
     }
 
@@ -118,6 +111,20 @@ impl Protocol {
             keys.clear();
         }
     }
+}
+
+#[cfg(feature = "sixel")]
+fn sixels(rgb: &[u8], width: usize, height: usize) -> Option<String> {
+    let opaque: Vec<u8> = rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
+    // 256 colours shade a surface or two smoothly; dithering would only add grain and half the bytes again.
+    let options = icy_sixel::EncodeOptions { diffusion: 0.0, ..Default::default() };
+    icy_sixel::sixel_encode(&opaque, width, height, &options).ok()
+}
+
+/// Without the feature no terminal is asked whether it shows sixels.
+#[cfg(not(feature = "sixel"))]
+fn sixels(_: &[u8], _: usize, _: usize) -> Option<String> {
+    None
 }
 
 #[cfg(test)]
