@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_interval::{
-    Enclosure, Exponent, Facts, Interval, Lanes, Machine, Operand, Software, enclose,
+    Enclosure, Exponent, Facts, Format, Interval, Lanes, Machine, Operand, Software, enclose,
     enclose_twins, evaluate, evaluate_twins,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
@@ -300,7 +300,11 @@ fn range_of<T: Real>(
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),
             };
-            given(if op.row().excess.is_some() { inflate(range) } else { range }).with_facts(&value)
+            let range = op.row().excess.map_or(range, |[f32, f64]| match T::FORMAT {
+                Format::F32 => inflate(range, f64::from(f32::from_bits(1)) * f32 as f64),
+                Format::F64 => inflate(range, f64::from_bits(f64)),
+            });
+            given(range).with_facts(&value)
         }
     }
 }
@@ -339,14 +343,31 @@ pub(crate) fn facts_of<T: Real>(value: &Enclosure<Lanes>) -> [Facts; 4] {
     facts
 }
 
-fn inflate(range: Interval) -> Interval {
-    let out = |end: f64, sign: f64| end + sign * end.abs() * NOT_MONOTONE;
+/// The range, widened by as much as bounds over a part may stick out of it: relatively, and below the
+/// normal numbers by `excess`, the most that an enclosure of the operation is too wide by there. An end
+/// at 0 stays, as no approximation changes the sign of a value.
+fn inflate(range: Interval, excess: f64) -> Interval {
+    let out = |end: f64, sign: f64| match end {
+        0.0 => end,
+        _ => end + sign * (end.abs() * NOT_MONOTONE).max(excess),
+    };
     Interval { lo: out(range.lo, -1.0), hi: out(range.hi, 1.0) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ends_below_the_normal_numbers_are_widened_too() {
+        let excess = f64::from_bits(4);
+        for bits in [1, 3, 1 << 10, 1 << 19, 1 << 40] {
+            let end = f64::from_bits(bits);
+            let Interval { lo, hi } = inflate(Interval { lo: end, hi: end }, excess);
+            assert!(lo < end && end < hi && hi - end >= excess, "{end:e}: {lo:e} {hi:e}");
+        }
+        assert_eq!(inflate(Interval::ZERO, excess), Interval::ZERO);
+    }
 
     #[test]
     fn middles_are_numbers() {

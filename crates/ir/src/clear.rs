@@ -336,6 +336,20 @@ mod tests {
     }
 
     #[test]
+    fn poles_with_the_same_bounds_are_not_the_same_pole() {
+        // Both are 1/3 to 150 digits, too many to be kept exactly, and share their bounds.
+        let digits = "3".repeat(157);
+        let sheet = Sheet::default();
+        let [x, y, z] = sheet.xyz();
+        let [first, second] = ["1", "9"].map(|last| sheet.number(&format!("0.{digits}{last}")));
+        let root = (y / (x + first) - z / (x + second)).id;
+        let mut graph = sheet.graph();
+        let numerator = clear(&mut graph, root).expect("poles").numerator;
+        let text = display(&graph, numerator, &[]);
+        assert_eq!(text.matches('*').count(), 2, "{text}: not y - z");
+    }
+
+    #[test]
     fn many_poles_do_not_multiply_for_ever() {
         let sheet = Sheet::default();
         let [x, y, _] = sheet.xyz();

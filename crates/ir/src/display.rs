@@ -126,18 +126,13 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
 
 /// A number: as a decimal where it is one of few digits, else as a quotient; by its name; or as bounds `[lo, hi]`.
 fn number(constant: &Constant) -> (Binding, String) {
-    let named = [
-        (Constant::pi(), "pi"),
-        (Constant::tau(), "tau"),
-        (Constant::e(), "e"),
-        (Constant::phi(), "phi"),
-    ];
-    if let Some((_, name)) = named.iter().find(|(value, _)| value == constant) {
-        return (Binding::Atom, (*name).to_owned());
-    }
-    let Some(value) = constant.exact() else {
-        let bounds = constant.bounds();
-        return (Binding::Atom, format!("[{}, {}]", bounds.lo, bounds.hi));
+    let value = match constant {
+        Constant::Exact(value) => value,
+        Constant::Named(name) => return (Binding::Atom, name.text().into()),
+        Constant::Enclosed(_) => {
+            let bounds = constant.bounds();
+            return (Binding::Atom, format!("[{}, {}]", bounds.lo, bounds.hi));
+        }
     };
     let sign = if value.is_negative() { Binding::Sign } else { Binding::Atom };
     match decimal(value) {

@@ -155,7 +155,7 @@ impl Rewriter<'_> {
         if a > b {
             std::mem::swap(&mut a, &mut b);
         }
-        if a == b && !self.known(a).opaque {
+        if a == b {
             return Value::Node(a);
         }
         let (low, high) = (self.known(a).range, self.known(b).range);
@@ -181,7 +181,7 @@ impl Rewriter<'_> {
         let b = self.node_of(second);
         let c = self.node_of(third);
         let range = self.known(a).range;
-        let chosen = if range.hi < 0.0 || (b == c && !self.known(b).opaque) {
+        let chosen = if range.hi < 0.0 || b == c {
             b
         } else if range.lo >= 0.0 {
             c

@@ -172,24 +172,23 @@ impl Rewriter<'_> {
     }
 
     fn leaf(&mut self, node: &Node) -> NodeId {
-        let (id, range, rank, opaque) = match node {
+        let (id, range, rank) = match node {
             Node::Variable(axis) => {
                 let range = self.domain[*axis as usize];
-                (self.graph.variable(*axis), range, Rank::Varying, false)
+                (self.graph.variable(*axis), range, Rank::Varying)
             }
             Node::Parameter(number) => {
                 let range = self.parameters.get(*number as usize);
                 let range = range.copied().unwrap_or(Interval::ENTIRE);
-                (self.graph.parameter(*number), range, Rank::Uniform, false)
+                (self.graph.parameter(*number), range, Rank::Uniform)
             }
             Node::Constant(constant) => {
-                let opaque = constant.exact().is_none() && !constant.is_named();
                 let range = constant.bounds();
-                (self.graph.constant(constant.clone()), range, Rank::Constant, opaque)
+                (self.graph.constant(constant.clone()), range, Rank::Constant)
             }
             Node::Apply(..) => unreachable!("not a leaf"),
         };
-        self.note(id, Known { range, facts: Facts::TOTAL, rank, opaque });
+        self.note(id, Known { range, facts: Facts::TOTAL, rank });
         id
     }
 
@@ -200,7 +199,6 @@ impl Rewriter<'_> {
     fn node(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
         let id = self.graph.apply(op, operands);
         if id.index() == self.known.len() {
-            let each = || operands.iter().map(|id| self.known(*id));
             let enclosed: Vec<zeroset_interval::Value> = operands
                 .iter()
                 .map(|&id| {
@@ -215,9 +213,9 @@ impl Rewriter<'_> {
                 })
                 .collect();
             let (range, facts) = zeroset_interval::fold(op, &enclosed);
-            let rank = each().map(|known| known.rank).max().unwrap_or(Rank::Constant);
-            let opaque = each().any(|known| known.opaque);
-            self.note(id, Known { range, facts, rank, opaque });
+            let rank =
+                operands.iter().map(|id| self.known(*id).rank).max().unwrap_or(Rank::Constant);
+            self.note(id, Known { range, facts, rank });
         }
         id
     }

@@ -91,7 +91,7 @@ impl Rewriter<'_> {
         p.loose = false;
         self.open_overlapping(&mut p);
         loop {
-            self.merge(&mut p);
+            Self::merge(&mut p);
             if !self.simplify_powers(&mut p) {
                 break;
             }
@@ -121,12 +121,12 @@ impl Rewriter<'_> {
         p
     }
 
-    fn merge(&self, p: &mut Product) {
+    fn merge(p: &mut Product) {
         p.factors.sort_unstable();
         let mut merged: Vec<Factor> = Vec::with_capacity(p.factors.len());
         for factor in p.factors.drain(..) {
             match merged.last_mut() {
-                Some(last) if last.base == factor.base && !self.known(factor.base).opaque => {
+                Some(last) if last.base == factor.base => {
                     last.nonzero |= factor.nonzero || last.exponent < 0 || factor.exponent < 0;
                     last.exponent += factor.exponent; // both far below 2^62
                 }

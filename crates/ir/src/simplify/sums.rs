@@ -69,7 +69,7 @@ impl Rewriter<'_> {
         Product { coefficient: content, conditions, ..Product::power(node, 1) }
     }
 
-    /// Sorts the terms and adds up like ones, so that each occurs once, but for opaque ones.
+    /// Sorts the terms and adds up like ones, so that each occurs once.
     fn merge_terms(&mut self, terms: &mut Terms, conditions: &mut Vec<Condition>) {
         loop {
             terms.sort_by_key(|(term, _)| *term);
@@ -77,7 +77,7 @@ impl Rewriter<'_> {
             let mut apart: Terms = Vec::new();
             for (term, coefficient) in terms.drain(..) {
                 match merged.last_mut() {
-                    Some((last, total)) if *last == term && !self.known(term).opaque => {
+                    Some((last, total)) if *last == term => {
                         if let Some(sum) = numbers::moderate(&*total + &coefficient) {
                             *total = sum;
                             continue;
@@ -151,7 +151,7 @@ impl Rewriter<'_> {
             let from = reach.partition_point(|(term, ..)| *term < t);
             for (_, b, other) in reach[from..].iter().take_while(|(term, ..)| *term == t) {
                 let half = b / (BigRational::from_integer(2.into()) * a);
-                if source != other && !self.known(t).opaque && self.square_pays(t, &half) {
+                if source != other && self.square_pays(t, &half) {
                     sources.extend([source, other].into_iter().flatten().copied());
                 }
             }
@@ -168,10 +168,7 @@ impl Rewriter<'_> {
     ) -> Terms {
         let mut opened = Vec::with_capacity(terms.len());
         for (term, coefficient) in terms {
-            let found = self
-                .sums
-                .get(&term)
-                .filter(|(_, inner)| !self.known(term).opaque && chosen(term, inner));
+            let found = self.sums.get(&term).filter(|(_, inner)| chosen(term, inner));
             let scaled = found.and_then(|(k, inner)| {
                 let k = numbers::moderate(&*constant + k * &coefficient)?;
                 let inner: Option<Terms> = inner
@@ -204,9 +201,6 @@ impl Rewriter<'_> {
             let Ok(linear) = terms.binary_search_by_key(&t, |(term, _)| *term) else {
                 continue;
             };
-            if self.known(t).opaque {
-                continue;
-            }
             let half = &terms[linear].1 / (BigRational::from_integer(2.into()) * &a);
             let rest = numbers::moderate(&*constant - &a * &half * &half);
             let (Some(half), Some(rest)) = (numbers::moderate(half), rest) else {
@@ -425,7 +419,6 @@ impl Rewriter<'_> {
                 let unit = &parts.iter().find(|(term, _)| term == first)?.1;
                 let factor = scale / unit;
                 let inside = parts.len() < terms.len()
-                    && !self.known(known).opaque
                     && parts.iter().all(|(part, c)| {
                         terms.iter().any(|(term, d)| part == term && *d == c * &factor)
                     });

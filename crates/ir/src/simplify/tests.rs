@@ -133,6 +133,15 @@ fn numbers_known_by_bounds_only_never_cancel() {
     assert!(close.exact().is_none());
     let text = simple(|s, [x, _, _]| s.constant(close.clone()) * x - s.constant(close.clone()) * x);
     assert_ne!(text, "0");
+    let like = |op: Op| {
+        simple(|s, [x, _, _]| {
+            let [a, b] = [0, 1].map(|_| x + s.constant(close.clone()));
+            a.apply(op, &[b])
+        })
+    };
+    for op in [Op::Sub, Op::Div, Op::Mul, Op::Min, Op::Mod] {
+        assert_eq!(like(op).matches('[').count(), 2, "{}", like(op));
+    }
     assert_eq!(
         simple(|s, [x, _, _]| s.constant(Constant::pi()) * x - x * s.constant(Constant::pi())),
         "0"
