@@ -7,7 +7,7 @@ use crate::machine::Format;
 use crate::rules;
 use crate::software::{Lanes, Software};
 use crate::unbounded::{product, quotient};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 /// What is known of an expression: its bounds, what is proven of it, and what it is as an exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,11 +75,20 @@ pub fn fold<V: Copy + Into<Value>>(op: Op, operands: &[V]) -> (Interval, Facts) 
     if facts.has(Facts::NOWHERE) {
         return (Interval::ENTIRE, Facts::NOWHERE);
     }
-    let bounds = match (op, &values[..]) {
-        (Op::Mul, [a, b]) => product(a.bounds, b.bounds),
-        (Op::Div, [a, b]) => quotient(a.bounds, b.bounds),
-        // 0 − x turns −0 into 0.
-        _ => Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 },
+    let bounds = match op.row().class {
+        Class::Product => product(values[0].bounds, values[1].bounds),
+        Class::Quotient => quotient(values[0].bounds, values[1].bounds),
+        Class::Negation
+        | Class::Sum
+        | Class::Square
+        | Class::Power
+        | Class::Remainder
+        | Class::Extremum
+        | Class::Choice
+        | Class::Fallback
+        | Class::Restriction(_)
+        | Class::Function(_)
+        | Class::FunctionOfTwo => Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 }, // 0 for −0
     };
     (bounds, facts)
 }

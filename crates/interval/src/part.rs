@@ -53,7 +53,7 @@ impl Parting {
             // An even power goes the same way on both sides of its pole.
             Class::Power => match exponent {
                 Exponent::Integer(n) => n < 0 && n % 2 != 0 && straddles(&ranges[0]),
-                Exponent::Real | Exponent::LargeInteger => false,
+                Exponent::Real | Exponent::LargeInteger { .. } => false,
             },
             Class::Negation
             | Class::Sum

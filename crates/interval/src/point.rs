@@ -6,7 +6,7 @@
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
 use crate::machine::{Format, Machine};
-use crate::rules::{ANGLE_LIMIT, Base, Near, Rule, Text, by_halves};
+use crate::rules::{Base, HalfPi, Near, Rule, Text, by_halves};
 use zeroset_ops::Op;
 
 /// Evaluates `op` over lanes of operands, all in `format`; `exponent` says what the last operand is as one.
@@ -42,9 +42,9 @@ pub fn evaluate<M: Machine>(
         Op::Ln => rule.logarithm_at(a, Base::E),
         Op::Log2 => rule.logarithm_at(a, Base::Two),
         Op::Log10 => rule.logarithm_at(a, Base::Ten),
-        Op::Sin => rule.angle_at(a, |text, a| text.sin(a).0),
-        Op::Cos => rule.angle_at(a, |text, a| text.cos(a).0),
-        Op::Tan => rule.angle_at(a, |text, a| text.tan(a).0),
+        Op::Sin => rule.angle_at(a, |text, a, half_pi| text.sin(a, half_pi).0),
+        Op::Cos => rule.angle_at(a, |text, a, half_pi| text.cos(a, half_pi).0),
+        Op::Tan => rule.angle_at(a, |text, a, half_pi| text.tan(a, half_pi).0),
         Op::Asin => rule.within_one_at(a, true, |text, a| text.asin(a)),
         Op::Acos => rule.within_one_at(a, true, |text, a| text.acos(a)),
         Op::Atan => rule.near_at(a, |text, a| text.atan(a)),
@@ -70,7 +70,13 @@ pub fn evaluate<M: Machine>(
                 rule.m.div(one, power)
             }
             Exponent::Integer(n) => rule.integer_power_at(a, n.unsigned_abs()),
-            Exponent::Real | Exponent::LargeInteger => rule.real_power_at(a, operands[1]),
+            Exponent::LargeInteger { odd } => {
+                let magnitude = rule.m.abs(a);
+                let power = rule.real_power_at(magnitude, operands[1]);
+                let sign = rule.sign_of(a);
+                if odd { rule.m.mul(sign, power) } else { power }
+            }
+            Exponent::Real => rule.real_power_at(a, operands[1]),
         },
         Op::Mod => {
             let quotient = rule.m.div(a, operands[1]);
@@ -131,7 +137,7 @@ pub fn evaluate_twins<M: Machine>(
     range: Interval,
 ) -> Option<[M::V; 2]> {
     let mut rule = Rule { m, format };
-    if !matches!(op, Op::Sin | Op::Cos) || !rule.is_near(range) {
+    if op.row().twin.is_none() || !rule.is_near(range) {
         return None;
     }
     let [sin, cos] = rule.near_waves_at(a);
@@ -227,10 +233,15 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(positive, value)
     }
 
-    fn angle_at(&mut self, a: M::V, f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>) -> M::V {
-        let value = self.near_at(a, f);
+    fn angle_at(
+        &mut self,
+        a: M::V,
+        f: impl Fn(&mut Text<'_, M>, M::V, &HalfPi) -> Near<M::V>,
+    ) -> M::V {
+        let half_pi = HalfPi::for_angles(Interval::ENTIRE);
+        let value = self.near_at(a, |text, a| f(text, a, half_pi));
         let magnitude = self.m.abs(a);
-        let limit = self.number(ANGLE_LIMIT);
+        let limit = self.number(half_pi.limit(self.format));
         let near = self.m.le(magnitude, limit);
         self.nan_unless(near, value)
     }

@@ -254,24 +254,24 @@ fn inverted(graph: &mut Graph, a: &Fraction, uniform: &[bool]) -> Option<Fractio
         // Nodes beyond the table are new: made of at least one that varies, or exact.
         let fixed =
             uniform.get(id.index()).copied().unwrap_or(false) || matches!(node, Node::Constant(_));
-        match node {
-            Node::Constant(_) | Node::Parameter(_) | Node::Apply(..) if fixed => {
-                let power = powi(graph, id, i64::from(exponent));
-                numerator = div(graph, numerator, power);
+        let class = match &node {
+            Node::Apply(op, operands) => Some((op.row().class, operands)),
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => None,
+        };
+        if fixed {
+            let power = powi(graph, id, i64::from(exponent));
+            numerator = div(graph, numerator, power);
+        } else if let Some((Class::Product, operands)) = class {
+            pending.extend(operands.iter().map(|o| (*o, exponent)));
+        } else if let Some((Class::Square, operands)) = class {
+            pending.push((operands[0], exponent * 2));
+        } else if let Some((Class::Negation, operands)) = class {
+            pending.push((operands[0], exponent));
+            if exponent % 2 == 1 {
+                numerator = neg(graph, numerator);
             }
-            Node::Apply(Op::Mul, operands) => {
-                pending.extend(operands.iter().map(|o| (*o, exponent)));
-            }
-            Node::Apply(Op::Sqr, operands) => pending.push((operands[0], exponent * 2)),
-            Node::Apply(Op::Neg, operands) => {
-                pending.push((operands[0], exponent));
-                if exponent % 2 == 1 {
-                    numerator = neg(graph, numerator);
-                }
-            }
-            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => {
-                *below.entry(id).or_insert(0) += exponent;
-            }
+        } else {
+            *below.entry(id).or_insert(0) += exponent;
         }
     }
     Some(Fraction { numerator, above: a.below.clone(), below, excluded: a.excluded.clone() })

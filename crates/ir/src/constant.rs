@@ -191,7 +191,8 @@ impl Constant {
     pub fn exponent(&self) -> Exponent {
         match self.exact() {
             Some(value) if value.is_integer() => {
-                value.numer().to_i32().map_or(Exponent::LargeInteger, Exponent::Integer)
+                let odd = value.numer().bit(0);
+                value.numer().to_i32().map_or(Exponent::LargeInteger { odd }, Exponent::Integer)
             }
             Some(_) | None => Exponent::Real,
         }

@@ -82,8 +82,6 @@ pub struct Row {
     pub domain: Domain,
     /// Where it is continuous, within its domain.
     pub continuity: Continuity,
-    /// How it changes with its first operand.
-    pub monotonicity: Monotonicity,
     /// Which laws of algebra it obeys.
     pub class: Class,
     /// What it does with a minus sign.
@@ -98,12 +96,11 @@ pub struct Row {
     /// than the tightest one, in `f32` and in `f64`. They are not exactly monotone in the operands' bounds then. `None` if
     /// they come of correctly rounded arithmetic alone; to say so where they do not is unsound.
     pub excess: Option<[u64; 2]>,
-    /// Partial derivative for each operand, in the language, over operands `a`, `b`, `c`.
-    pub partials: &'static [&'static str],
+    /// Its derivative by some variable: a formula over operands `a`, `b`, `c`, their derivatives
+    /// `da`, `db`, `dc`, small integers and the operations of the table.
+    pub derivative: &'static str,
     /// One line for help.
     pub doc: &'static str,
-    /// Where the definition comes from.
-    pub source: &'static str,
 }
 
 /// How an operation is written.
@@ -159,15 +156,4 @@ pub enum Continuity {
     Domain,
     /// Everywhere but where it jumps: at integers, half integers, zero, multiples or a cut, as its doc line says.
     Jumps,
-}
-
-/// How an operation changes with its first operand, the others held fixed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Monotonicity {
-    /// Never decreases.
-    Increasing,
-    /// Never increases.
-    Decreasing,
-    /// Depends on where, or on the other operands.
-    Neither,
 }

@@ -27,9 +27,18 @@ fn most(op: Op) -> [u64; 2] {
 }
 
 /// Multiples of π/2, and the end of the angles that are reduced.
-const QUARTERS: [f64; 7] =
-    [1e-310, FRAC_PI_2, -PI, 3.0 * FRAC_PI_2, 1000.0 * PI, 66_637.5 * PI, ANGLE_LIMIT];
-const ANGLE_LIMIT: f64 = 1_048_576.0;
+const QUARTERS: [f64; 9] = [
+    1e-310,
+    FRAC_PI_2,
+    -PI,
+    3.0 * FRAC_PI_2,
+    1000.0 * PI,
+    66_637.5 * PI,
+    1_048_576.0,
+    123_456_789.0 * PI,
+    ANGLE_LIMIT,
+];
+const ANGLE_LIMIT: f64 = 8_589_934_592.0; // 2^33
 
 fn cases() -> Vec<Case> {
     let case = |op, truth, hard| Case { op, truth, hard };

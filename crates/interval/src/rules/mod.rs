@@ -11,7 +11,7 @@ mod step;
 
 pub(crate) use elementary::logarithm::Base;
 pub(crate) use elementary::sum::Near;
-pub(crate) use elementary::trigonometric::ANGLE_LIMIT;
+pub(crate) use elementary::trigonometric::HalfPi;
 pub(crate) use elementary::wide::{Text, by_halves};
 
 use crate::enclosure::{Enclosure, Operand};
@@ -107,7 +107,7 @@ pub fn enclose_twins<M: Machine>(
     a: &Operand<M::V>,
 ) -> Option<[Enclosure<M::V>; 2]> {
     let mut rule = Rule { m, format };
-    if !matches!(op, Op::Sin | Op::Cos) || !rule.is_near(a.range) {
+    if op.row().twin.is_none() || !rule.is_near(a.range) {
         return None;
     }
     let [sin, cos] = rule.near_waves(a);
@@ -157,5 +157,16 @@ impl<M: Machine> Rule<'_, M> {
     fn lo(&mut self, a: &Enclosure<M::V>) -> M::V {
         let zero = self.zero();
         self.m.sub(zero, a.neg_lo)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use zeroset_ops::{Op, TABLE};
+
+    #[test]
+    fn sine_and_cosine_are_the_only_twins() {
+        let twins = TABLE.iter().filter_map(|row| Some((row.op, row.twin?)));
+        assert_eq!(twins.collect::<Vec<_>>(), [(Op::Sin, Op::Cos), (Op::Cos, Op::Sin)]);
     }
 }

@@ -4,7 +4,7 @@ use super::Rule;
 use super::elementary::logarithm::Base;
 use super::elementary::wide::by_halves;
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Exponent, Fact, Operand, Sign};
+use crate::enclosure::{Enclosure, Exponent, Operand, Sign};
 use crate::machine::{Format, Machine};
 use crate::part::Part;
 
@@ -53,12 +53,7 @@ impl<M: Machine> Rule<'_, M> {
                 self.reciprocal_power(&base, n.unsigned_abs())
             }
             Exponent::Integer(n) => self.integer_power(a, n.unsigned_abs()),
-            Exponent::LargeInteger => {
-                let infinity = self.infinity();
-                let unknown = Fact::False;
-                let (defined, continuous) = (unknown, unknown);
-                Enclosure { neg_lo: infinity, hi: infinity, defined, continuous, ..a.value }
-            }
+            Exponent::LargeInteger { odd } => self.large_power(a, b, odd),
         };
         // A constant exponent may stand for an expression that is not defined.
         self.with_facts_of(&Operand::new(value, Interval::ENTIRE), b)
@@ -91,6 +86,29 @@ impl<M: Machine> Rule<'_, M> {
                 Enclosure { neg_lo, hi, ..a.value }
             }
         }
+    }
+
+    /// aⁿ for |n| ≥ 2³¹: |a|ⁿ, which is a·|a|ⁿ⁻¹ for odd n.
+    fn large_power(&mut self, a: &Operand<M::V>, n: &Operand<M::V>, odd: bool) -> Enclosure<M::V> {
+        let range = Interval { lo: 0.0, hi: a.range.magnitude() };
+        let magnitude = Operand::new(self.abs(a), range);
+        let mut exponent = Operand::new(n.value, Interval::ENTIRE);
+        if odd {
+            let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+            exponent.value.neg_lo = self.m.add(n.value.neg_lo, one);
+            exponent.value.hi = self.m.add(n.value.hi, minus_one);
+        }
+        let (neg_lo, hi) = self.real_power_ends(&magnitude, &exponent);
+        let mut value = Enclosure { neg_lo, hi, ..a.value };
+        if odd {
+            let range = Interval { lo: 0.0, hi: f64::INFINITY };
+            value = self.mul(a, &Operand::new(value, range));
+        }
+        if n.range.lo > 0.0 {
+            return value;
+        }
+        let (nowhere, throughout) = self.nonzero(a);
+        self.restrict(value, nowhere, throughout)
     }
 
     /// 1/aⁿ.
@@ -226,5 +244,50 @@ impl<M: Machine> Rule<'_, M> {
             hi = self.m.select(only_zero, zero, hi);
         }
         (neg_lo, hi)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Exponent, Facts, Interval, Value, fold};
+    use zeroset_ops::Op;
+
+    /// A power with an exponent beyond `i32`, over [lo, hi].
+    fn power(lo: f64, hi: f64, n: i64) -> ([f64; 2], Facts) {
+        let bounds = Interval::point(n as f64).expect("finite");
+        let exponent = Exponent::LargeInteger { odd: n % 2 != 0 };
+        let base = Value::from((Interval::new(lo, hi).expect("in order"), Facts::TOTAL));
+        let n = Value { bounds, facts: Facts::TOTAL, exponent };
+        let (bounds, facts) = fold(Op::Pow, &[base, n]);
+        ([bounds.lo, bounds.hi], facts)
+    }
+
+    #[test]
+    fn large_integer_powers_are_bounded() {
+        let even = 1 << 31;
+        let ([lo, hi], facts) = power(-1.0, 1.0, even);
+        assert!(lo == 0.0 && (1.0..1.0 + 1e-15).contains(&hi) && facts == Facts::TOTAL);
+        let ([lo, hi], facts) = power(-1.0, 1.0, even + 1);
+        assert!((lo + 1.0).abs() < 1e-15 && (hi - 1.0).abs() < 1e-15 && facts == Facts::TOTAL);
+        let ([lo, hi], _) = power(1.0, 1.0, -even);
+        assert!(1.0 - 1e-15 < lo && lo <= 1.0 && 1.0 <= hi && hi < 1.0 + 1e-15);
+        assert_eq!(power(-2.0, -2.0, even + 1).0, [f64::NEG_INFINITY, -f64::MAX]);
+        assert_eq!(power(-0.5, 0.5, even).0, [0.0, f64::from_bits(1)]);
+        // (1 + 2⁻⁵²)^2³¹ = exp(2⁻²¹ − …)
+        let near = 1.0 + f64::EPSILON;
+        let [lo, hi] = power(near, near, even).0;
+        let value = 1.0 + 2_f64.powi(-21) + 2_f64.powi(-43);
+        assert!(lo <= value && value <= hi && hi - lo < 1e-15, "{lo} {hi}");
+    }
+
+    #[test]
+    fn large_negative_powers_have_a_pole() {
+        let n = -(1_i64 << 40);
+        assert_eq!(power(0.0, 0.0, n).1, Facts::NOWHERE);
+        assert_eq!(power(-1.0, 1.0, n).1, Facts::NONE);
+        assert_eq!(power(0.5, 0.5, n), ([f64::MAX, f64::INFINITY], Facts::TOTAL));
+        assert_eq!(power(-0.5, -0.5, n + 1).0, [f64::NEG_INFINITY, -0.5 * f64::MAX]);
+        let ([lo, hi], _) = power(-1.0, 1.0, n + 1);
+        assert_eq!([lo, hi], [f64::NEG_INFINITY, f64::INFINITY]);
     }
 }

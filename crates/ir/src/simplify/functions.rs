@@ -28,10 +28,10 @@ impl Rewriter<'_> {
                 Parity::Neither => {}
             }
         }
-        if op == Op::Abs || op == Op::Sign {
+        if let Class::Function(law @ (Law::Magnitude | Law::Sign)) = op.row().class {
             // The size of the coefficient moves out of abs and does not matter to sign.
             let size = std::mem::replace(&mut operand.coefficient, BigRational::one());
-            if op == Op::Abs {
+            if law == Law::Magnitude {
                 outer *= size;
             }
         }

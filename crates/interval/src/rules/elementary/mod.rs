@@ -17,7 +17,7 @@ use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
 use sum::Near;
-use trigonometric::{ANGLE_LIMIT, WAVE_ERROR_F32};
+use trigonometric::{HalfPi, WAVE_ERROR_F32};
 use wide::{Text, at_ends};
 
 impl<M: Machine> Rule<'_, M> {
@@ -26,14 +26,14 @@ impl<M: Machine> Rule<'_, M> {
             return self.near_waves(a)[0];
         }
         // The maximum 1 is at π/2 + 2πj, the minimum at −π/2 + 2πj.
-        self.wave(a, |text, x| text.sin(x), 0.25, -0.25)
+        self.wave(a, |text, x, half_pi| text.sin(x, half_pi), 0.25, -0.25)
     }
 
     pub(super) fn cos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         if self.is_near(a.range) {
             return self.near_waves(a)[1];
         }
-        self.wave(a, |text, x| text.cos(x), 0.0, 0.5)
+        self.wave(a, |text, x, half_pi| text.cos(x, half_pi), 0.0, 0.5)
     }
 
     /// Sine or cosine: `f` approximates it and counts quarter turns, `peak` and `trough` say at how many turns from 0
@@ -41,10 +41,12 @@ impl<M: Machine> Rule<'_, M> {
     fn wave(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
+        f: impl Fn(&mut Text<'_, M>, M::V, &HalfPi) -> (Near<M::V>, M::V),
         peak: f64,
         trough: f64,
     ) -> Enclosure<M::V> {
+        let half_pi = HalfPi::for_angles(a.range);
+        let f = |text: &mut Text<'_, M>, x| f(text, x, half_pi);
         let one = self.number(1.0);
         let [neg_lo, hi, first, last] = match self.format {
             Format::F32 => {
@@ -69,7 +71,7 @@ impl<M: Machine> Rule<'_, M> {
         let has_trough = self.has_turn([first, last], trough);
         hi = self.m.select(has_peak, one, hi);
         neg_lo = self.m.select(has_trough, one, neg_lo);
-        if let Some(near) = self.within_angle_limit(a) {
+        if let Some(near) = self.within_limit(a, half_pi) {
             neg_lo = self.m.select(near, neg_lo, one);
             hi = self.m.select(near, hi, one);
         }
@@ -77,7 +79,8 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let tan = |text: &mut Text<'_, M>, x| text.tan(x);
+        let half_pi = HalfPi::for_angles(a.range);
+        let tan = |text: &mut Text<'_, M>, x| text.tan(x, half_pi);
         let [neg_lo, hi, first, last] = match self.format {
             Format::F32 => {
                 let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
@@ -96,7 +99,7 @@ impl<M: Machine> Rule<'_, M> {
         // In half turns, there is a pole at every integer and a half.
         let pole = self.has_turn([first, last], 0.5);
         let mut free = self.not(pole);
-        if let Some(near) = self.within_angle_limit(a) {
+        if let Some(near) = self.within_limit(a, half_pi) {
             free = self.m.and(free, near);
         }
         let infinity = self.infinity();
@@ -136,7 +139,7 @@ impl<M: Machine> Rule<'_, M> {
 
     /// Lanes where the angle, given by [`turns`], passes j + `offset` for some integer j.
     fn has_turn(&mut self, [neg_lo, hi]: [M::V; 2], offset: f64) -> M::V {
-        // floor(hi − offset) ≥ ceil(lo − offset); all numbers are multiples of 1/8 below 2^20, and exact in f32.
+        // floor(hi − offset) ≥ ceil(lo − offset); all are multiples of 1/8 below 2^21, exact in f32.
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
         let last = self.m.floor(last);
@@ -146,14 +149,14 @@ impl<M: Machine> Rule<'_, M> {
         self.m.le(zero, count)
     }
 
-    /// Lanes whose ends the angle reduction can handle, or `None` if all can.
-    fn within_angle_limit(&mut self, a: &Operand<M::V>) -> Option<M::V> {
-        let limit = Interval { lo: -ANGLE_LIMIT, hi: ANGLE_LIMIT };
-        if limit.encloses(a.range) {
+    /// Lanes whose ends can be reduced, or `None` if all can.
+    fn within_limit(&mut self, a: &Operand<M::V>, half_pi: &HalfPi) -> Option<M::V> {
+        let limit = half_pi.limit(self.format);
+        if (Interval { lo: -limit, hi: limit }).encloses(a.range) {
             return None;
         }
         let far = self.m.max(a.value.neg_lo, a.value.hi);
-        let limit = self.number(ANGLE_LIMIT);
+        let limit = self.number(limit);
         Some(self.m.le(far, limit))
     }
 }
