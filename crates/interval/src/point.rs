@@ -63,21 +63,7 @@ pub fn evaluate<M: Machine>(
         Op::Sub => rule.m.sub(a, operands[1]),
         Op::Mul => rule.m.mul(a, operands[1]),
         Op::Div => rule.m.div(a, operands[1]),
-        Op::Pow => match exponent {
-            Exponent::Integer(n) if n < 0 => {
-                let power = rule.integer_power_at(a, n.unsigned_abs());
-                let one = rule.number(1.0);
-                rule.m.div(one, power)
-            }
-            Exponent::Integer(n) => rule.integer_power_at(a, n.unsigned_abs()),
-            Exponent::LargeInteger { odd } => {
-                let magnitude = rule.m.abs(a);
-                let power = rule.real_power_at(magnitude, operands[1]);
-                let sign = rule.sign_of(a);
-                if odd { rule.m.mul(sign, power) } else { power }
-            }
-            Exponent::Real => rule.real_power_at(a, operands[1]),
-        },
+        Op::Pow => rule.power_at(a, operands[1], exponent),
         Op::Mod => {
             let quotient = rule.m.div(a, operands[1]);
             let cells = rule.m.floor(quotient);
@@ -244,6 +230,24 @@ impl<M: Machine> Rule<'_, M> {
         let limit = self.number(half_pi.limit(self.format));
         let near = self.m.le(magnitude, limit);
         self.nan_unless(near, value)
+    }
+
+    fn power_at(&mut self, a: M::V, b: M::V, exponent: Exponent) -> M::V {
+        match exponent {
+            Exponent::Integer(n) if n < 0 => {
+                let power = self.integer_power_at(a, n.unsigned_abs());
+                let one = self.number(1.0);
+                self.m.div(one, power)
+            }
+            Exponent::Integer(n) => self.integer_power_at(a, n.unsigned_abs()),
+            Exponent::LargeInteger { odd } => {
+                let magnitude = self.m.abs(a);
+                let power = self.real_power_at(magnitude, b);
+                let sign = self.sign_of(a);
+                if odd { self.m.mul(sign, power) } else { power }
+            }
+            Exponent::Real => self.real_power_at(a, b),
+        }
     }
 
     fn integer_power_at(&mut self, a: M::V, n: u32) -> M::V {

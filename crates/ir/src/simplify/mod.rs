@@ -90,7 +90,6 @@ pub fn rewrite(
         known: Vec::new(),
         sums: FxHashMap::default(),
         products: FxHashMap::default(),
-        users: FxHashMap::default(),
         domain,
         parameters,
     };
@@ -160,8 +159,6 @@ struct Rewriter<'a> {
     sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
     /// The factors of nodes that are products or powers.
     products: FxHashMap<NodeId, Product>,
-    /// Sums without a constant, by each of their terms.
-    users: FxHashMap<NodeId, Vec<NodeId>>,
     domain: &'a [Interval; 3],
     parameters: &'a [Interval],
 }

@@ -89,7 +89,6 @@ impl Rewriter<'_> {
     /// Merges equal bases and drops what exponents make needless, keeping the domain in conditions.
     pub(super) fn settle(&mut self, mut p: Product) -> Product {
         p.loose = false;
-        self.open_overlapping(&mut p);
         loop {
             Self::merge(&mut p);
             if !self.simplify_powers(&mut p) {
@@ -184,56 +183,6 @@ impl Rewriter<'_> {
         self.node(Op::Max, &[u.min(zero), u.max(zero)])
     }
 
-    /// Replaces shared products by their factors where that lets bases merge.
-    fn open_overlapping(&self, p: &mut Product) {
-        let inner = |factor: &Factor| {
-            self.products.get(&factor.base).filter(|inner| {
-                inner.factors.first().is_some_and(|first| first.base != factor.base)
-                    && inner.conditions.is_empty()
-            })
-        };
-        if p.factors.len() < 2 || !p.factors.iter().any(|factor| inner(factor).is_some()) {
-            return;
-        }
-        let mut bases: Vec<NodeId> = p
-            .factors
-            .iter()
-            .flat_map(|factor| {
-                inner(factor)
-                    .into_iter()
-                    .flat_map(|inner| inner.factors.iter().map(|f| f.base))
-                    .chain(std::iter::once(factor.base))
-            })
-            .collect();
-        bases.sort_unstable();
-        let repeated = |base: NodeId| {
-            let at = bases.partition_point(|b| *b < base);
-            bases.get(at + 1) == Some(&base)
-        };
-        let mut opened = Vec::with_capacity(p.factors.len());
-        for factor in std::mem::take(&mut p.factors) {
-            let found = inner(&factor)
-                .filter(|inner| inner.factors.iter().any(|f| repeated(f.base)))
-                .and_then(|inner| inner.raised(factor.exponent))
-                .and_then(|inner| {
-                    Some((numbers::moderate(&inner.coefficient * &p.coefficient)?, inner))
-                });
-            match found {
-                Some((coefficient, inner)) => {
-                    p.coefficient = coefficient;
-                    opened.extend(
-                        inner
-                            .factors
-                            .into_iter()
-                            .map(|f| Factor { nonzero: f.nonzero || factor.nonzero, ..f }),
-                    );
-                }
-                None => opened.push(factor),
-            }
-        }
-        p.factors = opened;
-    }
-
     /// The node of a settled product; its conditions are the caller's.
     pub(super) fn emit_product(&mut self, p: &Product) -> NodeId {
         if p.factors.is_empty() {
@@ -246,6 +195,7 @@ impl Rewriter<'_> {
             if p.coefficient.abs().is_one()
                 && let Some((constant, terms)) = self.sums.get(&base).cloned()
             {
+                // The opposite of a sum has the opposite terms: 7 operations of the gallery.
                 let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
                 return self.emit_sum(&-constant, &terms);
             }
@@ -266,18 +216,6 @@ impl Rewriter<'_> {
     }
 
     fn emit_factors(&mut self, p: &Product) -> NodeId {
-        if p.coefficient.is_negative()
-            && p.coefficient.abs().is_one()
-            && let Some(index) = self.difference_in(p)
-        {
-            // `−(a − b)·c = (b − a)·c`, without a negation.
-            let mut flipped = p.clone();
-            flipped.coefficient = BigRational::one();
-            let (constant, terms) = self.sums[&p.factors[index].base].clone();
-            let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
-            flipped.factors[index].base = self.emit_sum(&-constant, &terms);
-            return self.emit_factors(&flipped);
-        }
         let mut uniform = [None, None]; // above and below the line
         let mut varying = [Vec::new(), Vec::new()];
         for rank in [Rank::Constant, Rank::Uniform] {
@@ -335,7 +273,8 @@ impl Rewriter<'_> {
         self.node(Op::Div, &[above, b])
     }
 
-    /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight, and shorter.
+    /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight, and
+    /// shorter (4 operations of the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
         let common = powers.iter().fold(0, |gcd, (_, n)| greatest_common_divisor(gcd, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));
