@@ -27,10 +27,12 @@ impl From<(Interval, Facts)> for Value {
     }
 }
 
-/// Encloses `op` over boxes of operands in `f64`, rounded outward, with what is proven of the result.
+/// Encloses `op` over boxes of operands in `f64`, rounded outward, with what is proven of the
+/// result.
 ///
-/// Where the result is defined nowhere, its bounds are all reals. Sums, products, quotients, squares, square roots and
-/// all that rounds or compares are the tightest, on infinite operands too (where kernels need not be).
+/// Where the result is defined nowhere, its bounds are all reals. Sums, products, quotients,
+/// squares, square roots and all that rounds or compares are the tightest, on infinite operands too
+/// (where kernels need not be).
 ///
 /// ```
 /// use zeroset_interval::{Facts, Interval, fold};

@@ -8,18 +8,20 @@ use zeroset_ops::{Class, Continuity, Law, Op};
 
 /// Which points of a box count.
 ///
-/// A function that jumps splits a box in two or three parts by its own value; one with a pole splits it in two by the
-/// sign of its divisor. The parts of one [`Parting`] cover the box, so that what holds over each holds over the box.
+/// A function that jumps splits a box in two or three parts by its own value; one with a pole
+/// splits it in two by the sign of its divisor. The parts of one [`Parting`] cover the box, so that
+/// what holds over each holds over the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// All of them.
     Whole,
-    /// Those where an integer-valued function takes the lowest value of the box, a choice its first branch, a divisor is
-    /// negative, an angle is below its cut.
+    /// Those where an integer-valued function takes the lowest value of the box, a choice its first
+    /// branch, a divisor is negative, an angle is below its cut.
     Low,
     /// All but [`Part::Low`].
     Rest,
-    /// Those where an integer-valued function takes neither its lowest nor its highest value of the box.
+    /// Those where an integer-valued function takes neither its lowest nor its highest value of the
+    /// box.
     Middle,
     /// Those where it takes the highest.
     High,
@@ -39,8 +41,8 @@ pub enum Parting {
 }
 
 impl Parting {
-    /// How `op` splits boxes, if its operands, as many as its arity says, keep within `ranges`; `exponent` says
-    /// what the last one is as an exponent.
+    /// How `op` splits boxes, if its operands, as many as its arity says, keep within `ranges`;
+    /// `exponent` says what the last one is as an exponent.
     pub fn of(op: Op, ranges: &[Interval], exponent: Exponent) -> Self {
         let straddles = |range: &Interval| range.lo < 0.0 && range.hi > 0.0;
         let row = op.row();

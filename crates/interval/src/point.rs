@@ -1,7 +1,7 @@
 //! The value of every operation at points, written once over [`Machine`].
 //!
-//! Values carry no bound: they shade pictures and start searches. Where an operation is undefined the value is NaN, or
-//! infinite at a pole.
+//! Values carry no bound: they shade pictures and start searches. Where an operation is undefined
+//! the value is NaN, or infinite at a pole.
 
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
@@ -9,7 +9,8 @@ use crate::machine::{Format, Machine};
 use crate::rules::{Base, HalfPi, Near, Rule, Text, by_halves};
 use zeroset_ops::Op;
 
-/// Evaluates `op` over lanes of operands, all in `format`; `exponent` says what the last operand is as one.
+/// Evaluates `op` over lanes of operands, all in `format`; `exponent` says what the last operand is
+/// as one.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
@@ -114,7 +115,8 @@ pub fn evaluate<M: Machine>(
     }
 }
 
-/// Evaluates `op` and its twin over lanes of their operand, which lie in `range`, or `None` if they share no work there.
+/// Evaluates `op` and its twin over lanes of their operand, which lie in `range`, or `None` if they
+/// share no work there.
 pub fn evaluate_twins<M: Machine>(
     m: &mut M,
     format: Format,
@@ -197,7 +199,8 @@ impl<M: Machine> Rule<'_, M> {
     /// The angle of the point (b, a); NaN at the origin and where either is NaN.
     fn angle_of(&mut self, a: M::V, b: M::V) -> M::V {
         let zero = self.zero();
-        // A zero of either sign is on the upper side and on the right, whatever rounding left of it.
+        // A zero of either sign is on the upper side and on the right, whatever rounding left of
+        // it.
         let (a, b) = (self.m.add(a, zero), self.m.add(b, zero));
         let [value] = by_halves(self.m, self.format, [a, b], |text, [a, b]| {
             let near = text.angle(a, b);

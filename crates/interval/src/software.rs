@@ -62,7 +62,8 @@ impl Lanes {
     }
 }
 
-/// A [`Machine`] that computes each lane in software, rounding up whatever the processor's rounding mode.
+/// A [`Machine`] that computes each lane in software, rounding up whatever the processor's rounding
+/// mode.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Software;
 

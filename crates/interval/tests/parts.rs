@@ -1,5 +1,5 @@
-//! The parts into which operations split boxes: together they hold every value, and where nothing jumps each is the
-//! whole.
+//! The parts into which operations split boxes: together they hold every value, and where nothing
+//! jumps each is the whole.
 
 use zeroset_interval::{
     Enclosure, Exponent, Fact, Format, Interval, Lanes, Operand, Part, Parting, Software,

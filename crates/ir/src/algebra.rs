@@ -1,7 +1,8 @@
 //! Building expressions with the obvious steps taken at once: zeros, ones and exact numbers vanish.
 //!
-//! For passes that make many terms which are mostly trivial. A factor 0 drops the other factor with its domain of
-//! definition, so these are for derivatives and cleared forms, not for [`simplify`](crate::simplify()).
+//! For passes that make many terms which are mostly trivial. A factor 0 drops the other factor with
+//! its domain of definition, so these are for derivatives and cleared forms, not for
+//! [`simplify`](crate::simplify()).
 
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};

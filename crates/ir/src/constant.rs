@@ -9,8 +9,8 @@ use zeroset_interval::{Exponent, Facts, Interval, Value};
 const EXACT_BITS: u64 = 512;
 /// Decimal exponents beyond this exceed every float by far and are enclosed at once.
 const EXPONENT_LIMIT: i64 = 2000;
-/// Digits beyond these cannot move either end of an f64 enclosure by more than its last place, but they cost
-/// quadratic time; a remainder widens the enclosure instead.
+/// Digits beyond these cannot move either end of an f64 enclosure by more than its last place, but
+/// they cost quadratic time; a remainder widens the enclosure instead.
 const KEPT_DIGITS: usize = 1200;
 
 /// A real constant: exactly, while it is a rational number of moderate size or has a name, else
@@ -89,7 +89,8 @@ impl Constant {
         }
     }
 
-    /// The number that a decimal like `12`, `.5`, `1.` or `2.5e-3` stands for, exactly. `None` if `text` is not one.
+    /// The number that a decimal like `12`, `.5`, `1.` or `2.5e-3` stands for, exactly. `None` if
+    /// `text` is not one.
     pub fn decimal(text: &str) -> Option<Self> {
         let (mantissa, exponent) = match text.split_once(['e', 'E']) {
             Some((mantissa, exponent)) => (mantissa, Some(exponent)),
@@ -117,7 +118,8 @@ impl Constant {
             return Some(Self::integer(0));
         }
         let scale = exponent - fraction.len() as i64;
-        let magnitude = scale + significant.len() as i64; // value in [10^(magnitude-1), 10^magnitude)
+        // The value is in [10^(magnitude − 1), 10^magnitude).
+        let magnitude = scale + significant.len() as i64;
         if magnitude > EXPONENT_LIMIT {
             return Some(Self::enclosed(Interval { lo: f64::MAX, hi: f64::INFINITY }));
         }

@@ -32,7 +32,8 @@ pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
     let needed = graph.reachable(&[root]);
     let zero = graph.integer(0);
     let one = graph.integer(1);
-    // Only the nodes up to the root have an entry; those that the rules add are never differentiated here.
+    // Only the nodes up to the root have an entry; those that the rules add are never
+    // differentiated here.
     let mut partials = vec![[zero; 3]; root.index() + 1];
     let ids: Vec<NodeId> = graph
         .iter()

@@ -105,7 +105,8 @@ impl Graph {
         self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))
     }
 
-    /// The nodes from the `first` one on, counted from 0: those added since the graph had that many.
+    /// The nodes from the `first` one on, counted from 0: those added since the graph had that
+    /// many.
     pub fn since(&self, first: usize) -> impl Iterator<Item = (NodeId, &Node)> {
         let later = self.nodes.get(first..).unwrap_or_default();
         later.iter().zip(first..).map(|(node, index)| (NodeId(index as u32), node))

@@ -4,8 +4,8 @@ use crate::class::{Class, Parity};
 
 /// A native operation: a node of the expression graph that has an interval rule of its own.
 ///
-/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm: the compiler
-/// then lists every place that a new row still needs.
+/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm: the
+/// compiler then lists every place that a new row still needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)] // each variant is documented by its row
 pub enum Op {
@@ -86,15 +86,18 @@ pub struct Row {
     pub class: Class,
     /// What it does with a minus sign.
     pub parity: Parity,
-    /// Where a function of one operand has a rational value that no law gives: pairs of integers, argument and value.
+    /// Where a function of one operand has a rational value that no law gives: pairs of integers,
+    /// argument and value.
     pub values: &'static [(i32, i32)],
     /// Two functions without poles whose quotient it is, if it has poles and is such a quotient.
     pub quotient: Option<[Op; 2]>,
-    /// A function of the same operand that shares most of its work, so that both are computed together.
+    /// A function of the same operand that shares most of its work, so that both are computed
+    /// together.
     pub twin: Option<Op>,
-    /// If its bounds come from an approximation: the most floats by which an enclosure of its value at a point may be wider
-    /// than the tightest one, in `f32` and in `f64`. They are not exactly monotone in the operands' bounds then. `None` if
-    /// they come of correctly rounded arithmetic alone; to say so where they do not is unsound.
+    /// If its bounds come from an approximation: the most floats by which an enclosure of its value
+    /// at a point may be wider than the tightest one, in `f32` and in `f64`. They are not exactly
+    /// monotone in the operands' bounds then. `None` if they come of correctly rounded arithmetic
+    /// alone; to say so where they do not is unsound.
     pub excess: Option<[u64; 2]>,
     /// Its derivative by some variable: a formula over operands `a`, `b`, `c`, their derivatives
     /// `da`, `db`, `dc`, small integers and the operations of the table.
@@ -144,8 +147,8 @@ pub enum Domain {
     CosineNonzero,
     /// Where not all operands are 0.
     AnyNonzero,
-    /// That of a power: all reals for an integer exponent ≥ 0, base ≠ 0 for a negative one; otherwise base > 0,
-    /// or base = 0 with exponent > 0.
+    /// That of a power: all reals for an integer exponent ≥ 0, base ≠ 0 for a negative one;
+    /// otherwise base > 0, or base = 0 with exponent > 0.
     Power,
 }
 
@@ -154,6 +157,7 @@ pub enum Domain {
 pub enum Continuity {
     /// Everywhere in its domain.
     Domain,
-    /// Everywhere but where it jumps: at integers, half integers, zero, multiples or a cut, as its doc line says.
+    /// Everywhere but where it jumps: at integers, half integers, zero, multiples or a cut, as its
+    /// doc line says.
     Jumps,
 }

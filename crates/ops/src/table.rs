@@ -6,11 +6,12 @@ use Class::Function;
 use Continuity::Jumps;
 use Parity::{Even, Odd};
 
-/// A callable function, continuous where defined; rows override what differs. What is left out is safe: a law not
-/// stated is not used, and bounds count as approximate.
+/// A callable function, continuous where defined; rows override what differs. What is left out is
+/// safe: a law not stated is not used, and bounds count as approximate.
 ///
-/// The excess of functions of one `f32` is proven by trying all of them, the others are seeded searches for the worst over
-/// bounds that each text proves; the tests `exhaustive` and `tight` hold every row to its own.
+/// The excess of functions of one `f32` is proven by trying all of them, the others are seeded
+/// searches for the worst over bounds that each text proves; the tests `exhaustive` and `tight`
+/// hold every row to its own.
 const BASE: Row = Row {
     op: Op::Neg,
     name: "",
@@ -92,13 +93,16 @@ pub static TABLE: &[Row] = &[
         derivative: "-sin(a)*da", doc: "cosine of an angle in radians", ..BASE },
     Row { op: Op::Tan, name: "tan", domain: Domain::CosineNonzero,
         parity: Odd, values: &[(0, 0)], quotient: Some([Op::Sin, Op::Cos]),
-        derivative: "(1+sqr(tan(a)))*da", doc: "tangent; undefined at odd multiples of pi/2", ..BASE },
+        derivative: "(1+sqr(tan(a)))*da",
+        doc: "tangent; undefined at odd multiples of pi/2", ..BASE },
     Row { op: Op::Asin, name: "asin", aliases: &["arcsin"], domain: Domain::Unit,
         parity: Odd, values: &[(0, 0)],
-        derivative: "da/sqrt((1-a)*(1+a))", doc: "angle in [-pi/2, pi/2] whose sine is a; defined for |a| <= 1", ..BASE },
+        derivative: "da/sqrt((1-a)*(1+a))",
+        doc: "angle in [-pi/2, pi/2] whose sine is a; defined for |a| <= 1", ..BASE },
     Row { op: Op::Acos, name: "acos", aliases: &["arccos"], domain: Domain::Unit,
         values: &[(1, 0)],
-        derivative: "-da/sqrt((1-a)*(1+a))", doc: "angle in [0, pi] whose cosine is a; defined for |a| <= 1", ..BASE },
+        derivative: "-da/sqrt((1-a)*(1+a))",
+        doc: "angle in [0, pi] whose cosine is a; defined for |a| <= 1", ..BASE },
     Row { op: Op::Atan, name: "atan", aliases: &["arctan"],
         parity: Odd, values: &[(0, 0)],
         derivative: "da/(1+sqr(a))", doc: "angle in (-pi/2, pi/2) whose tangent is a", ..BASE },
@@ -116,10 +120,12 @@ pub static TABLE: &[Row] = &[
         derivative: "da/sqrt(1+sqr(a))", doc: "inverse hyperbolic sine", ..BASE },
     Row { op: Op::Acosh, name: "acosh", aliases: &["arcosh"], domain: Domain::FromOne,
         values: &[(1, 0)],
-        derivative: "da/sqrt((a-1)*(a+1))", doc: "inverse hyperbolic cosine; defined for a >= 1", ..BASE },
+        derivative: "da/sqrt((a-1)*(a+1))",
+        doc: "inverse hyperbolic cosine; defined for a >= 1", ..BASE },
     Row { op: Op::Atanh, name: "atanh", aliases: &["artanh"], domain: Domain::UnitInside,
         class: Function(Law::Undoes(Op::Tanh)), parity: Odd, values: &[(0, 0)],
-        derivative: "da/((1-a)*(1+a))", doc: "inverse hyperbolic tangent; defined for |a| < 1", ..BASE },
+        derivative: "da/((1-a)*(1+a))",
+        doc: "inverse hyperbolic tangent; defined for |a| < 1", ..BASE },
     Row { op: Op::Add, name: "add", arity: 2, notation: infix("+"),
         class: Class::Sum,
         derivative: "da+db", doc: "sum", ..EXACT },
@@ -132,33 +138,45 @@ pub static TABLE: &[Row] = &[
     Row { op: Op::Div, name: "div", arity: 2, notation: infix("/"), domain: Domain::LastNonzero,
         class: Class::Quotient,
         derivative: "(da-a/b*db)/b", doc: "quotient; undefined where b = 0", ..EXACT },
-    Row { op: Op::Pow, name: "pow", arity: 2, notation: Notation::Infix { symbol: "^", callable: true },
+    Row { op: Op::Pow, name: "pow", arity: 2,
+        notation: Notation::Infix { symbol: "^", callable: true },
         domain: Domain::Power,
         class: Class::Power,
-        derivative: "b*a^(b-1)*da+a^b*ln(a)*db", doc: "a to the power b; a >= 0 unless b is an integer constant",
-        // Of a real exponent. An integer power multiplies about 2 log2 |n| times, each time rounding by 1 ulp: |n| in all.
+        derivative: "b*a^(b-1)*da+a^b*ln(a)*db",
+        doc: "a to the power b; a >= 0 unless b is an integer constant",
+        // Of a real exponent. An integer power multiplies about 2 log2 |n| times, each time
+        // rounding by 1 ulp: |n| in all.
         excess: Some([2, 64]), ..BASE },
     Row { op: Op::Mod, name: "mod", arity: 2, domain: Domain::LastNonzero, continuity: Jumps,
         class: Class::Remainder,
-        derivative: "da-floor(a/b)*db", doc: "a - b*floor(a/b); jumps where a is a multiple of b", ..EXACT },
-    Row { op: Op::Atan2, name: "atan2", aliases: &["atan", "arctan"], arity: 2, domain: Domain::AnyNonzero, continuity: Jumps,
+        derivative: "da-floor(a/b)*db",
+        doc: "a - b*floor(a/b); jumps where a is a multiple of b", ..EXACT },
+    Row { op: Op::Atan2, name: "atan2", aliases: &["atan", "arctan"], arity: 2,
+        domain: Domain::AnyNonzero, continuity: Jumps,
         class: Class::FunctionOfTwo,
         derivative: "(b*da-a*db)/(sqr(a)+sqr(b))",
-        doc: "angle in (-pi, pi] of the point (b, a), given as atan2(a, b); undefined at the origin, jumps where a = 0 and b < 0",
+        doc: "angle in (-pi, pi] of the point (b, a), given as atan2(a, b); \
+            undefined at the origin, jumps where a = 0 and b < 0",
         // Below 2^-799 in `f64`; 4 elsewhere.
         excess: Some([2, 6]), ..BASE },
     Row { op: Op::Min, name: "min", aliases: &["union"], arity: 2,
         class: Class::Extremum,
-        derivative: "select_negative(b-a, db, select_negative(a-b, da, (da+db)/2))", doc: "the smallest of its arguments; union of solids", ..EXACT },
+        derivative: "select_negative(b-a, db, select_negative(a-b, da, (da+db)/2))",
+        doc: "the smallest of its arguments; union of solids", ..EXACT },
     Row { op: Op::Max, name: "max", aliases: &["intersect"], arity: 2,
         class: Class::Extremum,
-        derivative: "select_negative(a-b, db, select_negative(b-a, da, (da+db)/2))", doc: "the largest of its arguments; intersection of solids", ..EXACT },
-    Row { op: Op::SelectNegative, name: "select_negative", arity: 3, notation: Notation::Internal, continuity: Jumps,
+        derivative: "select_negative(a-b, db, select_negative(b-a, da, (da+db)/2))",
+        doc: "the largest of its arguments; intersection of solids", ..EXACT },
+    Row { op: Op::SelectNegative, name: "select_negative", arity: 3,
+        notation: Notation::Internal, continuity: Jumps,
         class: Class::Choice,
-        derivative: "select_negative(a, db, dc)", doc: "b where a < 0, c where a >= 0; only the chosen one need be defined", ..EXACT },
-    Row { op: Op::Otherwise, name: "otherwise", arity: 2, notation: Notation::Internal, continuity: Jumps,
+        derivative: "select_negative(a, db, dc)",
+        doc: "b where a < 0, c where a >= 0; only the chosen one need be defined", ..EXACT },
+    Row { op: Op::Otherwise, name: "otherwise", arity: 2,
+        notation: Notation::Internal, continuity: Jumps,
         class: Class::Fallback,
-        derivative: "otherwise(where_defined(da, a), db)", doc: "a where a is defined, else b; jumps where the domain of a ends", ..EXACT },
+        derivative: "otherwise(where_defined(da, a), db)",
+        doc: "a where a is defined, else b; jumps where the domain of a ends", ..EXACT },
     Row { op: Op::WhereNonneg, name: "where_nonneg", arity: 2, notation: Notation::Internal,
         domain: Domain::LastNonneg,
         class: Class::Restriction(Restriction::Nonneg),

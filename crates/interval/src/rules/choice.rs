@@ -66,7 +66,8 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// a where it is defined, else b; their hull where a is defined in a part of the box, but for a part.
+    /// a where it is defined, else b; their hull where a is defined in a part of the box, but for a
+    /// part.
     pub(super) fn otherwise(
         &mut self,
         a: &Operand<M::V>,

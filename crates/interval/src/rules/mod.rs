@@ -1,7 +1,7 @@
 //! The interval rule of every operation, written once over [`Machine`].
 //!
-//! A rule may assume what [`Operand::range`] states, and only that; it is then sound for every box. Where an operand
-//! may be infinite, rules close each bound so that no NaN leaves them.
+//! A rule may assume what [`Operand::range`] states, and only that; it is then sound for every box.
+//! Where an operand may be infinite, rules close each bound so that no NaN leaves them.
 
 mod arithmetic;
 mod choice;
@@ -32,11 +32,13 @@ pub fn enclose<M: Machine>(
     enclose_part(m, format, op, operands, Part::Whole)
 }
 
-/// Encloses `op` over one of the parts into which it splits its operands' boxes: all points of that part where the
-/// operation is defined have their values within. Nothing may be concluded of other points.
+/// Encloses `op` over one of the parts into which it splits its operands' boxes: all points of that
+/// part where the operation is defined have their values within. Nothing may be concluded of other
+/// points.
 ///
-/// In lanes where the operation is continuous throughout the box there is nothing to split, and every part is the whole.
-/// An operation that does not split boxes in the way asked for encloses all of the box.
+/// In lanes where the operation is continuous throughout the box there is nothing to split, and
+/// every part is the whole. An operation that does not split boxes in the way asked for encloses
+/// all of the box.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.

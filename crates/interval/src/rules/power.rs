@@ -124,8 +124,8 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo: quotient.neg_lo, hi: quotient.hi, ..facts }
     }
 
-    /// (−lo, hi) of the n-th power, n ≥ 1, of a nonnegative pair, by squaring. Lower ends stay finite and upper ends
-    /// of powers of one number are all 0 or all not, so no product is 0·∞.
+    /// (−lo, hi) of the n-th power, n ≥ 1, of a nonnegative pair, by squaring. Lower ends stay
+    /// finite and upper ends of powers of one number are all 0 or all not, so no product is 0·∞.
     fn power_nonneg(&mut self, neg_lo: M::V, hi: M::V, n: u32) -> (M::V, M::V) {
         let mut result: Option<(M::V, M::V)> = None;
         let mut square = (neg_lo, hi);
@@ -154,8 +154,8 @@ impl<M: Machine> Rule<'_, M> {
         let negated = self.m.neg(magnitude);
         let (neg_lo, hi) = self.power_nonneg(negated, magnitude, n - 1);
         let lo = self.m.neg(neg_lo);
-        // a times the enclosure of |a|ⁿ⁻¹: the larger product, whichever sign a has. lo is finite; hi = ∞ only for
-        // a ≠ 0.
+        // a times the enclosure of |a|ⁿ⁻¹: the larger product, whichever sign a has. lo is finite;
+        // hi = ∞ only for a ≠ 0.
         let far = self.m.mul(a, hi);
         let near = self.m.mul(a, lo);
         self.m.max(far, near)
@@ -183,8 +183,8 @@ impl<M: Machine> Rule<'_, M> {
 
     /// (−lo, hi) of a power whose base may be positive, in `f64` whatever the format.
     fn real_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
-        // Where the base reaches 0, its ends are raised to the least positive number for the logarithm, and the
-        // result is corrected below.
+        // Where the base reaches 0, its ends are raised to the least positive number for the
+        // logarithm, and the result is corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);
         let bounded = a.range.hi < f64::INFINITY;
         // Of the smallest and the largest f32.
@@ -226,8 +226,8 @@ impl<M: Machine> Rule<'_, M> {
             neg_lo = self.m.select(vanishes, neg_lo_zero, neg_lo);
         }
         if a.range.lo <= 0.0 {
-            // 0^b is 0 for b > 0. Next to 0, powers grow without bound for b < 0, and are between 0 and those of the
-            // least positive base for b ≥ 0.
+            // 0^b is 0 for b > 0. Next to 0, powers grow without bound for b < 0, and are between 0
+            // and those of the least positive base for b ≥ 0.
             let from_zero = self.m.le(zero, a.value.neg_lo);
             let some_positive = self.gt(b.value.hi, zero);
             let starts = self.m.and(from_zero, some_positive);
@@ -237,8 +237,8 @@ impl<M: Machine> Rule<'_, M> {
             let grows = self.m.and(from_zero, some_negative);
             let infinity = self.infinity();
             hi = self.m.select(grows, infinity, hi);
-            // A base of 0 alone. Where it has no power at all, the bounds stay within those over any larger
-            // box that holds positive bases.
+            // A base of 0 alone. Where it has no power at all, the bounds stay within those over
+            // any larger box that holds positive bases.
             let no_positive = self.m.le(a.value.hi, zero);
             let only_zero = self.m.and(no_positive, some_positive);
             hi = self.m.select(only_zero, zero, hi);

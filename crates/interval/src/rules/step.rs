@@ -7,7 +7,8 @@ use crate::machine::Machine;
 use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
-    /// Bounds of an integer-valued function over a part of the box, continuous where it takes one value there.
+    /// Bounds of an integer-valued function over a part of the box, continuous where it takes one
+    /// value there.
     fn steps(&mut self, a: &Operand<M::V>, neg_lo: M::V, hi: M::V, part: Part) -> Enclosure<M::V> {
         let (neg_lo, hi) = self.part_of_steps(neg_lo, hi, part);
         // lo = hi, as −(−lo) = hi; ∞ − ∞ is NaN and claims nothing.
@@ -17,7 +18,8 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, continuous, ..a.value }
     }
 
-    /// The integers within bounds that belong to a part; one of them at least, also where none does.
+    /// The integers within bounds that belong to a part; one of them at least, also where none
+    /// does.
     fn part_of_steps(&mut self, neg_lo: M::V, hi: M::V, part: Part) -> (M::V, M::V) {
         let (infinity, minus_one) = (self.infinity(), self.number(-1.0));
         let neg_hi = self.m.neg(hi);
@@ -27,7 +29,8 @@ impl<M: Machine> Rule<'_, M> {
             let is_bounded = rule.m.lt(neg_lo, infinity);
             rule.m.select(is_bounded, lo, hi)
         };
-        // Large integers are not changed by one more, rounded outward; so the rest then is the whole.
+        // Large integers are not changed by one more, rounded outward; so the rest then is the
+        // whole.
         let second = |rule: &mut Self| {
             let second = rule.m.add(neg_lo, minus_one);
             rule.m.max(second, neg_hi)
@@ -120,15 +123,17 @@ impl<M: Machine> Rule<'_, M> {
         // Whole cells; unbounded range, so the product is guarded.
         let multiple = Operand::new(self.mul(b, &cells), entire);
         let direct = self.add(a, &multiple.negated());
-        // Where the quotient is finite, the direct bounds and [min(0, b), max(0, b)] both hold: take the tighter.
-        // Their intersection is never empty where the function is defined somewhere.
+        // Where the quotient is finite, the direct bounds and [min(0, b), max(0, b)] both hold:
+        // take the tighter. Their intersection is never empty where the function is defined
+        // somewhere.
         let zero = self.zero();
         let within_neg_lo = self.m.max(b.value.neg_lo, zero);
         let within_hi = self.m.max(b.value.hi, zero);
         let neg_lo = self.m.min(direct.neg_lo, within_neg_lo);
         let hi = self.m.min(direct.hi, within_hi);
-        // A part's cell that is there by rounding only has no point, and a lane that is nowhere defined no value: what
-        // comes next may rely on their bounds, too, to be in order and within those over larger boxes.
+        // A part's cell that is there by rounding only has no point, and a lane that is nowhere
+        // defined no value: what comes next may rely on their bounds, too, to be in order and
+        // within those over larger boxes.
         let (least, most) = (self.m.neg(within_neg_lo), self.m.neg(within_hi));
         let neg_lo = self.m.max(neg_lo, most);
         let hi = self.m.max(hi, least);

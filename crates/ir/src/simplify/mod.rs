@@ -1,10 +1,10 @@
 //! Rewriting a graph into a shorter one whose enclosures are tighter.
 //!
-//! One loop over the old nodes. Each becomes a [`Value`]: a node of the new graph, or a sum or product
-//! still being collected. An operand that only one node uses is handed over as it stands and so merges with that
-//! node; one that several use becomes a node first and stays shared. Products are never expanded: a factored form
-//! encloses better. Numbers stay exact, and constants like √5 symbolic, until [`fold`] encloses them at the end;
-//! so what cancels, cancels exactly.
+//! One loop over the old nodes. Each becomes a [`Value`]: a node of the new graph, or a sum or
+//! product still being collected. An operand that only one node uses is handed over as it stands
+//! and so merges with that node; one that several use becomes a node first and stays shared.
+//! Products are never expanded: a factored form encloses better. Numbers stay exact, and constants
+//! like √5 symbolic, until [`fold`] encloses them at the end; so what cancels, cancels exactly.
 
 mod fold;
 mod functions;
@@ -30,9 +30,9 @@ use value::{Condition, Product, Sum, Value};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ops::{Class, Op};
 
-/// A graph that holds only what `roots` need, with the same values and the same domains of definition at every
-/// real point of `domain`, whatever values the parameters take within `parameters`. Constant expressions are
-/// enclosed; [`rewrite`] leaves them symbolic.
+/// A graph that holds only what `roots` need, with the same values and the same domains of
+/// definition at every real point of `domain`, whatever values the parameters take within
+/// `parameters`. Constant expressions are enclosed; [`rewrite`] leaves them symbolic.
 ///
 /// A parameter beyond the end of `parameters` may have any value.
 ///
@@ -60,8 +60,8 @@ pub fn simplify(
     Ok(fold::fold(&graph, &roots))
 }
 
-/// [`simplify`] without its last step: expressions of constants remain, so that a later rewriting, of derivatives
-/// for one, still knows which of them are equal.
+/// [`simplify`] without its last step: expressions of constants remain, so that a later rewriting,
+/// of derivatives for one, still knows which of them are equal.
 ///
 /// # Errors
 /// If the roots need more than [`NODE_LIMIT`] nodes, before or after.
@@ -94,8 +94,8 @@ pub fn rewrite(
         parameters,
     };
     let mut values: Vec<Option<Value>> = vec![None; graph.len()];
-    // Whether an old node holds no coordinate and no parameter, however it simplifies: only then may an exponent
-    // count as a constant.
+    // Whether an old node holds no coordinate and no parameter, however it simplifies: only then
+    // may an exponent count as a constant.
     let mut fixed = vec![false; graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {

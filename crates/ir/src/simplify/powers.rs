@@ -30,7 +30,8 @@ impl Rewriter<'_> {
         Value::Node(self.node(op, &operands[..op.arity()]))
     }
 
-    /// `base^exponent`; `fixed` tells whether the exponent was written without coordinates and parameters.
+    /// `base^exponent`; `fixed` tells whether the exponent was written without coordinates and
+    /// parameters.
     pub(super) fn power(&mut self, base: Value, exponent: Value, fixed: bool) -> Value {
         let exponent = self.product(exponent);
         let number = exponent.factors.is_empty().then(|| exponent.coefficient.clone());
@@ -63,8 +64,9 @@ impl Rewriter<'_> {
         self.real_power(Value::Product(result), base, number.is_positive())
     }
 
-    /// A power whose exponent is constant, but was written with a variable that cancels: it counts as a real number, so
-    /// negative bases stay outside the domain even where its value is an integer.
+    /// A power whose exponent is constant, but was written with a variable that cancels: it counts
+    /// as a real number, so negative bases stay outside the domain even where its value is an
+    /// integer.
     fn real_power(&mut self, power: Value, base: NodeId, positive: bool) -> Value {
         let mut result = self.product(power);
         let bound = if positive { Condition::Nonneg(base) } else { Condition::Positive(base) };

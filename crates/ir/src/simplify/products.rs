@@ -37,7 +37,8 @@ impl Rewriter<'_> {
         if let Some(number) = self.exact(id) {
             return Product { conditions, ..Product::number(number.clone()) };
         }
-        // A shared product stays one factor, so that it stays shared; a shared power shows its base.
+        // A shared product stays one factor, so that it stays shared; a shared power shows its
+        // base.
         match self.products.get(&id) {
             Some(product) if product.factors.len() == 1 => {
                 Product { conditions, ..product.clone() }
@@ -174,7 +175,8 @@ impl Rewriter<'_> {
         changed
     }
 
-    /// `u` where it is known to be ≥ 0: the restriction that says so does not narrow an enclosure, the maximum does.
+    /// `u` where it is known to be ≥ 0: the restriction that says so does not narrow an enclosure,
+    /// the maximum does.
     pub(super) fn nonneg_part(&mut self, u: NodeId) -> NodeId {
         if self.known(u).range.lo >= 0.0 {
             return u;
@@ -273,8 +275,8 @@ impl Rewriter<'_> {
         self.node(Op::Div, &[above, b])
     }
 
-    /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight, and
-    /// shorter (4 operations of the gallery).
+    /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight,
+    /// and shorter (4 operations of the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
         let common = powers.iter().fold(0, |gcd, (_, n)| greatest_common_divisor(gcd, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));

@@ -16,15 +16,16 @@ type Terms = Vec<(NodeId, BigRational)>;
 
 /// Shared sums of more terms than this are not looked into again.
 const REMEMBERED: usize = 64;
-/// Sums of more terms than this are not opened to complete squares: their common factor is worth more.
+/// Sums of more terms than this are not opened to complete squares: their common factor is worth
+/// more.
 const OPENED: usize = 4;
-/// A square is completed only if its centre is at most this many times farther from 0 than the range reaches:
-/// beyond that the rounding of the square outweighs what it gains.
+/// A square is completed only if its centre is at most this many times farther from 0 than the
+/// range reaches: beyond that the rounding of the square outweighs what it gains.
 const CENTRE_LIMIT: f64 = 4.0;
 
 impl Rewriter<'_> {
-    /// Merges like terms and completes squares. The result is a number, a term with a coefficient, or `±c` times
-    /// a sum whose sign and common factor are normal.
+    /// Merges like terms and completes squares. The result is a number, a term with a coefficient,
+    /// or `±c` times a sum whose sign and common factor are normal.
     pub(super) fn settle_sum(&mut self, sum: Sum) -> Product {
         let (constants, terms, mut conditions) = sum.into_parts();
         let mut constant = BigRational::zero();
@@ -76,7 +77,8 @@ impl Rewriter<'_> {
                             *total = sum;
                             continue;
                         }
-                        // Too large to add up exactly: the larger multiple becomes a term of its own.
+                        // Too large to add up exactly: the larger multiple becomes a term of its
+                        // own.
                         let larger = if numbers::bits(total) >= numbers::bits(&coefficient) {
                             std::mem::replace(total, coefficient)
                         } else {
@@ -187,7 +189,8 @@ impl Rewriter<'_> {
             let completed = self.node(Op::Sqr, &[inner]);
             self.products.entry(completed).or_insert_with(|| Product::power(inner, 2));
             *constant = rest;
-            // The new term may break the order and so hide a pair from the search: the caller sorts and tries again.
+            // The new term may break the order and so hide a pair from the search: the caller sorts
+            // and tries again.
             terms.remove(linear);
             index -= usize::from(linear < index);
             index -= 1;
@@ -287,7 +290,8 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Adds terms to a signed node: those with a plus first, so that no negation is needed where one exists.
+    /// Adds terms to a signed node: those with a plus first, so that no negation is needed where
+    /// one exists.
     fn emit_signed(
         &mut self,
         start: Option<(bool, NodeId)>,

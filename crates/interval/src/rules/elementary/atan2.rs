@@ -1,7 +1,8 @@
 //! The angle of a box in the plane.
 //!
-//! Above the x-axis an angle grows from right to left; right of the y-axis it grows with y, left of it it falls. So its
-//! extremes over a box are at two corners, unless the box meets the cut, where angles jump between π and −π.
+//! Above the x-axis an angle grows from right to left; right of the y-axis it grows with y, left of
+//! it it falls. So its extremes over a box are at two corners, unless the box meets the cut, where
+//! angles jump between π and −π.
 
 use super::wide::Text;
 use crate::enclosure::{Enclosure, Fact, Operand};
@@ -10,8 +11,9 @@ use crate::part::Part;
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// The angle of (b, a) from (1, 0), in (−π, π]; cut on a = 0, b < 0, undefined at the origin. Of a box that meets the
-    /// cut from both sides, the low part is below the x-axis and the rest is on it or above.
+    /// The angle of (b, a) from (1, 0), in (−π, π]; cut on a = 0, b < 0, undefined at the origin.
+    /// Of a box that meets the cut from both sides, the low part is below the x-axis and the rest
+    /// is on it or above.
     pub(in crate::rules) fn atan2(
         &mut self,
         a: &Operand<M::V>,
@@ -35,8 +37,9 @@ impl<M: Machine> Rule<'_, M> {
         let right = self.m.le(zero, x_lo);
         let reaches_right = self.gt(x_hi, zero);
         let sign_bit = self.sign_bit();
-        // Above the axis the least angle is at the right end, the greatest at the left; each at the y that the sign
-        // of x picks. Below the axis, where angles are negative, it is the other way round, with y mirrored.
+        // Above the axis the least angle is at the right end, the greatest at the left; each at the
+        // y that the sign of x picks. Below the axis, where angles are negative, it is the other
+        // way round, with y mirrored.
         let at_right_upper = self.m.select(reaches_right, y_lo, y_hi);
         let at_left_upper = self.m.select(right, y_hi, y_lo);
         let at_right_lower = self.m.select(reaches_right, y_hi, y_lo);

@@ -8,7 +8,8 @@ use crate::machine::{Format, Machine};
 const F64: Format = Format::F64;
 /// Clears all but 17 bits of a significand, so that a cube is exact.
 const UPPER_THIRD: u64 = !((1 << 36) - 1);
-/// Exponents beyond this saturate a power of any base but 1, and products with a logarithm are floats.
+/// Exponents beyond this saturate a power of any base but 1, and products with a logarithm are
+/// floats.
 const HUGE_EXPONENT: f64 = f64::from_bits((1023 + 600) << 52); // 2^600
 
 impl<M: Machine> Text<'_, M> {
@@ -43,7 +44,8 @@ impl<M: Machine> Text<'_, M> {
         }
     }
 
-    /// k and x − k·ln 2 for the nearest k, |x − k·ln 2| ≤ 0.3467; x is limited to between `least` and `most`.
+    /// k and x − k·ln 2 for the nearest k, |x − k·ln 2| ≤ 0.3467; x is limited to between `least`
+    /// and `most`.
     fn exponent_and_rest(&mut self, x: Sum<M::V>, [least, most]: [f64; 2]) -> (M::V, Sum<M::V>) {
         let (least, most) = (self.number(least), self.number(most));
         let head = self.m.max(x.head, least);
@@ -70,7 +72,8 @@ impl<M: Machine> Text<'_, M> {
         (k, rest)
     }
 
-    /// exp(x) · factor in `f32`, each operation on the product rounded up; relative error below [`EXP_ERROR_F32`].
+    /// exp(x) · factor in `f32`, each operation on the product rounded up; relative error below
+    /// [`EXP_ERROR_F32`].
     fn exp_times(&mut self, x: M::V, factor: M::V) -> M::V {
         // Past these, results overflow or underflow the target whatever x is.
         let (k, r) = self.exponent_and_rest(x.into(), [-160.0, 128.0]);
@@ -83,8 +86,9 @@ impl<M: Machine> Text<'_, M> {
 
     /// exp(x) in `f64`. Relative error below 2⁻⁵⁵.
     ///
-    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on are rounded to a lane: 0.0072, to six ulps, over 0.707:
-    /// 0.061 · 2⁻⁵². The tail of x is at most a few ulps of it, where the result is a float.
+    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on are rounded to a lane: 0.0072, to six
+    /// ulps, over 0.707: 0.061 · 2⁻⁵². The tail of x is at most a few ulps of it, where the result
+    /// is a float.
     pub(super) fn exp_of(&mut self, x: Sum<M::V>) -> Near<M::V> {
         let (k, r) = self.exponent_and_rest(x, [-760.0, 720.0]);
         let (one, half) = (self.number(1.0), self.number(0.5));
@@ -99,11 +103,11 @@ impl<M: Machine> Text<'_, M> {
         Near { exponent: Some(k), ..Near::new(sum, 2f64.powi(-55)) }
     }
 
-    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. Relative error of an exponential with
-    /// exponent e below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
+    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. Relative error
+    /// of an exponential with exponent e below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
     ///
-    /// The exponents are the products of the ends of ln a and b, with the relative error 2⁻⁶⁰ of the logarithm; the
-    /// extreme ones are picked by head, then tail.
+    /// The exponents are the products of the ends of ln a and b, with the relative error 2⁻⁶⁰ of
+    /// the logarithm; the extreme ones are picked by head, then tail.
     pub(crate) fn power(&mut self, a: [M::V; 2], [b_neg_lo, b_hi]: [M::V; 2]) -> [M::V; 2] {
         let b_lo = self.m.neg(b_neg_lo);
         let ln = a.map(|a| self.ln(a, Base::E).sum);
@@ -180,8 +184,9 @@ impl<M: Machine> Text<'_, M> {
         let rest = self.m.sub(k, whole);
         let power = self.power_of_two(rest);
         let y = self.m.mul(m, power);
-        // A guess g of 17 bits has an exact cube, and so is y − g³. Then ∛y = g·∛(1 + w), w = (y − g³)/g³ ≤ 2⁻¹⁴: the tail
-        // of the series is below 2⁻⁷², and its terms, below 2⁻¹⁵, are right to 2⁻⁵⁰.
+        // A guess g of 17 bits has an exact cube, and so is y − g³. Then ∛y = g·∛(1 + w), w = (y −
+        // g³)/g³ ≤ 2⁻¹⁴: the tail of the series is below 2⁻⁷², and its terms, below 2⁻¹⁵, are right
+        // to 2⁻⁵⁰.
         let guess = Text { m: self.m, target: Format::F32 }.cbrt_guess(y);
         let mask = self.m.bits(F64, UPPER_THIRD);
         let guess = self.m.and(guess, mask);

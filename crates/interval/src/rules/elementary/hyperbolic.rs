@@ -4,7 +4,8 @@
 //!
 //! 2¹⁻ᵏ sinh|x| = (1 − q) cosh r + (1 + q) sinh r, 2¹⁻ᵏ cosh|x| = (1 + q) cosh r + (1 − q) sinh r.
 //!
-//! For k = 0 the first is 2 sinh r alone, so that small operands lose nothing; for k ≥ 1 both are at least 0.35.
+//! For k = 0 the first is 2 sinh r alone, so that small operands lose nothing; for k ≥ 1 both are
+//! at least 0.35.
 
 use super::sum::{Near, Sum};
 use super::wide::{LN_2_HI, LN_2_LO, Text};
@@ -23,9 +24,9 @@ struct Parts<V> {
 impl<M: Machine> Text<'_, M> {
     /// sinh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
     ///
-    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` the rounded terms are r³/6 and r⁴/24 with those that
-    /// follow: 0.0072 and 0.0007, each to six ulps, times 1 + q ≤ 1.25, over 0.35: 0.19 · 2⁻⁵²; for k = 0 only
-    /// the first, over r: 0.13 · 2⁻⁵².
+    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` the rounded terms are r³/6 and r⁴/24
+    /// with those that follow: 0.0072 and 0.0007, each to six ulps, times 1 + q ≤ 1.25, over 0.35:
+    /// 0.19 · 2⁻⁵²; for k = 0 only the first, over r: 0.13 · 2⁻⁵².
     pub(crate) fn sinh(&mut self, x: M::V) -> Near<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
@@ -38,7 +39,8 @@ impl<M: Machine> Text<'_, M> {
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
-    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: as for sinh, over at least 1.
+    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: as for sinh, over at
+    /// least 1.
     pub(crate) fn cosh(&mut self, x: M::V) -> Near<M::V> {
         let parts = self.exponential_parts(x);
         let sum = self.half_sum(&parts, parts.q);
@@ -79,7 +81,8 @@ impl<M: Machine> Text<'_, M> {
         let k = self.m.mul(k, minus_two);
         let q = self.power_of_two(k);
         let (sinh_terms, cosh_terms) = (self.pick(4, 6), self.pick(3, 6));
-        // r² ≤ 0.1202: the tails z⁵/11! and z⁷/15! are below 2⁻⁴⁰ and 2⁻⁶¹, z⁵/10! and z⁸/16! below 2⁻³⁷ and 2⁻⁶⁸.
+        // r² ≤ 0.1202: the tails z⁵/11! and z⁷/15! are below 2⁻⁴⁰ and 2⁻⁶¹, z⁵/10! and z⁸/16! below
+        // 2⁻³⁷ and 2⁻⁶⁸.
         let z = self.times(r, r);
         let sinh = self.series(z.head, &reciprocal_factorials(sinh_terms, 3));
         let sinh = self.m.mul(sinh, z.head);

@@ -1,7 +1,8 @@
-//! Logarithms, and the inverse hyperbolic functions, which are logarithms: ln, log2, log10, asinh, acosh, atanh.
+//! Logarithms, and the inverse hyperbolic functions, which are logarithms: ln, log2, log10, asinh,
+//! acosh, atanh.
 //!
-//! A number is 2ᵏ·m with √½ ≤ m < √2, and ln m = 2 artanh s with s = (m − 1)/(m + 1), |s| ≤ 0.1716. Where the number is
-//! 1 + u, k = 0 leaves s = u/(2 + u), so that small u lose nothing.
+//! A number is 2ᵏ·m with √½ ≤ m < √2, and ln m = 2 artanh s with s = (m − 1)/(m + 1), |s| ≤ 0.1716.
+//! Where the number is 1 + u, k = 0 leaves s = u/(2 + u), so that small u lose nothing.
 
 use super::sum::{Near, Sum};
 use super::wide::{LN_2_HI, LN_2_LO, Text};
@@ -34,8 +35,8 @@ pub(crate) enum Base {
 }
 
 impl Base {
-    /// The logarithm of 2 as two parts, of which the first has at most 41 bits, so that its product with an exponent is
-    /// exact.
+    /// The logarithm of 2 as two parts, of which the first has at most 41 bits, so that its product
+    /// with an exponent is exact.
     fn of_two(self) -> [f64; 2] {
         match self {
             Self::E => [LN_2_HI, LN_2_LO],
@@ -54,8 +55,8 @@ impl Base {
     }
 }
 
-/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶; `LOG10_2_HI` has 41 bits. The constants are compared with the
-/// numbers they split in the tests.
+/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶; `LOG10_2_HI` has 41 bits. The constants are
+/// compared with the numbers they split in the tests.
 const LOG10_2_HI: f64 = f64::from_bits(0x3fd3_4413_509f_7000);
 const LOG10_2_LO: f64 = f64::from_bits(0x3d43_fde6_23e2_566b);
 /// What the doubles nearest to log₂ e, log₁₀ e and 1/3 lack.
@@ -66,7 +67,8 @@ const ONE_THIRD_TAIL: f64 = f64::from_bits(0x3c75_5555_5555_5555);
 impl<M: Machine> Text<'_, M> {
     /// The logarithm of finite x > 0. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
     ///
-    /// In `f64` only [`Text::twice_artanh`] errs above 2⁻⁷⁰. It is at most half as large as the sum with k·ln 2.
+    /// In `f64` only [`Text::twice_artanh`] errs above 2⁻⁷⁰. It is at most half as large as the sum
+    /// with k·ln 2.
     pub(crate) fn ln(&mut self, x: M::V, base: Base) -> Near<M::V> {
         let (k, m) = self.significand(x);
         let one = self.number(1.0);
@@ -138,8 +140,8 @@ impl<M: Machine> Text<'_, M> {
 
     /// 2 artanh s for |s| ≤ 0.1716, to 2⁻³⁶ in `f32`, 2⁻⁶¹ in `f64`.
     ///
-    /// s² ≤ 0.02944, so the tails of the series are below 2⁻³⁹ and 2⁻⁶⁵. In `f64` only the terms from z²/5 on are
-    /// rounded to a lane: 0.00018 of s, to 2⁻⁵² five times.
+    /// s² ≤ 0.02944, so the tails of the series are below 2⁻³⁹ and 2⁻⁶⁵. In `f64` only the terms
+    /// from z²/5 on are rounded to a lane: 0.00018 of s, to 2⁻⁵² five times.
     fn twice_artanh(&mut self, s: Sum<M::V>) -> Sum<M::V> {
         let terms = self.pick(6, 11);
         if self.has_tails() {
@@ -199,8 +201,9 @@ impl<M: Machine> Text<'_, M> {
         (limited, Some(Large { lanes, x }))
     }
 
-    /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Relative error below 2⁻³⁴ in `f32`,
-    /// 2⁻⁶⁰ in `f64`: u has 2⁻⁶⁹, and the logarithm no more than that of [`Text::ln`].
+    /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Relative error
+    /// below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`: u has 2⁻⁶⁹, and the logarithm no more than that of
+    /// [`Text::ln`].
     pub(crate) fn asinh(&mut self, x: M::V) -> Near<M::V> {
         let magnitude = self.m.abs(x);
         let (t, large) = self.large(magnitude);
@@ -218,8 +221,8 @@ impl<M: Machine> Text<'_, M> {
         Near::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
-    /// acosh x for finite x ≥ 1: ln(1 + u) for u = x − 1 + √((x − 1)(x + 1)). Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰
-    /// in `f64`, as for asinh; exactly 0 at 1.
+    /// acosh x for finite x ≥ 1: ln(1 + u) for u = x − 1 + √((x − 1)(x + 1)). Relative error below
+    /// 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`, as for asinh; exactly 0 at 1.
     pub(crate) fn acosh(&mut self, x: M::V) -> Near<M::V> {
         let (x, large) = self.large(x);
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
@@ -233,8 +236,8 @@ impl<M: Machine> Text<'_, M> {
 
     /// atanh x for |x| < 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
     ///
-    /// With (1 + |x|)/(1 − |x|) = 2ᵏ·m, s = ((1 + |x|) − 2ᵏ(1 − |x|)) / ((1 + |x|) + 2ᵏ(1 − |x|)), and for k = 0
-    /// it is |x| itself.
+    /// With (1 + |x|)/(1 − |x|) = 2ᵏ·m, s = ((1 + |x|) − 2ᵏ(1 − |x|)) / ((1 + |x|) + 2ᵏ(1 − |x|)),
+    /// and for k = 0 it is |x| itself.
     pub(crate) fn atanh(&mut self, x: M::V) -> Near<M::V> {
         let t = self.m.abs(x);
         let (one, zero, minus_t) = (self.number(1.0), self.number(0.0), self.m.neg(t));
@@ -265,7 +268,8 @@ mod tests {
 
     #[test]
     fn heads_and_tails_make_up_the_constants() {
-        // The first 127 bits after the point, or 128 with the one before: OEIS A007524, A007525, A002285.
+        // The first 127 bits after the point, or 128 with the one before: OEIS A007524, A007525,
+        // A002285.
         let log10_2 = 0x2688_26a1_3ef3_fde6_23e2_566b_02df_245e_u128;
         let log2_e = 0xb8aa_3b29_5c17_f0bb_be87_fed0_691d_3e88_u128;
         let log10_e = 0x3796_f62a_4dca_1c65_4d56_eaab_eb4c_f70c_u128;

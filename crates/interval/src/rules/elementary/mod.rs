@@ -1,5 +1,6 @@
-//! Elementary functions. Here are sine, cosine and tangent, from the texts in [`trigonometric`] or, of small operands in
-//! `f32`, in [`near`]; [`monotone`] has the functions that only rise or fall, [`atan2`] the angle of two operands.
+//! Elementary functions. Here are sine, cosine and tangent, from the texts in [`trigonometric`] or,
+//! of small operands in `f32`, in [`near`]; [`monotone`] has the functions that only rise or fall,
+//! [`atan2`] the angle of two operands.
 
 mod arc;
 mod atan2;
@@ -36,8 +37,8 @@ impl<M: Machine> Rule<'_, M> {
         self.wave(a, |text, x, half_pi| text.cos(x, half_pi), 0.0, 0.5)
     }
 
-    /// Sine or cosine: `f` approximates it and counts quarter turns, `peak` and `trough` say at how many turns from 0
-    /// it is 1 and −1.
+    /// Sine or cosine: `f` approximates it and counts quarter turns, `peak` and `trough` say at how
+    /// many turns from 0 it is 1 and −1.
     fn wave(
         &mut self,
         a: &Operand<M::V>,
@@ -139,7 +140,8 @@ impl<M: Machine> Rule<'_, M> {
 
     /// Lanes where the angle, given by [`turns`], passes j + `offset` for some integer j.
     fn has_turn(&mut self, [neg_lo, hi]: [M::V; 2], offset: f64) -> M::V {
-        // floor(hi − offset) ≥ ceil(lo − offset); all are multiples of 1/8 below 2^21, exact in f32.
+        // floor(hi − offset) ≥ ceil(lo − offset); all are multiples of 1/8 below 2^21, exact in
+        // f32.
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
         let last = self.m.floor(last);
@@ -163,9 +165,10 @@ impl<M: Machine> Rule<'_, M> {
 
 /// Quarter turns at lo and hi, as −lo and hi in units of 1/`scale` quarters.
 ///
-/// Each is half a quarter off a whole number, on the side where the angle is. That side may be wrong only where the
-/// angle is nearer to whole quarters than the error of its reduction; sine and cosine have come to ±1 within their own
-/// bound there, and no float at all is so near to a pole of the tangent.
+/// Each is half a quarter off a whole number, on the side where the angle is. That side may be
+/// wrong only where the angle is nearer to whole quarters than the error of its reduction; sine and
+/// cosine have come to ±1 within their own bound there, and no float at all is so near to a pole of
+/// the tangent.
 fn turns<M: Machine>(m: &mut M, lo: M::V, hi: M::V, scale: f64) -> [M::V; 2] {
     let minus = m.number(Format::F64, -scale);
     let plus = m.number(Format::F64, scale);

@@ -1,4 +1,5 @@
-//! Functions that only rise or fall, at most after taking the magnitude: bounds from the texts at two ends.
+//! Functions that only rise or fall, at most after taking the magnitude: bounds from the texts at
+//! two ends.
 
 use super::logarithm::Base;
 use super::sum::Near;
@@ -9,7 +10,8 @@ use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// −lo and hi of a function from approximations at the two operands where it is least and greatest.
+    /// −lo and hi of a function from approximations at the two operands where it is least and
+    /// greatest.
     fn bounds_at(
         &mut self,
         [least, greatest]: [M::V; 2],
@@ -52,7 +54,8 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, ..a.value }
     }
 
-    /// Bounds of an increasing function that is unbounded where its operand is, from those of finite approximations.
+    /// Bounds of an increasing function that is unbounded where its operand is, from those of
+    /// finite approximations.
     fn unbounded_with(&mut self, a: &Operand<M::V>, bounds: Enclosure<M::V>) -> Enclosure<M::V> {
         if a.range.is_bounded() {
             return bounds;
@@ -96,8 +99,8 @@ impl<M: Machine> Rule<'_, M> {
         [self.m.max(lo, least), self.m.max(a.value.hi, least)]
     }
 
-    /// Bounds of a logarithm from those over [`Self::positive_ends`]: −∞ from a lower end at or below 0, +∞ from an
-    /// infinite upper one.
+    /// Bounds of a logarithm from those over [`Self::positive_ends`]: −∞ from a lower end at or
+    /// below 0, +∞ from an infinite upper one.
     fn logarithm_ends(
         &mut self,
         a: &Operand<M::V>,
@@ -210,7 +213,8 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Lanes where an operand is entirely outside a domain with these ends, and those where it is entirely inside.
+    /// Lanes where an operand is entirely outside a domain with these ends, and those where it is
+    /// entirely inside.
     fn between(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> (Fact<M::V>, Fact<M::V>) {
         if (Interval { lo: least, hi: most }).encloses(a.range) {
             return (Fact::False, Fact::True);

@@ -1,10 +1,11 @@
 //! Numbers as unevaluated sums, for texts whose results have more digits than a lane.
 //!
-//! A text computes the leading terms of its series in this arithmetic and the rest in plain lanes; results in `f32`
-//! need no tails, and none are computed for them. Error-free transforms are not error-free while rounding up, but what
-//! they lose is of second order: each operation here states its bound, relative to its exact result, for operands
-//! whose tails are at most 2⁻⁵⁰ of their heads and where nothing underflows. Source: Dekker, A floating-point technique
-//! for extending the available precision (1971); for directed rounding Boldo, Graillat, Muller, On the robustness of
+//! A text computes the leading terms of its series in this arithmetic and the rest in plain lanes;
+//! results in `f32` need no tails, and none are computed for them. Error-free transforms are not
+//! error-free while rounding up, but what they lose is of second order: each operation here states
+//! its bound, relative to its exact result, for operands whose tails are at most 2⁻⁵⁰ of their
+//! heads and where nothing underflows. Source: Dekker, A floating-point technique for extending the
+//! available precision (1971); for directed rounding Boldo, Graillat, Muller, On the robustness of
 //! the `2Sum` and `Fast2Sum` algorithms (2017).
 
 use super::wide::Text;
@@ -13,7 +14,8 @@ use crate::machine::{Format, Machine};
 const F64: Format = Format::F64;
 /// Clears the low 27 bits of a significand, so that products of two cleared ones are exact.
 const UPPER_HALF: u64 = !((1 << 27) - 1);
-/// Below this magnitude a function with f(x) = x + O(x³) is x within any relative error, and its texts underflow.
+/// Below this magnitude a function with f(x) = x + O(x³) is x within any relative error, and its
+/// texts underflow.
 const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
 
 /// A number: head + tail.
@@ -74,7 +76,8 @@ impl<M: Machine> Text<'_, M> {
         if !self.has_tails() {
             return head.into();
         }
-        // What the head holds of b is exact, and so is what it lacks but for a rounding of second order.
+        // What the head holds of b is exact, and so is what it lacks but for a rounding of second
+        // order.
         let held = self.m.sub(head, a.head);
         let lacking = self.m.sub(b.head, held);
         let tails = self.tails(a.tail, b.tail);
@@ -94,8 +97,9 @@ impl<M: Machine> Text<'_, M> {
 
     /// a · b, to 2⁻⁷².
     ///
-    /// The first difference is exact, as it is a multiple of the last place of a product of halves, and is below 2⁻²³
-    /// of the product, as all are that follow; three additions of these lose 2⁻⁵² each.
+    /// The first difference is exact, as it is a multiple of the last place of a product of halves,
+    /// and is below 2⁻²³ of the product, as all are that follow; three additions of these lose 2⁻⁵²
+    /// each.
     pub(super) fn times(&mut self, a: impl Into<Sum<M::V>>, b: impl Into<Sum<M::V>>) -> Sum<M::V> {
         let (a, b) = (a.into(), b.into());
         let head = self.m.mul(a.head, b.head);
@@ -127,7 +131,8 @@ impl<M: Machine> Text<'_, M> {
         if !self.has_tails() {
             return head.into();
         }
-        // The quotient of the remainder; its first difference is exact, as both are a few ulps apart.
+        // The quotient of the remainder; its first difference is exact, as both are a few ulps
+        // apart.
         let product = self.times(head, b);
         let rest = self.difference(a, product);
         Sum { head, tail: Some(self.m.div(rest, b.head)) }
@@ -202,11 +207,13 @@ impl<M: Machine> Text<'_, M> {
         Sum { head, tail }
     }
 
-    /// w + c₁w³ + c₂w⁵ + …, given the tail of c₁ and the rest: an odd series with first coefficient 1.
+    /// w + c₁w³ + c₂w⁵ + …, given the tail of c₁ and the rest: an odd series that
+    /// starts with w.
     ///
-    /// Let z = w², and let R bound the terms from c₂ on, relative to w. The error is below 2⁻⁵²·5·R + 2⁻⁶⁹ of w for
-    /// results with tails, and 2⁻⁵²·6·(the terms from c₁ on) for those without: each term is a product of few
-    /// factors, and each Horner step errs by two ulps of a sum that the next factor z, below ⅔, makes small.
+    /// Let z = w², and let R bound the terms from c₂ on, relative to w. The error is below
+    /// 2⁻⁵²·5·R + 2⁻⁶⁹ of w for results with tails, and 2⁻⁵²·6·(the terms from c₁ on) for those
+    /// without: each term is a product of few factors, and each Horner step errs by two ulps of a
+    /// sum that the next factor z, below ⅔, makes small.
     pub(super) fn odd_series(
         &mut self,
         w: Sum<M::V>,
@@ -286,8 +293,8 @@ impl<M: Machine> Text<'_, M> {
         self.m.mul(magnitude, error)
     }
 
-    /// value · 2^exponent, in two steps, as 2^exponent may be out of range where the product is not. The first is
-    /// exact, so that only one rounds, also below the normal numbers.
+    /// value · 2^exponent, in two steps, as 2^exponent may be out of range where the product is
+    /// not. The first is exact, so that only one rounds, also below the normal numbers.
     fn raised(&mut self, value: M::V, exponent: Option<M::V>) -> M::V {
         let Some(exponent) = exponent else {
             return value;

@@ -113,8 +113,8 @@ impl<M: Machine> Text<'_, M> {
 
     /// sin r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
-    /// The tails r¹³/13! and r¹⁹/19! are below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the terms from r⁵/120 on are rounded to a lane:
-    /// 0.0032 of r, to 2⁻⁵² five times.
+    /// The tails r¹³/13! and r¹⁹/19! are below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the terms from r⁵/120
+    /// on are rounded to a lane: 0.0032 of r, to 2⁻⁵² five times.
     fn sin_reduced(&mut self, r: Sum<M::V>) -> Sum<M::V> {
         let terms = self.pick(5, 8);
         self.odd_series(r, -ONE_SIXTH_TAIL, &reciprocal_factorials(terms, 3))
@@ -122,8 +122,8 @@ impl<M: Machine> Text<'_, M> {
 
     /// cos r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁴ in `f64`.
     ///
-    /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on are rounded to a lane:
-    /// 0.0159, to 2⁻⁵² six times, over 0.707.
+    /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on are
+    /// rounded to a lane: 0.0159, to 2⁻⁵² six times, over 0.707.
     fn cos_reduced(&mut self, r: Sum<M::V>) -> Sum<M::V> {
         let coefficients = reciprocal_factorials(self.pick(6, 9), 2);
         let one = self.number(1.0);
@@ -157,8 +157,8 @@ impl<M: Machine> Text<'_, M> {
         self.flipped(value, sign)
     }
 
-    /// sin x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴
-    /// in `f64`.
+    /// sin x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below
+    /// 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
     pub(crate) fn sin(&mut self, x: M::V, half_pi: &HalfPi) -> (Near<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
@@ -169,7 +169,8 @@ impl<M: Machine> Text<'_, M> {
         (Near::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
     }
 
-    /// cos x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error as that of the sine.
+    /// cos x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error as
+    /// that of the sine.
     pub(crate) fn cos(&mut self, x: M::V, half_pi: &HalfPi) -> (Near<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
@@ -181,8 +182,8 @@ impl<M: Machine> Text<'_, M> {
         (Near::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
     }
 
-    /// tan x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵³
-    /// in `f64`: those of sine and cosine.
+    /// tan x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below
+    /// 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: those of sine and cosine.
     pub(crate) fn tan(&mut self, x: M::V, half_pi: &HalfPi) -> (Near<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
@@ -209,7 +210,8 @@ struct Angle<V> {
     quarters: V,
 }
 
-/// (−1)ⁿ / (first + 2n − 2)! for n = 1…terms: the series of sine (first = 3) and cosine (first = 2) after its lead.
+/// (−1)ⁿ / (first + 2n − 2)! for n = 1…terms: the series of sine (first = 3) and cosine (first = 2)
+/// after its lead.
 fn reciprocal_factorials(terms: u32, first: u32) -> Vec<f64> {
     (1..=terms)
         .map(|n| {

@@ -1,9 +1,10 @@
 //! Elementary functions of `f64` lanes: one text each, for both formats.
 //!
-//! Every text is a short sequence of lane operations that approximates a function, rounding up; it states a bound on its
-//! relative error, truncation and rounding included, and bounds are the approximation moved by that. Coefficients are
-//! those of Taylor series on the reduced range, cut where the tail is below the error claimed; the tails are
-//! stated beside them. Split constants follow Cody and Waite (Software Manual for the Elementary Functions, 1980).
+//! Every text is a short sequence of lane operations that approximates a function, rounding up; it
+//! states a bound on its relative error, truncation and rounding included, and bounds are the
+//! approximation moved by that. Coefficients are those of Taylor series on the reduced range, cut
+//! where the tail is below the error claimed; the tails are stated beside them. Split constants
+//! follow Cody and Waite (Software Manual for the Elementary Functions, 1980).
 
 use crate::machine::{Format, Machine};
 
@@ -13,7 +14,8 @@ pub(crate) struct Text<'a, M> {
     pub(crate) target: Format,
 }
 
-/// Applies `text` to the `f64` halves of each vector of `format` and joins the two results, rounded up.
+/// Applies `text` to the `f64` halves of each vector of `format` and joins the two results, rounded
+/// up.
 pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     m: &mut M,
     format: Format,
@@ -31,8 +33,8 @@ pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     }
 }
 
-/// Applies `f` to the halves of lo and hi, four lanes of `f32`, one after the other, then `combine` to what comes of both
-/// ends of a half.
+/// Applies `f` to the halves of lo and hi, four lanes of `f32`, one after the other, then `combine`
+/// to what comes of both ends of a half.
 pub(crate) fn at_ends<M: Machine, const MID: usize, const OUT: usize>(
     m: &mut M,
     [lo, hi]: [M::V; 2],
@@ -50,7 +52,8 @@ pub(crate) fn at_ends<M: Machine, const MID: usize, const OUT: usize>(
 
 const F64: Format = Format::F64;
 
-/// ln 2 = `LN_2_HI` + `LN_2_LO` to 2⁻⁹⁵; `LN_2_HI` has 41 bits, so its product with an exponent is exact.
+/// ln 2 = `LN_2_HI` + `LN_2_LO` to 2⁻⁹⁵; `LN_2_HI` has 41 bits, so its product with an exponent is
+/// exact.
 pub(super) const LN_2_HI: f64 = f64::from_bits(0x3fe6_2e42_fefa_3000);
 pub(super) const LN_2_LO: f64 = 2.823_529_056_303_157_7e-13;
 impl<M: Machine> Text<'_, M> {
