@@ -1,7 +1,7 @@
 //! Intervals with outward rounding, and the rule of every operation on them.
 //!
 //! A rule is written once, over the primitive lane operations of a [`Machine`] that rounds up; an
-//! interval is the pair (−lo, hi), so rounding both up rounds outward. The same text runs on the
+//! interval is the pair (−lo, hi), so rounding both up rounds outward. The same rule runs on the
 //! [`Software`] machine here (folding, range analysis, the reference evaluator) and is emitted as
 //! native code elsewhere. This crate knows neither graphs nor code generation.
 

@@ -9,10 +9,10 @@ mod elementary;
 mod power;
 mod step;
 
+pub(crate) use elementary::approximator::{Approximator, by_halves};
+pub(crate) use elementary::double_double::Approximation;
 pub(crate) use elementary::logarithm::Base;
-pub(crate) use elementary::sum::Near;
 pub(crate) use elementary::trigonometric::HalfPi;
-pub(crate) use elementary::wide::{Text, by_halves};
 
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::{Format, Machine};

@@ -1,19 +1,19 @@
 //! Rewriting a graph into a shorter one whose enclosures are tighter.
 //!
-//! One loop over the old nodes. Each becomes a [`Value`]: a node of the new graph, or a sum or
+//! One loop over the old nodes. Each becomes a [`Form`]: a node of the new graph, or a sum or
 //! product still being collected. An operand that only one node uses is handed over as it stands
 //! and so merges with that node; one that several use becomes a node first and stays shared.
 //! Products are never expanded: a factored form encloses better. Numbers stay exact, and constants
 //! like √5 symbolic, until [`fold`] encloses them at the end; so what cancels, cancels exactly.
 
 mod fold;
+mod form;
 mod functions;
 mod numbers;
 mod powers;
 mod products;
 mod ranges;
 mod sums;
-mod value;
 
 #[cfg(test)]
 mod tests;
@@ -22,11 +22,11 @@ use crate::compact::compact;
 use crate::constant::Constant;
 use crate::error::{IrError, NODE_LIMIT};
 use crate::graph::{Graph, Node, NodeId};
+use form::{Condition, Form, Product, Sum};
 use num_rational::BigRational;
 use num_traits::One;
 use ranges::{Known, Rank};
 use rustc_hash::FxHashMap;
-use value::{Condition, Product, Sum, Value};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ops::{Class, Op};
 
@@ -93,19 +93,19 @@ pub fn rewrite(
         domain,
         parameters,
     };
-    let mut values: Vec<Option<Value>> = vec![None; graph.len()];
+    let mut values: Vec<Option<Form>> = vec![None; graph.len()];
     // Whether an old node holds no coordinate and no parameter, however it simplifies: only then
     // may an exponent count as a constant.
     let mut fixed = vec![false; graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
-            Node::Variable(axis) => Value::Node(rewriter.leaf(&Node::Variable(*axis))),
-            Node::Parameter(number) => Value::Node(rewriter.leaf(&Node::Parameter(*number))),
+            Node::Variable(axis) => Form::Node(rewriter.leaf(&Node::Variable(*axis))),
+            Node::Parameter(number) => Form::Node(rewriter.leaf(&Node::Parameter(*number))),
             Node::Constant(constant) => {
                 fixed[id.index()] = true;
                 match constant.exact() {
-                    Some(number) => Value::Product(Product::number(number.clone())),
-                    None => Value::Node(rewriter.leaf(node)),
+                    Some(number) => Form::Product(Product::number(number.clone())),
+                    None => Form::Node(rewriter.leaf(node)),
                 }
             }
             Node::Apply(op, operands) => {
@@ -114,11 +114,11 @@ pub fn rewrite(
                 let operands = operands
                     .iter()
                     .map(|operand| match &values[operand.index()] {
-                        Some(Value::Node(node)) => Value::Node(*node),
-                        Some(Value::Product(product)) if product.factors.is_empty() => {
-                            Value::Product(product.clone())
+                        Some(Form::Node(node)) => Form::Node(*node),
+                        Some(Form::Product(product)) if product.factors.is_empty() => {
+                            Form::Product(product.clone())
                         }
-                        Some(Value::Sum(_) | Value::Product(_)) | None => values[operand.index()]
+                        Some(Form::Sum(_) | Form::Product(_)) | None => values[operand.index()]
                             .take()
                             .unwrap_or_else(|| unreachable!("one user")),
                     })
@@ -126,9 +126,9 @@ pub fn rewrite(
                 rewriter.apply(*op, operands, fixed_exponent)
             }
         };
-        let is_number = matches!(&value, Value::Product(p) if p.as_number().is_some());
+        let is_number = matches!(&value, Form::Product(p) if p.as_number().is_some());
         values[id.index()] = Some(if uses[id.index()] > 1 && !is_number {
-            Value::Node(rewriter.node_of(value))
+            Form::Node(rewriter.node_of(value))
         } else {
             value
         });
@@ -240,10 +240,10 @@ impl Rewriter<'_> {
     }
 
     /// A value as a node, coefficient and conditions included.
-    fn node_of(&mut self, value: Value) -> NodeId {
+    fn node_of(&mut self, value: Form) -> NodeId {
         match value {
-            Value::Node(id) => id,
-            Value::Sum(_) | Value::Product(_) => {
+            Form::Node(id) => id,
+            Form::Sum(_) | Form::Product(_) => {
                 let mut product = self.product(value);
                 let conditions = std::mem::take(&mut product.conditions);
                 let node = self.emit_product(&product);
@@ -286,17 +286,17 @@ impl Rewriter<'_> {
         }
     }
 
-    fn apply(&mut self, op: Op, mut operands: Vec<Value>, fixed_exponent: bool) -> Value {
+    fn apply(&mut self, op: Op, mut operands: Vec<Form>, fixed_exponent: bool) -> Form {
         match op.row().class {
             Class::Negation => match operands.remove(0) {
-                Value::Sum(mut sum) => {
+                Form::Sum(mut sum) => {
                     sum.negate();
-                    Value::Sum(sum)
+                    Form::Sum(sum)
                 }
-                value @ (Value::Node(_) | Value::Product(_)) => {
+                value @ (Form::Node(_) | Form::Product(_)) => {
                     let mut product = self.product(value);
                     product.coefficient = -product.coefficient;
-                    Value::Product(product)
+                    Form::Product(product)
                 }
             },
             Class::Sum => {
@@ -307,14 +307,14 @@ impl Rewriter<'_> {
                 if op == Op::Sub {
                     second.negate();
                 }
-                Value::Sum(first.plus(second))
+                Form::Sum(first.plus(second))
             }
             Class::Product => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);
                 let first = self.loose_product(first);
                 let second = self.loose_product(second);
-                Value::Product(self.times(first, second))
+                Form::Product(self.times(first, second))
             }
             Class::Quotient => {
                 let second = operands.remove(1);
@@ -342,7 +342,7 @@ impl Rewriter<'_> {
             Class::FunctionOfTwo => {
                 let operands: Vec<NodeId> =
                     operands.into_iter().map(|value| self.node_of(value)).collect();
-                Value::Node(self.node(op, &operands))
+                Form::Node(self.node(op, &operands))
             }
             Class::Extremum => {
                 let second = operands.remove(1);
@@ -360,10 +360,10 @@ impl Rewriter<'_> {
     }
 
     /// A value as a sum.
-    fn sum(&mut self, value: Value) -> Sum {
+    fn sum(&mut self, value: Form) -> Sum {
         match value {
-            Value::Sum(sum) => sum,
-            Value::Node(_) | Value::Product(_) => {
+            Form::Sum(sum) => sum,
+            Form::Node(_) | Form::Product(_) => {
                 let mut product = self.product(value);
                 let mut sum = Sum::default();
                 sum.conditions = std::mem::take(&mut product.conditions);

@@ -1,9 +1,9 @@
 //! Collecting and emitting products: `c · Π baseᵢ^nᵢ`.
 
 use super::Rewriter;
+use super::form::{Condition, Factor, Form, Product};
 use super::numbers;
 use super::ranges::Rank;
-use super::value::{Condition, Factor, Product, Value};
 use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -16,12 +16,12 @@ const LIFTED: usize = 16;
 
 impl Rewriter<'_> {
     /// A value as a product with distinct bases.
-    pub(super) fn product(&mut self, value: Value) -> Product {
+    pub(super) fn product(&mut self, value: Form) -> Product {
         match value {
-            Value::Product(product) if product.loose => self.settle(product),
-            Value::Product(product) => product,
-            Value::Sum(sum) => self.settle_sum(sum),
-            Value::Node(id) => self.product_of_node(id),
+            Form::Product(product) if product.loose => self.settle(product),
+            Form::Product(product) => product,
+            Form::Sum(sum) => self.settle_sum(sum),
+            Form::Node(id) => self.product_of_node(id),
         }
     }
 
@@ -68,23 +68,23 @@ impl Rewriter<'_> {
     }
 
     /// A value as a product whose bases may still be merged.
-    pub(super) fn loose_product(&mut self, value: Value) -> Product {
+    pub(super) fn loose_product(&mut self, value: Form) -> Product {
         match value {
-            Value::Product(product) => product,
-            Value::Sum(_) | Value::Node(_) => self.product(value),
+            Form::Product(product) => product,
+            Form::Sum(_) | Form::Node(_) => self.product(value),
         }
     }
 
     /// `a / b`; left as written where `b` is the number 0.
-    pub(super) fn quotient(&mut self, a: Value, b: Value) -> Value {
+    pub(super) fn quotient(&mut self, a: Form, b: Form) -> Form {
         let a = self.loose_product(a);
         let b = self.product(b);
         if let Some(inverse) = b.raised(-1) {
-            return Value::Product(self.times(a, inverse));
+            return Form::Product(self.times(a, inverse));
         }
-        let a = self.node_of(Value::Product(a));
-        let b = self.node_of(Value::Product(b));
-        Value::Node(self.node(Op::Div, &[a, b]))
+        let a = self.node_of(Form::Product(a));
+        let b = self.node_of(Form::Product(b));
+        Form::Node(self.node(Op::Div, &[a, b]))
     }
 
     /// Merges equal bases and drops what exponents make needless, keeping the domain in conditions.

@@ -4,9 +4,9 @@
 //! (919, those of gradients 1498), and boxes that bisection down to 1/32 of a domain encloses.
 
 use super::Rewriter;
+use super::form::{Condition, Product, Sum};
 use super::numbers;
 use super::ranges::Rank;
-use super::value::{Condition, Product, Sum};
 use crate::graph::NodeId;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};

@@ -1,7 +1,7 @@
 //! Angles of ratios: asin, acos, atan, atan2.
 
-use super::sum::{Near, Sum};
-use super::wide::Text;
+use super::approximator::Approximator;
+use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
@@ -26,12 +26,12 @@ const NEAR: f64 = f64::from_bits((1023 - 100) << 52); // 2^-100
 const SCALE: f64 = f64::from_bits((1023 + 500) << 52); // 2^500
 const TINY_RATIO: f64 = f64::from_bits((1023 - 800) << 52); // 2^-800
 
-impl<M: Machine> Text<'_, M> {
+impl<M: Machine> Approximator<'_, M> {
     /// atan x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of
-    /// [`Text::atan_reduced`].
+    /// [`Approximator::atan_reduced`].
     ///
     /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t): the quotient is at most tan π/8.
-    pub(crate) fn atan(&mut self, x: M::V) -> Near<M::V> {
+    pub(crate) fn atan(&mut self, x: M::V) -> Approximation<M::V> {
         let mut t = self.m.abs(x);
         if self.has_tails() {
             let finite = self.number(f64::MAX); // no remainder is ∞ − ∞
@@ -63,14 +63,14 @@ impl<M: Machine> Text<'_, M> {
         let sign = self.sign_of(x);
         let angle = self.flipped(angle, sign);
         let angle = self.or_tiny(x, angle);
-        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
+        Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
     /// atan u for |u| ≤ 0.41422, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
     /// z = u² ≤ 0.17158: the tails z¹⁴/29 and z²²/45 are below 2⁻⁴⁰ and 2⁻⁶¹ of u. In `f64` the
     /// terms from z²/5 on are rounded to a lane: 0.0053 of u, to 2⁻⁵² five times.
-    fn atan_reduced(&mut self, u: Sum<M::V>) -> Sum<M::V> {
+    fn atan_reduced(&mut self, u: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(13, 21);
         let coefficients: Vec<f64> = (1..=terms)
             .map(|n| if n % 2 == 0 { 1.0 } else { -1.0 } / (2.0 * f64::from(n) + 1.0))
@@ -79,8 +79,8 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// asin x for |x| ≤ 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`: at most
-    /// twice that of [`Text::arc_sine`].
-    pub(crate) fn asin(&mut self, x: M::V) -> Near<M::V> {
+    /// twice that of [`Approximator::arc_sine`].
+    pub(crate) fn asin(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
         let half = self.constant(HALF);
         let minus_arc = self.opposite(arc);
@@ -89,12 +89,12 @@ impl<M: Machine> Text<'_, M> {
         let sign = self.sign_of(x);
         let angle = self.flipped(angle, sign);
         let angle = self.or_tiny(x, angle);
-        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
+        Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
     }
 
     /// acos x for |x| ≤ 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of
-    /// [`Text::arc_sine`], which is at most half of a result with another term; exactly 0 at 1.
-    pub(crate) fn acos(&mut self, x: M::V) -> Near<M::V> {
+    /// [`Approximator::arc_sine`], which is at most half of a result with another term; exactly 0 at 1.
+    pub(crate) fn acos(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
         // π/2 − asin x; beyond ½, 2 asin √… itself, and beyond −½, π less that.
         let sign_bit = self.m.bits(F64, SIGN);
@@ -109,7 +109,7 @@ impl<M: Machine> Text<'_, M> {
         let half = self.constant(HALF);
         let base = self.choose(beyond, straight, half);
         let angle = self.plus(base, arc);
-        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
+        Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
     /// For |x| ≤ ½, asin |x|; beyond, 2 asin √((1 − |x|)/2), and the mask of those lanes. To 2⁻³⁵
@@ -118,7 +118,7 @@ impl<M: Machine> Text<'_, M> {
     /// The argument w of the series has w² ≤ ¼: its tails, 1.34·c₁₄·w²⁸ and 1.34·c₂₆·w⁵², are below
     /// 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on are rounded to a lane: 0.006 of w, to
     /// 2⁻⁵² five times.
-    fn arc_sine(&mut self, x: M::V) -> (Sum<M::V>, M::V) {
+    fn arc_sine(&mut self, x: M::V) -> (DoubleDouble<M::V>, M::V) {
         let t = self.m.abs(x);
         let (one, half) = (self.number(1.0), self.number(0.5));
         let beyond = self.m.lt(half, t);
@@ -146,7 +146,7 @@ impl<M: Machine> Text<'_, M> {
     /// it where that of x is set.
     ///
     /// Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`, but 2⁻⁵² more below [`TINY_RATIO`].
-    pub(crate) fn angle(&mut self, y: M::V, x: M::V) -> Near<M::V> {
+    pub(crate) fn angle(&mut self, y: M::V, x: M::V) -> Approximation<M::V> {
         let (t, c) = self.moderate(y, x);
         let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
         let (low, high) = (self.m.mul(c, low), self.m.mul(c, high));
@@ -195,7 +195,10 @@ impl<M: Machine> Text<'_, M> {
         }
         let sign = self.sign_of(y);
         let angle = self.flipped(angle, sign);
-        Near { extra, ..Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55))) }
+        Approximation {
+            extra,
+            ..Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
+        }
     }
 
     /// |y| and |x| at a distance from the origin that is neither huge nor tiny, infinite ones
@@ -222,9 +225,9 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// A constant where the mask is set, else 0.
-    fn masked(&mut self, mask: M::V, constant: [f64; 2]) -> Sum<M::V> {
+    fn masked(&mut self, mask: M::V, constant: [f64; 2]) -> DoubleDouble<M::V> {
         let constant = self.constant(constant);
-        self.each(constant, |text, part| text.m.and(mask, part))
+        self.each(constant, |approx, part| approx.m.and(mask, part))
     }
 }
 

@@ -4,7 +4,7 @@
 //! it it falls. So its extremes over a box are at two corners, unless the box meets the cut, where
 //! angles jump between π and −π.
 
-use super::wide::Text;
+use super::approximator::Approximator;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
 use crate::part::Part;
@@ -83,15 +83,15 @@ impl<M: Machine> Rule<'_, M> {
     /// −lo and hi from the corners (y, x) with the least and the greatest angle.
     fn angles(&mut self, least: [M::V; 2], greatest: [M::V; 2]) -> [M::V; 2] {
         let target = self.format;
-        let at = |text: &mut Text<'_, M>, [y, x]: [M::V; 2]| {
-            let near = text.angle(y, x);
-            [text.negated_lower(&near), text.upper(&near)]
+        let at = |approx: &mut Approximator<'_, M>, [y, x]: [M::V; 2]| {
+            let near = approx.angle(y, x);
+            [approx.negated_lower(&near), approx.upper(&near)]
         };
         match target {
             Format::F64 => {
                 let rows = [least, greatest];
                 let [[neg_lo, _], [_, hi]] =
-                    self.m.repeat(rows, |m, corner| at(&mut Text { m, target }, corner));
+                    self.m.repeat(rows, |m, corner| at(&mut Approximator { m, target }, corner));
                 [neg_lo, hi]
             }
             Format::F32 => {
@@ -99,7 +99,7 @@ impl<M: Machine> Rule<'_, M> {
                 let [[v0, v1], [u0, u1]] = greatest.map(|part| self.m.widen(part));
                 let rows = [[y0, x0], [y1, x1], [v0, u0], [v1, u1]];
                 let [l0, l1, h0, h1] =
-                    self.m.repeat(rows, |m, corner| at(&mut Text { m, target }, corner));
+                    self.m.repeat(rows, |m, corner| at(&mut Approximator { m, target }, corner));
                 [self.m.narrow([l0[0], l1[0]]), self.m.narrow([h0[1], h1[1]])]
             }
         }

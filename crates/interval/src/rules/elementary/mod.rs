@@ -1,25 +1,25 @@
-//! Elementary functions. Here are sine, cosine and tangent, from the texts in [`trigonometric`] or,
+//! Elementary functions. Here are sine, cosine and tangent, from the routines in [`trigonometric`] or,
 //! of small operands in `f32`, in [`near`]; [`monotone`] has the functions that only rise or fall,
 //! [`atan2`] the angle of two operands.
 
+pub(crate) mod approximator;
 mod arc;
 mod atan2;
+pub(crate) mod double_double;
 mod exponential;
 mod hyperbolic;
 pub(crate) mod logarithm;
 mod monotone;
 pub(crate) mod near;
-pub(crate) mod sum;
 pub(crate) mod trigonometric;
-pub(crate) mod wide;
 
 use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
-use sum::Near;
+use approximator::{Approximator, at_ends};
+use double_double::Approximation;
 use trigonometric::{HalfPi, WAVE_ERROR_F32};
-use wide::{Text, at_ends};
 
 impl<M: Machine> Rule<'_, M> {
     pub(super) fn sin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -27,14 +27,14 @@ impl<M: Machine> Rule<'_, M> {
             return self.near_waves(a)[0];
         }
         // The maximum 1 is at π/2 + 2πj, the minimum at −π/2 + 2πj.
-        self.wave(a, |text, x, half_pi| text.sin(x, half_pi), 0.25, -0.25)
+        self.wave(a, |approx, x, half_pi| approx.sin(x, half_pi), 0.25, -0.25)
     }
 
     pub(super) fn cos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         if self.is_near(a.range) {
             return self.near_waves(a)[1];
         }
-        self.wave(a, |text, x, half_pi| text.cos(x, half_pi), 0.0, 0.5)
+        self.wave(a, |approx, x, half_pi| approx.cos(x, half_pi), 0.0, 0.5)
     }
 
     /// Sine or cosine: `f` approximates it and counts quarter turns, `peak` and `trough` say at how
@@ -42,20 +42,21 @@ impl<M: Machine> Rule<'_, M> {
     fn wave(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V, &HalfPi) -> (Near<M::V>, M::V),
+        f: impl Fn(&mut Approximator<'_, M>, M::V, &HalfPi) -> (Approximation<M::V>, M::V),
         peak: f64,
         trough: f64,
     ) -> Enclosure<M::V> {
         let half_pi = HalfPi::for_angles(a.range);
-        let f = |text: &mut Text<'_, M>, x| f(text, x, half_pi);
+        let f = |approx: &mut Approximator<'_, M>, x| f(approx, x, half_pi);
         let one = self.number(1.0);
         let [neg_lo, hi, first, last] = match self.format {
             Format::F32 => {
-                let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
-                    let (least, most) = (text.m.min(lo[0], hi[0]), text.m.max(lo[0], hi[0]));
-                    let [first, last] = turns(text.m, lo[1], hi[1], 0.25);
-                    let [least, most] = [least, most].map(|x| Near::new(x.into(), WAVE_ERROR_F32));
-                    [text.negated_lower(&least), text.upper(&most), first, last]
+                let combine = |approx: &mut Approximator<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
+                    let (least, most) = (approx.m.min(lo[0], hi[0]), approx.m.max(lo[0], hi[0]));
+                    let [first, last] = turns(approx.m, lo[1], hi[1], 0.25);
+                    let [least, most] =
+                        [least, most].map(|x| Approximation::new(x.into(), WAVE_ERROR_F32));
+                    [approx.negated_lower(&least), approx.upper(&most), first, last]
                 };
                 self.at_ends_f32(a, f, combine)
             }
@@ -81,13 +82,14 @@ impl<M: Machine> Rule<'_, M> {
 
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let half_pi = HalfPi::for_angles(a.range);
-        let tan = |text: &mut Text<'_, M>, x| text.tan(x, half_pi);
+        let tan = |approx: &mut Approximator<'_, M>, x| approx.tan(x, half_pi);
         let [neg_lo, hi, first, last] = match self.format {
             Format::F32 => {
-                let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
-                    let [first, last] = turns(text.m, lo[1], hi[1], 0.5);
-                    let [lo, hi] = [lo, hi].map(|[x, _]| Near::new(x.into(), WAVE_ERROR_F32));
-                    [text.negated_lower(&lo), text.upper(&hi), first, last]
+                let combine = |approx: &mut Approximator<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
+                    let [first, last] = turns(approx.m, lo[1], hi[1], 0.5);
+                    let [lo, hi] =
+                        [lo, hi].map(|[x, _]| Approximation::new(x.into(), WAVE_ERROR_F32));
+                    [approx.negated_lower(&lo), approx.upper(&hi), first, last]
                 };
                 self.at_ends_f32(a, tan, combine)
             }
@@ -113,12 +115,12 @@ impl<M: Machine> Rule<'_, M> {
     fn at_ends_f32(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
-        combine: impl FnMut(&mut Text<'_, M>, [M::V; 2], [M::V; 2]) -> [M::V; 4],
+        f: impl Fn(&mut Approximator<'_, M>, M::V) -> (Approximation<M::V>, M::V),
+        combine: impl FnMut(&mut Approximator<'_, M>, [M::V; 2], [M::V; 2]) -> [M::V; 4],
     ) -> [M::V; 4] {
         let ends = [self.m.neg(a.value.neg_lo), a.value.hi];
-        let head = |text: &mut Text<'_, M>, x: M::V| {
-            let (near, quarters) = f(text, x);
+        let head = |approx: &mut Approximator<'_, M>, x: M::V| {
+            let (near, quarters) = f(approx, x);
             [near.sum.head, quarters]
         };
         at_ends(self.m, ends, head, combine)
@@ -128,13 +130,13 @@ impl<M: Machine> Rule<'_, M> {
     fn at_ends_f64(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
+        f: impl Fn(&mut Approximator<'_, M>, M::V) -> (Approximation<M::V>, M::V),
     ) -> [[M::V; 3]; 2] {
         let lo = self.m.neg(a.value.neg_lo);
         self.m.repeat([[lo], [a.value.hi]], |m, [x]| {
-            let mut text = Text { m, target: Format::F64 };
-            let (near, quarters) = f(&mut text, x);
-            [text.negated_lower(&near), text.upper(&near), quarters]
+            let mut approx = Approximator { m, target: Format::F64 };
+            let (near, quarters) = f(&mut approx, x);
+            [approx.negated_lower(&near), approx.upper(&near), quarters]
         })
     }
 

@@ -1,9 +1,9 @@
-//! Functions that only rise or fall, at most after taking the magnitude: bounds from the texts at
+//! Functions that only rise or fall, at most after taking the magnitude: bounds from the routines at
 //! two ends.
 
+use super::approximator::{Approximator, by_halves};
+use super::double_double::Approximation;
 use super::logarithm::Base;
-use super::sum::Near;
-use super::wide::{Text, by_halves};
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
@@ -15,15 +15,15 @@ impl<M: Machine> Rule<'_, M> {
     fn bounds_at(
         &mut self,
         [least, greatest]: [M::V; 2],
-        mut f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+        mut f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
     ) -> [M::V; 2] {
         let target = self.format;
         match target {
             Format::F64 => {
                 let [[neg_lo, _], [_, hi]] = self.m.repeat([[least], [greatest]], |m, [x]| {
-                    let mut text = Text { m, target };
-                    let near = f(&mut text, x);
-                    [text.negated_lower(&near), text.upper(&near)]
+                    let mut approx = Approximator { m, target };
+                    let near = f(&mut approx, x);
+                    [approx.negated_lower(&near), approx.upper(&near)]
                 });
                 [neg_lo, hi]
             }
@@ -31,13 +31,14 @@ impl<M: Machine> Rule<'_, M> {
                 let ([l0, l1], [h0, h1]) = (self.m.widen(least), self.m.widen(greatest));
                 let mut error = 0.0;
                 let [l0, l1, h0, h1] = self.m.repeat([[l0], [l1], [h0], [h1]], |m, [x]| {
-                    let near = f(&mut Text { m, target }, x);
+                    let near = f(&mut Approximator { m, target }, x);
                     error = near.error;
                     [near.sum.head]
                 });
-                let mut text = Text { m: self.m, target };
-                let lower = [l0, l1].map(|[x]| text.negated_lower(&Near::new(x.into(), error)));
-                let upper = [h0, h1].map(|[x]| text.upper(&Near::new(x.into(), error)));
+                let mut approx = Approximator { m: self.m, target };
+                let lower =
+                    [l0, l1].map(|[x]| approx.negated_lower(&Approximation::new(x.into(), error)));
+                let upper = [h0, h1].map(|[x]| approx.upper(&Approximation::new(x.into(), error)));
                 [self.m.narrow(lower), self.m.narrow(upper)]
             }
         }
@@ -47,7 +48,7 @@ impl<M: Machine> Rule<'_, M> {
     fn increasing(
         &mut self,
         a: &Operand<M::V>,
-        f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+        f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
     ) -> Enclosure<M::V> {
         let ends = [self.m.neg(a.value.neg_lo), a.value.hi];
         let [neg_lo, hi] = self.bounds_at(ends, f);
@@ -74,15 +75,15 @@ impl<M: Machine> Rule<'_, M> {
 
     pub(in crate::rules) fn exp(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let ends = [a.value.neg_lo, a.value.hi];
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, ends| text.exp(ends));
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |approx, ends| approx.exp(ends));
         Enclosure { neg_lo, hi, ..a.value }
     }
 
     pub(in crate::rules) fn logarithm(&mut self, a: &Operand<M::V>, base: Base) -> Enclosure<M::V> {
         let ends = self.positive_ends(a);
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [lo, hi]| {
-            let (at_lo, at_hi) = (text.ln(lo, base), text.ln(hi, base));
-            [text.negated_lower(&at_lo), text.upper(&at_hi)]
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |approx, [lo, hi]| {
+            let (at_lo, at_hi) = (approx.ln(lo, base), approx.ln(hi, base));
+            [approx.negated_lower(&at_lo), approx.upper(&at_hi)]
         });
         let (neg_lo, hi) = self.logarithm_ends(a, neg_lo, hi);
         let (nowhere, throughout) = self.positive(a);
@@ -121,43 +122,43 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(in crate::rules) fn cbrt(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let bounds = self.increasing(a, |text, x| text.cbrt(x));
+        let bounds = self.increasing(a, |approx, x| approx.cbrt(x));
         self.unbounded_with(a, bounds)
     }
 
     pub(in crate::rules) fn atan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.increasing(a, |text, x| text.atan(x))
+        self.increasing(a, |approx, x| approx.atan(x))
     }
 
     pub(in crate::rules) fn asin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let (nowhere, throughout) = self.between(a, -1.0, 1.0);
         let ends = self.limited_ends(a, -1.0, 1.0);
-        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.asin(x));
+        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.asin(x));
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
 
     pub(in crate::rules) fn acos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let (nowhere, throughout) = self.between(a, -1.0, 1.0);
         let [lo, hi] = self.limited_ends(a, -1.0, 1.0);
-        let [neg_lo, hi] = self.bounds_at([hi, lo], |text, x| text.acos(x));
+        let [neg_lo, hi] = self.bounds_at([hi, lo], |approx, x| approx.acos(x));
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
 
     pub(in crate::rules) fn sinh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.increasing(a, |text, x| text.sinh(x))
+        self.increasing(a, |approx, x| approx.sinh(x))
     }
 
     pub(in crate::rules) fn cosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let least = self.neg_mignitude(a);
         let ends = [least, self.magnitude(a)];
-        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.cosh(x));
+        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.cosh(x));
         // No value is below 1.
         let minus_one = self.number(-1.0);
         Enclosure { neg_lo: self.m.min(neg_lo, minus_one), hi, ..a.value }
     }
 
     pub(in crate::rules) fn tanh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let bounds = self.increasing(a, |text, x| text.tanh(x));
+        let bounds = self.increasing(a, |approx, x| approx.tanh(x));
         // No value is beyond ±1.
         let one = self.number(1.0);
         let (neg_lo, hi) = (self.m.min(bounds.neg_lo, one), self.m.min(bounds.hi, one));
@@ -165,14 +166,14 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(in crate::rules) fn asinh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let bounds = self.increasing(a, |text, x| text.asinh(x));
+        let bounds = self.increasing(a, |approx, x| approx.asinh(x));
         self.unbounded_with(a, bounds)
     }
 
     pub(in crate::rules) fn acosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let (nowhere, throughout) = self.between(a, 1.0, f64::INFINITY);
         let ends = self.limited_ends(a, 1.0, f64::INFINITY);
-        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.acosh(x));
+        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.acosh(x));
         let (neg_lo, hi) = (neg_lo, self.infinite_from(a, f64::INFINITY, hi));
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
@@ -183,7 +184,7 @@ impl<M: Machine> Rule<'_, M> {
             Format::F64 => 1.0_f64.next_down(),
         };
         let ends = self.limited_ends(a, -below_one, below_one);
-        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.atanh(x));
+        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.atanh(x));
         let hi = self.infinite_from(a, 1.0, hi);
         let neg_lo = self.infinite_from(&a.negated(), 1.0, neg_lo);
         let (nowhere, throughout) = self.between_ones(a);

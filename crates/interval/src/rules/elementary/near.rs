@@ -1,5 +1,5 @@
 //! Sine and cosine in `f32`, of operands that stay near 0 throughout: four lanes at a time where
-//! [`wide`](super::wide) needs two halves of `f64`, and both functions from one reduction.
+//! [`approximator`](super::approximator) needs two halves of `f64`, and both functions from one reduction.
 //!
 //! An angle is k·π/2 + s − n with a small correction n: the first part of π/2 has 17 bits and the
 //! second 14, so that their products with k (7 bits) are exact, and so is all that leads to s and n
@@ -42,7 +42,7 @@ struct Turned<V> {
 }
 
 /// A value as head + tail, above the truth and below it by no more than the two slacks.
-struct Sum<V> {
+struct Estimate<V> {
     head: V,
     tail: V,
     slack: [V; 2],
@@ -56,7 +56,7 @@ struct End<V> {
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// Whether sine and cosine of `a` have this text.
+    /// Whether sine and cosine of `a` have this routine.
     pub(crate) fn is_near(&self, range: Interval) -> bool {
         let limit = Interval { lo: -NEAR_LIMIT, hi: NEAR_LIMIT };
         self.format == F32 && limit.encloses(range)
@@ -108,7 +108,7 @@ impl<M: Machine> Rule<'_, M> {
 
     fn near_end(&mut self, x: M::V) -> End<M::V> {
         let turned = self.near_reduce(x);
-        let bounds = self.near_sums(&turned).map(|Sum { head, tail, slack }| {
+        let bounds = self.near_sums(&turned).map(|Estimate { head, tail, slack }| {
             let above = self.m.add(tail, slack[1]);
             let below = self.m.sub(slack[0], tail);
             [self.m.sub(below, head), self.m.add(head, above)]
@@ -142,7 +142,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Sine and cosine of s − n, |s| ≤ 0.786.
-    fn near_sums(&mut self, turned: &Turned<M::V>) -> [Sum<M::V>; 2] {
+    fn near_sums(&mut self, turned: &Turned<M::V>) -> [Estimate<M::V>; 2] {
         let Turned { rest: s, correction: n, .. } = *turned;
         let z = self.m.mul(s, s);
         // cos s = 1 − z/2 + z²(1/24 − …); n·s stands for n·sin s.
@@ -155,7 +155,7 @@ impl<M: Machine> Rule<'_, M> {
         let moved = self.m.mul(n, s);
         let tail = self.m.add(fourth, moved);
         let slack = COS_SLACK.map(|slack| self.number(slack));
-        let cos = Sum { head: nearly, tail, slack };
+        let cos = Estimate { head: nearly, tail, slack };
         // sin s = s − s·z(1/6 − …); n·(1 − z/2) stands for n·cos s.
         let cube = self.m.mul(s, z);
         let series = self.near_series(z, SIN_SERIES);
@@ -164,7 +164,7 @@ impl<M: Machine> Rule<'_, M> {
         let tail = self.m.sub(product, moved);
         let (share, magnitude) = (self.number(SIN_SLACK), self.m.abs(s));
         let slack = self.m.mul(magnitude, share);
-        [Sum { head: s, tail, slack: [slack; 2] }, cos]
+        [Estimate { head: s, tail, slack: [slack; 2] }, cos]
     }
 
     /// Sine and cosine from those of the rest, values or bounds, each to be negated where the sign

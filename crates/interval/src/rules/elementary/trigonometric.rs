@@ -1,8 +1,8 @@
 //! Sine, cosine and tangent of angles up to [`HalfPi::limit`], reduced by multiples of π/2.
 
+use super::approximator::Approximator;
 use super::arc::ONE_SIXTH_TAIL;
-use super::sum::{Near, Sum};
-use super::wide::Text;
+use super::double_double::{Approximation, DoubleDouble};
 use crate::bounds::Interval;
 use crate::machine::{Format, Machine};
 
@@ -67,7 +67,7 @@ impl HalfPi {
     }
 }
 
-impl<M: Machine> Text<'_, M> {
+impl<M: Machine> Approximator<'_, M> {
     /// Reduces an angle x up to the limit, for results in `f32` to 2⁻⁶⁷ absolutely, in `f64` to
     /// 2⁻⁵⁸ relatively.
     ///
@@ -85,12 +85,12 @@ impl<M: Machine> Text<'_, M> {
         let rest = if self.has_tails() {
             // The products of the middle parts are exact, and so are their differences where they
             // cancel; where they do not, the tails hold what they round.
-            let mut rest = Sum::from(first);
+            let mut rest = DoubleDouble::from(first);
             for part in middle {
                 let part = self.number(-part);
                 let multiple = self.m.mul(k, part);
                 let next = self.plus(rest.head, multiple);
-                rest = Sum { head: next.head, tail: self.tails(rest.tail, next.tail) };
+                rest = DoubleDouble { head: next.head, tail: self.tails(rest.tail, next.tail) };
             }
             let last = self.number(-last);
             let multiple = self.m.mul(k, last);
@@ -115,7 +115,7 @@ impl<M: Machine> Text<'_, M> {
     ///
     /// The tails r¹³/13! and r¹⁹/19! are below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the terms from r⁵/120
     /// on are rounded to a lane: 0.0032 of r, to 2⁻⁵² five times.
-    fn sin_reduced(&mut self, r: Sum<M::V>) -> Sum<M::V> {
+    fn sin_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(5, 8);
         self.odd_series(r, -ONE_SIXTH_TAIL, &reciprocal_factorials(terms, 3))
     }
@@ -124,7 +124,7 @@ impl<M: Machine> Text<'_, M> {
     ///
     /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on are
     /// rounded to a lane: 0.0159, to 2⁻⁵² six times, over 0.707.
-    fn cos_reduced(&mut self, r: Sum<M::V>) -> Sum<M::V> {
+    fn cos_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let coefficients = reciprocal_factorials(self.pick(6, 9), 2);
         let one = self.number(1.0);
         let z = self.times(r, r);
@@ -150,7 +150,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// `value` with the sign bit flipped where bit 1 of k is set.
-    fn flip_by_bit_1(&mut self, value: Sum<M::V>, k: M::V) -> Sum<M::V> {
+    fn flip_by_bit_1(&mut self, value: DoubleDouble<M::V>, k: M::V) -> DoubleDouble<M::V> {
         let two = self.m.bits(F64, 2);
         let set = self.m.and(k, two);
         let sign = self.m.shift_left(set, 62);
@@ -159,19 +159,19 @@ impl<M: Machine> Text<'_, M> {
 
     /// sin x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below
     /// 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
-    pub(crate) fn sin(&mut self, x: M::V, half_pi: &HalfPi) -> (Near<M::V>, M::V) {
+    pub(crate) fn sin(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
         let odd = self.odd_lanes(angle.bits);
         let value = self.choose(odd, cos, sin);
         let value = self.flip_by_bit_1(value, angle.bits);
         let value = self.or_tiny(x, value);
-        (Near::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
+        (Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
     }
 
     /// cos x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error as
     /// that of the sine.
-    pub(crate) fn cos(&mut self, x: M::V, half_pi: &HalfPi) -> (Near<M::V>, M::V) {
+    pub(crate) fn cos(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
         let odd = self.odd_lanes(angle.bits);
@@ -179,12 +179,12 @@ impl<M: Machine> Text<'_, M> {
         let one = self.m.bits(F64, 1);
         let next = self.m.int_add(angle.bits, one);
         let value = self.flip_by_bit_1(value, next);
-        (Near::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
+        (Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
     }
 
     /// tan x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below
     /// 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: those of sine and cosine.
-    pub(crate) fn tan(&mut self, x: M::V, half_pi: &HalfPi) -> (Near<M::V>, M::V) {
+    pub(crate) fn tan(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
         let odd = self.odd_lanes(angle.bits);
@@ -193,7 +193,7 @@ impl<M: Machine> Text<'_, M> {
         let below = self.choose(odd, sin, cos);
         let value = self.over(above, below);
         let value = self.or_tiny(x, value);
-        (Near::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-53))), angle.quarters)
+        (Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-53))), angle.quarters)
     }
 }
 
@@ -203,7 +203,7 @@ pub(super) const WAVE_ERROR_F32: f64 = f64::from_bits((1023 - 34) << 52);
 /// An angle as k quarter turns and a rest.
 struct Angle<V> {
     /// The angle less k·π/2.
-    rest: Sum<V>,
+    rest: DoubleDouble<V>,
     /// k in the low bits.
     bits: V,
     /// k + ½ or k − ½, by the sign of the rest: it tells on which side of k quarters the angle is.

@@ -8,7 +8,7 @@ use zeroset_ops::Restriction;
 
 /// What an expression of the old graph has become so far.
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(super) enum Form {
     /// A node of the new graph.
     Node(NodeId),
     /// A sum that may still grow.
