@@ -3,7 +3,7 @@
 use crate::packet::{LANES, Lanes};
 use std::fmt::Debug;
 use std::ops::{BitOrAssign, Neg};
-use zeroset_interval::{Facts, Format, Lanes as Vector, round::f32_up};
+use zeroset_interval::{Facts, Format, Vector128 as Vector, round::f32_up};
 
 /// A float type in which kernels compute: `f32` or `f64`.
 ///

@@ -5,7 +5,7 @@ use crate::kernel::{GradientKernel, IntervalKernel, PointKernel};
 use crate::packet::{BoxPacket, EnclosurePacket, GradientPacket, LANES, PointPacket, ValuePacket};
 use crate::real::Real;
 use crate::tape::{Tape, facts_of};
-use zeroset_interval::{Lanes, Software};
+use zeroset_interval::{Software, Vector128};
 
 /// A tape with its parameters bound, evaluated in software, without native code.
 ///
@@ -27,7 +27,7 @@ impl<T: Real> Reference<T> {
     }
 
     /// The values of all outputs in the vector of lanes with this index.
-    fn values_at(&self, packet: &PointPacket<T>, vector: usize) -> Vec<Lanes> {
+    fn values_at(&self, packet: &PointPacket<T>, vector: usize) -> Vec<Vector128> {
         self.tape.evaluate(
             &mut Software,
             |_, axis| T::load(&packet.at[axis as usize], vector),
@@ -90,7 +90,7 @@ impl<T: Real> GradientKernel<T> for Reference<T> {
         for (packet, out) in points.iter().zip(out) {
             for vector in 0..T::VECTORS {
                 let values = self.values_at(packet, vector);
-                let [value, derivatives @ ..]: [Lanes; 4] =
+                let [value, derivatives @ ..]: [Vector128; 4] =
                     values.try_into().expect("value and three derivatives");
                 T::store(value, vector, &mut out.value);
                 for (derivative, out) in derivatives.into_iter().zip(&mut out.gradient) {

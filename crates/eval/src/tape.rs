@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_interval::{
-    Enclosure, Exponent, Facts, Format, Interval, Lanes, Machine, Operand, Software, enclose,
+    Enclosure, Exponent, Facts, Format, Interval, Machine, Operand, Software, Vector128, enclose,
     enclose_twins, evaluate, evaluate_twins,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
@@ -79,7 +79,7 @@ impl<T: Real> Tape<T> {
             format: PhantomData,
             branches: None,
         };
-        let mut values: Vec<Operand<Lanes>> = Vec::new();
+        let mut values: Vec<Operand<Vector128>> = Vec::new();
         for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
             let step = match node {
                 Node::Variable(axis) => Step::Coordinate(*axis),
@@ -278,9 +278,9 @@ const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 /// A step's value over everything that `assumptions` allow: since rules are isotone, it bounds every later value.
 fn range_of<T: Real>(
     step: &Step,
-    values: &[Operand<Lanes>],
+    values: &[Operand<Vector128>],
     assumptions: &Assumptions,
-) -> Operand<Lanes> {
+) -> Operand<Vector128> {
     let given = |bounds: Interval| {
         let bounds = outward::<T>(bounds);
         let lanes = |end: f64| T::load(&[T::nearest(end); 4], 0);
@@ -310,25 +310,25 @@ fn range_of<T: Real>(
 }
 
 trait WithFacts {
-    fn with_facts(self, facts: &Enclosure<Lanes>) -> Self;
+    fn with_facts(self, facts: &Enclosure<Vector128>) -> Self;
 }
 
-impl WithFacts for Operand<Lanes> {
-    fn with_facts(self, facts: &Enclosure<Lanes>) -> Self {
+impl WithFacts for Operand<Vector128> {
+    fn with_facts(self, facts: &Enclosure<Vector128>) -> Self {
         let value = Enclosure { neg_lo: self.value.neg_lo, hi: self.value.hi, ..*facts };
         Self { value, ..self }
     }
 }
 
 /// The number in the first lane.
-fn first<T: Real>(vector: Lanes) -> f64 {
+fn first<T: Real>(vector: Vector128) -> f64 {
     let mut lanes = [T::default(); 4];
     T::store(vector, 0, &mut lanes);
     lanes[0].into()
 }
 
 /// The facts of each lane of a vector; none for lanes that it does not have.
-pub(crate) fn facts_of<T: Real>(value: &Enclosure<Lanes>) -> [Facts; 4] {
+pub(crate) fn facts_of<T: Real>(value: &Enclosure<Vector128>) -> [Facts; 4] {
     let mut facts = [Facts::NONE; 4];
     for (fact, bit) in [
         (value.nowhere, Facts::NOWHERE),

@@ -5,13 +5,13 @@ use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
 use crate::facts::Facts;
 use crate::machine::Format;
 use crate::rules;
-use crate::software::{Lanes, Software};
+use crate::software::{Software, Vector128};
 use crate::unbounded::{product, quotient};
 use zeroset_ops::{Class, Op};
 
 /// What is known of an expression: its bounds, what is proven of it, and what it is as an exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Value {
+pub struct Decorated {
     /// All its values lie within.
     pub bounds: Interval,
     /// Where it is defined and continuous.
@@ -20,7 +20,7 @@ pub struct Value {
     pub exponent: Exponent,
 }
 
-impl From<(Interval, Facts)> for Value {
+impl From<(Interval, Facts)> for Decorated {
     /// No constant integer.
     fn from((bounds, facts): (Interval, Facts)) -> Self {
         Self { bounds, facts, exponent: Exponent::Real }
@@ -46,17 +46,17 @@ impl From<(Interval, Facts)> for Value {
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
-pub fn fold<V: Copy + Into<Value>>(op: Op, operands: &[V]) -> (Interval, Facts) {
-    let values: Vec<Value> = operands.iter().map(|&operand| operand.into()).collect();
-    let operands: Vec<Operand<Lanes>> = values
+pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Facts) {
+    let values: Vec<Decorated> = operands.iter().map(|&operand| operand.into()).collect();
+    let operands: Vec<Operand<Vector128>> = values
         .iter()
-        .map(|&Value { bounds: range, facts, exponent }| {
+        .map(|&Decorated { bounds: range, facts, exponent }| {
             let fact = |bit: Facts| {
                 if facts.has(bit) { Fact::True } else { Fact::False }
             };
             let value = Enclosure {
-                neg_lo: Lanes::from_f64([-range.lo; 2]),
-                hi: Lanes::from_f64([range.hi; 2]),
+                neg_lo: Vector128::from_f64([-range.lo; 2]),
+                hi: Vector128::from_f64([range.hi; 2]),
                 nowhere: fact(Facts::NOWHERE),
                 defined: fact(Facts::DEFINED),
                 continuous: fact(Facts::CONTINUOUS),

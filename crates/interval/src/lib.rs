@@ -6,11 +6,11 @@
 //! native code elsewhere. This crate knows neither graphs nor code generation.
 
 mod bounds;
+mod branch;
 mod enclosure;
 mod facts;
 mod fold;
 mod machine;
-mod part;
 mod point;
 pub mod round;
 mod rules;
@@ -18,11 +18,11 @@ mod software;
 mod unbounded;
 
 pub use bounds::Interval;
+pub use branch::{Branch, Split};
 pub use enclosure::{Enclosure, Exponent, Fact, Operand};
 pub use facts::Facts;
-pub use fold::{Value, fold};
+pub use fold::{Decorated, fold};
 pub use machine::{Format, Machine};
-pub use part::{Part, Parting};
 pub use point::{evaluate, evaluate_twins};
-pub use rules::{enclose, enclose_part, enclose_twins};
-pub use software::{Lanes, Software};
+pub use rules::{enclose, enclose_branch, enclose_twins};
+pub use software::{Software, Vector128};

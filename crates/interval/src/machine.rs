@@ -83,8 +83,8 @@ pub trait Machine {
     /// The inverse of [`Machine::widen`], rounded up.
     fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;
 
-    /// Applies `routine` to each row of inputs, all `F64`; native code does so in a loop, so that it
-    /// is emitted once (a kernel with nine cosines compiles in half the time, and runs a sixth
+    /// Applies `routine` to each row of inputs, all `F64`; native code does so in a loop, so that
+    /// it is emitted once (a kernel with nine cosines compiles in half the time, and runs a sixth
     /// faster). What `routine` computes must not be used but through its results.
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,

@@ -1,6 +1,6 @@
 //! Every one-operand rule against the standard library at sampled points, and a few exact cases.
 
-use zeroset_interval::{Exponent, Facts, Interval, Value, fold};
+use zeroset_interval::{Decorated, Exponent, Facts, Interval, fold};
 use zeroset_ops::Op;
 
 fn of(lo: f64, hi: f64) -> (Interval, Facts) {
@@ -8,11 +8,11 @@ fn of(lo: f64, hi: f64) -> (Interval, Facts) {
 }
 
 /// An exponent that is an integer constant.
-fn integer(n: i32) -> Value {
-    Value { exponent: Exponent::Integer(n), ..of(f64::from(n), f64::from(n)).into() }
+fn integer(n: i32) -> Decorated {
+    Decorated { exponent: Exponent::Integer(n), ..of(f64::from(n), f64::from(n)).into() }
 }
 
-fn bounds<V: Copy + Into<Value>>(op: Op, operands: &[V]) -> (f64, f64) {
+fn bounds<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (f64, f64) {
     let (bounds, _) = fold(op, operands);
     (bounds.lo, bounds.hi)
 }

@@ -3,7 +3,7 @@
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
-use zeroset_interval::{Exponent, Facts, Interval, Value};
+use zeroset_interval::{Decorated, Exponent, Facts, Interval};
 
 /// Exact numerators and denominators stay below this many bits; larger results become enclosures.
 const EXACT_BITS: u64 = 512;
@@ -201,8 +201,8 @@ impl Constant {
     }
 
     /// The number's bounds and properties.
-    pub fn value(&self) -> Value {
-        Value { bounds: self.bounds(), facts: Facts::TOTAL, exponent: self.exponent() }
+    pub fn value(&self) -> Decorated {
+        Decorated { bounds: self.bounds(), facts: Facts::TOTAL, exponent: self.exponent() }
     }
 
     /// Whether the number is exactly 0.

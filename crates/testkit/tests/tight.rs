@@ -6,7 +6,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 use zeroset_interval::{
-    Enclosure, Facts, Format, Interval, Lanes, Operand, Software, enclose, fold,
+    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, fold,
 };
 use zeroset_ops::Op;
 use zeroset_testkit::Rng;
@@ -177,7 +177,7 @@ fn angles_of_points_are_as_tight_as_stated() {
 /// is.
 fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     let operand = |x: f32| {
-        let lanes = |x| Lanes::from_f32([x; 4]);
+        let lanes = |x| Vector128::from_f32([x; 4]);
         Operand::new(Enclosure::total(lanes(-x), lanes(x)), Interval::ENTIRE)
     };
     let enclosure = enclose(&mut Software, Format::F32, op, &operands.map(operand));

@@ -2,9 +2,9 @@
 
 use super::Rule;
 use crate::bounds::Interval;
+use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Fact, Operand, Sign};
 use crate::machine::Machine;
-use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
     /// The given bounds with the facts of two operands combined: nowhere if either is, else only
@@ -162,18 +162,18 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// A divisor, on one side of 0 where it reaches to both.
-    pub(super) fn divisor(&mut self, b: &Operand<M::V>, part: Part) -> Operand<M::V> {
-        if part == Part::Whole {
+    pub(super) fn divisor(&mut self, b: &Operand<M::V>, branch: Branch) -> Operand<M::V> {
+        if branch == Branch::Whole {
             return *b;
         }
         let zero = self.zero();
         let least = self.m.min(b.value.neg_lo, b.value.hi);
         let straddles = self.gt(least, zero);
         let mut value = b.value;
-        match part {
-            Part::Low => value.hi = self.m.select(straddles, zero, value.hi),
-            Part::Rest => value.neg_lo = self.m.select(straddles, zero, value.neg_lo),
-            Part::Whole | Part::Middle | Part::High => {}
+        match branch {
+            Branch::Low => value.hi = self.m.select(straddles, zero, value.hi),
+            Branch::Rest => value.neg_lo = self.m.select(straddles, zero, value.neg_lo),
+            Branch::Whole | Branch::Middle | Branch::High => {}
         }
         Operand { value, ..*b }
     }

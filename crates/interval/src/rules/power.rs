@@ -4,9 +4,9 @@ use super::Rule;
 use super::elementary::approximator::by_halves;
 use super::elementary::logarithm::Base;
 use crate::bounds::Interval;
+use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Exponent, Operand, Sign};
 use crate::machine::{Format, Machine};
-use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
     pub(super) fn sqr(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -44,12 +44,12 @@ impl<M: Machine> Rule<'_, M> {
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
-        part: Part,
+        branch: Branch,
     ) -> Enclosure<M::V> {
         let value = match b.exponent {
             Exponent::Real => return self.real_power(a, b),
             Exponent::Integer(n) if n < 0 => {
-                let base = self.divisor(a, part);
+                let base = self.divisor(a, branch);
                 self.reciprocal_power(&base, n.unsigned_abs())
             }
             Exponent::Integer(n) => self.integer_power(a, n.unsigned_abs()),
@@ -249,15 +249,15 @@ impl<M: Machine> Rule<'_, M> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Exponent, Facts, Interval, Value, fold};
+    use crate::{Decorated, Exponent, Facts, Interval, fold};
     use zeroset_ops::Op;
 
     /// A power with an exponent beyond `i32`, over [lo, hi].
     fn power(lo: f64, hi: f64, n: i64) -> ([f64; 2], Facts) {
         let bounds = Interval::point(n as f64).expect("finite");
         let exponent = Exponent::LargeInteger { odd: n % 2 != 0 };
-        let base = Value::from((Interval::new(lo, hi).expect("in order"), Facts::TOTAL));
-        let n = Value { bounds, facts: Facts::TOTAL, exponent };
+        let base = Decorated::from((Interval::new(lo, hi).expect("in order"), Facts::TOTAL));
+        let n = Decorated { bounds, facts: Facts::TOTAL, exponent };
         let (bounds, facts) = fold(Op::Pow, &[base, n]);
         ([bounds.lo, bounds.hi], facts)
     }

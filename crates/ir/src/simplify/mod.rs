@@ -196,7 +196,7 @@ impl Rewriter<'_> {
     fn node(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
         let id = self.graph.apply(op, operands);
         if id.index() == self.known.len() {
-            let enclosed: Vec<zeroset_interval::Value> = operands
+            let enclosed: Vec<zeroset_interval::Decorated> = operands
                 .iter()
                 .map(|&id| {
                     let exponent = match self.graph.node(id) {
@@ -206,7 +206,11 @@ impl Rewriter<'_> {
                         }
                     };
                     let known = self.known(id);
-                    zeroset_interval::Value { bounds: known.range, facts: known.facts, exponent }
+                    zeroset_interval::Decorated {
+                        bounds: known.range,
+                        facts: known.facts,
+                        exponent,
+                    }
                 })
                 .collect();
             let (range, facts) = zeroset_interval::fold(op, &enclosed);

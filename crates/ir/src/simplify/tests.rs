@@ -248,7 +248,7 @@ fn values_and_domains_are_kept() {
 
 /// The enclosure of a node over a box, with parameters at points.
 fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) -> (Interval, Facts) {
-    let mut all: Vec<zeroset_interval::Value> = Vec::with_capacity(graph.len());
+    let mut all: Vec<zeroset_interval::Decorated> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
         all.push(match node {
             Node::Variable(axis) => (at[*axis as usize], Facts::TOTAL).into(),
@@ -263,7 +263,7 @@ fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) ->
             }
         });
     }
-    let zeroset_interval::Value { bounds, facts, .. } = all[root.index()];
+    let zeroset_interval::Decorated { bounds, facts, .. } = all[root.index()];
     (bounds, facts)
 }
 

@@ -1,7 +1,7 @@
 //! Elementary functions of `f64` lanes: one routine each, for both formats.
 //!
-//! Every routine is a short sequence of lane operations that approximates a function, rounding up; it
-//! states a bound on its relative error, truncation and rounding included, and bounds are the
+//! Every routine is a short sequence of lane operations that approximates a function, rounding up;
+//! it states a bound on its relative error, truncation and rounding included, and bounds are the
 //! approximation moved by that. Coefficients are those of Taylor series on the reduced range, cut
 //! where the tail is below the error claimed; the tails are stated beside them. Split constants
 //! follow Cody and Waite (Software Manual for the Elementary Functions, 1980).
@@ -14,8 +14,8 @@ pub(crate) struct Approximator<'a, M> {
     pub(crate) target: Format,
 }
 
-/// Applies `routine` to the `f64` halves of each vector of `format` and joins the two results, rounded
-/// up.
+/// Applies `routine` to the `f64` halves of each vector of `format` and joins the two results,
+/// rounded up.
 pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     m: &mut M,
     format: Format,

@@ -93,7 +93,8 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     /// acos x for |x| ≤ 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of
-    /// [`Approximator::arc_sine`], which is at most half of a result with another term; exactly 0 at 1.
+    /// [`Approximator::arc_sine`], which is at most half of a result with another term; exactly 0
+    /// at 1.
     pub(crate) fn acos(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
         // π/2 − asin x; beyond ½, 2 asin √… itself, and beyond −½, π less that.

@@ -5,30 +5,30 @@
 //! angles jump between π and −π.
 
 use super::approximator::Approximator;
+use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
-use crate::part::Part;
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
     /// The angle of (b, a) from (1, 0), in (−π, π]; cut on a = 0, b < 0, undefined at the origin.
-    /// Of a box that meets the cut from both sides, the low part is below the x-axis and the rest
+    /// Of a box that meets the cut from both sides, the low branch is below the x-axis and the rest
     /// is on it or above.
     pub(in crate::rules) fn atan2(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
-        part: Part,
+        branch: Branch,
     ) -> Enclosure<M::V> {
         let zero = self.zero();
         // Zeros are positive where they are ends on the right, and above.
         let (mut y_lo, mut y_hi) = (self.lo(&a.value), self.m.add(a.value.hi, zero));
         let cut = self.meets_cut(a, b);
         if let Fact::Lanes(cut) = cut {
-            match part {
-                Part::Whole | Part::Middle => {}
-                Part::Low => y_hi = self.m.select(cut, zero, y_hi),
-                Part::Rest | Part::High => y_lo = self.m.select(cut, zero, y_lo),
+            match branch {
+                Branch::Whole | Branch::Middle => {}
+                Branch::Low => y_hi = self.m.select(cut, zero, y_hi),
+                Branch::Rest | Branch::High => y_lo = self.m.select(cut, zero, y_lo),
             }
         }
         let (x_lo, x_hi) = (self.lo(&b.value), b.value.hi);
@@ -62,7 +62,7 @@ impl<M: Machine> Rule<'_, M> {
         let pi = self.pi_above();
         let (mut neg_lo, mut hi) = (self.m.min(neg_lo, pi), self.m.min(hi, pi));
         let mut smooth = Fact::True;
-        if let (Fact::Lanes(cut), Part::Whole | Part::Middle) = (cut, part) {
+        if let (Fact::Lanes(cut), Branch::Whole | Branch::Middle) = (cut, branch) {
             neg_lo = self.m.select(cut, pi, neg_lo);
             hi = self.m.select(cut, pi, hi);
             smooth = Fact::Lanes(self.not(cut));

@@ -1,12 +1,12 @@
 //! Numbers as unevaluated sums, for routines whose results have more digits than a lane.
 //!
-//! A routine computes the leading terms of its series in this arithmetic and the rest in plain lanes;
-//! results in `f32` need no tails, and none are computed for them. Error-free transforms are not
-//! error-free while rounding up, but what they lose is of second order: each operation here states
-//! its bound, relative to its exact result, for operands whose tails are at most 2⁻⁵⁰ of their
-//! heads and where nothing underflows. Source: Dekker, A floating-point technique for extending the
-//! available precision (1971); for directed rounding Boldo, Graillat, Muller, On the robustness of
-//! the `2Sum` and `Fast2Sum` algorithms (2017).
+//! A routine computes the leading terms of its series in this arithmetic and the rest in plain
+//! lanes; results in `f32` need no tails, and none are computed for them. Error-free transforms are
+//! not error-free while rounding up, but what they lose is of second order: each operation here
+//! states its bound, relative to its exact result, for operands whose tails are at most 2⁻⁵⁰ of
+//! their heads and where nothing underflows. Source: Dekker, A floating-point technique for
+//! extending the available precision (1971); for directed rounding Boldo, Graillat, Muller, On the
+//! robustness of the `2Sum` and `Fast2Sum` algorithms (2017).
 
 use super::approximator::Approximator;
 use crate::machine::{Format, Machine};

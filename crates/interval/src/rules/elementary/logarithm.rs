@@ -67,8 +67,8 @@ const ONE_THIRD_TAIL: f64 = f64::from_bits(0x3c75_5555_5555_5555);
 impl<M: Machine> Approximator<'_, M> {
     /// The logarithm of finite x > 0. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
     ///
-    /// In `f64` only [`Approximator::twice_artanh`] errs above 2⁻⁷⁰. It is at most half as large as the sum
-    /// with k·ln 2.
+    /// In `f64` only [`Approximator::twice_artanh`] errs above 2⁻⁷⁰. It is at most half as large as
+    /// the sum with k·ln 2.
     pub(crate) fn ln(&mut self, x: M::V, base: Base) -> Approximation<M::V> {
         let (k, m) = self.significand(x);
         let one = self.number(1.0);

@@ -1,6 +1,6 @@
-//! Elementary functions. Here are sine, cosine and tangent, from the routines in [`trigonometric`] or,
-//! of small operands in `f32`, in [`near`]; [`monotone`] has the functions that only rise or fall,
-//! [`atan2`] the angle of two operands.
+//! Elementary functions. Here are sine, cosine and tangent, from the routines in [`trigonometric`]
+//! or, of small operands in `f32`, in [`near`]; [`monotone`] has the functions that only rise or
+//! fall, [`atan2`] the angle of two operands.
 
 pub(crate) mod approximator;
 mod arc;

@@ -1,5 +1,5 @@
-//! Functions that only rise or fall, at most after taking the magnitude: bounds from the routines at
-//! two ends.
+//! Functions that only rise or fall, at most after taking the magnitude: bounds from the routines
+//! at two ends.
 
 use super::approximator::{Approximator, by_halves};
 use super::double_double::Approximation;

@@ -1,5 +1,6 @@
 //! Sine and cosine in `f32`, of operands that stay near 0 throughout: four lanes at a time where
-//! [`approximator`](super::approximator) needs two halves of `f64`, and both functions from one reduction.
+//! [`approximator`](super::approximator) needs two halves of `f64`, and both functions from one
+//! reduction.
 //!
 //! An angle is k·π/2 + s − n with a small correction n: the first part of π/2 has 17 bits and the
 //! second 14, so that their products with k (7 bits) are exact, and so is all that leads to s and n
