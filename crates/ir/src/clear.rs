@@ -1,7 +1,7 @@
 //! Cleared forms: a function with poles as a quotient of two functions without.
 //!
-//! Near a pole every enclosure of `1/x − y` is unbounded and so proves nothing. Its numerator `1 −
-//! x·y` is tame: where that has no zero the function has none, pole or not.
+//! Near a pole every enclosure of `1/x − y` is unbounded and so proves nothing. Its numerator
+//! `1 − x·y` is tame: where that has no zero the function has none, pole or not.
 
 use crate::algebra::{add, div, is_one, is_zero, mul, neg, powi, sub};
 use crate::graph::{Graph, Node, NodeId};

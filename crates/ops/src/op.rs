@@ -95,9 +95,9 @@ pub struct Row {
     /// together.
     pub twin: Option<Op>,
     /// If its bounds come from an approximation: the most floats by which an enclosure of its value
-    /// at a point may be wider than the tightest one, in `f32` and in `f64`. They are not exactly
-    /// monotone in the operands' bounds then. `None` if they come of correctly rounded arithmetic
-    /// alone; to say so where they do not is unsound.
+    /// at a point may be wider than the tightest one, in `f32` and in `f64`; such bounds are not
+    /// exactly monotone in those of the operands. `None` if they come from correctly rounded
+    /// arithmetic alone; claiming `None` otherwise is unsound.
     pub excess: Option<[u64; 2]>,
     /// Its derivative by some variable: a formula over operands `a`, `b`, `c`, their derivatives
     /// `da`, `db`, `dc`, small integers and the operations of the table.

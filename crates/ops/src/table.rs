@@ -144,8 +144,8 @@ pub static TABLE: &[Row] = &[
         class: Class::Power,
         derivative: "b*a^(b-1)*da+a^b*ln(a)*db",
         doc: "a to the power b; a >= 0 unless b is an integer constant",
-        // Of a real exponent. An integer power multiplies about 2 log2 |n| times, each time
-        // rounding by 1 ulp: |n| in all.
+        // Of an exponent that is a float but no small integer. Integer powers multiply about
+        // 2 log2 |n| times, each time rounding by 1 ulp: |n| in all.
         excess: Some([2, 64]), ..BASE },
     Row { op: Op::Mod, name: "mod", arity: 2, domain: Domain::LastNonzero, continuity: Jumps,
         class: Class::Remainder,
