@@ -7,7 +7,7 @@ use crate::domain::ValueDomain;
 use crate::real::Real;
 use crate::tape::{Step, Tape, may_vanish};
 use zeroset_interval::{
-    Enclosure, Fact, Format, Interval, Machine, Operand, Part, Parting, enclose, enclose_part,
+    Branch, Enclosure, Fact, Format, Interval, Machine, Operand, Split, enclose, enclose_branch,
 };
 use zeroset_ops::Op;
 
@@ -33,13 +33,13 @@ pub(crate) struct Branches {
 /// box, and the others keep their whole boxes.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
-    parting: Parting,
+    parting: Split,
     is_shared: bool,
 }
 
 impl Choice {
-    fn parts(self) -> &'static [Part] {
-        self.parting.parts()
+    fn parts(self) -> &'static [Branch] {
+        self.parting.branches()
     }
 }
 
@@ -62,7 +62,7 @@ impl Branches {
     }
 
     fn within<T: Real>(tape: &Tape<T>, combinations: usize) -> Self {
-        let partings: Vec<Parting> =
+        let partings: Vec<Split> =
             (0..tape.steps().len()).map(|index| parting(tape, index)).collect();
         let mut choices: Vec<Choice> = Vec::new();
         let mut makes = vec![None; partings.len()];
@@ -72,8 +72,8 @@ impl Branches {
             let first = choices.len();
             let mut next = first;
             for (index, &parting) in partings.iter().enumerate() {
-                let parts = parting.parts().len();
-                if parts < 2 || (parting == Parting::AtPole) != poles {
+                let parts = parting.branches().len();
+                if parts < 2 || (parting == Split::AtPole) != poles {
                     continue;
                 }
                 if parts <= left {
@@ -122,10 +122,10 @@ impl Branches {
     }
 
     /// The parts of each combination, by choice.
-    fn combinations(&self) -> Vec<Vec<Part>> {
+    fn combinations(&self) -> Vec<Vec<Branch>> {
         let mut all = vec![Vec::new()];
         for choice in &self.choices {
-            let longer = |parts: &Vec<Part>, part: Part| {
+            let longer = |parts: &Vec<Branch>, part: Branch| {
                 let mut parts = parts.clone();
                 parts.push(part);
                 parts
@@ -140,24 +140,24 @@ impl Branches {
 }
 
 /// One of `choices`, in turn from `next` on, that offers this parting.
-fn shared(choices: &[Choice], parting: Parting, next: usize) -> Option<usize> {
+fn shared(choices: &[Choice], parting: Split, next: usize) -> Option<usize> {
     let mut turn = (0..choices.len()).map(|k| (next + k) % choices.len());
     turn.find(|&k| choices[k].parting == parting)
 }
 
-fn parting<T: Real>(tape: &Tape<T>, index: usize) -> Parting {
+fn parting<T: Real>(tape: &Tape<T>, index: usize) -> Split {
     match &tape.steps()[index] {
         Step::Apply(op, operands) => {
             let ranges: Vec<Interval> = operands.iter().map(|&i| tape.range(i)).collect();
-            Parting::of(*op, &ranges, tape.exponent(operands))
+            Split::of(*op, &ranges, tape.exponent(operands))
         }
-        Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => Parting::Whole,
+        Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => Split::Whole,
     }
 }
 
 /// What is carried from step to step while a tape is written for one combination.
 struct Combination<V> {
-    parts: Vec<Part>,
+    parts: Vec<Branch>,
     /// Per step, its value.
     values: Vec<Operand<V>>,
     /// Per choice that is shared, the lanes in which it has been made.
@@ -242,7 +242,7 @@ fn enclose_step<T: Real, M: Machine>(
     let Some(choice) = branches.makes[index] else {
         return (enclose(m, T::FORMAT, op, &operands), Fact::False);
     };
-    let part = enclose_part(m, T::FORMAT, op, &operands, now.parts[choice]);
+    let part = enclose_branch(m, T::FORMAT, op, &operands, now.parts[choice]);
     if !branches.choices[choice].is_shared {
         return (part, Fact::False);
     }

@@ -112,7 +112,7 @@ fn smooth<T: Real, M: Machine>(
         Op::Pow => match operands[1].exponent {
             Exponent::Integer(_) => (continuous, continuous),
             Exponent::Real => both(above::<T, M>(m, a, 0.0)),
-            Exponent::LargeInteger => both(Fact::False),
+            Exponent::LargeInteger { .. } => both(Fact::False),
         },
         Op::Min | Op::Max => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
         Op::SelectNegative => {

@@ -4,7 +4,7 @@ use crate::batch::Lanes;
 use crate::surface::{Kernels, Surface};
 use std::fmt::Debug;
 use std::ops::Neg;
-use zeroset_interval::{Format, Lanes as Vector, round::f32_up};
+use zeroset_interval::{Format, Vector128 as Vector, round::f32_up};
 
 /// A float type in which kernels compute: `f32` or `f64`.
 ///

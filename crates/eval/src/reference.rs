@@ -6,7 +6,7 @@ use crate::question::{Answer, Kernel, Loader, Question};
 use crate::real::Real;
 use crate::tape::Tape;
 use std::marker::PhantomData;
-use zeroset_interval::{Lanes as Vector, Software};
+use zeroset_interval::{Software, Vector128 as Vector};
 
 /// A tape with its parameters bound that answers a question in software, without native code.
 ///

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_interval::{
-    Enclosure, Exponent, Fact, Format, Interval, Lanes as Vector, Machine, Operand, Software,
+    Enclosure, Exponent, Fact, Format, Interval, Machine, Operand, Software, Vector128 as Vector,
     enclose,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
@@ -324,7 +324,11 @@ fn range_of<T: Real>(
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),
             };
-            given(if op.row().excess.is_some() { inflate(range) } else { range }).with_facts(&value)
+            let range = op.row().excess.map_or(range, |[f32, f64]| match T::FORMAT {
+                Format::F32 => inflate(range, f64::from(f32::from_bits(1)) * f32 as f64),
+                Format::F64 => inflate(range, f64::from_bits(f64)),
+            });
+            given(range).with_facts(&value)
         }
     }
 }
@@ -347,14 +351,31 @@ fn first<T: Real>(vector: Vector) -> f64 {
     lanes[0].into()
 }
 
-fn inflate(range: Interval) -> Interval {
-    let out = |end: f64, sign: f64| end + sign * end.abs() * NOT_MONOTONE;
+/// The range, widened by as much as bounds over a branch may stick out of it: relatively, and below
+/// the normal numbers by `excess`, the most that an enclosure of the operation is too wide by there.
+/// An end at 0 stays, as no approximation changes the sign of a value.
+fn inflate(range: Interval, excess: f64) -> Interval {
+    let out = |end: f64, sign: f64| match end {
+        0.0 => end,
+        _ => end + sign * (end.abs() * NOT_MONOTONE).max(excess),
+    };
     Interval { lo: out(range.lo, -1.0), hi: out(range.hi, 1.0) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ends_below_the_normal_numbers_are_widened_too() {
+        let excess = f64::from_bits(4);
+        for bits in [1, 3, 1 << 10, 1 << 19, 1 << 40] {
+            let end = f64::from_bits(bits);
+            let Interval { lo, hi } = inflate(Interval { lo: end, hi: end }, excess);
+            assert!(lo < end && end < hi && hi - end >= excess, "{end:e}: {lo:e} {hi:e}");
+        }
+        assert_eq!(inflate(Interval::ZERO, excess), Interval::ZERO);
+    }
 
     #[test]
     fn middles_are_numbers() {

@@ -26,7 +26,7 @@ fn main() -> ExitCode {
         "",
         "floats",
         "violations",
-        "beyond 2^20",
+        "beyond 2^23",
         "unbounded",
         "too wide",
         "worst",

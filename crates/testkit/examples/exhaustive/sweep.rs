@@ -15,7 +15,9 @@ use zeroset_ops::Op;
 /// Floats that a thread takes at a time.
 const CHUNK: u64 = 1 << 16;
 /// Angles up to here are enclosed tightly; beyond, an enclosure is the function's range.
-const ANGLE_LIMIT: f32 = 1_048_576.0;
+const ANGLE_LIMIT: f32 = 8_388_608.0;
+/// Angles that never leave these bounds are reduced in fewer steps.
+const COMMON_LIMIT: f32 = 1_048_576.0;
 /// Sine and cosine have a text of their own for operands that never leave these bounds.
 const NEAR_LIMIT: f32 = 192.0;
 
@@ -47,7 +49,19 @@ pub fn functions() -> Vec<Function> {
     const REALS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
     const UNIT: [f64; 2] = [-1.0, 1.0];
     let all = |op, range, limit, truth| Function { op, truth, range, limit, within: None };
+    let wave = |op, range, truth, within| Function { within, ..all(op, range, ANGLE_LIMIT, truth) };
+    let sin = |x: f32| where_defined(true, core_math::sin(f64::from(x)), x == 0.0);
+    let cos = |x: f32| where_defined(true, core_math::cos(f64::from(x)), x == 0.0);
+    let tan = |x: f32| where_defined(true, core_math::tan(f64::from(x)), x == 0.0);
     vec![
+        wave(Op::Sin, UNIT, sin, None),
+        wave(Op::Sin, UNIT, sin, Some(COMMON_LIMIT)),
+        wave(Op::Sin, UNIT, sin, Some(NEAR_LIMIT)),
+        wave(Op::Cos, UNIT, cos, None),
+        wave(Op::Cos, UNIT, cos, Some(COMMON_LIMIT)),
+        wave(Op::Cos, UNIT, cos, Some(NEAR_LIMIT)),
+        wave(Op::Tan, REALS, tan, None),
+        wave(Op::Tan, REALS, tan, Some(COMMON_LIMIT)),
         all(Op::Sqrt, [0.0, f64::INFINITY], f32::MAX, |x| {
             let root = f64::from(x).sqrt();
             let is_exact = f64::from(root as f32) == root && root * root == f64::from(x);
@@ -79,27 +93,6 @@ pub fn functions() -> Vec<Function> {
             // 5¹⁰ is the last power of five with 24 bits.
             let is_power = (0..=10).any(|n| f64::from(x) == 10_f64.powi(n));
             where_defined(x > 0.0, value, is_power)
-        }),
-        all(Op::Sin, UNIT, ANGLE_LIMIT, |x| {
-            where_defined(true, core_math::sin(f64::from(x)), x == 0.0)
-        }),
-        all(Op::Cos, UNIT, ANGLE_LIMIT, |x| {
-            where_defined(true, core_math::cos(f64::from(x)), x == 0.0)
-        }),
-        Function {
-            within: Some(NEAR_LIMIT),
-            ..all(Op::Sin, UNIT, ANGLE_LIMIT, |x| {
-                where_defined(true, core_math::sin(f64::from(x)), x == 0.0)
-            })
-        },
-        Function {
-            within: Some(NEAR_LIMIT),
-            ..all(Op::Cos, UNIT, ANGLE_LIMIT, |x| {
-                where_defined(true, core_math::cos(f64::from(x)), x == 0.0)
-            })
-        },
-        all(Op::Tan, REALS, ANGLE_LIMIT, |x| {
-            where_defined(true, core_math::tan(f64::from(x)), x == 0.0)
         }),
         all(Op::Asin, REALS, f32::MAX, |x| {
             where_defined(x.abs() <= 1.0, core_math::asin(f64::from(x)), x == 0.0)

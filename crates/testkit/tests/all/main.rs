@@ -6,7 +6,6 @@ mod conformance;
 mod exact;
 mod exhaustive;
 mod findings;
-mod partials;
 mod properties;
 mod reference;
 mod reproduce;

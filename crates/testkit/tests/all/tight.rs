@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 use zeroset_interval::{
-    Enclosure, Facts, Format, Interval, Lanes, Operand, Software, enclose, fold,
+    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, fold,
 };
 use zeroset_ops::Op;
 use zeroset_testkit::Rng;
@@ -28,9 +28,18 @@ fn most(op: Op) -> [u64; 2] {
 }
 
 /// Multiples of π/2, and the end of the angles that are reduced.
-const QUARTERS: [f64; 7] =
-    [1e-310, FRAC_PI_2, -PI, 3.0 * FRAC_PI_2, 1000.0 * PI, 66_637.5 * PI, ANGLE_LIMIT];
-const ANGLE_LIMIT: f64 = 1_048_576.0;
+const QUARTERS: [f64; 9] = [
+    1e-310,
+    FRAC_PI_2,
+    -PI,
+    3.0 * FRAC_PI_2,
+    1000.0 * PI,
+    66_637.5 * PI,
+    1_048_576.0,
+    123_456_789.0 * PI,
+    ANGLE_LIMIT,
+];
+const ANGLE_LIMIT: f64 = 8_589_934_592.0; // 2^33
 
 fn cases() -> Vec<Case> {
     let case = |op, truth, hard| Case { op, truth, hard };
@@ -169,7 +178,7 @@ fn angles_of_points_are_as_tight_as_stated() {
 /// wider than the tightest it is.
 fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     let operand = |x: f32| {
-        let lanes = |x| Lanes::from_f32([x; 4]);
+        let lanes = |x| Vector128::from_f32([x; 4]);
         Operand::new(Enclosure::total(lanes(-x), lanes(x)), Interval::ENTIRE)
     };
     let enclosure = enclose(&mut Software, Format::F32, op, &operands.map(operand));

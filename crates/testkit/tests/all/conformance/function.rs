@@ -4,7 +4,7 @@
 use super::itl::{Decoration, Term};
 use std::collections::HashMap;
 use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Real, Tape};
-use zeroset_interval::{Facts, Interval, Value, fold};
+use zeroset_interval::{Decorated, Facts, Interval, fold};
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
@@ -86,8 +86,8 @@ pub struct Answer {
 
 impl Function {
     /// Encloses it in software, node by node, in `f64`.
-    pub fn fold(&self, operands: &[Value]) -> Answer {
-        let mut values: HashMap<NodeId, Value> = HashMap::new();
+    pub fn fold(&self, operands: &[Decorated]) -> Answer {
+        let mut values: HashMap<NodeId, Decorated> = HashMap::new();
         for (id, node) in self.graph.iter() {
             let value = match node {
                 Node::Variable(axis) => match operands.get(*axis as usize) {
@@ -97,13 +97,13 @@ impl Function {
                 Node::Parameter(_) => unreachable!("no parameters here"),
                 Node::Constant(constant) => constant.value(),
                 Node::Apply(op, operands) => {
-                    let operands: Vec<Value> = operands.iter().map(|id| values[id]).collect();
+                    let operands: Vec<Decorated> = operands.iter().map(|id| values[id]).collect();
                     fold(*op, &operands).into()
                 }
             };
             values.insert(id, value);
         }
-        let Value { bounds, facts, .. } = values[&self.root];
+        let Decorated { bounds, facts, .. } = values[&self.root];
         Answer { bounds, facts }
     }
 
@@ -199,7 +199,7 @@ pub fn outward<T: Real>(bounds: Interval) -> Interval {
 }
 
 /// An operand as the software type takes it.
-pub fn value_of(bounds: Option<Interval>, decoration: Option<Decoration>) -> Value {
+pub fn value_of(bounds: Option<Interval>, decoration: Option<Decoration>) -> Decorated {
     match bounds {
         None => (Interval::ENTIRE, Facts::NOWHERE).into(),
         Some(bounds) => (bounds, decoration.map_or(Facts::TOTAL, Decoration::facts)).into(),

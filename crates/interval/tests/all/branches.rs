@@ -1,9 +1,9 @@
-//! The parts into which operations split boxes: together they hold every value, and where nothing jumps each is the
-//! whole.
+//! The branches into which operations split boxes: together they hold every value, and where
+//! nothing jumps each is the whole.
 
 use zeroset_interval::{
-    Enclosure, Exponent, Fact, Format, Interval, Lanes, Operand, Part, Parting, Software,
-    enclose_part,
+    Branch, Enclosure, Exponent, Fact, Format, Interval, Operand, Software, Split, Vector128,
+    enclose_branch,
 };
 use zeroset_ops::{Class, Continuity, Op, TABLE};
 
@@ -42,15 +42,15 @@ impl Random {
     }
 }
 
-fn operand(bounds: Interval, exponent: Exponent) -> Operand<Lanes> {
-    let lanes = |end: f64| Lanes::from_f64([end; 2]);
+fn operand(bounds: Interval, exponent: Exponent) -> Operand<Vector128> {
+    let lanes = |end: f64| Vector128::from_f64([end; 2]);
     let value = Enclosure::total(lanes(-bounds.lo), lanes(bounds.hi));
     Operand { value, range: Interval::ENTIRE, exponent }
 }
 
-fn over(op: Op, operands: &[Operand<Lanes>], part: Part) -> (f64, f64, [bool; 3]) {
-    let value = enclose_part(&mut Software, Format::F64, op, operands, part);
-    let is = |fact: Fact<Lanes>| fact.mask(&mut Software, Format::F64).bits_64()[0] != 0;
+fn over(op: Op, operands: &[Operand<Vector128>], branch: Branch) -> (f64, f64, [bool; 3]) {
+    let value = enclose_branch(&mut Software, Format::F64, op, operands, branch);
+    let is = |fact: Fact<Vector128>| fact.mask(&mut Software, Format::F64).bits_64()[0] != 0;
     let facts = [is(value.nowhere), is(value.defined), is(value.continuous)];
     (0.0 - value.neg_lo.f64()[0], 0.0 + value.hi.f64()[0], facts)
 }
@@ -78,23 +78,23 @@ fn parts_cover_the_box_and_are_the_whole_where_nothing_jumps() {
             }
             let exponent = operands[operands.len() - 1].exponent;
             let ranges: Vec<Interval> = operands.iter().map(|operand| operand.range).collect();
-            let parting = Parting::of(row.op, &ranges, exponent);
+            let parting = Split::of(row.op, &ranges, exponent);
             assert_eq!(
-                parting != Parting::Whole,
+                parting != Split::Whole,
                 row.continuity == Continuity::Jumps
                     || row.class == Class::Quotient
                     || matches!(exponent, Exponent::Integer(-3 | -1)),
                 "{}",
                 row.name
             );
-            let (at_lo, at_hi, [at_nowhere, ..]) = over(row.op, &points, Part::Whole);
-            let whole = over(row.op, &operands, Part::Whole);
+            let (at_lo, at_hi, [at_nowhere, ..]) = over(row.op, &points, Branch::Whole);
+            let whole = over(row.op, &operands, Branch::Whole);
             let mut holds = at_nowhere;
-            for &part in parting.parts() {
-                let (lo, hi, facts) = over(row.op, &operands, part);
+            for &branch in parting.branches() {
+                let (lo, hi, facts) = over(row.op, &operands, branch);
                 let context = || {
                     format!(
-                        "{} {part:?} case {case}: {operands:?}\n{whole:?}, {lo} {hi} {facts:?}",
+                        "{} {branch:?} case {case}: {operands:?}\n{whole:?}, {lo} {hi} {facts:?}",
                         row.name
                     )
                 };
@@ -116,8 +116,12 @@ fn parts_are_single_values_where_a_function_takes_two_or_three() {
         let operands = bounds.map(|(lo, hi)| operand(Interval { lo, hi }, Exponent::Real));
         let operands = &operands[..op.arity()];
         let ranges = operands.iter().map(|operand| operand.range).collect::<Vec<_>>();
-        let parts = Parting::of(op, &ranges, Exponent::Real).parts();
-        parts.iter().map(|&part| over(op, operands, part)).map(|(lo, hi, _)| (lo, hi)).collect()
+        let branches = Split::of(op, &ranges, Exponent::Real).branches();
+        branches
+            .iter()
+            .map(|&branch| over(op, operands, branch))
+            .map(|(lo, hi, _)| (lo, hi))
+            .collect()
     };
     let none = (0.0, 0.0);
     assert_eq!(of(Op::Floor, [(0.9, 1.1), none, none]), [(0.0, 0.0), (1.0, 1.0)]);

@@ -1,6 +1,6 @@
-//! Parts of a box: where a function that jumps has one value, or keeps to one side of a pole.
+//! Branches over a box: where a function that jumps has one value, or keeps to one side of a pole.
 //!
-//! How parts of several functions are combined is not known here.
+//! How branches of several functions are combined is not known here.
 
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
@@ -8,26 +8,28 @@ use zeroset_ops::{Class, Continuity, Law, Op};
 
 /// Which points of a box count.
 ///
-/// A function that jumps splits a box in two or three parts by its own value; one with a pole splits it in two by the
-/// sign of its divisor. The parts of one [`Parting`] cover the box, so that what holds over each holds over the box.
+/// A function that jumps splits a box in two or three branches by its own value; one with a pole
+/// splits it in two by the sign of its divisor. The branches of one [`Split`] cover the box, so
+/// that what holds over each holds over the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum Branch {
     /// All of them.
     Whole,
-    /// Those where an integer-valued function takes the lowest value of the box, a choice its first branch, a divisor is
-    /// negative, an angle is below its cut.
+    /// Those where an integer-valued function takes the lowest value of the box, a choice its first
+    /// branch, a divisor is negative, an angle is below its cut.
     Low,
-    /// All but [`Part::Low`].
+    /// All but [`Branch::Low`].
     Rest,
-    /// Those where an integer-valued function takes neither its lowest nor its highest value of the box.
+    /// Those where an integer-valued function takes neither its lowest nor its highest value of the
+    /// box.
     Middle,
     /// Those where it takes the highest.
     High,
 }
 
-/// Into which parts an operation splits a box.
+/// Into which branches an operation splits a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parting {
+pub enum Split {
     /// It does not.
     Whole,
     /// In two, where its divisor changes sign.
@@ -38,9 +40,9 @@ pub enum Parting {
     AtBothJumps,
 }
 
-impl Parting {
-    /// How `op` splits boxes, if its operands, as many as its arity says, keep within `ranges`; `exponent` says
-    /// what the last one is as an exponent.
+impl Split {
+    /// How `op` splits boxes, if its operands, as many as its arity says, keep within `ranges`;
+    /// `exponent` says what the last one is as an exponent.
     pub fn of(op: Op, ranges: &[Interval], exponent: Exponent) -> Self {
         let straddles = |range: &Interval| range.lo < 0.0 && range.hi > 0.0;
         let row = op.row();
@@ -53,7 +55,7 @@ impl Parting {
             // An even power goes the same way on both sides of its pole.
             Class::Power => match exponent {
                 Exponent::Integer(n) => n < 0 && n % 2 != 0 && straddles(&ranges[0]),
-                Exponent::Real | Exponent::LargeInteger => false,
+                Exponent::Real | Exponent::LargeInteger { .. } => false,
             },
             Class::Negation
             | Class::Sum
@@ -70,12 +72,12 @@ impl Parting {
         if is_pole { Self::AtPole } else { Self::Whole }
     }
 
-    /// The parts; together they cover the box.
-    pub fn parts(self) -> &'static [Part] {
+    /// The branches; together they cover the box.
+    pub fn branches(self) -> &'static [Branch] {
         match self {
-            Self::Whole => &[Part::Whole],
-            Self::AtPole | Self::AtJump => &[Part::Low, Part::Rest],
-            Self::AtBothJumps => &[Part::Low, Part::Middle, Part::High],
+            Self::Whole => &[Branch::Whole],
+            Self::AtPole | Self::AtJump => &[Branch::Low, Branch::Rest],
+            Self::AtBothJumps => &[Branch::Low, Branch::Middle, Branch::High],
         }
     }
 }

@@ -8,7 +8,7 @@ use zeroset_ops::Restriction;
 
 /// What an expression of the old graph has become so far.
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(super) enum Form {
     /// A node of the new graph.
     Node(NodeId),
     /// A sum that may still grow.
@@ -45,8 +45,8 @@ impl Condition {
 /// `±(constant + Σ cᵢ·tᵢ)`: the terms are nodes that carry no coefficient of their own.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
-    /// Whether constants and coefficients are stored with the opposite sign: negation must cost nothing, or a
-    /// nest of differences would take quadratic time.
+    /// Whether constants and coefficients are stored with the opposite sign: negation must cost
+    /// nothing, or a nest of differences would take quadratic time.
     negated: bool,
     constants: Vec<BigRational>,
     terms: Vec<(NodeId, BigRational)>,
@@ -112,7 +112,8 @@ pub(super) struct Product {
     pub(super) coefficient: BigRational,
     pub(super) factors: Vec<Factor>,
     pub(super) conditions: Vec<Condition>,
-    /// Whether bases are still to be merged; put off while a long product grows, which would else take quadratic time.
+    /// Whether bases are still to be merged; put off while a long product grows, which would else
+    /// take quadratic time.
     pub(super) loose: bool,
 }
 
