@@ -41,7 +41,7 @@ fn picture(model: &Model, settings: &Settings, last: usize) -> (Picture, usize) 
     let asked = AtomicUsize::new(0);
     let advance = |_| asked.fetch_add(1, Ordering::Relaxed) < last;
     let picture = model.trace(&camera, settings, &advance);
-    (picture, asked.into_inner())
+    (picture.expect("compiled"), asked.into_inner())
 }
 
 #[test]

@@ -30,7 +30,8 @@ fn kept(text: &str, lines: &[&str]) -> Vec<bool> {
         live.enter(line).expect(line);
         let next = settled(&live);
         assert_as_compiled_afresh(&next);
-        let shared = next.model.shares_code(&last.model);
+        let shared =
+            next.model.is_rebound() && next.model.program().made() == last.model.program().made();
         assert_eq!(shared, next.model.is_rebound(), "{line}");
         last = next;
         shared

@@ -73,6 +73,8 @@ pub trait Output<T: Real>: Batch<T> {
     ///
     /// # Panics
     /// If there is none.
+    fn mask(&self, number: usize) -> u16;
+    /// As [`Output::mask`].
     fn mask_mut(&mut self, number: usize) -> &mut u16;
 }
 
@@ -111,6 +113,11 @@ macro_rules! output {
     ($name:ty: $($mask:ident),*) => {
         impl<T: Real> Output<T> for $name {
             const MASKS: usize = 0 $(+ { let _ = stringify!($mask); 1 })*;
+
+            fn mask(&self, number: usize) -> u16 {
+                let all: &[u16] = &[$(self.$mask),*];
+                all[number]
+            }
 
             fn mask_mut(&mut self, number: usize) -> &mut u16 {
                 let all: Vec<&mut u16> = vec![$(&mut self.$mask),*];

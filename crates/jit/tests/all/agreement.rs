@@ -3,8 +3,8 @@
 
 use std::fmt::Debug;
 use zeroset_eval::{
-    Assumptions, Batch, Binding, Boxes, Enclose, Input, Kernel, LANES, Points, Question, Real,
-    Reference, Sample, Tape,
+    Assumptions, Batch, Binding, Boxes, Enclose, Input, Kernel, LANES, Output, Points, Question,
+    Real, Reference, Sample, Tape,
 };
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
@@ -146,10 +146,9 @@ where
             |number| e.quantity(number).iter().zip(&**f.quantity(number)).take(input.count());
         let quantities =
             (0..Q::Output::<T>::QUANTITIES).all(|q| lanes(q).all(|(a, b)| same(*a, *b)));
-        let used = (1 << input.count()) - 1;
-        let word = |output: &Q::Output<T>, number| *output.clone().word_mut(number) & used;
-        let words = (0..Q::Output::<T>::WORDS).all(|w| word(e, w) == word(f, w));
-        assert!(quantities && words, "{:?}: {input:?}\n{e:?}\n{f:?}", tape.steps());
+        let used = |mask: u16| mask << (LANES - input.count());
+        let masks = (0..Q::Output::<T>::MASKS).all(|n| used(e.mask(n)) == used(f.mask(n)));
+        assert!(quantities && masks, "{:?}: {input:?}\n{e:?}\n{f:?}", tape.steps());
     }
     found
 }

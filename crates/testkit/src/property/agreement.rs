@@ -4,8 +4,8 @@ use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Case, Ends, Place, Rng, minimise, pack_boxes};
 use std::fmt::Debug;
 use zeroset_eval::{
-    Assumptions, Batch, Binding, Boxes, Enclose, EncloseGradient, FindZeros, Input, Kernel, LANES,
-    Lanes, Points, Question, Real, Reference, Sample, SampleGradient, Tape,
+    Assumptions, Binding, Boxes, Enclose, EncloseGradient, FindZeros, Input, Kernel, LANES, Lanes,
+    Output, Points, Question, Real, Reference, Sample, SampleGradient, Tape,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::Native;
@@ -133,12 +133,13 @@ fn random_points<T: Adversarial>(_: &Case, rng: &mut Rng, count: usize) -> Point
 }
 
 /// Whether two answers are the same in the first `count` lanes.
-fn same<T: Real, B: Batch<T>>(a: &B, b: &B, count: usize) -> bool {
+fn same<T: Real, B: Output<T>>(a: &B, b: &B, count: usize) -> bool {
     let equal = |(a, b): (&T, &T)| a == b || ((*a).into().is_nan() && (*b).into().is_nan());
     let quantities = (0..B::QUANTITIES)
         .all(|number| a.quantity(number).iter().zip(&**b.quantity(number)).take(count).all(equal));
-    let used = |batch: &B, number| *batch.clone().word_mut(number) & ((1 << count) - 1);
-    quantities && (0..B::WORDS).all(|number| used(a, number) == used(b, number))
+    let unused = LANES - count;
+    let used = |batch: &B, number| batch.mask(number) << unused;
+    quantities && (0..B::MASKS).all(|number| used(a, number) == used(b, number))
 }
 
 /// The answers of native code and of the reference.

@@ -20,7 +20,7 @@ struct Same {
 
 impl Kernel<Enclose> for Same {
     fn ask(&self, _: &Boxes, answers: &mut Enclosures) {
-        let mask = |fact| if self.facts.has(fact) { u32::MAX } else { 0 };
+        let mask = |fact| if self.facts.has(fact) { u16::MAX } else { 0 };
         *answers = Enclosures {
             neg_lo: Lanes::splat(-self.lo),
             hi: Lanes::splat(self.hi),
@@ -174,7 +174,7 @@ struct Slope {
 impl Kernel<EncloseGradient> for Slope {
     fn ask(&self, _: &Boxes, answers: &mut GradientEnclosures) {
         let [lo, hi] = self.range;
-        let mask = |claim| if claim { u32::MAX } else { 0 };
+        let mask = |claim| if claim { u16::MAX } else { 0 };
         *answers = GradientEnclosures {
             neg_lo: Lanes::splat(f32::INFINITY),
             hi: Lanes::splat(f32::INFINITY),
