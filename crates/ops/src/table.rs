@@ -85,6 +85,8 @@ pub static TABLE: &[Row] = &[
     Row { op: Op::Log10, name: "log10", domain: Domain::Positive,
         values: &[(1, 0)],
         derivative: "da/(a*ln(10))", doc: "logarithm to base 10; defined for a > 0", ..BASE },
+    // Angles beyond 2^23 in `f32` and 2^33 in `f64` are not reduced: sine and cosine are within
+    // [-1, 1] there, the tangent anywhere.
     Row { op: Op::Sin, name: "sin",
         parity: Odd, values: &[(0, 0)], twin: Some(Op::Cos),
         derivative: "cos(a)*da", doc: "sine of an angle in radians", ..BASE },
