@@ -5,10 +5,10 @@ use crate::build::{Builder, number_only, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
-use crate::run::{Item, Items, superscript_number};
-use crate::scan::in_name;
+use crate::run::{Item, Items};
 use crate::scope::{Callee, is_variadic};
 use crate::span::Span;
+use crate::spelling::in_name;
 
 impl Builder<'_> {
     /// A function and what it is applied to: brackets, or the implicit product up to the next function.
@@ -20,7 +20,7 @@ impl Builder<'_> {
     ) -> Fallible<Expr> {
         let mut callee = callee.clone();
         let mut exponent = None;
-        if let Some(Item::Caret(..) | Item::Superscript(..)) = items.front() {
+        if let Some(Item::Caret(..) | Item::Superscript(_)) = items.front() {
             let power = self.function_exponent(items)?;
             if is_minus_one(&power) {
                 callee = self.inverse(&callee, span.to(power.span))?;
@@ -28,29 +28,26 @@ impl Builder<'_> {
                 exponent = Some(power);
             }
         }
-        let arguments = match items.pop_front() {
-            Some(Item::Group(pair)) => {
-                let place = self.span(&pair);
-                let mut arguments = Vec::new();
-                for argument in pair.into_inner().flat_map(Pair::into_inner) {
-                    arguments.push(self.value(argument)?);
-                }
-                (arguments, place)
+        let brackets = match items.front() {
+            Some(Item::Group(pair) | Item::Closed(pair))
+                if matches!(pair.as_rule(), Rule::group | Rule::braces) =>
+            {
+                Some(pair.clone())
             }
-            Some(Item::Closed(pair)) if pair.as_rule() == Rule::braces => {
-                let place = self.span(&pair);
-                (vec![self.closed(pair)?], place)
+            _ => None,
+        };
+        let (arguments, place) = match brackets {
+            Some(pair) => {
+                items.pop_front();
+                (self.arguments(pair.clone())?, self.span(&pair))
             }
-            other => {
-                if let Some(item) = other {
-                    items.push_front(item);
-                }
+            None => {
                 let argument = self.bare_argument(&callee, span, items)?;
                 let place = argument.span;
                 (vec![argument], place)
             }
         };
-        let call = self.call(&callee, span, arguments.0, arguments.1)?;
+        let call = self.call(&callee, span, arguments, place)?;
         Ok(match exponent {
             None => call,
             Some(exponent) => {
@@ -60,23 +57,25 @@ impl Builder<'_> {
         })
     }
 
+    /// The arguments in brackets, or the only one in braces.
+    fn arguments(&mut self, pair: Pair<'_>) -> Fallible<Vec<Expr>> {
+        if pair.as_rule() == Rule::group {
+            return pair.into_inner().map(|argument| self.value(argument)).collect();
+        }
+        let span = self.span(&pair);
+        Ok(vec![self.deeper(span, 1, |b| b.closed(pair, span))?])
+    }
+
     /// The exponent between a function and its argument, `sin^2 x`.
     fn function_exponent(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
-        match items.pop_front() {
-            Some(Item::Superscript(text, span)) => Ok(superscript_number(&text, span)),
-            Some(Item::Caret(signs, _)) => {
-                let exponent = self.primary(items)?;
-                let exponent = match items.front() {
-                    Some(Item::Caret(..) | Item::Superscript(..)) => {
-                        self.exponents(exponent, items)?
-                    }
-                    _ => exponent,
-                };
-                number_only(&exponent)?;
-                self.signed(&signs, |_| Ok(exponent))
-            }
-            _ => Err(Error::new(Span::at(self.base), ErrorKind::Empty)),
-        }
+        let signs = match items.pop_front() {
+            Some(Item::Superscript(number)) => return Ok(number),
+            Some(Item::Caret(signs, _)) => signs,
+            _ => Vec::new(),
+        };
+        let exponent = self.power(items)?;
+        number_only(&exponent)?;
+        self.signed(&signs, |_| Ok(exponent))
     }
 
     fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
@@ -118,14 +117,7 @@ impl Builder<'_> {
             }
             self.factor(items, &mut factors)?;
         }
-        if factors.len() > 1 {
-            for factor in &factors {
-                number_only(factor)?;
-            }
-        }
-        let place = factors[0].span.to(factors[factors.len() - 1].span);
-        let product =
-            product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect(), place);
+        let product = product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect())?;
         number_only(&product)?;
         Ok(product)
     }

@@ -50,6 +50,16 @@ impl Expr {
             _ => None,
         }
     }
+
+    /// The number, if this is a whole one without a sign or an exponent.
+    pub(crate) fn whole_number(&self) -> Option<u32> {
+        self.number()?.parse().ok()
+    }
+
+    /// `-self`, which stands at `span`.
+    pub(crate) fn negated(self, span: Span) -> Self {
+        Self::new(ExprKind::Negate(Box::new(self)), span)
+    }
 }
 
 /// What an expression is.
@@ -181,6 +191,15 @@ impl NamedConstant {
             Self::Tau => "tau",
             Self::E => "e",
             Self::Phi => "phi",
+        }
+    }
+
+    /// What the name stands for, where a reader may not know it.
+    pub(crate) fn meaning(self) -> Option<&'static str> {
+        match self {
+            Self::Pi | Self::E => None,
+            Self::Tau => Some("2*pi = 6.2831853…"),
+            Self::Phi => Some("the golden ratio, (1 + sqrt(5))/2 = 1.6180339…"),
         }
     }
 }

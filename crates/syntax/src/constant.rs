@@ -2,20 +2,17 @@
 //!
 //! Sums, products, quotients and whole powers of decimals stay exact; everything else is enclosed.
 
-use crate::ast::Expr;
+use crate::ast::{Expr, ExprKind, Function, Value};
 use crate::build::Builder;
-use crate::diagnose::diagnose;
 use crate::error::{Error, ErrorKind, Errors, Fallible};
-use crate::grammar::{Rule, Zeroset};
 use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::scan::scan;
 use crate::scope::Scope;
 use crate::span::Span;
-use crate::statement::LineKind;
+use crate::spelling::short_name;
 use num_rational::BigRational;
 use num_traits::{One, Zero};
-use pest::Parser as _;
 use rustc_hash::FxHashMap;
 use zeroset_interval::{Facts, Interval, fold};
 use zeroset_ir::{Constant, Graph, Node, NodeId, Operands, simplify};
@@ -41,23 +38,18 @@ pub fn constant(text: &str) -> Result<Constant, Errors> {
 /// The value of a constant expression given as text.
 pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
     let pieces = scan(text, limits)?;
-    let [piece] = pieces.as_slice() else {
-        return Err(match pieces.get(1) {
-            None => Error::new(Span::at(text.len()), ErrorKind::Empty),
-            Some(second) => {
-                let found = text[second.span.range()].chars().take(20).collect();
-                Error::new(second.span, ErrorKind::Unexpected { found })
-            }
-        });
-    };
-    let source = &text[piece.span.range()];
-    let pairs = Zeroset::parse(Rule::constant, source)
-        .map_err(|error| diagnose(text, piece, LineKind::Formula, &error))?;
-    let scope = Scope::default();
-    let mut builder = Builder::new(text, piece.span.start, &scope, &[], limits);
-    let expression = pairs.flatten().find(|pair| pair.as_rule() == Rule::expression);
-    let expr = builder.value(expression.expect("a constant has an expression"))?;
-    evaluate(&expr, limits)
+    match pieces.as_slice() {
+        [] => Err(Error::new(Span::at(text.len()), ErrorKind::Empty)),
+        [piece] => {
+            let scope = Scope::default();
+            let expr = Builder::new(text, piece, &scope, &[], limits).only_expression()?;
+            evaluate(&expr, limits)
+        }
+        [_, second, ..] => {
+            let found = short_name(&text[second.span.range()]);
+            Err(Error::new(second.span, ErrorKind::Unexpected { found }))
+        }
+    }
 }
 
 /// The value of a constant expression.
@@ -71,9 +63,22 @@ pub(crate) fn evaluate(expr: &Expr, limits: &Limits) -> Fallible<Constant> {
     value.ok_or_else(|| Error::new(expr.span, ErrorKind::UndefinedConstant))
 }
 
+/// The ends of a range, which stands at `span`: the first must be below the second.
+pub(crate) fn evaluate_range(
+    low: &Expr,
+    high: &Expr,
+    span: Span,
+    limits: &Limits,
+) -> Fallible<(Constant, Constant)> {
+    let (low, high) = (evaluate(low, limits)?, evaluate(high, limits)?);
+    if low.bounds().lo >= high.bounds().hi {
+        return Err(Error::new(span, ErrorKind::EmptyRange));
+    }
+    Ok((low, high))
+}
+
 /// The first name in `expr` that is not a constant of the language.
 fn varying(expr: &Expr) -> Option<(String, Span)> {
-    use crate::ast::{ExprKind, Function, Value};
     match &expr.kind {
         ExprKind::Number(_) | ExprKind::Name(Value::Constant(_)) => None,
         ExprKind::Name(value) => Some((value.name().to_owned(), expr.span)),

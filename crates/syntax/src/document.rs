@@ -1,19 +1,20 @@
 //! A whole text read: surfaces in one graph, parameters, domain, view and remarks.
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, Relation, Statement};
-use crate::build::Builder;
 use crate::constant::near_integers;
 use crate::cycle::recursion;
-use crate::diagnose::short;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
+use crate::grammar::Rule;
 use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
+use crate::scan::scan;
 use crate::scene::{Color, Domain, Scene, View, scene_line};
 use crate::scope::Scope;
 use crate::span::Span;
-use crate::statement::{Built, LineKind, build, is_plain_number, lines, settle_heads};
+use crate::spelling::short_name;
+use crate::statement::{Built, build, is_plain_number, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Constant, Graph, NodeId};
 
@@ -159,7 +160,8 @@ impl<'a> Reader<'a> {
 
     /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to their fields.
     fn statements(&mut self) -> Result<(Vec<Built>, Scope), Vec<Error>> {
-        let mut lines = lines(self.text, &self.options.limits)?;
+        let pieces = scan(self.text, &self.options.limits).map_err(|error| vec![*error])?;
+        let mut lines = lines(self.text, &pieces)?;
         let mut scope = Scope::default();
         for (name, _) in self.options.overrides {
             scope.define(name, None);
@@ -167,7 +169,7 @@ impl<'a> Reader<'a> {
         settle_heads(&mut lines, &mut scope, &mut self.notes);
         let mut built = Vec::new();
         for line in lines {
-            let result = if line.kind == LineKind::Formula {
+            let result = if line.pair.as_rule() == Rule::line {
                 build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
             } else {
                 scene_line(self.text, line, &scope, &self.options.limits).map(|scene| match scene {
@@ -224,8 +226,7 @@ impl<'a> Reader<'a> {
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
             // Each is compared with every name, so a bound keeps hostile texts cheap.
-            let notes =
-                unused.take(MOST).map(|(d, _)| unused_note(self.text, d, &scope, self.options));
+            let notes = unused.take(MOST).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
         }
         let overrides = self.overrides(&definitions, &used);
@@ -309,7 +310,7 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
                 // What is shared would be written out each time.
                 let nodes = graph.reachable(&[*id]).into_iter().filter(|needed| *needed).count();
                 let exponent = match nodes {
-                    0..=12 => short(&zeroset_ir::display(graph, *id, &[])),
+                    0..=12 => short_name(&zeroset_ir::display(graph, *id, &[])),
                     _ => "…".to_owned(),
                 };
                 let kind = NoteKind::NearInteger { exponent };
@@ -322,11 +323,10 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
 }
 
 /// The remark on a definition that nothing uses: perhaps a formula with a slip in its left side.
-fn unused_note(text: &str, definition: &Definition, scope: &Scope, options: &Options<'_>) -> Note {
+fn unused_note(definition: &Definition, scope: &Scope) -> Note {
     let Name { text: name, span } = &definition.name;
-    let builder = Builder::new(text, span.start, scope, &[], &options.limits);
-    let meant = builder.meant(name, definition.parameters.is_some());
-    Note { span: *span, kind: NoteKind::Unused { name: short(name), meant } }
+    let meant = scope.meant(name, definition.parameters.is_some());
+    Note { span: *span, kind: NoteKind::Unused { name: short_name(name), meant } }
 }
 
 /// The surface that a statement draws.

@@ -296,6 +296,14 @@ impl Error {
         self
     }
 
+    /// The same error with a replacement for `span`, if there is one.
+    pub(crate) fn suggest_any(self: Box<Self>, span: Span, meant: Option<String>) -> Box<Self> {
+        match meant {
+            Some(meant) => self.suggest(span, meant),
+            None => self,
+        }
+    }
+
     /// One line that says what is wrong.
     pub fn message(&self) -> String {
         self.kind.to_string()

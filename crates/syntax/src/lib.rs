@@ -46,6 +46,7 @@ pub use document::{
 pub use error::{Error, ErrorKind, Errors, Origin, Suggestion};
 pub use limits::Limits;
 pub use note::{Note, NoteKind};
-pub use scene::{Color, Domain, Preset, View};
+pub use scene::{Color, Domain, Range, View};
 pub use scope::language_names;
 pub use span::Span;
+pub use spelling::PRESETS;

@@ -7,9 +7,9 @@ use crate::error::{Error, ErrorKind, Fallible, Origin};
 use crate::limits::Limits;
 use crate::lower::Meaning;
 use crate::note::{Note, NoteKind};
-use crate::scan::in_name;
 use crate::scope::nearest;
 use crate::span::Span;
+use crate::spelling::is_definable;
 use crate::statement::{Built, is_plain_number};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_interval::Interval;
@@ -34,8 +34,7 @@ impl<'a> Reader<'a> {
             let given = format!("{name}={value}");
             let span = Span::new(0, name.len());
             let defined = definitions.iter().find(|(d, _)| d.name.text == *name);
-            let is_name = name.starts_with(char::is_alphabetic) && name.chars().all(in_name);
-            let error = if !is_name || matches!(name.as_str(), "and" | "or" | "not" | "in") {
+            let error = if !is_definable(name) {
                 Some(ErrorKind::OverrideNotAName { name: name.clone() })
             } else if matches!(name.as_str(), "x" | "y" | "z") {
                 Some(ErrorKind::OverrideCoordinate { name: name.clone() })

@@ -105,7 +105,7 @@ fn describe(row: &Row, document: &Document) -> String {
     if let Some(view) = &document.view {
         out.push_str("view:");
         if let Some(preset) = view.preset {
-            write!(out, " {preset:?}").unwrap();
+            write!(out, " {preset}").unwrap();
         }
         for (key, value) in [("eye", &view.eye), ("target", &view.target), ("up", &view.up)] {
             if let Some(value) = value {
