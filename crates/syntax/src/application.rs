@@ -8,7 +8,7 @@ use crate::note::NoteKind;
 use crate::run::{Item, Items};
 use crate::scope::{Callee, is_variadic};
 use crate::span::Span;
-use crate::spelling::in_name;
+use crate::spelling::is_name;
 
 impl Builder<'_> {
     /// A function and what it is applied to: brackets, or the implicit product up to the next function.
@@ -124,19 +124,19 @@ impl Builder<'_> {
 
     /// `sin -x` is a difference; if that fails, brackets are what was meant.
     fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
-        let rest = &self.text[span.end..];
-        let after = rest.trim_start();
-        let operand = after.strip_prefix(['-', '−']);
-        let Some(operand) = operand.filter(|o| o.starts_with(|c: char| c.is_alphanumeric())) else {
-            return error;
-        };
-        let length = operand.find(|c: char| !in_name(c)).unwrap_or(operand.len());
-        let argument = &after[..after.len() - operand.len() + length];
-        let end = span.end + (rest.len() - after.len()) + argument.len();
-        if argument.len() > 40 {
-            return error;
+        let next = self.piece.tokens.partition_point(|token| token.span.start < span.end);
+        match &self.piece.tokens[next..] {
+            [sign, operand, ..]
+                if sign.symbol == '-'
+                    && sign.span.end == operand.span.start
+                    && (operand.symbol == '0' || is_name(operand.symbol))
+                    && operand.span.end - span.end <= 40 =>
+            {
+                let argument = &self.text[sign.span.to(operand.span).range()];
+                error.suggest(Span::new(span.end, operand.span.end), format!("({argument})"))
+            }
+            _ => error,
         }
-        error.suggest(Span::new(span.end, end), format!("({argument})"))
     }
 
     /// A call with its arguments counted.

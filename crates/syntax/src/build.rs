@@ -114,10 +114,19 @@ impl<'a> Builder<'a> {
     /// An expression: a number or a condition.
     pub(crate) fn expression(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
-        let parts: Vec<Pair<'_>> = pair.into_inner().collect();
-        self.deeper(span, 1, |b| {
-            b.joined(&parts, "or", |b, parts| b.joined(parts, "and", Self::negation))
-        })
+        let mut parts = pair.into_inner();
+        match (parts.next(), parts.peek()) {
+            // Most are no more than a sum: brackets inside brackets then take less of the stack.
+            (Some(sum), None) => self.deeper(span, 1, |b| b.sum(sum)),
+            (first, _) => {
+                let parts: Vec<Pair<'_>> = first.into_iter().chain(parts).collect();
+                self.deeper(span, 1, |b| b.condition(&parts))
+            }
+        }
+    }
+
+    fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
+        self.joined(parts, "or", |b, parts| b.joined(parts, "and", Self::negation))
     }
 
     /// One operand, or several joined by `word`.
@@ -263,6 +272,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Remarks on a division that may be meant to end elsewhere.
+    #[inline(never)] // keeps its text out of the stack frames of nested products
     fn note_division(&mut self, before: &[(ProductSign, Expr)], divisor: &Expr, others: &[Expr]) {
         let Some((_, numerator)) = before.last() else {
             return;

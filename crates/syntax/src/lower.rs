@@ -21,7 +21,7 @@ const VISITS: usize = 16;
 
 /// What a defined name lowers to.
 #[derive(Clone, Debug)]
-pub(crate) enum Meaning<'a> {
+pub(crate) enum Binding<'a> {
     /// The parameter with this number.
     Parameter(u32),
     /// A definition, put in where it is used.
@@ -34,7 +34,7 @@ type Locals<'a> = [(&'a str, NodeId)];
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
-    names: FxHashMap<&'a str, Meaning<'a>>,
+    names: FxHashMap<&'a str, Binding<'a>>,
     time: Option<u32>,
     limits: &'a Limits,
     expanded: FxHashMap<(Function, Vec<NodeId>), NodeId>,
@@ -47,7 +47,7 @@ pub(crate) struct Lowering<'a> {
 
 impl<'a> Lowering<'a> {
     pub(crate) fn new(
-        names: FxHashMap<&'a str, Meaning<'a>>,
+        names: FxHashMap<&'a str, Binding<'a>>,
         time: Option<u32>,
         limits: &'a Limits,
     ) -> Self {
@@ -186,6 +186,9 @@ impl<'a> Lowering<'a> {
     }
 
     fn named(&mut self, value: &Value, span: Span, locals: &Locals<'a>) -> Fallible<NodeId> {
+        let unknown = |name: &String| {
+            Error::new(span, ErrorKind::UnknownName { name: name.clone(), letter: None })
+        };
         match value {
             Value::Coordinate(axis) => Ok(self.graph.variable(*axis)),
             Value::Time => Ok(match self.time {
@@ -200,32 +203,21 @@ impl<'a> Lowering<'a> {
             })),
             Value::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);
-                let name = name.clone();
-                found
-                    .map(|(_, node)| *node)
-                    .ok_or_else(|| Error::new(span, ErrorKind::UnknownName { name, letter: None }))
+                found.map(|(_, node)| *node).ok_or_else(|| unknown(name))
             }
             Value::Defined(name) => {
                 if let Some(node) = self.values.get(name.as_str()) {
                     return Ok(*node);
                 }
-                match self.names.get_key_value(name.as_str()) {
-                    Some((_, Meaning::Parameter(number))) => {
-                        let number = *number;
-                        Ok(self.graph.parameter(number))
-                    }
-                    Some((key, Meaning::Definition(definition))) => {
-                        let (key, definition) = (*key, *definition);
-                        let node =
-                            self.number(&definition.body, &[]).map_err(|e| at_use(e, span))?;
-                        self.values.insert(key, node);
-                        Ok(node)
-                    }
-                    None => {
-                        let name = name.clone();
-                        Err(Error::new(span, ErrorKind::UnknownName { name, letter: None }))
-                    }
-                }
+                let (name, binding) =
+                    self.names.get_key_value(name.as_str()).ok_or_else(|| unknown(name))?;
+                let (name, definition) = match binding {
+                    Binding::Parameter(number) => return Ok(self.graph.parameter(*number)),
+                    Binding::Definition(definition) => (*name, *definition),
+                };
+                let node = self.number(&definition.body, &[]).map_err(|e| at_use(e, span))?;
+                self.values.insert(name, node);
+                Ok(node)
             }
         }
     }
@@ -248,35 +240,38 @@ impl<'a> Lowering<'a> {
             }
             Function::Root => self.root(arguments[0], arguments[1], span),
             Function::Composed(index) => {
-                let key = (function.clone(), arguments);
-                if let Some(node) = self.expanded.get(&key) {
-                    return Ok(*node);
-                }
-                let composed = &zeroset_ops::COMPOSED[*index];
-                let names = composed.parameters.iter().copied();
-                let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
-                let node =
-                    self.number(prelude::body(*index), &locals).map_err(|e| at_use(e, span))?;
-                self.expanded.insert(key, node);
-                Ok(node)
+                let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
+                self.expand(function, arguments, names, prelude::body(*index), span)
             }
             Function::Defined(name) => {
-                let key = (function.clone(), arguments);
-                if let Some(node) = self.expanded.get(&key) {
-                    return Ok(*node);
-                }
-                let Some(Meaning::Definition(definition)) = self.names.get(name.as_str()) else {
+                let Some(Binding::Definition(definition)) = self.names.get(name.as_str()) else {
                     let name = name.clone();
                     return Err(Error::new(span, ErrorKind::UnknownFunction { name }));
                 };
                 let definition: &'a Definition = definition;
                 let names = definition.parameters.iter().flatten().map(|name| name.text.as_str());
-                let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
-                let node = self.number(&definition.body, &locals).map_err(|e| at_use(e, span))?;
-                self.expanded.insert(key, node);
-                Ok(node)
+                self.expand(function, arguments, names, &definition.body, span)
             }
         }
+    }
+
+    /// The body of a function with its arguments put in for `names`.
+    fn expand(
+        &mut self,
+        function: &Function,
+        arguments: Vec<NodeId>,
+        names: impl Iterator<Item = &'a str>,
+        body: &'a Expr,
+        span: Span,
+    ) -> Fallible<NodeId> {
+        let key = (function.clone(), arguments);
+        if let Some(node) = self.expanded.get(&key) {
+            return Ok(*node);
+        }
+        let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
+        let node = self.number(body, &locals).map_err(|error| at_use(error, span))?;
+        self.expanded.insert(key, node);
+        Ok(node)
     }
 
     /// The n-th root of `radicand`: of negative numbers too where n is odd.

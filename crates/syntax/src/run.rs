@@ -164,10 +164,14 @@ impl Builder<'_> {
     /// above it.
     pub(crate) fn power(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
         let base = self.primary(items)?;
-        self.exponents(base, items)
+        match items.front() {
+            Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
+            _ => Ok(base),
+        }
     }
 
-    pub(crate) fn exponents(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+    #[inline(never)] // keeps the stack frames of nested factors without exponents small
+    fn exponents(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
         let mut levels = 0;
         let mut chain: Vec<(Signs, Expr)> = vec![(Signs::new(), base)];
         while let Some(Item::Caret(..) | Item::Superscript(_)) = items.front() {
