@@ -1,4 +1,5 @@
-//! Functions and what they are applied to: brackets, or the implicit product up to the next function.
+//! Functions and what they are applied to: brackets, or the implicit product up to the next
+//! function.
 
 use crate::ast::{Expr, ExprKind, ProductSign};
 use crate::build::{Builder, number_only, product_of};
@@ -11,7 +12,8 @@ use crate::span::Span;
 use crate::spelling::is_name;
 
 impl Builder<'_> {
-    /// A function and what it is applied to: brackets, or the implicit product up to the next function.
+    /// A function and what it is applied to: brackets, or the implicit product up to the next
+    /// function.
     pub(crate) fn application(
         &mut self,
         callee: &Callee,

@@ -1,8 +1,9 @@
-//! The syntax tree: what was typed, with every name resolved and every implicit product made explicit.
+//! The syntax tree: what was typed, with every name resolved and every implicit product made
+//! explicit.
 //!
-//! Sums, products and chains hold any number of operands, so that only brackets, powers, signs and function
-//! arguments nest, and a limit on those bounds every recursion over a tree. Trees compare equal whatever their
-//! spans are.
+//! Sums, products and chains hold any number of operands, so that only brackets, powers, signs and
+//! function arguments nest, and a limit on those bounds every recursion over a tree. Trees compare
+//! equal whatever their spans are.
 
 use crate::span::Span;
 use zeroset_ir::Axis;

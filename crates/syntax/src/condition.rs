@@ -42,7 +42,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// `node` where it is defined, else a number that means outside; `node` alone if it cannot be undefined.
+    /// `node` where it is defined, else a number that means outside; `node` alone if it cannot be
+    /// undefined.
     fn otherwise_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {
@@ -112,8 +113,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The solid `root` where `condition` holds as well, so that the cut is a face of it. A cut that
-    /// has no inside (`!=`) only takes points away.
+    /// The solid `root` where `condition` holds as well, so that the cut is a face of it. A cut
+    /// that has no inside (`!=`) only takes points away.
     pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
         match &condition.kind {
             ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),

@@ -18,7 +18,8 @@ use zeroset_interval::{Facts, Interval, fold};
 use zeroset_ir::{Constant, Graph, Node, NodeId, Operands, simplify};
 use zeroset_ops::Op;
 
-/// Exponents up to this size are raised exactly; a power of a two-digit number then has a few hundred bits.
+/// Exponents up to this size are raised exactly; a power of a two-digit number then has a few
+/// hundred bits.
 const EXACT_EXPONENT: i64 = 128;
 
 /// The value of a constant expression such as `1/3` or `2*pi`.
@@ -122,8 +123,9 @@ fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<(Constant, Facts)>> {
     values
 }
 
-/// At most `most` exponents without coordinates and parameters whose value may be an integer, but is not known to be one: `log2(8)` is
-/// enclosed by two floats next to 3, and a power with it is that of a real number, defined for bases >= 0 only.
+/// At most `most` exponents without coordinates and parameters whose value may be an integer, but
+/// is not known to be one: `log2(8)` is enclosed by two floats next to 3, and a power with it is
+/// that of a real number, defined for bases >= 0 only.
 pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
     let exponents: Vec<NodeId> = graph
         .iter()

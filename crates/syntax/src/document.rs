@@ -102,8 +102,8 @@ pub enum ParameterKind {
 
 /// Reads a document: one line or a whole file.
 ///
-/// # Errors
-/// What is wrong with the text or with an override: at least one error, at most one for each statement.
+/// # Errors What is wrong with the text or with an override: at least one error, at most one for
+/// each statement.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     Reader::new(text, options).read().map_err(Errors::new)
 }
@@ -124,9 +124,8 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 
 /// The statements of a text, with every name resolved.
 ///
-/// # Errors
-/// What is wrong with the text: at least one error, at most one for each statement. `domain`, `view` and `color`
-/// lines are checked by the grammar only.
+/// # Errors What is wrong with the text: at least one error, at most one for each statement.
+/// `domain`, `view` and `color` lines are checked by the grammar only.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
     let mut reader = Reader::new(text, &options);
@@ -158,7 +157,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to their fields.
+    /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to
+    /// their fields.
     fn statements(&mut self) -> Result<(Vec<Built>, Scope), Vec<Error>> {
         let pieces = scan(self.text, &self.options.limits).map_err(|error| vec![*error])?;
         let mut lines = lines(self.text, &pieces)?;
@@ -356,7 +356,8 @@ fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     Drawing { expr, restrictions }.to_string()
 }
 
-/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a height.
+/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
+/// height.
 fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, Note)> {
     use crate::ast::Value;
     use zeroset_ir::Axis;

@@ -1,7 +1,8 @@
 //! From trees to the expression graph: definitions put in, nothing simplified.
 //!
-//! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose sum is bounded
-//! here. Every expansion is remembered by its arguments, so repeated use costs nothing.
+//! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose
+//! sum is bounded here. Every expansion is remembered by its arguments, so repeated use costs
+//! nothing.
 
 use crate::ast::{
     Definition, Expr, ExprKind, Function, NamedConstant, ProductSign, Relation, SumSign, Value,
@@ -14,7 +15,8 @@ use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers of calls.
+/// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers
+/// of calls.
 const LEVELS: usize = 5;
 /// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
 const VISITS: usize = 16;
@@ -69,7 +71,8 @@ impl<'a> Lowering<'a> {
         self.number(expr, &[])
     }
 
-    /// The function whose zeros are drawn for a plain formula or an equation; `None` for a condition.
+    /// The function whose zeros are drawn for a plain formula or an equation; `None` for a
+    /// condition.
     pub(crate) fn equation(&mut self, expr: &'a Expr) -> Fallible<Option<NodeId>> {
         match &expr.kind {
             ExprKind::Compare(left, rest) => match rest.as_slice() {

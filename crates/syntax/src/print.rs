@@ -8,7 +8,8 @@ use crate::ast::{
 use crate::spelling::{in_name, symbol};
 use std::fmt;
 
-/// How tightly a printed expression holds together; a looser one inside a tighter place needs brackets.
+/// How tightly a printed expression holds together; a looser one inside a tighter place needs
+/// brackets.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Tightness {
     Or,
@@ -164,7 +165,8 @@ fn may_be_defined(left: &Expr) -> bool {
     }
 }
 
-/// Writes what is drawn. A value that is named as a setting is in brackets where the line would be read as that setting.
+/// Writes what is drawn. A value that is named as a setting is in brackets where the line would be
+/// read as that setting.
 fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
     let text = expr.to_string();
     let (word, rest) = text.split_at(text.find(|c| !in_name(c)).unwrap_or(text.len()));

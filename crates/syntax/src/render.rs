@@ -5,14 +5,15 @@ use crate::note::Note;
 use crate::span::Span;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-/// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the terminal.
+/// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the
+/// terminal.
 const WIDTH: usize = 100;
 /// Bytes kept after the start of what is pointed at, where a line is very long.
 const CONTEXT: usize = 400;
 
 impl Errors {
-    /// All errors as text with carets. `source_name` is the file's name, if there is one; `text` is what was read.
-    /// Without `color` the result is plain text.
+    /// All errors as text with carets. `source_name` is the file's name, if there is one; `text` is
+    /// what was read. Without `color` the result is plain text.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let rendered: Vec<String> =
             self.iter().map(|error| error.render(source_name, text, color)).collect();
@@ -29,17 +30,15 @@ impl Error {
         };
         let window = Window::around(text, self.span);
         let message = self.message();
-        let label = self.label();
         let mut annotation = AnnotationKind::Primary.span(window.span(self.span));
-        if let Some(label) = &label {
-            annotation = annotation.label(label.as_str());
+        if let Some(label) = self.label() {
+            annotation = annotation.label(label);
         }
         let mut group = Level::ERROR
             .primary_title(message.as_str())
             .element(window.snippet(source_name).annotation(annotation));
-        let reason = self.reason();
-        if let Some(reason) = &reason {
-            group = group.element(Level::NOTE.message(reason.as_str()));
+        if let Some(reason) = self.reason() {
+            group = group.element(Level::NOTE.message(reason));
         }
         let help = self.help(text);
         if let Some(help) = &help {
@@ -67,8 +66,8 @@ fn renderer(color: bool) -> Renderer {
     renderer.term_width(WIDTH)
 }
 
-/// The part of a text that is shown: whole lines, or less of the last where it is very long. It starts with a line,
-/// because columns are counted from its start.
+/// The part of a text that is shown: whole lines, or less of the last where it is very long. It
+/// starts with a line, because columns are counted from its start.
 struct Window<'a> {
     shown: &'a str,
     start: usize,

@@ -1,4 +1,5 @@
-//! `domain`, `view` and `color` lines, as plain data: what they mean for a picture is not decided here.
+//! `domain`, `view` and `color` lines, as plain data: what they mean for a picture is not decided
+//! here.
 
 use crate::ast::Expr;
 use crate::build::Builder;

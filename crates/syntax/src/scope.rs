@@ -1,4 +1,5 @@
-//! What a name means: parameters of the function at hand, then the document's names, then the language's own.
+//! What a name means: parameters of the function at hand, then the document's names, then the
+//! language's own.
 
 use crate::ast::{Function, Name, NamedConstant, Value};
 use rustc_hash::FxHashMap;
@@ -8,7 +9,8 @@ use zeroset_ops::{COMPOSED, Notation, Op, TABLE, composed, names, natives};
 /// The names that statements can see.
 #[derive(Debug, Default)]
 pub(crate) struct Scope {
-    /// Names that the document or an override defines: the number of parameters, or `None` for a value.
+    /// Names that the document or an override defines: the number of parameters, or `None` for a
+    /// value.
     defined: FxHashMap<String, Option<usize>>,
     /// Whether internal operations may be called; only the language's own prelude may.
     internal: bool,
@@ -17,10 +19,12 @@ pub(crate) struct Scope {
 /// Longest name, in bytes, that is looked at letter by letter.
 const LONGEST_PRODUCT: usize = 64;
 
-/// Every name of the language, for completion: functions with their aliases, constants, coordinates and time.
+/// Every name of the language, for completion: functions with their aliases, constants, coordinates
+/// and time.
 ///
-/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is written as a whole
-/// number and odd, negative numbers have roots too; any other n is read as `a^(1/n)`, for a ≥ 0.
+/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
+/// written as a whole number and odd, negative numbers have roots too; any other n is read as
+/// `a^(1/n)`, for a ≥ 0.
 pub fn language_names() -> impl Iterator<Item = &'static str> {
     names()
         .chain(ROOT_NAMES.iter().copied())
@@ -56,7 +60,8 @@ impl Scope {
         Self { internal: true, ..Self::default() }
     }
 
-    /// Defines a value (`None`) or a function of so many parameters; a later definition replaces an earlier one.
+    /// Defines a value (`None`) or a function of so many parameters; a later definition replaces an
+    /// earlier one.
     pub(crate) fn define(&mut self, name: &str, parameters: Option<usize>) {
         self.defined.insert(name.to_owned(), parameters);
     }
@@ -156,10 +161,11 @@ impl Scope {
     }
 }
 
-/// The candidate most like `name`: few edits for its length, then the nearest in length, so that a swapped pair of
-/// letters counts before a lost one, then the first in the alphabet.
+/// The candidate most like `name`: few edits for its length, then the nearest in length, so that a
+/// swapped pair of letters counts before a lost one, then the first in the alphabet.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    // Comparing costs the product of the lengths, so names that no candidate can be near are not compared.
+    // Comparing costs the product of the lengths, so names that no candidate can be near are not
+    // compared.
     const LONGEST: usize = 24;
     if name.len() > LONGEST {
         return None;

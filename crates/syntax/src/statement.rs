@@ -146,7 +146,8 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
     }
 }
 
-/// Whether the left side could define anything: coordinates, and names made of them only, are drawn.
+/// Whether the left side could define anything: coordinates, and names made of them only, are
+/// drawn.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {
@@ -155,7 +156,8 @@ fn may_define(head: &Head) -> bool {
     !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
 }
 
-/// Whether the left side is a call of a function of the language, with as many arguments as that takes.
+/// Whether the left side is a call of a function of the language, with as many arguments as that
+/// takes.
 fn is_built_in(head: &Head) -> bool {
     let Some(parameters) = &head.parameters else {
         return false;
@@ -163,8 +165,9 @@ fn is_built_in(head: &Head) -> bool {
     accepts(&head.name.text, parameters.len()) == Some(true)
 }
 
-/// Whether the left side is a call of a function of the language on coordinates, but not on as many as it takes:
-/// an equation with a slip rather than a definition, whose parameters would hide the coordinates.
+/// Whether the left side is a call of a function of the language on coordinates, but not on as many
+/// as it takes: an equation with a slip rather than a definition, whose parameters would hide the
+/// coordinates.
 fn is_miscounted(head: &Head) -> bool {
     let Some(parameters) = &head.parameters else {
         return false;
@@ -173,7 +176,8 @@ fn is_miscounted(head: &Head) -> bool {
     are_coordinates && accepts(&head.name.text, parameters.len()) == Some(false)
 }
 
-/// Whether the function of the language called `name` takes `count` arguments; `None` if there is none.
+/// Whether the function of the language called `name` takes `count` arguments; `None` if there is
+/// none.
 fn accepts(name: &str, count: usize) -> Option<bool> {
     match Scope::default().meaning(name, &[]) {
         Meaning::Function(callee) => Some(Scope::default().counts(&callee).accept(count)),

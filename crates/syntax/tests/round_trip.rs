@@ -1,4 +1,5 @@
-//! Properties over random trees and random text. The seed is fixed; a failing case is printed with its input.
+//! Properties over random trees and random text. The seed is fixed; a failing case is printed with
+//! its input.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -302,7 +303,11 @@ proptest! {
     }
 
     #[test]
-    fn broken_formulas_never_panic(statement in statement(), at in 0_usize..1000, piece in prop::sample::select(PIECES)) {
+    fn broken_formulas_never_panic(
+        statement in statement(),
+        at in 0_usize..1000,
+        piece in prop::sample::select(PIECES),
+    ) {
         let mut text = statement.to_string();
         let mut at = at % (text.len() + 1);
         while !text.is_char_boundary(at) {
