@@ -106,10 +106,10 @@ impl Builder<'_> {
         span: Span,
         items: &mut Items<'_>,
     ) -> Fallible<Expr> {
-        let counts = self.scope.counts(callee);
-        if items.is_empty() || !counts.accept(1) {
+        let forms = self.scope.forms(callee);
+        if items.is_empty() || forms.function(1).is_none() {
             let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
-            let kind = ErrorKind::NeedsArgument { name: name.clone(), count: counts.least() };
+            let kind = ErrorKind::NeedsArgument { name: name.clone(), count: forms.least() };
             return Err(self.suggest_brackets(Error::new(span, kind), span));
         }
         let mut factors = Vec::new();
@@ -149,11 +149,12 @@ impl Builder<'_> {
         arguments: Vec<Expr>,
         place: Span,
     ) -> Fallible<Expr> {
-        let Some(function) = self.scope.function(callee, arguments.len()) else {
+        let forms = self.scope.forms(callee);
+        let Some(function) = forms.function(arguments.len()) else {
             let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
             let kind = ErrorKind::WrongCount {
                 name: name.clone(),
-                expected: self.scope.counts(callee).to_string(),
+                expected: forms.to_string(),
                 given: arguments.len(),
                 usage: usage(callee),
             };

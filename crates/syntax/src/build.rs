@@ -126,36 +126,15 @@ impl<'a> Builder<'a> {
     }
 
     fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
-        self.joined(parts, "or", |b, parts| b.joined(parts, "and", Self::negation))
-    }
-
-    /// One operand, or several joined by `word`.
-    fn joined(
-        &mut self,
-        parts: &[Pair<'_>],
-        word: &'static str,
-        operand: impl Fn(&mut Self, &[Pair<'_>]) -> Fallible<Expr>,
-    ) -> Fallible<Expr> {
-        let joint = if word == "and" { "∧" } else { "∨" };
-        let operands = parts.split(|part| part.as_str() == joint);
-        let operands: Fallible<Vec<Expr>> = operands.map(|part| operand(self, part)).collect();
-        let mut operands = operands?;
-        if operands.len() == 1 {
-            return Ok(operands.remove(0));
+        let mut any = Vec::new();
+        for parts in parts.split(|part| part.as_str() == "∨") {
+            let mut all = Vec::new();
+            for parts in parts.split(|part| part.as_str() == "∧") {
+                all.push(self.negation(parts)?);
+            }
+            any.push(joined(all, "and")?);
         }
-        for operand in &operands {
-            condition_only(operand, word)?;
-        }
-        let span = operands[0].span.to(operands[operands.len() - 1].span);
-        // `(a and b) and c` is the same as `a and b and c`.
-        let first = operands.remove(0);
-        let mut all = match (first.kind, word) {
-            (ExprKind::And(inner), "and") | (ExprKind::Or(inner), "or") => inner,
-            (kind, _) => vec![Expr::new(kind, first.span)],
-        };
-        all.extend(operands);
-        let kind = if word == "and" { ExprKind::And(all) } else { ExprKind::Or(all) };
-        Ok(Expr::new(kind, span))
+        joined(any, "or")
     }
 
     fn negation(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
@@ -370,6 +349,26 @@ pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
         "≥" => Relation::GreaterEqual,
         other => unreachable!("the grammar has no relation {other}"),
     }
+}
+
+/// One operand, or several joined by `word`.
+fn joined(mut operands: Vec<Expr>, word: &str) -> Fallible<Expr> {
+    if operands.len() == 1 {
+        return Ok(operands.remove(0));
+    }
+    for operand in &operands {
+        condition_only(operand, word)?;
+    }
+    let span = operands[0].span.to(operands[operands.len() - 1].span);
+    // `(a and b) and c` is the same as `a and b and c`.
+    let first = operands.remove(0);
+    let mut all = match (first.kind, word) {
+        (ExprKind::And(inner), "and") | (ExprKind::Or(inner), "or") => inner,
+        (kind, _) => vec![Expr::new(kind, first.span)],
+    };
+    all.extend(operands);
+    let kind = if word == "and" { ExprKind::And(all) } else { ExprKind::Or(all) };
+    Ok(Expr::new(kind, span))
 }
 
 /// Fails on a comparison, which is not a number.

@@ -1,8 +1,8 @@
 //! A whole text read: surfaces in one graph, parameters, domain, view and remarks.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, Name, Relation, Statement};
+use crate::ast::{Definition, Expr, ExprKind, Function, Name, Relation, Statement, Value};
 use crate::constant::near_integers;
-use crate::cycle::recursion;
+use crate::cycle::no_recursion;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::Rule;
 use crate::limits::Limits;
@@ -16,7 +16,7 @@ use crate::span::Span;
 use crate::spelling::short_name;
 use crate::statement::{Built, build, is_plain_number, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
-use zeroset_ir::{Constant, Graph, NodeId};
+use zeroset_ir::{Axis, Constant, Graph, NodeId};
 
 /// What reading depends on beside the text.
 #[derive(Clone, Copy, Debug, Default)]
@@ -105,7 +105,7 @@ pub enum ParameterKind {
 /// # Errors What is wrong with the text or with an override: at least one error, at most one for
 /// each statement.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
-    Reader::new(text, options).read().map_err(Errors::new)
+    Reader::new(text, options).read()
 }
 
 /// Reads a document from bytes that should be UTF-8.
@@ -129,7 +129,7 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
     let mut reader = Reader::new(text, &options);
-    let (built, _) = reader.statements().map_err(Errors::new)?;
+    let (built, _) = reader.statements()?;
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
@@ -159,8 +159,8 @@ impl<'a> Reader<'a> {
 
     /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to
     /// their fields.
-    fn statements(&mut self) -> Result<(Vec<Built>, Scope), Vec<Error>> {
-        let pieces = scan(self.text, &self.options.limits).map_err(|error| vec![*error])?;
+    fn statements(&mut self) -> Result<(Vec<Built>, Scope), Errors> {
+        let pieces = scan(self.text, &self.options.limits)?;
         let mut lines = lines(self.text, &pieces)?;
         let mut scope = Scope::default();
         for (name, _) in self.options.overrides {
@@ -185,14 +185,19 @@ impl<'a> Reader<'a> {
                 break;
             }
         }
-        if self.errors.is_empty() {
-            Ok((built, scope))
-        } else {
-            Err(std::mem::take(&mut self.errors))
+        self.check()?;
+        Ok((built, scope))
+    }
+
+    /// Fails if there were errors.
+    fn check(&mut self) -> Result<(), Errors> {
+        match std::mem::take(&mut self.errors) {
+            errors if errors.is_empty() => Ok(()),
+            errors => Err(Errors::new(errors)),
         }
     }
 
-    fn read(mut self) -> Result<Document, Vec<Error>> {
+    fn read(mut self) -> Result<Document, Errors> {
         let (built, scope) = self.statements()?;
         let mut definitions: Vec<(&Definition, &Built)> = Vec::new();
         let mut drawings: Vec<&Built> = Vec::new();
@@ -218,9 +223,7 @@ impl<'a> Reader<'a> {
             .filter(|(index, (definition, _))| last[definition.name.text.as_str()] == *index)
             .map(|(_, both)| *both)
             .collect();
-        if let Some(error) = recursion(&definitions) {
-            return Err(vec![*error]);
-        }
+        no_recursion(&definitions)?;
         let used: FxHashSet<&str> =
             built.iter().flat_map(|b| b.used.iter().map(String::as_str)).collect();
         if !drawings.is_empty() {
@@ -231,16 +234,14 @@ impl<'a> Reader<'a> {
         }
         let overrides = self.overrides(&definitions, &used);
         let (names, parameters) = self.parameters(&definitions, &overrides, &drawings);
-        if !self.errors.is_empty() {
-            return Err(self.errors);
-        }
+        self.check()?;
         let time = parameters.iter().find(|p| p.kind == ParameterKind::Time).map(|p| p.number);
         let mut lowering = Lowering::new(names, time, &self.options.limits);
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
         if let Some(drawing) = drawings.get(limit) {
             let start = Span::at(drawing.span.start);
-            return Err(vec![*Error::new(start, ErrorKind::TooManySurfaces { limit })]);
+            return Err(Error::new(start, ErrorKind::TooManySurfaces { limit }).into());
         }
         for drawing in &drawings {
             match surface(&mut lowering, drawing) {
@@ -248,19 +249,13 @@ impl<'a> Reader<'a> {
                 Err(error) => self.errors.push(*error),
             }
         }
-        if !self.errors.is_empty() {
-            return Err(self.errors);
-        }
+        self.check()?;
         let implied;
         if surfaces.is_empty() {
-            match implied_drawing(&definitions) {
-                Ok((statement, note)) => {
-                    self.notes.push(note);
-                    implied = statement;
-                    surfaces.push(surface(&mut lowering, &implied).map_err(|error| vec![*error])?);
-                }
-                Err(error) => return Err(vec![*error]),
-            }
+            let (statement, note) = implied_drawing(&definitions)?;
+            self.notes.push(note);
+            implied = statement;
+            surfaces.push(surface(&mut lowering, &implied)?);
         }
         for surface in &mut surfaces {
             let above = self.colors.iter().rfind(|(at, _)| *at < surface.span.start);
@@ -350,17 +345,22 @@ fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     if expr.is_condition() {
         return Drawing { expr, restrictions }.to_string();
     }
-    let zero = Expr::new(ExprKind::Number("0".to_owned()), expr.span);
-    let equation = ExprKind::Compare(Box::new(expr.clone()), vec![(Relation::Equal, zero)]);
-    let expr = &Expr::new(equation, expr.span);
-    Drawing { expr, restrictions }.to_string()
+    let equation = equals(expr.clone(), number_zero(expr.span));
+    Drawing { expr: &equation, restrictions }.to_string()
+}
+
+fn equals(left: Expr, right: Expr) -> Expr {
+    let span = left.span;
+    Expr::new(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]), span)
+}
+
+fn number_zero(span: Span) -> Expr {
+    Expr::new(ExprKind::Number("0".to_owned()), span)
 }
 
 /// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
 /// height.
 fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, Note)> {
-    use crate::ast::Value;
-    use zeroset_ir::Axis;
     for (definition, built) in definitions.iter().rev() {
         let parameters: Vec<&str> =
             definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
@@ -371,16 +371,10 @@ fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, No
             Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
         let call = Expr::new(ExprKind::Call(function, arguments), span);
         let expr = match parameters.as_slice() {
-            ["x", "y", "z"] => {
-                let zero = Expr::new(ExprKind::Number("0".to_owned()), span);
-                ExprKind::Compare(Box::new(call), vec![(Relation::Equal, zero)])
-            }
-            ["x", "y"] => {
-                ExprKind::Compare(Box::new(coordinate(Axis::Z)), vec![(Relation::Equal, call)])
-            }
+            ["x", "y", "z"] => equals(call, number_zero(span)),
+            ["x", "y"] => equals(coordinate(Axis::Z), call),
             _ => continue,
         };
-        let expr = Expr::new(expr, span);
         let drawn = expr.to_string();
         let statement = Statement::Draw { expr, restrictions: Vec::new() };
         let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };

@@ -38,6 +38,7 @@ pub(crate) struct Lowering<'a> {
     pub graph: Graph,
     names: FxHashMap<&'a str, Binding<'a>>,
     time: Option<u32>,
+    is_constant: bool,
     limits: &'a Limits,
     expanded: FxHashMap<(Function, Vec<NodeId>), NodeId>,
     values: FxHashMap<&'a str, NodeId>,
@@ -53,10 +54,16 @@ impl<'a> Lowering<'a> {
         time: Option<u32>,
         limits: &'a Limits,
     ) -> Self {
+        Self { names, time, is_constant: false, ..Self::constant(limits) }
+    }
+
+    /// For an expression in which nothing may vary.
+    pub(crate) fn constant(limits: &'a Limits) -> Self {
         Self {
             graph: Graph::new(),
-            names,
-            time,
+            names: FxHashMap::default(),
+            time: None,
+            is_constant: true,
             limits,
             expanded: FxHashMap::default(),
             values: FxHashMap::default(),
@@ -189,10 +196,12 @@ impl<'a> Lowering<'a> {
     }
 
     fn named(&mut self, value: &Value, span: Span, locals: &Locals<'a>) -> Fallible<NodeId> {
-        let unknown = |name: &String| {
-            Error::new(span, ErrorKind::UnknownName { name: name.clone(), letter: None })
+        let varies = || {
+            let name = value.name().to_owned();
+            Error::new(span, ErrorKind::NotConstant { name })
         };
         match value {
+            Value::Coordinate(_) | Value::Time if self.is_constant => Err(varies()),
             Value::Coordinate(axis) => Ok(self.graph.variable(*axis)),
             Value::Time => Ok(match self.time {
                 Some(number) => self.graph.parameter(number),
@@ -206,14 +215,13 @@ impl<'a> Lowering<'a> {
             })),
             Value::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);
-                found.map(|(_, node)| *node).ok_or_else(|| unknown(name))
+                found.map(|(_, node)| *node).ok_or_else(varies)
             }
             Value::Defined(name) => {
                 if let Some(node) = self.values.get(name.as_str()) {
                     return Ok(*node);
                 }
-                let (name, binding) =
-                    self.names.get_key_value(name.as_str()).ok_or_else(|| unknown(name))?;
+                let (name, binding) = self.names.get_key_value(name.as_str()).ok_or_else(varies)?;
                 let (name, definition) = match binding {
                     Binding::Parameter(number) => return Ok(self.graph.parameter(*number)),
                     Binding::Definition(definition) => (*name, *definition),
@@ -249,7 +257,7 @@ impl<'a> Lowering<'a> {
             Function::Defined(name) => {
                 let Some(Binding::Definition(definition)) = self.names.get(name.as_str()) else {
                     let name = name.clone();
-                    return Err(Error::new(span, ErrorKind::UnknownFunction { name }));
+                    return Err(Error::new(span, ErrorKind::NotConstant { name }));
                 };
                 let definition: &'a Definition = definition;
                 let names = definition.parameters.iter().flatten().map(|name| name.text.as_str());

@@ -49,6 +49,7 @@ impl Builder<'_> {
         Ok(factors)
     }
 
+    #[inline(never)] // not a part of the recursion, so not of its stack frames
     fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
         let span = self.span(&pair);
         let typed = self.typed(&pair);

@@ -11,6 +11,7 @@ use crate::scope::{Scope, nearest};
 use crate::span::Span;
 use crate::spelling::PRESETS;
 use crate::statement::Line;
+use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 
 /// A range between two numbers, in world units.
@@ -216,11 +217,18 @@ fn plain_domain(numbers: &[Expr], span: Span, limits: &Limits) -> Fallible<[Opti
     let range = |low: &Expr, high: &Expr| evaluate_range(low, high, span, limits).map(Some);
     match numbers {
         [half] => {
-            if evaluate(half, limits)?.bounds().lo <= 0.0 {
+            let half = evaluate(half, limits)?;
+            if half.bounds().lo <= 0.0 {
                 return Err(Error::new(span, ErrorKind::EmptyDomain));
             }
-            let bounds = range(&half.clone().negated(span), half)?;
-            Ok([bounds.clone(), bounds.clone(), bounds])
+            let opposite = match half.exact() {
+                Some(value) => Constant::rational(-value),
+                None => {
+                    let Interval { lo, hi } = half.bounds();
+                    Constant::enclosed(Interval { lo: -hi, hi: -lo })
+                }
+            };
+            Ok([0; 3].map(|_| Some((opposite.clone(), half.clone()))))
         }
         [x0, x1, y0, y1, z0, z1] => Ok([range(x0, x1)?, range(y0, y1)?, range(z0, z1)?]),
         _ => Err(Error::new(span, ErrorKind::BadDomain)),

@@ -2,7 +2,7 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Name, Relation, Statement};
 use crate::build::{Builder, relation};
-use crate::error::{Error, ErrorKind, Fallible, MOST};
+use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::{Pair, Rule, recognise};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
@@ -39,9 +39,9 @@ pub(crate) struct Built {
 }
 
 /// Recognises each statement of `text`.
-pub(crate) fn lines<'i>(text: &str, pieces: &'i [Piece]) -> Result<Vec<Line<'i>>, Vec<Error>> {
+pub(crate) fn lines<'i>(text: &str, pieces: &'i [Piece]) -> Result<Vec<Line<'i>>, Errors> {
     if pieces.is_empty() {
-        return Err(vec![*Error::new(Span::at(text.len()), ErrorKind::Empty)]);
+        return Err(Error::new(Span::at(text.len()), ErrorKind::Empty).into());
     }
     let mut lines = Vec::new();
     let mut errors = Vec::new();
@@ -54,7 +54,7 @@ pub(crate) fn lines<'i>(text: &str, pieces: &'i [Piece]) -> Result<Vec<Line<'i>>
             break;
         }
     }
-    if errors.is_empty() { Ok(lines) } else { Err(errors) }
+    if errors.is_empty() { Ok(lines) } else { Err(Errors::new(errors)) }
 }
 
 /// What the first symbols of a statement make of it.
@@ -159,28 +159,25 @@ fn may_define(head: &Head) -> bool {
 /// Whether the left side is a call of a function of the language, with as many arguments as that
 /// takes.
 fn is_built_in(head: &Head) -> bool {
-    let Some(parameters) = &head.parameters else {
-        return false;
-    };
-    accepts(&head.name.text, parameters.len()) == Some(true)
+    accepts(head) == Some(true)
 }
 
 /// Whether the left side is a call of a function of the language on coordinates, but not on as many
 /// as it takes: an equation with a slip rather than a definition, whose parameters would hide the
 /// coordinates.
 fn is_miscounted(head: &Head) -> bool {
-    let Some(parameters) = &head.parameters else {
-        return false;
-    };
-    let are_coordinates = parameters.iter().all(|p| matches!(p.text.as_str(), "x" | "y" | "z"));
-    are_coordinates && accepts(&head.name.text, parameters.len()) == Some(false)
+    let mut parameters = head.parameters.iter().flatten();
+    parameters.all(|p| matches!(p.text.as_str(), "x" | "y" | "z")) && accepts(head) == Some(false)
 }
 
-/// Whether the function of the language called `name` takes `count` arguments; `None` if there is
-/// none.
-fn accepts(name: &str, count: usize) -> Option<bool> {
-    match Scope::default().meaning(name, &[]) {
-        Meaning::Function(callee) => Some(Scope::default().counts(&callee).accept(count)),
+/// Whether the function of the language called `head` takes so many arguments; `None` if there is
+/// none, or nothing is called.
+fn accepts(head: &Head) -> Option<bool> {
+    let count = head.parameters.as_ref()?.len();
+    match Scope::default().meaning(&head.name.text, &[]) {
+        Meaning::Function(callee) => {
+            Some(Scope::default().forms(&callee).function(count).is_some())
+        }
         Meaning::Value(_) | Meaning::Product | Meaning::Unknown => None,
     }
 }
