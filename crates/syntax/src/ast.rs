@@ -69,7 +69,7 @@ pub enum ExprKind {
     /// A decimal number without a sign, as text that `Constant::decimal` reads.
     Number(String),
     /// A named value.
-    Name(Value),
+    Name(NamedValue),
     /// `-a`.
     Negate(Box<Expr>),
     /// `a + b - c`: a first term, and one or more further ones.
@@ -141,7 +141,7 @@ impl Relation {
 
 /// What a name stands for, where a number is wanted.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Value {
+pub enum NamedValue {
     /// A coordinate of space.
     Coordinate(Axis),
     /// Time, `t`.
@@ -154,7 +154,7 @@ pub enum Value {
     Defined(String),
 }
 
-impl Value {
+impl NamedValue {
     /// The name as printed.
     pub fn name(&self) -> &str {
         match self {

@@ -1,6 +1,6 @@
 //! A whole text read: surfaces in one graph, parameters, domain, view and remarks.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, Name, Relation, Statement, Value};
+use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::constant::near_integers;
 use crate::cycle::no_recursion;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
@@ -10,7 +10,7 @@ use crate::lower::Lowering;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
 use crate::scan::scan;
-use crate::scene::{Color, Domain, Scene, View, scene_line};
+use crate::scene::{DomainLine, SceneSetting, SrgbColor, ViewLine, scene_line};
 use crate::scope::Scope;
 use crate::span::Span;
 use crate::spelling::short_name;
@@ -39,9 +39,9 @@ pub struct Document {
     /// Sliders and time, by ascending number.
     pub parameters: Vec<Parameter>,
     /// The `domain` line, if there is one.
-    pub domain: Option<Domain>,
+    pub domain: Option<DomainLine>,
     /// The `view` line, if there is one.
-    pub view: Option<View>,
+    pub view: Option<ViewLine>,
     /// The first comment's first line, if the text starts with a comment.
     pub title: Option<String>,
     /// The rest of that comment, line breaks kept; empty if there is none.
@@ -56,18 +56,18 @@ pub struct Surface {
     /// The function whose zeros are drawn.
     pub root: NodeId,
     /// Whether it bounds a solid.
-    pub kind: Kind,
+    pub kind: SurfaceKind,
     /// Where it was typed.
     pub span: Span,
     /// How it was read.
     pub echo: String,
     /// The color of the last `color` line above it, if there is one.
-    pub color: Option<Color>,
+    pub color: Option<SrgbColor>,
 }
 
 /// What a surface is the surface of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SurfaceKind {
     /// An equation: only its zeros.
     Equation,
     /// An inequality: the solid where the function is ≤ 0.
@@ -139,9 +139,9 @@ pub(crate) struct Reader<'a> {
     pub options: &'a Options<'a>,
     pub(crate) notes: Vec<Note>,
     pub errors: Vec<Error>,
-    domain: Option<Domain>,
-    view: Option<View>,
-    colors: Vec<(usize, Color)>,
+    domain: Option<DomainLine>,
+    view: Option<ViewLine>,
+    colors: Vec<(usize, SrgbColor)>,
 }
 
 impl<'a> Reader<'a> {
@@ -173,9 +173,9 @@ impl<'a> Reader<'a> {
                 build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
             } else {
                 scene_line(self.text, line, &scope, &self.options.limits).map(|scene| match scene {
-                    Scene::Domain(domain) => self.domain = Some(domain),
-                    Scene::View(view) => self.view = Some(view),
-                    Scene::Color(at, color) => self.colors.push((at, color)),
+                    SceneSetting::Domain(domain) => self.domain = Some(domain),
+                    SceneSetting::View(view) => self.view = Some(view),
+                    SceneSetting::Color(at, color) => self.colors.push((at, color)),
                 })
             };
             if let Err(error) = result {
@@ -330,12 +330,12 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
         return Err(Error::new(built.span, ErrorKind::Empty));
     };
     let (root, kind) = match lowering.equation(expr)? {
-        Some(root) => (root, Kind::Equation),
-        None => (lowering.solid(expr, false)?, Kind::Solid),
+        Some(root) => (root, SurfaceKind::Equation),
+        None => (lowering.solid(expr, false)?, SurfaceKind::Solid),
     };
     let root = restrictions.iter().try_fold(root, |root, condition| match kind {
-        Kind::Equation => lowering.restrict(root, condition),
-        Kind::Solid => lowering.cut(root, condition),
+        SurfaceKind::Equation => lowering.restrict(root, condition),
+        SurfaceKind::Solid => lowering.cut(root, condition),
     })?;
     Ok(Surface { root, kind, span: built.span, echo: echo(expr, restrictions), color: None })
 }
@@ -365,7 +365,7 @@ fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, No
         let parameters: Vec<&str> =
             definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
         let span = definition.name.span;
-        let coordinate = |axis| Expr::new(ExprKind::Name(Value::Coordinate(axis)), span);
+        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), span);
         let function = Function::Defined(definition.name.text.clone());
         let arguments: Vec<Expr> =
             Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();

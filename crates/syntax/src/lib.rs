@@ -42,12 +42,12 @@ mod unknown;
 
 pub use constant::constant;
 pub use document::{
-    Document, Kind, Options, Parameter, ParameterKind, Surface, parse, read, read_bytes,
+    Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse, read, read_bytes,
 };
 pub use error::{Error, ErrorKind, Errors, Origin, Suggestion};
 pub use limits::Limits;
 pub use note::{Note, NoteKind};
-pub use scene::{Color, Domain, Range, View};
+pub use scene::{ConstantRange, DomainLine, SrgbColor, ViewLine};
 pub use scope::language_names;
 pub use span::Span;
 pub use spelling::PRESETS;

@@ -5,7 +5,7 @@
 //! nothing.
 
 use crate::ast::{
-    Definition, Expr, ExprKind, Function, NamedConstant, ProductSign, Relation, SumSign, Value,
+    Definition, Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign, Relation, SumSign,
 };
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
@@ -195,29 +195,29 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    fn named(&mut self, value: &Value, span: Span, locals: &Locals<'a>) -> Fallible<NodeId> {
+    fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<NodeId> {
         let varies = || {
             let name = value.name().to_owned();
             Error::new(span, ErrorKind::NotConstant { name })
         };
         match value {
-            Value::Coordinate(_) | Value::Time if self.is_constant => Err(varies()),
-            Value::Coordinate(axis) => Ok(self.graph.variable(*axis)),
-            Value::Time => Ok(match self.time {
+            NamedValue::Coordinate(_) | NamedValue::Time if self.is_constant => Err(varies()),
+            NamedValue::Coordinate(axis) => Ok(self.graph.variable(*axis)),
+            NamedValue::Time => Ok(match self.time {
                 Some(number) => self.graph.parameter(number),
                 None => self.graph.integer(0),
             }),
-            Value::Constant(constant) => Ok(self.graph.constant(match constant {
+            NamedValue::Constant(constant) => Ok(self.graph.constant(match constant {
                 NamedConstant::Pi => Constant::pi(),
                 NamedConstant::Tau => Constant::tau(),
                 NamedConstant::E => Constant::e(),
                 NamedConstant::Phi => Constant::phi(),
             })),
-            Value::Local(name) => {
+            NamedValue::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);
                 found.map(|(_, node)| *node).ok_or_else(varies)
             }
-            Value::Defined(name) => {
+            NamedValue::Defined(name) => {
                 if let Some(node) = self.values.get(name.as_str()) {
                     return Ok(*node);
                 }

@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorKind, Fallible, Origin};
 use crate::limits::Limits;
 use crate::lower::Binding;
 use crate::note::{Note, NoteKind};
-use crate::scene::Range;
+use crate::scene::ConstantRange;
 use crate::scope::nearest;
 use crate::span::Span;
 use crate::spelling::is_definable;
@@ -157,7 +157,7 @@ fn slider(
     definition: &Definition,
     given: Option<Constant>,
     limits: &Limits,
-) -> Fallible<(Constant, Option<Range>)> {
+) -> Fallible<(Constant, Option<ConstantRange>)> {
     let is_given = given.is_some();
     let value = match given {
         Some(value) => value,
@@ -174,6 +174,6 @@ fn slider(
 }
 
 /// Whether a value certainly lies outside a range.
-fn is_outside(value: &Constant, (low, high): &Range) -> bool {
+fn is_outside(value: &Constant, (low, high): &ConstantRange) -> bool {
     value.bounds().hi < low.bounds().lo || high.bounds().hi < value.bounds().lo
 }

@@ -3,7 +3,7 @@
 //! Parsing what is printed gives an equal tree; a property test holds this module to it.
 
 use crate::ast::{
-    Definition, Expr, ExprKind, Function, ProductSign, Relation, Statement, SumSign, Value,
+    Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, Statement, SumSign,
 };
 use crate::spelling::{in_name, symbol};
 use std::fmt;
@@ -157,7 +157,7 @@ impl fmt::Display for Statement {
 /// Whether a left side has the form of what a definition names.
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
-        ExprKind::Name(value) => !matches!(value, Value::Coordinate(_)),
+        ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
         ExprKind::Call(Function::Defined(_), arguments) => {
             arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
         }

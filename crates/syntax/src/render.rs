@@ -28,15 +28,15 @@ impl Error {
             Origin::Document => (source_name, text),
             Origin::Override(given) => (Some("-D"), given.as_str()),
         };
-        let window = Window::around(text, self.span);
+        let excerpt = Excerpt::around(text, self.span);
         let message = self.message();
-        let mut annotation = AnnotationKind::Primary.span(window.span(self.span));
+        let mut annotation = AnnotationKind::Primary.span(excerpt.span(self.span));
         if let Some(label) = self.label() {
             annotation = annotation.label(label);
         }
         let mut group = Level::ERROR
             .primary_title(message.as_str())
-            .element(window.snippet(source_name).annotation(annotation));
+            .element(excerpt.snippet(source_name).annotation(annotation));
         if let Some(reason) = self.reason() {
             group = group.element(Level::NOTE.message(reason));
         }
@@ -51,12 +51,12 @@ impl Error {
 impl Note {
     /// This note as text with a caret, without a line break at the end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
-        let window = Window::around(text, self.span);
+        let excerpt = Excerpt::around(text, self.span);
         let message = self.message();
-        let annotation = AnnotationKind::Primary.span(window.span(self.span));
+        let annotation = AnnotationKind::Primary.span(excerpt.span(self.span));
         let group: Group<'_> = Level::NOTE
             .primary_title(message.as_str())
-            .element(window.snippet(source_name).annotation(annotation));
+            .element(excerpt.snippet(source_name).annotation(annotation));
         renderer(color).render(&[group])
     }
 }
@@ -68,13 +68,13 @@ fn renderer(color: bool) -> Renderer {
 
 /// The part of a text that is shown: whole lines, or less of the last where it is very long. It
 /// starts with a line, because columns are counted from its start.
-struct Window<'a> {
+struct Excerpt<'a> {
     shown: &'a str,
     start: usize,
     line: usize,
 }
 
-impl<'a> Window<'a> {
+impl<'a> Excerpt<'a> {
     fn around(text: &'a str, span: Span) -> Self {
         let place = span.start.min(text.len());
         let line = 1 + text[..place].matches('\n').count();

@@ -3,7 +3,7 @@
 //! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
-use crate::ast::{Expr, ExprKind, Function, ProductSign, Value};
+use crate::ast::{Expr, ExprKind, Function, NamedValue, ProductSign};
 use crate::build::{Builder, Signs, number_only, product_of, root_text};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
@@ -112,21 +112,21 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn leaf(&mut self, value: Value, span: Span) -> Item<'static> {
+    fn leaf(&mut self, value: NamedValue, span: Span) -> Item<'static> {
         match &value {
-            Value::Defined(name) => {
+            NamedValue::Defined(name) => {
                 self.used.insert(name.clone());
             }
-            Value::Time => {
+            NamedValue::Time => {
                 self.used.insert("t".to_owned());
             }
-            Value::Constant(constant) => {
+            NamedValue::Constant(constant) => {
                 if let Some(meaning) = constant.meaning() {
                     let name = constant.name();
                     self.note(span, NoteKind::ConstantUsed { name, meaning });
                 }
             }
-            Value::Coordinate(_) | Value::Local(_) => {}
+            NamedValue::Coordinate(_) | NamedValue::Local(_) => {}
         }
         Item::Leaf(Expr::new(ExprKind::Name(value), span))
     }

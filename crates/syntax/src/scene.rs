@@ -15,21 +15,21 @@ use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 
 /// A range between two numbers, in world units.
-pub type Range = (Constant, Constant);
+pub type ConstantRange = (Constant, Constant);
 
 /// Where to look for the surface.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // a document has one
-pub enum Domain {
+pub enum DomainLine {
     /// To be found by search.
     Auto,
     /// A range for each coordinate, in world units; `None` where the line leaves one out.
-    Box([Option<Range>; 3]),
+    Box([Option<ConstantRange>; 3]),
 }
 
 /// Where to look from.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct View {
+pub struct ViewLine {
     /// A named direction, one of [`PRESETS`].
     pub preset: Option<&'static str>,
     /// The eye, in world units.
@@ -46,12 +46,12 @@ pub struct View {
 
 /// A color, as sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Color {
+pub struct SrgbColor {
     /// Red, green, blue.
     pub rgb: [u8; 3],
 }
 
-impl Color {
+impl SrgbColor {
     /// The color with this name, in any case: one of those that a `color` line takes.
     pub fn named(name: &str) -> Option<Self> {
         let found = COLORS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
@@ -96,11 +96,11 @@ const COLORS: &[(&str, [u8; 3])] = &[
 
 /// What one line says.
 #[allow(clippy::large_enum_variant)] // taken apart at once
-pub(crate) enum Scene {
-    Domain(Domain),
-    View(View),
+pub(crate) enum SceneSetting {
+    Domain(DomainLine),
+    View(ViewLine),
     /// A color, and where its line stands.
-    Color(usize, Color),
+    Color(usize, SrgbColor),
 }
 
 /// Reads a `domain`, `view` or `color` line.
@@ -109,30 +109,30 @@ pub(crate) fn scene_line(
     line: Line<'_>,
     scope: &Scope,
     limits: &Limits,
-) -> Fallible<Scene> {
+) -> Fallible<SceneSetting> {
     let mut builder = Builder::new(text, line.piece, scope, &[], limits);
     match line.pair.as_rule() {
-        Rule::domain_line => builder.domain(line.pair).map(Scene::Domain),
-        Rule::view_line => builder.view(line.pair).map(Scene::View),
+        Rule::domain_line => builder.domain(line.pair).map(SceneSetting::Domain),
+        Rule::view_line => builder.view(line.pair).map(SceneSetting::View),
         _ => {
             let color = builder.color(line.pair)?;
-            Ok(Scene::Color(line.piece.span.start, color))
+            Ok(SceneSetting::Color(line.piece.span.start, color))
         }
     }
 }
 
 impl Builder<'_> {
-    fn domain(&mut self, line: Pair<'_>) -> Fallible<Domain> {
+    fn domain(&mut self, line: Pair<'_>) -> Fallible<DomainLine> {
         let mut axes = [const { None }; 3];
         let mut numbers = Vec::new();
         for part in line.into_inner() {
             let span = self.span(&part);
             match part.as_rule() {
-                Rule::automatic => return Ok(Domain::Auto),
+                Rule::automatic => return Ok(DomainLine::Auto),
                 Rule::bounds => {
                     let (low, high) = self.bounds(part)?;
                     let bounds = evaluate_range(&low, &high, span, self.limits)?;
-                    return Ok(Domain::Box([0; 3].map(|_| Some(bounds.clone()))));
+                    return Ok(DomainLine::Box([0; 3].map(|_| Some(bounds.clone()))));
                 }
                 Rule::axis_range => {
                     let axis = part.as_str().chars().next().unwrap_or('x');
@@ -151,11 +151,11 @@ impl Builder<'_> {
         if let (Some(first), Some(last)) = (numbers.first(), numbers.last()) {
             axes = plain_domain(&numbers, first.span.to(last.span), self.limits)?;
         }
-        Ok(Domain::Box(axes))
+        Ok(DomainLine::Box(axes))
     }
 
-    fn view(&mut self, line: Pair<'_>) -> Fallible<View> {
-        let mut view = View::default();
+    fn view(&mut self, line: Pair<'_>) -> Fallible<ViewLine> {
+        let mut view = ViewLine::default();
         for part in line.into_inner() {
             match part.as_rule() {
                 Rule::preset => {
@@ -169,7 +169,7 @@ impl Builder<'_> {
         Ok(view)
     }
 
-    fn setting(&mut self, pair: Pair<'_>, view: &mut View) -> Fallible<()> {
+    fn setting(&mut self, pair: Pair<'_>, view: &mut ViewLine) -> Fallible<()> {
         let span = self.span(&pair);
         let mut inner = pair.into_inner();
         let key = inner.next().expect("a setting has a key");
@@ -197,13 +197,13 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn color(&self, line: Pair<'_>) -> Fallible<Color> {
+    fn color(&self, line: Pair<'_>) -> Fallible<SrgbColor> {
         let given = line.into_inner().next().expect("a color line has a color");
         let span = self.span(&given);
         let typed = self.typed(&given);
         let color = match typed.strip_prefix('#') {
             Some(digits) => hexadecimal(digits),
-            None => Color::named(typed),
+            None => SrgbColor::named(typed),
         };
         color.ok_or_else(|| {
             let meant = nearest(typed, COLORS.iter().map(|(known, _)| *known));
@@ -213,7 +213,11 @@ impl Builder<'_> {
 }
 
 /// `domain 3` or six numbers.
-fn plain_domain(numbers: &[Expr], span: Span, limits: &Limits) -> Fallible<[Option<Range>; 3]> {
+fn plain_domain(
+    numbers: &[Expr],
+    span: Span,
+    limits: &Limits,
+) -> Fallible<[Option<ConstantRange>; 3]> {
     let range = |low: &Expr, high: &Expr| evaluate_range(low, high, span, limits).map(Some);
     match numbers {
         [half] => {
@@ -236,12 +240,12 @@ fn plain_domain(numbers: &[Expr], span: Span, limits: &Limits) -> Fallible<[Opti
 }
 
 /// `rgb` or `rrggbb`.
-fn hexadecimal(digits: &str) -> Option<Color> {
+fn hexadecimal(digits: &str) -> Option<SrgbColor> {
     let value = u32::from_str_radix(digits, 16).ok()?;
     let rgb = match digits.len() {
         3 => [value >> 8, value >> 4, value].map(|digit| (digit & 15) as u8 * 17),
         6 => [value >> 16, value >> 8, value].map(|byte| (byte & 255) as u8),
         _ => return None,
     };
-    Some(Color { rgb })
+    Some(SrgbColor { rgb })
 }

@@ -1,7 +1,7 @@
 //! What a name means: parameters of the function at hand, then the document's names, then the
 //! language's own.
 
-use crate::ast::{Function, Name, NamedConstant, Value};
+use crate::ast::{Function, Name, NamedConstant, NamedValue};
 use rustc_hash::FxHashMap;
 use zeroset_ir::Axis;
 use zeroset_ops::{COMPOSED, Notation, Op, TABLE, names, natives};
@@ -36,7 +36,7 @@ pub fn language_names() -> impl Iterator<Item = &'static str> {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Meaning {
     /// A number.
-    Value(Value),
+    Value(NamedValue),
     /// Something that takes arguments.
     Function(Callee),
     /// A row of one-letter values, multiplied.
@@ -86,7 +86,7 @@ impl Scope {
         let lower = name.to_lowercase();
         if lower != name && lower.len() > 1 {
             if let Some(constant) = named_constant(&lower) {
-                return Meaning::Value(Value::Constant(constant));
+                return Meaning::Value(NamedValue::Constant(constant));
             }
             if !forms(&lower, false).is_empty() {
                 return Meaning::Function(Callee::BuiltIn(lower));
@@ -95,18 +95,18 @@ impl Scope {
         Meaning::Unknown
     }
 
-    fn value(&self, name: &str, locals: &[Name]) -> Option<Value> {
+    fn value(&self, name: &str, locals: &[Name]) -> Option<NamedValue> {
         if locals.iter().any(|local| local.text == name) {
-            return Some(Value::Local(name.to_owned()));
+            return Some(NamedValue::Local(name.to_owned()));
         }
         match (name, self.defined.get(name)) {
-            ("x", _) => Some(Value::Coordinate(Axis::X)),
-            ("y", _) => Some(Value::Coordinate(Axis::Y)),
-            ("z", _) => Some(Value::Coordinate(Axis::Z)),
-            ("t", _) => Some(Value::Time),
-            (_, Some(None)) => Some(Value::Defined(name.to_owned())),
+            ("x", _) => Some(NamedValue::Coordinate(Axis::X)),
+            ("y", _) => Some(NamedValue::Coordinate(Axis::Y)),
+            ("z", _) => Some(NamedValue::Coordinate(Axis::Z)),
+            ("t", _) => Some(NamedValue::Time),
+            (_, Some(None)) => Some(NamedValue::Defined(name.to_owned())),
             (_, Some(Some(_))) => None,
-            (_, None) => named_constant(name).map(Value::Constant),
+            (_, None) => named_constant(name).map(NamedValue::Constant),
         }
     }
 

@@ -7,7 +7,7 @@ use proptest::test_runner::RngSeed;
 use zeroset_ir::Axis;
 use zeroset_ops::{COMPOSED, Notation, TABLE};
 use zeroset_syntax::ast::{
-    Expr, ExprKind, Function, NamedConstant, ProductSign, Relation, Statement, SumSign, Value,
+    Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign, Relation, Statement, SumSign,
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
@@ -49,13 +49,13 @@ fn leaf() -> impl Strategy<Value = Expr> {
     let numbers =
         prop::sample::select(vec!["0", "1", "2", "0.5", "12.25", "2e3", "1e-3", "1.5e10"]);
     let values = prop::sample::select(vec![
-        Value::Coordinate(Axis::X),
-        Value::Coordinate(Axis::Y),
-        Value::Coordinate(Axis::Z),
-        Value::Time,
-        Value::Constant(NamedConstant::Pi),
-        Value::Constant(NamedConstant::E),
-        Value::Constant(NamedConstant::Phi),
+        NamedValue::Coordinate(Axis::X),
+        NamedValue::Coordinate(Axis::Y),
+        NamedValue::Coordinate(Axis::Z),
+        NamedValue::Time,
+        NamedValue::Constant(NamedConstant::Pi),
+        NamedValue::Constant(NamedConstant::E),
+        NamedValue::Constant(NamedConstant::Phi),
     ]);
     prop_oneof![
         numbers.prop_map(|text| expr(ExprKind::Number(text.to_owned()))),
@@ -141,7 +141,7 @@ fn statement() -> impl Strategy<Value = Statement> {
     let equation = (number(), number())
         // `pi = …` and `t = …` would define.
         .prop_filter("a definition", |(left, _)| {
-            !matches!(left.kind, ExprKind::Name(Value::Constant(_) | Value::Time))
+            !matches!(left.kind, ExprKind::Name(NamedValue::Constant(_) | NamedValue::Time))
         })
         .prop_map(|(left, right)| {
             expr(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]))
