@@ -38,16 +38,14 @@ impl Builder<'_> {
             }
             _ => None,
         };
-        let (arguments, place) = match brackets {
-            Some(pair) => {
-                items.pop_front();
-                (self.arguments(pair.clone())?, self.span(&pair))
-            }
-            None => {
-                let argument = self.bare_argument(&callee, span, items)?;
-                let place = argument.span;
-                (vec![argument], place)
-            }
+        let (arguments, place) = if let Some(pair) = brackets {
+            items.pop_front();
+            let place = self.span(&pair);
+            (self.arguments(pair, place)?, place)
+        } else {
+            let argument = self.bare_argument(&callee, span, items)?;
+            let place = argument.span;
+            (vec![argument], place)
         };
         let call = self.call(&callee, span, arguments, place)?;
         Ok(match exponent {
@@ -60,11 +58,10 @@ impl Builder<'_> {
     }
 
     /// The arguments in brackets, or the only one in braces.
-    fn arguments(&mut self, pair: Pair<'_>) -> Fallible<Vec<Expr>> {
+    fn arguments(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
         if pair.as_rule() == Rule::group {
             return pair.into_inner().map(|argument| self.value(argument)).collect();
         }
-        let span = self.span(&pair);
         Ok(vec![self.deeper(span, 1, |b| b.closed(pair, span))?])
     }
 

@@ -68,7 +68,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Runs `build` so many levels deeper.
+    /// Runs `build` that many levels deeper.
     pub(crate) fn deeper<T>(
         &mut self,
         span: Span,
@@ -250,7 +250,7 @@ impl<'a> Builder<'a> {
         product_of(factors)
     }
 
-    /// Remarks on a division that may be meant to end elsewhere.
+    /// Notes a division that may be meant to end elsewhere.
     #[inline(never)] // keeps its text out of the stack frames of nested products
     fn note_division(&mut self, before: &[(ProductSign, Expr)], divisor: &Expr, others: &[Expr]) {
         let Some((_, numerator)) = before.last() else {
@@ -266,7 +266,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The remark on `1/2x`: the product after a division is easily meant to be divided by as a whole.
+/// The note on `1/2x`: the divisor may be meant to be the whole product.
 fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteKind {
     let product = |factors: &mut dyn Iterator<Item = &Expr>| {
         short_formula(&factors.map(factor_text).collect::<Vec<_>>().join("*"))
@@ -281,7 +281,7 @@ fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteK
     }
 }
 
-/// The remark on `x^1/3`: nobody writes the exponent 1 but as the top of a fraction.
+/// The note on `x^1/3`: an exponent of 1 is only ever written as the top of a fraction.
 fn divided_power(power: &Expr, divisor: &Expr) -> Option<NoteKind> {
     let ExprKind::Power(base, exponent) = &power.kind else {
         return None;

@@ -1,4 +1,4 @@
-//! What is wrong with a statement that the grammar does not accept, told from where it stopped.
+//! What is wrong with a statement that the grammar refuses, inferred from where it stopped.
 
 use crate::error::{Error, ErrorKind};
 use crate::grammar::Rule;

@@ -1,4 +1,4 @@
-//! A whole text read: surfaces in one graph, parameters, domain, view and remarks.
+//! A whole text read: surfaces in one graph, parameters, domain, view and notes.
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::constant::near_integers;
@@ -46,7 +46,7 @@ pub struct Document {
     pub title: Option<String>,
     /// The rest of that comment, line breaks kept; empty if there is none.
     pub doc: String,
-    /// Remarks, in the order of their places.
+    /// Notes, in the order of their places.
     pub notes: Vec<Note>,
 }
 
@@ -94,7 +94,7 @@ pub struct Parameter {
 /// What moves a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterKind {
-    /// A reader's hand.
+    /// The user.
     Slider,
     /// The clock.
     Time,
@@ -102,7 +102,8 @@ pub enum ParameterKind {
 
 /// Reads a document: one line or a whole file.
 ///
-/// # Errors What is wrong with the text or with an override: at least one error, at most one for
+/// # Errors
+/// What is wrong with the text or with an override: at least one error, at most one for
 /// each statement.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     Reader::new(text, options).read()
@@ -124,7 +125,8 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 
 /// The statements of a text, with every name resolved.
 ///
-/// # Errors What is wrong with the text: at least one error, at most one for each statement.
+/// # Errors
+/// What is wrong with the text: at least one error, at most one for each statement.
 /// `domain`, `view` and `color` lines are checked by the grammar only.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
@@ -263,7 +265,7 @@ impl<'a> Reader<'a> {
         }
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         self.notes.sort_by_key(|note| note.span);
-        // One remark on a name is enough.
+        // One note on a name is enough.
         let mut seen = FxHashSet::default();
         self.notes.retain(|note| match note.kind {
             NoteKind::ConstantUsed { .. } | NoteKind::ProductOfNames { .. } => {
@@ -291,7 +293,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Remarks on exponents that are no integers as far as is known, each where it is first drawn.
+/// Notes on exponents that are not known to be integers, each where it is first drawn.
 fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
     let mut left = near_integers(graph, MOST_NOTES);
     let mut notes = Vec::new();
@@ -317,7 +319,7 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
     notes
 }
 
-/// The remark on a definition that nothing uses: perhaps a formula with a slip in its left side.
+/// The note on a definition that nothing uses: perhaps a formula with a typo in its left side.
 fn unused_note(definition: &Definition, scope: &Scope) -> Note {
     let Name { text: name, span } = &definition.name;
     let meant = scope.meant(name, definition.parameters.is_some());

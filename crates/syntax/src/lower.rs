@@ -1,4 +1,4 @@
-//! From trees to the expression graph: definitions put in, nothing simplified.
+//! From trees to the expression graph: definitions expanded, nothing simplified.
 //!
 //! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose
 //! sum is bounded here. Every expansion is remembered by its arguments, so repeated use costs
@@ -26,7 +26,7 @@ const VISITS: usize = 16;
 pub(crate) enum Binding<'a> {
     /// The parameter with this number.
     Parameter(u32),
-    /// A definition, put in where it is used.
+    /// A definition, expanded where it is used.
     Definition(&'a Definition),
 }
 
@@ -266,7 +266,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The body of a function with its arguments put in for `names`.
+    /// The body of a function with `names` replaced by its arguments.
     fn expand(
         &mut self,
         function: &Function,

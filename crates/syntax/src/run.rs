@@ -201,7 +201,7 @@ impl Builder<'_> {
         Ok(expr)
     }
 
-    /// Remarks on `x^(1/3)`, which is for x ≥ 0 though the root exists for all x.
+    /// Notes that `x^(1/3)` is defined only for x ≥ 0, though the root exists for all x.
     fn odd_root(&mut self, base: &Expr, exponent: &Expr) {
         let ExprKind::Product(top, rest) = &exponent.kind else {
             return;

@@ -225,13 +225,9 @@ fn plain_domain(
             if half.bounds().lo <= 0.0 {
                 return Err(Error::new(span, ErrorKind::EmptyDomain));
             }
-            let opposite = match half.exact() {
-                Some(value) => Constant::rational(-value),
-                None => {
-                    let Interval { lo, hi } = half.bounds();
-                    Constant::enclosed(Interval { lo: -hi, hi: -lo })
-                }
-            };
+            let Interval { lo, hi } = half.bounds();
+            let enclosed = || Constant::enclosed(Interval { lo: -hi, hi: -lo });
+            let opposite = half.exact().map_or_else(enclosed, |value| Constant::rational(-value));
             Ok([0; 3].map(|_| Some((opposite.clone(), half.clone()))))
         }
         [x0, x1, y0, y1, z0, z1] => Ok([range(x0, x1)?, range(y0, y1)?, range(z0, z1)?]),

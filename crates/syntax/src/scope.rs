@@ -60,8 +60,8 @@ impl Scope {
         Self { internal: true, ..Self::default() }
     }
 
-    /// Defines a value (`None`) or a function of so many parameters; a later definition replaces an
-    /// earlier one.
+    /// Defines a value (`None`) or a function of that many parameters; a later definition replaces
+    /// an earlier one.
     pub(crate) fn define(&mut self, name: &str, parameters: Option<usize>) {
         self.defined.insert(name.to_owned(), parameters);
     }
@@ -186,7 +186,7 @@ impl Forms {
         self.0.is_empty()
     }
 
-    /// The function for `count` arguments, if so many are accepted.
+    /// The function for `count` arguments, if it takes that many.
     pub(crate) fn function(&self, count: usize) -> Option<Function> {
         let exact = self.0.iter().find(|form| form.count == count);
         let form = exact.or_else(|| self.0.iter().find(|form| form.or_more && form.count < count));

@@ -9,12 +9,10 @@ pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", 
 /// This is the only list of the words, operators and LaTeX names of the language.
 pub(crate) fn symbol(spelling: &str) -> Option<char> {
     Some(match spelling {
-        " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}" => {
-            ' '
-        }
+        " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
         // In print these set spaces and the sizes of brackets; they mean nothing here.
-        r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle" => ' ',
-        r"\left" | r"\right" | r"\bigl" | r"\bigr" | r"\big" => ' ',
+        | r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle"
+        | r"\left" | r"\right" | r"\bigl" | r"\bigr" | r"\big" => ' ',
         "\n" | "\r" => '\n',
         ";" => ';',
         "," => ',',
@@ -169,4 +167,29 @@ fn short(text: &str, longest: usize, kept: usize) -> String {
         return text.to_owned();
     }
     text.chars().take(kept).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Symbols of what has no fixed spelling.
+    const OTHERS: &str = "01½²#¦";
+
+    #[test]
+    fn the_grammar_knows_symbols_only() {
+        let grammar = include_str!("../../../grammar/zeroset.pest");
+        let rules = grammar.lines().filter(|line| !line.starts_with("//"));
+        let literals: Vec<&str> =
+            rules.flat_map(|line| line.split(['"', '\'']).skip(1).step_by(2)).collect();
+        assert!(literals.len() > 60, "{}", literals.len());
+        for literal in literals {
+            let mut characters = literal.chars();
+            let (Some(only), None) = (characters.next(), characters.next()) else {
+                panic!("`{literal}` is not a symbol");
+            };
+            let is_class = OTHERS.contains(only) || only.is_ascii_alphabetic();
+            assert!(is_class || symbol(literal) == Some(only), "`{literal}` stands for another");
+        }
+    }
 }

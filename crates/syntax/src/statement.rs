@@ -170,7 +170,7 @@ fn is_miscounted(head: &Head) -> bool {
     parameters.all(|p| matches!(p.text.as_str(), "x" | "y" | "z")) && accepts(head) == Some(false)
 }
 
-/// Whether the function of the language called `head` takes so many arguments; `None` if there is
+/// Whether the function of the language called `head` takes that many arguments; `None` if there is
 /// none, or nothing is called.
 fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
