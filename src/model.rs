@@ -15,7 +15,7 @@ use zeroset_eval::{
 };
 use zeroset_interval::{Facts, Interval};
 use zeroset_jit::{NativeGradient, NativePoint};
-use zeroset_syntax::{Color, Document, Kind};
+use zeroset_syntax::{Document, SrgbColor, SurfaceKind};
 use zeroset_trace::{
     Appearance, Camera, Colour, Frame, GBuffer, Knoll, Light, NormalSource, Region, Scalar,
     SurfaceColours, cap, normals, shade,
@@ -33,8 +33,8 @@ pub struct Model {
 
 /// What of a surface is not its function.
 struct Look {
-    kind: Kind,
-    color: Option<Color>,
+    kind: SurfaceKind,
+    color: Option<SrgbColor>,
 }
 
 /// The kernels of all surfaces.
@@ -226,7 +226,7 @@ impl Model {
         let method = |depth, kind| Knoll {
             depth,
             width: settings.packet,
-            suppress_asymptotes: kind == Kind::Equation,
+            suppress_asymptotes: kind == SurfaceKind::Equation,
         };
         let mut buffer = GBuffer::new(settings.width, settings.height, 0);
         for (index, (look, kernels)) in self.looks.iter().zip(all).enumerate() {
@@ -238,7 +238,7 @@ impl Model {
             );
             layer.surface.fill(index as u16);
             work.add_traversal(&done);
-            if look.kind == Kind::Solid {
+            if look.kind == SurfaceKind::Solid {
                 let counted = Counted::new(kernels.zeros.function());
                 cap(&mut layer, &frame, region, &counted);
                 work.interval += counted.count();

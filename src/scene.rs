@@ -9,7 +9,7 @@ use num_traits::ToPrimitive;
 use zeroset_eval::IntervalKernel;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
-use zeroset_syntax::{Document, Domain, Preset};
+use zeroset_syntax::{Document, DomainLine};
 use zeroset_trace::{Camera, CameraError, HalfSpace, Projection, Region, RegionError, View};
 
 /// Where to look.
@@ -83,7 +83,7 @@ pub fn region_while(
     let mut searched = None;
     let [x0, x1, y0, y1, z0, z1] = match (choice, &document.domain) {
         (DomainChoice::Bounds(bounds), _) => bounds,
-        (DomainChoice::Document, Some(Domain::Box(ranges))) => {
+        (DomainChoice::Document, Some(DomainLine::Box(ranges))) => {
             let given = |axis: usize| {
                 let (low, high) = ranges[axis].as_ref()?;
                 Some([nearest(low), nearest(high)])
@@ -102,7 +102,7 @@ pub fn region_while(
                 }
             }
         }
-        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(Domain::Auto)) => {
+        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {
             let Some(found) = search_while(document, wanted)? else { return Ok(None) };
             searched = Some(found);
             let ([x0, y0, z0], [x1, y1, z1]) = (found.low, found.high);
@@ -183,7 +183,7 @@ pub fn camera(
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
     };
-    let view = choice.view.or(typed.preset.map(view_of)).unwrap_or_default();
+    let view = choice.view.or(typed.preset.and_then(View::named)).unwrap_or_default();
     let (offset, view_up) = view.offset_and_up();
     let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
     let given_eye = choice.eye.or(typed_eye);
@@ -199,18 +199,6 @@ pub fn camera(
         (None, None) => Projection::Perspective { fov: View::FOV },
     });
     Camera::new(eye, target, up, projection)
-}
-
-fn view_of(preset: Preset) -> View {
-    match preset {
-        Preset::Iso => View::Iso,
-        Preset::Front => View::Front,
-        Preset::Back => View::Back,
-        Preset::Left => View::Left,
-        Preset::Right => View::Right,
-        Preset::Top => View::Top,
-        Preset::Bottom => View::Bottom,
-    }
 }
 
 /// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and a flag with the same
@@ -233,6 +221,11 @@ mod tests {
     fn found(text: &str) -> ([f64; 3], [f64; 3]) {
         let (region, _) = region(&document(text), DomainChoice::Document, None).expect("valid");
         (region.low().to_array(), region.high().to_array())
+    }
+
+    #[test]
+    fn every_direction_of_the_language_is_a_view_of_the_camera() {
+        assert_eq!(View::ALL.map(|(name, _)| name), zeroset_syntax::PRESETS);
     }
 
     #[test]
