@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, Points, Real, Surface};
 use zeroset_interval::Interval;
-use zeroset_syntax::{Color, Document, Kind};
+use zeroset_syntax::{Document, SrgbColor, SurfaceKind};
 use zeroset_trace::{
     Appearance, Camera, Driver, GBuffer, Light, LinearRgb, NormalSource, Options, Region,
     SurfaceColours, Work, cap, normals, shade,
@@ -28,8 +28,8 @@ pub struct Model {
 
 /// What of a surface is not its function.
 struct Style {
-    kind: Kind,
-    color: Option<Color>,
+    kind: SurfaceKind,
+    color: Option<SrgbColor>,
 }
 
 impl Model {
@@ -183,7 +183,7 @@ impl Model {
         let mut work = Work::default();
         let tracer = |surface: usize, depth| {
             // At a pole a surface has no point, but a solid may have a face.
-            let suppress_asymptotes = self.styles[surface].kind == Kind::Equation;
+            let suppress_asymptotes = self.styles[surface].kind == SurfaceKind::Equation;
             let options = Options { precision: settings.precision, depth, suppress_asymptotes };
             settings.method.prepare(self.program.surface(surface), region, &options)
         };
@@ -194,7 +194,7 @@ impl Model {
             let (mut layer, done) = Driver { rays: &rays, tracer: &*tracer, advance }.picture();
             work += done;
             layer.surface.fill(index as u16);
-            if style.kind == Kind::Solid {
+            if style.kind == SurfaceKind::Solid {
                 work += cap(&mut layer, &rays, region, kernels.bounds()?);
             }
             times.trace += watch.lap();
@@ -276,8 +276,8 @@ fn make_kernels<T: Real>(
             Some(Normals::Central) => kernels.values().map(|_| ()),
         };
         let bounds = || match document.surfaces[surface].kind {
-            Kind::Solid if wanted() => kernels.bounds().map(|_| ()),
-            Kind::Solid | Kind::Equation => Ok(()),
+            SurfaceKind::Solid if wanted() => kernels.bounds().map(|_| ()),
+            SurfaceKind::Solid | SurfaceKind::Equation => Ok(()),
         };
         let (zeros, (other, bounds)) = rayon::join(zeros, || rayon::join(other, bounds));
         zeros.and(other).and(bounds)

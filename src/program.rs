@@ -11,7 +11,7 @@ use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
     Constant, Graph, IrError, NodeId, clear, compact, fix_exponents, gradient, rewrite, simplify,
 };
-use zeroset_syntax::{Document, Kind, Parameter, ParameterKind};
+use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
 /// The surfaces of a document over one domain.
 pub struct Program {
@@ -407,7 +407,7 @@ fn typed(document: &Document) -> (Graph, Vec<NodeId>) {
 }
 
 fn solid(document: &Document) -> Vec<bool> {
-    document.surfaces.iter().map(|surface| surface.kind == Kind::Solid).collect()
+    document.surfaces.iter().map(|surface| surface.kind == SurfaceKind::Solid).collect()
 }
 
 fn values(document: &Document) -> Vec<Interval> {

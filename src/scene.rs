@@ -8,7 +8,7 @@ use glam::DVec3;
 use num_traits::ToPrimitive;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
-use zeroset_syntax::{Document, Domain, Preset};
+use zeroset_syntax::{Document, DomainLine};
 use zeroset_trace::{
     Camera, CameraError, HalfSpace, Projection, Region, RegionError, StandardView,
 };
@@ -84,7 +84,7 @@ pub fn region_while(
     let mut searched = None;
     let [x0, x1, y0, y1, z0, z1] = match (choice, &document.domain) {
         (DomainChoice::Bounds(bounds), _) => bounds,
-        (DomainChoice::Document, Some(Domain::Box(ranges))) => {
+        (DomainChoice::Document, Some(DomainLine::Box(ranges))) => {
             let given = |axis: usize| {
                 let (low, high) = ranges[axis].as_ref()?;
                 Some([nearest(low), nearest(high)])
@@ -103,7 +103,7 @@ pub fn region_while(
                 }
             }
         }
-        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(Domain::Auto)) => {
+        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {
             let Some(found) = search_while(document, wanted)? else { return Ok(None) };
             searched = Some(found);
             let ([x0, y0, z0], [x1, y1, z1]) = (found.low, found.high);
@@ -177,7 +177,7 @@ pub fn camera(
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
     };
-    let view = choice.view.or(typed.preset.map(view_of)).unwrap_or_default();
+    let view = choice.view.or(typed.preset.and_then(StandardView::named)).unwrap_or_default();
     let (offset, view_up) = view.offset_and_up();
     let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
     let given_eye = choice.eye.or(typed_eye);
@@ -193,18 +193,6 @@ pub fn camera(
         (None, None) => Projection::Perspective { fov: StandardView::FOV },
     });
     Camera::new(eye, target, up, projection)
-}
-
-fn view_of(preset: Preset) -> StandardView {
-    match preset {
-        Preset::Iso => StandardView::Iso,
-        Preset::Front => StandardView::Front,
-        Preset::Back => StandardView::Back,
-        Preset::Left => StandardView::Left,
-        Preset::Right => StandardView::Right,
-        Preset::Top => StandardView::Top,
-        Preset::Bottom => StandardView::Bottom,
-    }
 }
 
 /// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and a flag with the same
@@ -227,6 +215,11 @@ mod tests {
     fn found(text: &str) -> ([f64; 3], [f64; 3]) {
         let (region, _) = region(&document(text), DomainChoice::Document, None).expect("valid");
         (region.low().to_array(), region.high().to_array())
+    }
+
+    #[test]
+    fn every_direction_of_the_language_is_a_view_of_the_camera() {
+        assert_eq!(View::ALL.map(|(name, _)| name), zeroset_syntax::PRESETS);
     }
 
     #[test]

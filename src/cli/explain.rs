@@ -14,7 +14,7 @@ use zeroset_eval::{FindZeros, Real, Step, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::{NodeId, display};
 use zeroset_jit::intermediate_code;
-use zeroset_syntax::Kind;
+use zeroset_syntax::SurfaceKind;
 
 pub fn run(arguments: &Explain) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.subject)?;
@@ -65,7 +65,7 @@ pub fn explain<T: Real>(subject: &Subject, with_code: bool) -> Result<String> {
         let kernels = program.kernels::<T>(index);
         kernels.zeros()?;
         kernels.gradients()?;
-        if surface.kind == Kind::Solid {
+        if surface.kind == SurfaceKind::Solid {
             kernels.bounds()?;
         }
         for (form, label) in [(Form::Function, "operations"), (Form::Gradient, "derivatives")] {

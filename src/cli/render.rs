@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use zeroset::domain::AutoDomain;
 use zeroset::picture::{self, Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice};
-use zeroset_syntax::Color;
+use zeroset_syntax::SrgbColor;
 use zeroset_trace::{HalfSpace, LinearRgb, Projection, StandardView, Status, UndecidedStyle};
 
 /// The exit code for undecided pixels under `--strict`.
@@ -121,7 +121,7 @@ fn settings(arguments: &Render) -> Result<Settings> {
     let background = match &look.background {
         None => None,
         Some(text) => {
-            let named = Color::named(text).map(|color| LinearRgb::from_srgb(color.rgb));
+            let named = SrgbColor::named(text).map(|color| LinearRgb::from_srgb(color.rgb));
             Some(named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
                 format!("--background '{text}' is not a colour such as white or ffffff")
             })?)

@@ -41,8 +41,8 @@ fn texts_that_are_no_formula() {
         ("x=", "a value is missing after `=`"),
         ("x+*y", "missing"),
         ("x$y", "`$` has no meaning"),
-        ("f(x)=f(x)+1", "defined by itself"),
-        ("f(a)=g(a)\ng(a)=f(a)\nf(x)+y", "circle"),
+        ("f(x)=f(x)+1", "defined in terms of itself"),
+        ("f(a)=g(a)\ng(a)=f(a)\nf(x)+y", "circular"),
         ("foo+x", "`foo` is not defined"),
         ("bar(x)", "bar"),
         ("sin(x,y)", "`sin` takes 1 argument, not 2"),
@@ -124,7 +124,7 @@ fn formulas_without_a_surface() {
         ("ln(0)", "defined nowhere"),
         ("9^9^9^9", "is constant"),
         ("-(9^9^9^9)", "is constant"),
-        ("a = 2", "nothing is drawn"),
+        ("a = 2", "nothing to draw"),
     ] {
         refused(formula, &[], expected);
     }
@@ -256,7 +256,7 @@ fn numbers_out_of_range() {
         (["--background", "reddish"], "not a colour"),
         (["--time", "soon"], "--time 'soon' is not a finite number"),
         (["-D", "r"], "not of the form name=value"),
-        (["-D", "q=1"], "`q` occurs nowhere"),
+        (["-D", "q=1"], "`q` does not occur"),
         (["-D", "r=1/0"], "no value"),
         (["-D", "r="], "error: "),
         (["--view", "above"], "possible values"),
@@ -333,7 +333,7 @@ fn a_misspelt_name_of_the_gallery_is_recognised() {
     ] {
         refused(typed, &[], expected);
     }
-    refused("x+y+z", &["-D", "t=3"], "`t` occurs nowhere");
+    refused("x+y+z", &["-D", "t=3"], "`t` does not occur");
 }
 
 #[cfg(unix)]

@@ -5,7 +5,9 @@
 
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
-use zeroset_syntax::{Document, Domain, Kind, Limits, Options, ParameterKind, parse, read};
+use zeroset_syntax::{
+    Document, DomainLine, Limits, Options, ParameterKind, SurfaceKind, parse, read,
+};
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/language.txt");
 
@@ -61,8 +63,8 @@ fn describe(row: &Row, document: &Document) -> String {
     }
     for surface in &document.surfaces {
         let kind = match surface.kind {
-            Kind::Equation => "equation",
-            Kind::Solid => "solid",
+            SurfaceKind::Equation => "equation",
+            SurfaceKind::Solid => "solid",
         };
         write!(out, "{kind}: {}", surface.echo).unwrap();
         match surface.color {
@@ -93,8 +95,8 @@ fn describe(row: &Row, document: &Document) -> String {
     }
     match &document.domain {
         None => {}
-        Some(Domain::Auto) => out.push_str("domain: auto\n"),
-        Some(Domain::Box(axes)) => {
+        Some(DomainLine::Auto) => out.push_str("domain: auto\n"),
+        Some(DomainLine::Box(axes)) => {
             let axis = |range: &Option<(Constant, Constant)>| match range {
                 Some((low, high)) => format!("[{}, {}]", number(low), number(high)),
                 None => "-".to_owned(),
@@ -105,7 +107,7 @@ fn describe(row: &Row, document: &Document) -> String {
     if let Some(view) = &document.view {
         out.push_str("view:");
         if let Some(preset) = view.preset {
-            write!(out, " {preset:?}").unwrap();
+            write!(out, " {preset}").unwrap();
         }
         for (key, value) in [("eye", &view.eye), ("target", &view.target), ("up", &view.up)] {
             if let Some(value) = value {

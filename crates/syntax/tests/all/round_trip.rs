@@ -1,4 +1,5 @@
-//! Properties over random trees and random text. The seed is fixed; a failing case is printed with its input.
+//! Properties over random trees and random text. The seed is fixed; a failing case is printed with
+//! its input.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -6,7 +7,7 @@ use proptest::test_runner::RngSeed;
 use zeroset_ir::Axis;
 use zeroset_ops::{COMPOSED, Notation, TABLE};
 use zeroset_syntax::ast::{
-    Expr, ExprKind, Function, NamedConstant, ProductSign, Relation, Statement, SumSign, Value,
+    Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign, Relation, Statement, SumSign,
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
@@ -48,13 +49,13 @@ fn leaf() -> impl Strategy<Value = Expr> {
     let numbers =
         prop::sample::select(vec!["0", "1", "2", "0.5", "12.25", "2e3", "1e-3", "1.5e10"]);
     let values = prop::sample::select(vec![
-        Value::Coordinate(Axis::X),
-        Value::Coordinate(Axis::Y),
-        Value::Coordinate(Axis::Z),
-        Value::Time,
-        Value::Constant(NamedConstant::Pi),
-        Value::Constant(NamedConstant::E),
-        Value::Constant(NamedConstant::Phi),
+        NamedValue::Coordinate(Axis::X),
+        NamedValue::Coordinate(Axis::Y),
+        NamedValue::Coordinate(Axis::Z),
+        NamedValue::Time,
+        NamedValue::Constant(NamedConstant::Pi),
+        NamedValue::Constant(NamedConstant::E),
+        NamedValue::Constant(NamedConstant::Phi),
     ]);
     prop_oneof![
         numbers.prop_map(|text| expr(ExprKind::Number(text.to_owned()))),
@@ -140,7 +141,7 @@ fn statement() -> impl Strategy<Value = Statement> {
     let equation = (number(), number())
         // `pi = …` and `t = …` would define.
         .prop_filter("a definition", |(left, _)| {
-            !matches!(left.kind, ExprKind::Name(Value::Constant(_) | Value::Time))
+            !matches!(left.kind, ExprKind::Name(NamedValue::Constant(_) | NamedValue::Time))
         })
         .prop_map(|(left, right)| {
             expr(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]))
@@ -302,7 +303,11 @@ proptest! {
     }
 
     #[test]
-    fn broken_formulas_never_panic(statement in statement(), at in 0_usize..1000, piece in prop::sample::select(PIECES)) {
+    fn broken_formulas_never_panic(
+        statement in statement(),
+        at in 0_usize..1000,
+        piece in prop::sample::select(PIECES),
+    ) {
         let mut text = statement.to_string();
         let mut at = at % (text.len() + 1);
         while !text.is_char_boundary(at) {
