@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn every_direction_of_the_language_is_a_view_of_the_camera() {
-        assert_eq!(View::ALL.map(|(name, _)| name), zeroset_syntax::PRESETS);
+        assert_eq!(StandardView::ALL.map(|(name, _)| name), zeroset_syntax::PRESETS);
     }
 
     #[test]
