@@ -12,7 +12,7 @@ use zeroset::program::Program;
 use zeroset_eval::IntervalKernel;
 use zeroset_interval::Interval;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Frame, GBuffer, Knoll, Projection, Region, View};
+use zeroset_trace::{Camera, GBuffer, Knoll, Projection, RayGrid, Region, StandardView};
 
 const SIZE: usize = 512;
 const ROUNDS: usize = 41;
@@ -20,7 +20,7 @@ const ROUNDS: usize = 41;
 fn time<R: IntervalKernel>(
     native: &zeroset_jit::NativeInterval,
     rival: &R,
-    frame: &Frame,
+    frame: &RayGrid,
     region: &Region,
 ) -> (Comparison, GBuffer) {
     let knoll = Knoll::default();
@@ -47,10 +47,10 @@ fn main() {
         let program = Program::new(&document, domain).expect(name);
         let native = program.interval_kernel(0).expect(name);
         let region = Region::new(DVec3::splat(-half), DVec3::splat(half)).expect(name);
-        let (offset, up) = View::Iso.offset_and_up();
-        let projection = Projection::Perspective { fov: View::FOV };
+        let (offset, up) = StandardView::Iso.offset_and_up();
+        let projection = Projection::Perspective { fov: StandardView::FOV };
         let camera = Camera::new(offset * half, DVec3::ZERO, up, projection).expect(name);
-        let frame = camera.frame(SIZE, SIZE);
+        let frame = camera.rays(SIZE, SIZE);
         let (result, _) = match name {
             "sphere" => time(&native, &Rival(sphere), &frame, &region),
             "mitchell" => time(&native, &Rival(mitchell), &frame, &region),

@@ -4,8 +4,8 @@
 //! is bounded as far as was looked, and its box is tightened; otherwise a window around the origin
 //! is chosen.
 
-use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
-use zeroset_interval::Facts;
+use zeroset_eval::{Boxes, FindZeros, Kernel, LANES};
+use zeroset_interval::Interval;
 
 /// The largest cube looked at is ±2 to this power, the smallest ±2 to that.
 const LARGEST: i32 = 8;
@@ -71,7 +71,7 @@ impl Finding {
 /// `periodic` tells whether a trigonometric function of a coordinate occurs. `wanted` is asked
 /// between evaluations; once false, it must stay false, and the answer is `None`.
 pub fn find_while(
-    surfaces: &[&dyn IntervalKernel],
+    surfaces: &[&dyn Kernel<FindZeros>],
     periodic: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Option<AutoDomain> {
@@ -160,7 +160,7 @@ impl Cell {
 
 /// Which cells may hold a point of some surface.
 struct Possible<'a> {
-    surfaces: &'a [&'a dyn IntervalKernel],
+    surfaces: &'a [&'a dyn Kernel<FindZeros>],
     wanted: &'a dyn Fn() -> bool,
 }
 
@@ -171,25 +171,16 @@ impl Possible<'_> {
         if !(self.wanted)() {
             return Vec::new();
         }
-        let boxes: Vec<BoxPacket> = cells
-            .chunks(LANES)
-            .map(|chunk| {
-                let lane = |lane: usize| chunk[lane.min(chunk.len() - 1)];
-                BoxPacket {
-                    neg_lo: [0, 1, 2].map(|axis| std::array::from_fn(|k| -lane(k).low[axis])),
-                    hi: [0, 1, 2].map(|axis| std::array::from_fn(|k| lane(k).high()[axis])),
-                }
-            })
-            .collect();
+        let cell_box = |cell: &Cell| {
+            let (low, high) = (cell.low, cell.high());
+            [0, 1, 2].map(|axis| Interval { lo: low[axis].into(), hi: high[axis].into() })
+        };
+        let boxes = Boxes::around(&cells.iter().map(cell_box).collect::<Vec<_>>());
         let mut possible = vec![false; cells.len()];
-        let mut out = vec![EnclosurePacket::default(); boxes.len()];
         for surface in self.surfaces {
-            surface.enclose(&boxes, &mut out);
+            let zeros = surface.ask_all(&boxes);
             for (index, possible) in possible.iter_mut().enumerate() {
-                let (packet, lane) = (&out[index / LANES], index % LANES);
-                let nowhere = Facts::from_bits(packet.facts[lane]).has(Facts::NOWHERE);
-                let excluded = packet.neg_lo[lane] < 0.0 || packet.hi[lane] < 0.0;
-                *possible |= !nowhere && !excluded;
+                *possible |= zeros[index / LANES].possible >> (index % LANES) & 1 == 1;
             }
         }
         cells
@@ -259,8 +250,9 @@ impl Possible<'_> {
 mod tests {
     use super::*;
     use std::cell::Cell as Counter;
+    use zeroset_eval::Zeros;
 
-    fn find(surfaces: &[&dyn IntervalKernel], periodic: bool) -> AutoDomain {
+    fn find(surfaces: &[&dyn Kernel<FindZeros>], periodic: bool) -> AutoDomain {
         find_while(surfaces, periodic, &|| true).expect("wanted to the end")
     }
 
@@ -286,22 +278,19 @@ mod tests {
     /// |p − centre|² − r², as intervals in f64: exact enough for these sizes.
     struct Ball([f32; 3], f32);
 
-    impl IntervalKernel for Ball {
-        fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
-            for (b, out) in boxes.iter().zip(out) {
-                for lane in 0..LANES {
-                    let (mut low, mut high) = (0.0, 0.0);
-                    for axis in 0..3 {
-                        let a = -b.neg_lo[axis][lane] - self.0[axis];
-                        let b = b.hi[axis][lane] - self.0[axis];
-                        high += a.abs().max(b.abs()).powi(2);
-                        low +=
-                            if a <= 0.0 && b >= 0.0 { 0.0 } else { a.abs().min(b.abs()).powi(2) };
-                    }
-                    out.neg_lo[lane] = self.1 * self.1 - low;
-                    out.hi[lane] = high - self.1 * self.1;
-                    out.facts[lane] = Facts::TOTAL.bits();
+    impl Kernel<FindZeros> for Ball {
+        fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
+            *zeros = Zeros::default();
+            for lane in 0..boxes.count as usize {
+                let (mut low, mut high) = (0.0, 0.0);
+                for axis in 0..3 {
+                    let a = -boxes.neg_lo[axis][lane] - self.0[axis];
+                    let b = boxes.hi[axis][lane] - self.0[axis];
+                    high += a.abs().max(b.abs()).powi(2);
+                    low += if a <= 0.0 && b >= 0.0 { 0.0 } else { a.abs().min(b.abs()).powi(2) };
                 }
+                let square = self.1 * self.1;
+                zeros.possible |= u16::from(low <= square && square <= high) << lane;
             }
         }
     }
@@ -309,14 +298,12 @@ mod tests {
     /// The plane z = height.
     struct Plane(f32);
 
-    impl IntervalKernel for Plane {
-        fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
-            for (b, out) in boxes.iter().zip(out) {
-                for lane in 0..LANES {
-                    out.neg_lo[lane] = b.neg_lo[2][lane] + self.0;
-                    out.hi[lane] = b.hi[2][lane] - self.0;
-                    out.facts[lane] = Facts::TOTAL.bits();
-                }
+    impl Kernel<FindZeros> for Plane {
+        fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
+            *zeros = Zeros::default();
+            for lane in 0..boxes.count as usize {
+                let (low, high) = (-boxes.neg_lo[2][lane], boxes.hi[2][lane]);
+                zeros.possible |= u16::from(low <= self.0 && self.0 <= high) << lane;
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What a formula can be, over a whole domain: bounds and facts from one pass over its graph.
 
 use zeroset_eval::Assumptions;
-use zeroset_interval::{Facts, Interval, Value, fold};
+use zeroset_interval::{Decorated, Facts, Interval, fold};
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
@@ -23,7 +23,7 @@ pub fn enclose_all(
     assumptions: &Assumptions,
 ) -> Vec<(Interval, Facts)> {
     let needed = graph.reachable(roots);
-    let mut known = vec![Value::from((Interval::ENTIRE, Facts::NONE)); graph.len()];
+    let mut known = vec![Decorated::from((Interval::ENTIRE, Facts::NONE)); graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         known[id.index()] = match node {
             Node::Variable(axis) => (assumptions.domain[*axis as usize], Facts::TOTAL).into(),

@@ -19,6 +19,7 @@
 pub mod domain;
 pub mod enclosure;
 pub mod gallery;
+pub mod kernels;
 pub mod live;
 pub mod model;
 pub mod names;
@@ -26,5 +27,3 @@ pub mod picture;
 pub mod program;
 pub mod scene;
 pub mod uniforms;
-pub mod work;
-pub mod zeros;

@@ -2,8 +2,7 @@
 //! the prompt and what they print are made.
 
 use crate::picture::{Normals, Precision};
-use std::fmt;
-use zeroset_trace::{PacketWidth, UndecidedStyle};
+use zeroset_trace::UndecidedStyle;
 
 /// What is chosen by name.
 pub trait Named: Copy + PartialEq + Send + Sync + 'static {
@@ -28,12 +27,6 @@ impl Named for Precision {
     ];
 }
 
-impl fmt::Display for Precision {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 impl Named for Normals {
     const NAMES: &'static [(Self, &'static str, &'static str)] = &[
         (Self::Gradient, "gradient", "From the exact derivative"),
@@ -47,13 +40,5 @@ impl Named for UndecidedStyle {
         (Self::Hatch, "hatch", "Like hits, with stripes"),
         (Self::Tint, "tint", "Like hits, tinted"),
         (Self::Miss, "miss", "Not at all"),
-    ];
-}
-
-impl Named for PacketWidth {
-    const NAMES: &'static [(Self, &'static str, &'static str)] = &[
-        (Self::Four, "4", "2x2 pixels, as in the paper"),
-        (Self::Eight, "8", "4x2 pixels"),
-        (Self::Sixteen, "16", "4x4 pixels"),
     ];
 }

@@ -1,16 +1,17 @@
 //! From a document to a picture: simplify, compile, trace, shade, and account for all of it.
 
+use crate::kernels::Made;
 use crate::model::Model;
 use crate::program::ProgramError;
-use crate::work::Work;
 use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use zeroset_syntax::Document;
 use zeroset_trace::{
-    Camera, Colour, GBuffer, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, PixelCounts, Region,
-    UndecidedStyle,
+    Camera, GBuffer, LinearRgb, Method, PixelCounts, Region, UndecidedStyle, Work,
 };
+
+pub use zeroset_trace::Precision;
 
 /// How a picture is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,12 +20,12 @@ pub struct Settings {
     pub width: usize,
     /// Number of rows.
     pub height: usize,
+    /// How surfaces are found.
+    pub method: &'static Method,
     /// What kernels compute in.
     pub precision: Precision,
-    /// How often a ray's way through the domain is halved: at most [`Precision::max_depth`].
+    /// How often a ray's way through the domain is halved: at most [`Precision::max_depth`], beyond which it is brought within.
     pub max_depth: u32,
-    /// How many rays advance together.
-    pub packet: PacketWidth,
     /// The same depth for shadow rays; `None` for no shadows.
     pub shadow_depth: Option<u32>,
     /// Where normals come from; `None` if neither colours nor normals are wanted.
@@ -36,27 +37,7 @@ pub struct Settings {
     /// Share of the light that comes from everywhere, within [0, 1].
     pub ambient: f32,
     /// Shown where there is nothing; `None` for the default.
-    pub background: Option<Colour>,
-}
-
-/// The floats in which kernels compute. Enclosures are rigorous in either.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Precision {
-    /// 32 bits: twice as fast.
-    #[default]
-    F32,
-    /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their surroundings.
-    F64,
-}
-
-impl Precision {
-    /// The greatest depth at which slabs are still thicker than what rounding adds to them.
-    pub fn max_depth(self) -> u32 {
-        match self {
-            Self::F32 => MAX_DEPTH,
-            Self::F64 => MAX_DEPTH_F64,
-        }
-    }
+    pub background: Option<LinearRgb>,
 }
 
 /// Where normals come from.
@@ -73,9 +54,9 @@ impl Default for Settings {
         Self {
             width: 512,
             height: 512,
+            method: Default::default(),
             precision: Precision::F32,
             max_depth: 10,
-            packet: PacketWidth::Four,
             shadow_depth: None,
             normals: Some(Normals::Gradient),
             undecided: UndecidedStyle::Shade,
@@ -93,7 +74,9 @@ pub struct Picture {
     pub buffer: GBuffer,
     /// Red, green and blue bytes (sRGB) of each pixel; empty if colours were not asked for.
     pub rgb: Vec<u8>,
-    /// What kernels computed in: how precise its distances are.
+    /// How surfaces were found.
+    pub method: &'static Method,
+    /// What kernels computed in.
     pub precision: Precision,
     /// What it took.
     pub statistics: Statistics,
@@ -116,6 +99,8 @@ pub struct Statistics {
     pub work: Work,
     /// Size of all machine code, in bytes.
     pub code_bytes: usize,
+    /// The kernels that were made for it, or earlier.
+    pub kernels: Vec<Made>,
     /// Nodes of the graph as typed, and after simplification.
     pub nodes: (usize, usize),
 }
@@ -155,5 +140,5 @@ pub fn render(
         progress(done, pixels);
         true
     };
-    Ok(model.trace(camera, settings, &advance))
+    model.trace(camera, settings, &advance)
 }

@@ -1,31 +1,29 @@
-//! A document made ready to run: simplified over a domain, parameters bound, kernels compiled as asked for.
+//! A document made ready to run: simplified over a domain, parameters bound, kernels made as they are asked for.
 
 use crate::enclosure;
-use crate::uniforms::{Bound, Uniforms};
-use crate::zeros::ZeroKernel;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use crate::kernels::{BoundSurface, Evaluator, Ledger, Made};
+use crate::uniforms::Uniforms;
+use std::fmt;
+use std::sync::{Arc, OnceLock};
 use thiserror::Error;
-use zeroset_eval::{Assumptions, Binding, Real, Tape};
+use zeroset_eval::{Assumptions, KernelError, Kernels, Real, Surface, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
     Constant, Graph, IrError, NodeId, clear, compact, fix_exponents, gradient, rewrite, simplify,
 };
-use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
-use zeroset_syntax::{Document, Kind, Parameter, ParameterKind, Surface};
+use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
 /// The surfaces of a document over one domain.
-#[derive(Clone, Debug)]
 pub struct Program {
     shared: Arc<Simplified>,
     /// The parameters' values, within what is assumed.
-    values: Vec<Interval>,
+    values: Arc<[Interval]>,
+    surfaces: Vec<BoundSurface>,
     undefined: Vec<bool>,
 }
 
 /// What does not depend on the parameters' values, as long as they are within what is assumed.
-#[derive(Debug)]
-struct Simplified {
+pub(crate) struct Simplified {
     graph: Graph,
     roots: Vec<NodeId>,
     /// Before constants are folded to bounds, so that derivatives simplify as well as the functions.
@@ -36,22 +34,55 @@ struct Simplified {
     /// Nodes as typed.
     nodes_before: usize,
     /// Per surface, whether it bounds a solid.
-    solid: Vec<bool>,
+    pub solid: Vec<bool>,
+    /// Per surface, its cleared form.
+    cleared: Vec<OnceLock<Result<Option<Cleared>, IrError>>>,
+    /// The kernels made of it.
+    pub ledger: Ledger,
+}
+
+/// Numerator and denominator of a function, and the function itself, in a graph of their own.
+#[derive(Clone, Debug)]
+pub struct Cleared {
+    /// The graph.
+    pub graph: Graph,
+    /// Vanishes where the function does.
+    pub numerator: NodeId,
+    /// Vanishes at its poles.
+    pub denominator: NodeId,
+    /// The function.
+    pub function: NodeId,
+}
+
+/// What kernels are made of: a form of a surface's function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Form {
+    /// The function.
+    Function,
+    /// The numerator of its cleared form.
+    Numerator,
+    /// The denominator of its cleared form.
+    Denominator,
+    /// The function, and the numerator if there is one, branch by branch where it jumps.
+    Branches,
+    /// The function and its three partial derivatives.
+    Gradient,
+}
+
+impl fmt::Display for Form {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Function => "the function",
+            Self::Numerator => "the numerator",
+            Self::Denominator => "the denominator",
+            Self::Branches => "the branches",
+            Self::Gradient => "function and derivatives",
+        })
+    }
 }
 
 /// Time is expected to stay within this of 0 if nobody says otherwise: beyond it code is compiled anew.
 const TIME: f64 = 16.0;
-
-/// Steps to run, and the parameters' values as these steps read them.
-#[derive(Clone, Debug)]
-pub struct Routine<T: Real = f32> {
-    /// The steps.
-    pub tape: Tape<T>,
-    /// The values.
-    pub binding: Binding<T>,
-    /// How other values are bound.
-    pub uniforms: Uniforms,
-}
 
 /// Why a document cannot be drawn, though it reads well.
 #[derive(Debug, Error)]
@@ -84,21 +115,14 @@ pub enum ProgramError {
         /// Bytes allowed.
         limit: usize,
     },
+    /// A kernel that was asked for cannot be had.
+    #[error("{0}")]
+    Kernel(KernelError),
 }
 
-/// Machine code of all kernels of a document, at most: so much takes about a second to make, and the largest single surfaces
-/// that kernels hold need half of it.
-const CODE_BYTES: usize = 8 << 20;
-
-/// How much machine code has been made for one document, from any thread.
-#[derive(Debug, Default)]
-pub(crate) struct CodeSize(AtomicUsize);
-
-impl CodeSize {
-    /// Adds the code of one surface, or of none: an error once all together are too long.
-    pub(crate) fn add(&self, bytes: usize) -> Result<(), ProgramError> {
-        let all = bytes + self.0.fetch_add(bytes, Ordering::Relaxed);
-        if all > CODE_BYTES { Err(ProgramError::TooMuchCode { limit: CODE_BYTES }) } else { Ok(()) }
+impl From<KernelError> for ProgramError {
+    fn from(error: KernelError) -> Self {
+        Self::Kernel(error)
     }
 }
 
@@ -126,9 +150,28 @@ impl Program {
         let before: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
         let nodes_before = count(&document.graph, &before);
         let solid = solid(document);
-        let shared = Simplified { graph, roots, symbolic, typed, assumptions, nodes_before, solid };
-        Ok(Self { shared: Arc::new(shared), values: Vec::new(), undefined: Vec::new() }
-            .with(values(document)))
+        let shared = Arc::new(Simplified {
+            graph,
+            roots,
+            symbolic,
+            typed,
+            assumptions,
+            nodes_before,
+            cleared: solid.iter().map(|_| OnceLock::new()).collect(),
+            solid,
+            ledger: Ledger::default(),
+        });
+        Ok(Self::of(&shared, values(document), |surface, values| {
+            BoundSurface::new(&shared, surface, Evaluator::Native, values)
+        }))
+    }
+
+    /// The same program, its kernels run by `evaluator`.
+    #[must_use]
+    pub fn on(&self, evaluator: Evaluator) -> Self {
+        Self::of(&self.shared, self.values.to_vec(), |surface, values| {
+            BoundSurface::new(&self.shared, surface, evaluator, values)
+        })
     }
 
     /// The same program for the parameter values of another document, or `None` if that differs in more than values, or if
@@ -161,11 +204,21 @@ impl Program {
     }
 
     fn with(&self, values: Vec<Interval>) -> Self {
-        let Simplified { graph, roots, assumptions, .. } = &*self.shared;
-        let assumptions = Assumptions { parameters: values.clone(), ..assumptions.clone() };
+        Self::of(&self.shared, values, |surface, values| self.surfaces[surface].with(values))
+    }
+
+    fn of(
+        shared: &Arc<Simplified>,
+        values: Vec<Interval>,
+        surface: impl Fn(usize, &Arc<[Interval]>) -> BoundSurface,
+    ) -> Self {
+        let Simplified { graph, roots, assumptions, .. } = &**shared;
+        let values: Arc<[Interval]> = values.into();
+        let assumptions = Assumptions { parameters: values.to_vec(), ..assumptions.clone() };
         let enclosures = enclosure::enclose_all(graph, roots, &assumptions);
         let undefined = enclosures.iter().map(|(_, facts)| facts.has(Facts::NOWHERE)).collect();
-        Self { shared: Arc::clone(&self.shared), values, undefined }
+        let surfaces = (0..roots.len()).map(|index| surface(index, &values)).collect();
+        Self { shared: Arc::clone(shared), values, surfaces, undefined }
     }
 
     /// Refuses what has no surface anywhere. What has none on this domain is left to [`Program::remarks`].
@@ -191,7 +244,7 @@ impl Program {
     fn constant(&self, surface: usize) -> Option<Interval> {
         let Simplified { graph, roots, assumptions, .. } = &*self.shared;
         let root = roots[surface];
-        let parameters = self.values.clone();
+        let parameters = self.values.to_vec();
         let here = Assumptions { parameters, ..assumptions.clone() };
         let varies = enclosure::varies(graph, &[root])[0] || self.undefined[surface];
         (!varies).then(|| enclosure::enclose(graph, root, &here).0)
@@ -199,7 +252,7 @@ impl Program {
 
     /// One line for each surface whose function is constant on this domain, though not everywhere.
     pub fn remarks(&self, document: &Document) -> Vec<String> {
-        let remark = |(index, surface): (usize, &Surface)| {
+        let remark = |(index, surface): (usize, &zeroset_syntax::Surface)| {
             let value = self.constant(index)?;
             let (echo, is_equation) = formula(surface);
             let value = describe(value, !is_equation);
@@ -228,165 +281,127 @@ impl Program {
         self.undefined[surface]
     }
 
-    /// What computes a surface's function.
+    /// A surface, whose kernels are made as they are asked for; programs that differ in values only share the code.
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn routine<T: Real>(&self, surface: usize) -> Routine<T> {
-        let (graph, root) = own(self.graph(), self.roots()[surface]);
-        self.hoisted(&graph, &[root])
+    pub fn surface(&self, surface: usize) -> &dyn Surface {
+        &self.surfaces[surface]
     }
 
-    /// A surface's function before constants are folded, alone.
-    fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
-        let (graph, roots) = &self.shared.symbolic;
-        own(graph, roots[surface])
+    /// The kernels of a surface that compute in `T`.
+    ///
+    /// # Panics
+    /// If there is no such surface.
+    pub fn kernels<T: Real>(&self, surface: usize) -> &dyn Kernels<T> {
+        T::kernels(self.surface(surface))
     }
 
-    /// What computes a surface's function and its three derivatives.
+    /// All kernels that were made so far, for these values of the parameters or others.
+    pub fn made(&self) -> Vec<Made> {
+        self.shared.ledger.made()
+    }
+
+    /// The steps that compute a form of a surface's function, or `None` if it has no such form.
     ///
     /// # Errors
-    /// If the derivatives are too large.
+    /// If the form is too large.
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn gradient_routine<T: Real>(&self, surface: usize) -> Result<Routine<T>, ProgramError> {
-        let (mut graph, root) = self.symbolic(surface);
-        let [x, y, z] = gradient(&mut graph, root);
-        let (graph, roots) = self.simplified(&graph, &[root, x, y, z])?;
-        Ok(self.hoisted(&graph, &roots))
+    pub fn tape<T: Real>(
+        &self,
+        surface: usize,
+        form: Form,
+    ) -> Result<Option<Tape<T>>, ProgramError> {
+        Ok(self.shared.steps(surface, form, true)?.map(|(tape, _)| tape))
     }
 
-    /// The numerator of a surface's cleared form, the node that is 0 at its poles, and the function itself, in a graph of
-    /// their own, or `None` if it has no poles that can be cleared.
+    /// A surface's cleared form, or `None` if it has no poles that can be cleared.
     ///
     /// # Errors
     /// If the cleared form is too large.
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn cleared(&self, surface: usize) -> Result<Option<(Graph, [NodeId; 3])>, ProgramError> {
-        let (mut graph, root) = self.symbolic(surface);
-        let Some(cleared) = clear(&mut graph, root) else { return Ok(None) };
-        let typed = [cleared.numerator, cleared.denominator, root];
-        let (graph, roots) = self.simplified(&graph, &typed)?;
-        Ok(Some((graph, [roots[0], roots[1], roots[2]])))
+    pub fn cleared(&self, surface: usize) -> Result<Option<&Cleared>, ProgramError> {
+        self.shared.cleared(surface)
     }
+}
 
-    /// Native code that encloses a surface's function.
-    ///
-    /// # Errors
-    /// If no code can be made.
-    pub fn interval_kernel<T: Real>(
+impl Simplified {
+    /// The steps that compute a form, and how they are given values; those values that depend on parameters alone are
+    /// computed beforehand if `hoisted`. `None` if there is no such form.
+    pub fn steps<T: Real>(
         &self,
         surface: usize,
-    ) -> Result<NativeInterval<T>, ProgramError> {
-        Ok(interval(self.routine(surface))?.kernel)
-    }
-
-    /// Native code that tells where a surface's function may vanish: its enclosures, near poles those of its cleared form,
-    /// and at jumps those of its branches.
-    ///
-    /// The boundary of a solid is also where its function changes sign at a pole or in a jump: there its own enclosures
-    /// count.
-    ///
-    /// # Errors
-    /// If no code can be made.
-    pub fn zero_kernel<T: Real>(&self, surface: usize) -> Result<ZeroKernel<T>, ProgramError> {
-        let function = interval(self.routine(surface))?;
-        if self.shared.solid[surface] {
-            return Ok(ZeroKernel::new(function, None, None));
-        }
-        let cleared = self.cleared(surface)?;
-        let (numerator, branches) = if let Some((graph, [numerator, _, function])) = &cleared {
-            let steps = self.hoisted(graph, &[*numerator]);
-            (Some(interval(steps)?), self.branches(graph, &[*function, *numerator]))
-        } else {
-            let (graph, root) = own(self.graph(), self.roots()[surface]);
-            (None, self.branches(&graph, &[root]))
+        form: Form,
+        hoisted: bool,
+    ) -> Result<Option<(Tape<T>, Uniforms)>, ProgramError> {
+        let function = || own(&self.graph, self.roots[surface]);
+        let (graph, roots) = match (form, self.cleared_for(surface, form)?) {
+            (Form::Function, _) => {
+                let (graph, root) = function();
+                (graph, vec![root])
+            }
+            (Form::Gradient, _) => {
+                let (mut graph, root) = self.symbolic(surface);
+                let [x, y, z] = gradient(&mut graph, root);
+                self.simplify(&graph, &[root, x, y, z])?
+            }
+            (Form::Branches, None) => {
+                let (graph, root) = function();
+                (graph, vec![root])
+            }
+            (Form::Numerator | Form::Denominator, None) => return Ok(None),
+            (Form::Numerator, Some(cleared)) => (cleared.graph.clone(), vec![cleared.numerator]),
+            (Form::Denominator, Some(cleared)) => {
+                (cleared.graph.clone(), vec![cleared.denominator])
+            }
+            (Form::Branches, Some(cleared)) => {
+                (cleared.graph.clone(), vec![cleared.function, cleared.numerator])
+            }
         };
-        let branches = branches.map(interval).transpose()?;
-        Ok(ZeroKernel::new(function, numerator, branches))
+        let (uniforms, graph, roots) = Uniforms::split(&graph, &roots, &self.assumptions, hoisted);
+        let parameters = uniforms.assumed().to_vec();
+        let assumptions = Assumptions { domain: self.assumptions.domain, parameters };
+        let tape = if form == Form::Branches {
+            Tape::branches(&graph, &roots, &assumptions)
+        } else {
+            Some(Tape::new(&graph, &roots, &assumptions))
+        };
+        Ok(tape.map(|tape| (tape, uniforms)))
     }
 
-    /// Native code that samples a surface's function.
-    ///
-    /// # Errors
-    /// If no code can be made.
-    pub fn point_kernel<T: Real>(&self, surface: usize) -> Result<NativePoint<T>, ProgramError> {
-        Ok(self.bound_point(surface)?.kernel)
+    /// The cleared form, where a form is made of it.
+    fn cleared_for(&self, surface: usize, form: Form) -> Result<Option<&Cleared>, ProgramError> {
+        match form {
+            Form::Function | Form::Gradient => Ok(None),
+            Form::Numerator | Form::Denominator | Form::Branches => self.cleared(surface),
+        }
     }
 
-    pub(crate) fn bound_point<T: Real>(
-        &self,
-        surface: usize,
-    ) -> Result<Bound<NativePoint<T>>, ProgramError> {
-        let Routine { tape, binding, uniforms } = self.routine(surface);
-        Ok(Bound::new(NativePoint::compile(&tape, &binding)?, uniforms))
+    fn cleared(&self, surface: usize) -> Result<Option<&Cleared>, ProgramError> {
+        let make = || {
+            let (mut graph, function) = self.symbolic(surface);
+            let Some(cleared) = clear(&mut graph, function) else { return Ok(None) };
+            let typed = [cleared.numerator, cleared.denominator, function];
+            let (graph, roots) = self.simplify(&graph, &typed)?;
+            let [numerator, denominator, function] = [roots[0], roots[1], roots[2]];
+            Ok(Some(Cleared { graph, numerator, denominator, function }))
+        };
+        let cleared = self.cleared[surface].get_or_init(make);
+        Ok(cleared.as_ref().map_err(Clone::clone)?.as_ref())
     }
 
-    /// Native code that samples a surface's function and its gradient.
-    ///
-    /// # Errors
-    /// If no code can be made.
-    pub fn gradient_kernel<T: Real>(
-        &self,
-        surface: usize,
-    ) -> Result<NativeGradient<T>, ProgramError> {
-        Ok(self.bound_gradient(surface)?.kernel)
+    /// A surface's function before constants are folded, alone.
+    fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
+        let (graph, roots) = &self.symbolic;
+        own(graph, roots[surface])
     }
 
-    pub(crate) fn bound_gradient<T: Real>(
-        &self,
-        surface: usize,
-    ) -> Result<Bound<NativeGradient<T>>, ProgramError> {
-        let Routine { tape, binding, uniforms } = self.gradient_routine(surface)?;
-        Ok(Bound::new(NativeGradient::compile(&tape, &binding)?, uniforms))
-    }
-
-    /// The parameters' values.
-    pub(crate) fn values(&self) -> &[Interval] {
-        &self.values
-    }
-
-    fn simplified(
-        &self,
-        graph: &Graph,
-        roots: &[NodeId],
-    ) -> Result<(Graph, Vec<NodeId>), ProgramError> {
-        let Assumptions { domain, parameters } = &self.shared.assumptions;
-        Ok(simplify(graph, roots, domain, parameters)?)
-    }
-
-    /// The steps that tell where `roots` may all vanish, branch by branch; `None` if the last does not jump.
-    fn branches<T: Real>(&self, graph: &Graph, roots: &[NodeId]) -> Option<Routine<T>> {
-        let (tape, binding, uniforms) = self.bind(graph, roots, Tape::branches);
-        Some(Routine { tape: tape?, binding, uniforms })
-    }
-
-    /// The steps for `roots`, what depends on parameters alone computed beforehand.
-    fn hoisted<T: Real>(&self, graph: &Graph, roots: &[NodeId]) -> Routine<T> {
-        let (tape, binding, uniforms) = self.bind(graph, roots, Tape::new);
-        Routine { tape, binding, uniforms }
-    }
-
-    /// What is made of `roots` where what depends on parameters alone has become parameters, and their values.
-    ///
-    /// # Panics
-    /// Never: values are bound only where they are within what is assumed.
-    fn bind<T: Real, R>(
-        &self,
-        graph: &Graph,
-        roots: &[NodeId],
-        make: impl FnOnce(&Graph, &[NodeId], &Assumptions) -> R,
-    ) -> (R, Binding<T>, Uniforms) {
-        let assumptions = &self.shared.assumptions;
-        let (uniforms, graph, roots) = Uniforms::split(graph, roots, assumptions, &self.values);
-        let assumed: Binding<T> = Binding::new(&uniforms.assumed());
-        let assumptions =
-            Assumptions { domain: assumptions.domain, parameters: assumed.bounds().to_vec() };
-        let values = uniforms.values(&self.values).expect("split for these values");
-        (make(&graph, &roots, &assumptions), Binding::new(&values), uniforms)
+    fn simplify(&self, graph: &Graph, roots: &[NodeId]) -> Result<(Graph, Vec<NodeId>), IrError> {
+        simplify(graph, roots, &self.assumptions.domain, &self.assumptions.parameters)
     }
 }
 
@@ -394,11 +409,6 @@ impl Program {
 fn own(graph: &Graph, root: NodeId) -> (Graph, NodeId) {
     let (graph, roots) = compact(graph, &[root]);
     (graph, roots[0])
-}
-
-fn interval<T: Real>(routine: Routine<T>) -> Result<Bound<NativeInterval<T>>, ProgramError> {
-    let Routine { tape, binding, uniforms } = routine;
-    Ok(Bound::new(NativeInterval::compile(&tape, &binding)?, uniforms))
 }
 
 /// All surfaces as typed, with parameters in exponents replaced by their values.
@@ -410,7 +420,7 @@ fn typed(document: &Document) -> (Graph, Vec<NodeId>) {
 }
 
 fn solid(document: &Document) -> Vec<bool> {
-    document.surfaces.iter().map(|surface| surface.kind == Kind::Solid).collect()
+    document.surfaces.iter().map(|surface| surface.kind == SurfaceKind::Solid).collect()
 }
 
 fn values(document: &Document) -> Vec<Interval> {
@@ -433,7 +443,7 @@ fn count(graph: &Graph, roots: &[NodeId]) -> usize {
 }
 
 /// How a surface's formula was read, and whether it is an equation of two sides that were typed.
-fn formula(surface: &Surface) -> (String, bool) {
+fn formula(surface: &zeroset_syntax::Surface) -> (String, bool) {
     match surface.echo.strip_suffix(" = 0") {
         Some(side) => (side.to_owned(), false),
         None => (surface.echo.clone(), true),
@@ -458,6 +468,7 @@ fn describe(bounds: Interval, plain: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_eval::Boxes;
     use zeroset_syntax::{Options, read};
 
     fn program(formula: &str) -> Result<Program, ProgramError> {
@@ -466,17 +477,37 @@ mod tests {
     }
 
     fn message(formula: &str) -> String {
-        program(formula).expect_err("no surface").to_string()
+        program(formula).err().expect("no surface").to_string()
     }
 
     #[test]
     fn what_depends_on_parameters_alone_is_computed_beforehand() {
         let rolling = program("w = 2\nsin(w)*x + cos(w)*y + z").expect("a surface");
-        let Routine { tape, binding, .. } = rolling.routine::<f32>(0);
-        assert_eq!((tape.operations(), binding.values().len()), (4, 3));
-        // A value that does not exist is left to the steps, which may not need it.
-        let choice = program("w = -2\nstep(0, x)*sqrt(1+w*y) + sqrt(w+y^2)").expect("a surface");
-        assert_eq!(choice.routine::<f32>(0).binding.values().len(), 1);
+        let tape = rolling.tape::<f32>(0, Form::Function).expect("small").expect("a function");
+        assert_eq!((tape.operations(), tape.parameters()), (4, 3));
+    }
+
+    /// A value that does not exist is left to the steps, in code of its own; it serves again for the next such value.
+    #[test]
+    fn code_is_made_once_for_values_that_exist_and_once_for_others() {
+        let document = |r: f64| {
+            let text = format!("r = {r} in [0, 4]\nx*sqrt(r-3) + y");
+            read(&text, &Options::default()).expect("reads")
+        };
+        let domain = [Interval { lo: -2.0, hi: 2.0 }; 3];
+        let mut program = Program::unchecked(&document(2.0), domain).expect("small");
+        for (r, exists, kernels) in
+            [(2.0, false, 1), (3.5, true, 2), (1.0, false, 2), (4.0, true, 2)]
+        {
+            program = program
+                .rebound(&document(r))
+                .expect("within its range")
+                .unwrap_or_else(|_| program.with(vec![Interval { lo: r, hi: r }]));
+            let bounds = program.kernels::<f32>(0).bounds().expect("a kernel");
+            let answer = &bounds.ask_all(&Boxes::around(&[[Interval::ONE; 3]]))[0];
+            assert_eq!(answer.facts(0).has(Facts::DEFINED), exists, "{r}: {answer:?}");
+            assert_eq!(program.made().len(), kernels, "{r}");
+        }
     }
 
     #[test]
@@ -492,7 +523,7 @@ mod tests {
         let enclosed = |formula: &str| {
             let program = program(formula).expect("a surface");
             let left = [Interval { lo: -2.0, hi: -1.0 }; 3];
-            let parameters = program.values.clone();
+            let parameters = program.values.to_vec();
             let assumptions = Assumptions { domain: left, parameters };
             enclosure::enclose(program.graph(), program.roots()[0], &assumptions)
         };

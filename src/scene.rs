@@ -3,15 +3,17 @@
 
 use crate::domain::{self, AutoDomain, REACH};
 use crate::enclosure::is_periodic;
-use crate::program::{CodeSize, Program, ProgramError};
+use crate::program::{Program, ProgramError};
 use glam::DVec3;
 use num_traits::ToPrimitive;
 use std::str::FromStr;
-use zeroset_eval::IntervalKernel;
+
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Node, NodeId};
-use zeroset_syntax::{Document, Domain, Parameter, ParameterKind};
-use zeroset_trace::{Camera, CameraError, HalfSpace, Projection, Region, RegionError, View};
+use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind};
+use zeroset_trace::{
+    Camera, CameraError, HalfSpace, Projection, Region, RegionError, StandardView,
+};
 
 /// Where to look.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,11 +59,11 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 /// From where to look. What is `None` is taken from the document, and what that leaves open is
-/// chosen to show the whole domain from [`View::Iso`].
+/// chosen to show the whole domain from [`StandardView::Iso`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
     /// A named side; the document's eye and upward direction then do not count.
-    pub view: Option<View>,
+    pub view: Option<StandardView>,
     /// The eye.
     pub eye: Option<DVec3>,
     /// The point looked at.
@@ -118,11 +120,11 @@ pub fn region_while(
         (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
             ranges = [[x0, x1], [y0, y1], [z0, z1]].map(Some);
         }
-        (DomainChoice::Document, Some(Domain::Box(typed))) => {
+        (DomainChoice::Document, Some(DomainLine::Box(typed))) => {
             let floats = |(low, high): &(Constant, Constant)| [nearest(low), nearest(high)];
             ranges = typed.each_ref().map(|range| range.as_ref().map(floats));
         }
-        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(Domain::Auto)) => {}
+        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {}
     }
     if ranges.contains(&None) {
         let Some(found) = search_while(document, wanted)? else { return Ok(None) };
@@ -163,16 +165,9 @@ fn search_while(
 ) -> Result<Option<AutoDomain>, ProgramError> {
     let program = Program::new(document, [Interval { lo: -REACH, hi: REACH }; 3])?;
     let program = program.over_ranges(document);
-    let spent = CodeSize::default();
-    let kernels = (0..program.roots().len())
-        .take_while(|_| wanted())
-        .map(|surface| {
-            let kernel = program.zero_kernel(surface)?;
-            spent.add(kernel.code_bytes()).map(|()| kernel)
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let kernels: Vec<&dyn IntervalKernel> =
-        kernels.iter().map(|kernel| kernel as &dyn IntervalKernel).collect();
+    let surfaces = (0..program.roots().len()).take_while(|_| wanted());
+    let kernels = surfaces.map(|surface| program.kernels(surface).zeros());
+    let kernels = kernels.collect::<Result<Vec<_>, _>>()?;
     let periodic = is_periodic(program.graph(), program.roots());
     Ok(domain::find_while(&kernels, periodic, wanted))
 }
@@ -207,7 +202,8 @@ pub fn camera(
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
     };
-    let view = choice.view.or(typed.preset.as_deref().and_then(View::named)).unwrap_or_default();
+    let view =
+        choice.view.or(typed.preset.as_deref().and_then(StandardView::named)).unwrap_or_default();
     let (offset, view_up) = view.offset_and_up();
     let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
     let given_eye = choice.eye.or(typed_eye);
@@ -221,7 +217,7 @@ pub fn camera(
     let projection = choice.projection.unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
         (Some(height), _) => Projection::Orthographic { height: nearest(height) },
         (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },
-        (None, None) => Projection::Perspective { fov: View::FOV },
+        (None, None) => Projection::Perspective { fov: StandardView::FOV },
     });
     Camera::new(eye, target, up, projection)
 }
@@ -310,17 +306,17 @@ mod tests {
         assert_eq!(eye(CameraChoice::default()), DVec3::X * 4.0);
         let own = CameraChoice { eye: Some(DVec3::Z * 9.0), ..CameraChoice::default() };
         assert_eq!(eye(own), DVec3::Z * 9.0);
-        let side = CameraChoice { view: Some(View::Iso), ..CameraChoice::default() };
+        let side = CameraChoice { view: Some(StandardView::Iso), ..CameraChoice::default() };
         assert_eq!(eye(side), DVec3::new(4.0, -6.0, 3.0));
     }
 
     #[test]
     fn every_view_can_be_named_in_a_document() {
-        for (name, view) in View::ALL {
+        for (name, view) in StandardView::ALL {
             let document = document(&format!("domain 2\nview {name}\nx+y+z"));
             let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
             let named = camera(&document, &region, &CameraChoice::default());
-            let projection = Projection::Perspective { fov: View::FOV };
+            let projection = Projection::Perspective { fov: StandardView::FOV };
             assert_eq!(named.expect("valid"), view.camera(&region, projection).expect("valid"));
         }
     }

@@ -6,7 +6,7 @@
 use std::fs;
 use zeroset::gallery::examples;
 use zeroset::program::Program;
-use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel};
+use zeroset_eval::Boxes;
 use zeroset_interval::Interval;
 use zeroset_syntax::{Document, Options, read};
 
@@ -23,12 +23,14 @@ fn resident_kilobytes() -> i64 {
 /// Compiles every kind of kernel of a document, runs one, drops all; returns the bytes of code.
 fn cycle(document: &Document) -> usize {
     let program = Program::new(document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("simplifies");
-    let interval = program.interval_kernel(0).expect("compiles");
-    let point = program.point_kernel::<f32>(0).expect("compiles");
-    let gradient = program.gradient_kernel::<f32>(0).expect("compiles");
-    let mut out = [EnclosurePacket::<f32>::default()];
-    interval.enclose(&[BoxPacket::default()], &mut out);
-    interval.code_bytes() + point.code_bytes() + gradient.code_bytes()
+    let kernels = program.kernels::<f32>(0);
+    kernels.values().expect("compiles");
+    kernels.gradients().expect("compiles");
+    kernels.gradient_bounds().expect("compiles");
+    kernels.cleared().expect("compiles");
+    kernels.zeros().expect("compiles");
+    kernels.bounds().expect("compiles").ask_all(&Boxes::around(&[[Interval::ONE; 3]]));
+    program.made().iter().map(|made| made.bytes).sum()
 }
 
 #[test]

@@ -1,9 +1,10 @@
-//! Rivals and timing shared by the benches: three interval functions written by hand in 128-bit intrinsics (glam's
-//! `Vec4` is `__m128`, each operation below one instruction), rounding to nearest (so not rigorous), with the operations that the simplifier leaves.
+//! Rivals and timing shared by the benches: three interval functions written by hand in 128-bit
+//! intrinsics (glam's `Vec4` is `__m128`, each operation below one instruction), rounding to
+//! nearest (so not rigorous), with the operations that the simplifier leaves.
 
 use glam::Vec4;
 use std::time::Instant;
-use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel};
+use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, LANES};
 
 /// Four intervals as (−lo, hi).
 #[derive(Clone, Copy)]
@@ -13,10 +14,12 @@ pub struct Four {
 }
 
 impl Four {
-    fn load(packet: &BoxPacket, axis: usize) -> Self {
+    /// The four lanes from this one on.
+    #[inline]
+    fn load(boxes: &Boxes, axis: usize, lane: usize) -> Self {
         Self {
-            neg_lo: Vec4::from_array(packet.neg_lo[axis]),
-            hi: Vec4::from_array(packet.hi[axis]),
+            neg_lo: Vec4::from_slice(&boxes.neg_lo[axis][lane..lane + 4]),
+            hi: Vec4::from_slice(&boxes.hi[axis][lane..lane + 4]),
         }
     }
 
@@ -60,17 +63,16 @@ impl Four {
 #[derive(Clone, Copy)]
 pub struct Rival<F>(pub F);
 
-impl<F: Fn([Four; 3]) -> Four + Sync> IntervalKernel for Rival<F> {
+impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<Enclose> for Rival<F> {
     #[inline]
-    fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
-        for (packet, out) in boxes.iter().zip(out) {
-            let value = self.0([0, 1, 2].map(|axis| Four::load(packet, axis)));
-            *out = EnclosurePacket {
-                neg_lo: value.neg_lo.to_array(),
-                hi: value.hi.to_array(),
-                facts: [6; 4],
-            };
+    fn ask(&self, boxes: &Boxes, answers: &mut Enclosures) {
+        // What is in use, in whole registers, as a native kernel takes it.
+        for lane in (0..LANES).step_by(4).take_while(|lane| *lane < boxes.count as usize) {
+            let value = self.0([0, 1, 2].map(|axis| Four::load(boxes, axis, lane)));
+            value.neg_lo.write_to_slice(&mut answers.neg_lo[lane..lane + 4]);
+            value.hi.write_to_slice(&mut answers.hi[lane..lane + 4]);
         }
+        (answers.nowhere, answers.defined, answers.continuous) = (0, u32::MAX, u32::MAX);
     }
 }
 
@@ -111,8 +113,8 @@ pub const SURFACES: [(&str, &str, f64); 3] = [
     ),
 ];
 
-/// Times both closures in turn and returns the medians of the seconds that each took and of their ratio, with the
-/// quartiles of the ratio.
+/// Times both closures in turn and returns the medians of the seconds that each took and of their
+/// ratio, with the quartiles of the ratio.
 pub fn compare(rounds: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) -> Comparison {
     let time = |f: &mut dyn FnMut()| {
         let start = Instant::now();

@@ -2,7 +2,7 @@
 
 #![no_main]
 
-#[path = "../../tests/property_support/mod.rs"]
+#[path = "../../tests/pictures/property_support/mod.rs"]
 mod property_support;
 
 use libfuzzer_sys::fuzz_target;

@@ -5,14 +5,14 @@ use super::array::Arrays;
 use super::vector::{Numbers, Size};
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset::names::Named;
 use zeroset::picture::{Normals, Precision};
 use zeroset::scene::{self, CameraChoice, DomainChoice};
-use zeroset_trace::{HalfSpace, PacketWidth, Projection, UndecidedStyle, View};
+use zeroset_trace::{HalfSpace, METHODS, Method, Projection, StandardView, UndecidedStyle};
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -175,7 +175,7 @@ pub struct OutputArgs {
 pub struct CameraArgs {
     /// Look from this side
     #[arg(long, value_parser = side(), conflicts_with_all = ["eye", "up"])]
-    view: Option<View>,
+    view: Option<StandardView>,
 
     /// The position of the eye; it may lie inside the domain
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
@@ -237,15 +237,11 @@ pub struct KernelArgs {
 #[derive(Debug, Args)]
 pub struct TracingArgs {
     /// How rays are traced
-    #[arg(long, value_enum, default_value_t = MethodName::Knoll)]
-    pub method: MethodName,
+    #[arg(long, value_parser = methods(), default_value = METHODS[0].name)]
+    pub method: &'static Method,
 
     #[command(flatten)]
     pub kernels: KernelArgs,
-
-    /// Rays that advance together: 2x2, 4x2 or 4x4 pixels
-    #[arg(long, value_parser = one_of::<PacketWidth>(), value_name = "RAYS", default_value = "4")]
-    pub packet: PacketWidth,
 
     /// Trace a ray from every visible point to the light
     #[arg(long)]
@@ -283,12 +279,6 @@ pub struct ShadingArgs {
     pub background: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MethodName {
-    /// Packets of rays in slabs of the dominant axis (Knoll et al. 2007)
-    Knoll,
-}
-
 /// Takes one of the names of `T`.
 fn one_of<T: Named>() -> impl TypedValueParser<Value = T> {
     let names = T::NAMES.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
@@ -296,9 +286,9 @@ fn one_of<T: Named>() -> impl TypedValueParser<Value = T> {
 }
 
 /// Takes the name of a side to look from.
-fn side() -> impl TypedValueParser<Value = View> {
-    let names = PossibleValuesParser::new(View::ALL.map(|(name, _)| name));
-    names.try_map(|name| View::named(&name).ok_or("no such view"))
+fn side() -> impl TypedValueParser<Value = StandardView> {
+    let names = PossibleValuesParser::new(StandardView::ALL.map(|(name, _)| name));
+    names.try_map(|name| StandardView::named(&name).ok_or("no such view"))
 }
 
 /// Shown below the options of `eval --help`.
@@ -364,4 +354,10 @@ pub struct GalleryArgs {
 
     #[command(flatten)]
     pub tracing: TracingArgs,
+}
+
+/// The rows of the table of methods, as values of an argument.
+fn methods() -> impl TypedValueParser<Value = &'static Method> {
+    let values = METHODS.iter().map(|row| PossibleValue::new(row.name).help(row.help));
+    PossibleValuesParser::new(values).try_map(|name| Method::named(&name).ok_or("no such method"))
 }

@@ -12,13 +12,11 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use zeroset::kernels::Evaluator;
 use zeroset::names::Named;
 use zeroset::picture::Precision;
-use zeroset::program::{Program, Routine};
-use zeroset_eval::{
-    BoxPacket, EnclosurePacket, GradientKernel, GradientPacket, IntervalKernel, LANES, PointPacket,
-    Real, Reference,
-};
+use zeroset::program::Program;
+use zeroset_eval::{Boxes, Enclose, Kernel, KernelError, Points, Real, SampleGradient};
 use zeroset_interval::{Facts, Interval};
 use zeroset_syntax::Options;
 
@@ -92,20 +90,7 @@ struct Functions {
     /// Of lines that do not say.
     precision: Precision,
     reference: bool,
-    compiled: HashMap<String, Function>,
-}
-
-struct Function {
-    program: Program,
-    single: Kernels<f32>,
-    double: Kernels<f64>,
-}
-
-/// The kernels asked for so far.
-#[derive(Default)]
-struct Kernels<T: Real> {
-    interval: Option<Box<dyn IntervalKernel<T>>>,
-    gradient: Option<Box<dyn GradientKernel<T>>>,
+    compiled: HashMap<String, Program>,
 }
 
 /// Where a formula is evaluated.
@@ -141,31 +126,28 @@ impl Functions {
                 .and_then(Precision::named)
                 .ok_or_else(|| format!("\"precision\" is \"f32\" or \"f64\", not {name}"))?,
         };
-        let reference = self.reference;
-        let Function { program, single, double } = self.function(formula)?;
+        let program = self.program(formula)?;
         let mut answer = match precision {
-            Precision::F32 => single.answer(program, &place, reference),
-            Precision::F64 => double.answer(program, &place, reference),
+            Precision::F32 => answer::<f32>(program, &place),
+            Precision::F64 => answer::<f64>(program, &place),
         }
         .map_err(|error| error.to_string())?;
         answer["precision"] = precision.to_string().into();
         Ok(answer)
     }
 
-    fn function(&mut self, formula: &str) -> Result<&mut Function, String> {
+    fn program(&mut self, formula: &str) -> Result<&Program, String> {
         if !self.compiled.contains_key(formula) {
-            let function = Function::read(formula)?;
+            let program = self.read(formula)?;
             if self.compiled.len() >= KEPT {
                 self.compiled.clear();
             }
-            self.compiled.insert(formula.to_owned(), function);
+            self.compiled.insert(formula.to_owned(), program);
         }
-        self.compiled.get_mut(formula).ok_or_else(|| "the formula is gone".to_owned())
+        self.compiled.get(formula).ok_or_else(|| "the formula is gone".to_owned())
     }
-}
 
-impl Function {
-    fn read(formula: &str) -> Result<Self, String> {
+    fn read(&self, formula: &str) -> Result<Program, String> {
         let document = zeroset_syntax::read(formula, &Options::default())
             .map_err(|errors| errors.to_string())?;
         if document.surfaces.len() != 1 {
@@ -176,45 +158,18 @@ impl Function {
         }
         let program = Program::unchecked(&document, [Interval::ENTIRE; 3])
             .map_err(|error| error.to_string())?;
-        Ok(Self { program, single: Kernels::default(), double: Kernels::default() })
+        let evaluator = if self.reference { Evaluator::Reference } else { Evaluator::Native };
+        Ok(program.on(evaluator))
     }
 }
 
-impl<T: Real> Kernels<T> {
-    fn answer(&mut self, program: &Program, place: &Place, reference: bool) -> Result<Value> {
-        let interval = made(&mut self.interval, || {
-            Ok(if reference {
-                let Routine { tape, binding, .. } = program.routine(0);
-                Box::new(Reference::new(tape, binding))
-            } else {
-                Box::new(program.interval_kernel(0)?)
-            })
-        })?;
-        let point = match place {
-            Place::Over(bounds) => return Ok(enclose(interval, *bounds)),
-            Place::At(point) => *point,
-        };
-        let gradient = made(&mut self.gradient, || {
-            Ok(if reference {
-                let Routine { tape, binding, .. } = program.gradient_routine(0)?;
-                Box::new(Reference::new(tape, binding))
-            } else {
-                Box::new(program.gradient_kernel(0)?)
-            })
-        })?;
-        Ok(sample(gradient, interval, point))
-    }
-}
-
-/// The kernel in its place, made first if there is none yet.
-fn made<K: ?Sized>(
-    place: &mut Option<Box<K>>,
-    make: impl FnOnce() -> Result<Box<K>>,
-) -> Result<&K> {
-    if place.is_none() {
-        *place = Some(make()?);
-    }
-    place.as_deref().context("there is no kernel")
+fn answer<T: Real>(program: &Program, place: &Place) -> Result<Value, KernelError> {
+    let kernels = program.kernels::<T>(0);
+    let bounds = kernels.bounds()?;
+    Ok(match place {
+        Place::At(point) => sample(kernels.gradients()?, bounds, *point),
+        Place::Over(over) => enclose(bounds, *over),
+    })
 }
 
 fn three<T>(value: &Value, read: impl Fn(&Value) -> Result<T, String>) -> Result<[T; 3], String> {
@@ -233,17 +188,15 @@ fn interval(value: &Value) -> Result<Interval, String> {
 }
 
 fn sample<T: Real>(
-    gradient: &dyn GradientKernel<T>,
-    interval: &dyn IntervalKernel<T>,
+    gradient: &dyn Kernel<SampleGradient, T>,
+    bounds: &dyn Kernel<Enclose, T>,
     point: [f64; 3],
 ) -> Value {
-    let at = point.map(T::nearest);
-    let mut out = [GradientPacket::default()];
-    gradient.gradient(&[PointPacket { at: at.map(|c| [c; LANES]) }], &mut out);
+    let out = gradient.ask_all(&Points::near(&[point]));
     // Rounding makes numbers of what has no value, as of atan(1/x) at 0: enclosures tell.
-    let at: [f64; 3] = at.map(Into::into);
+    let at: [f64; 3] = point.map(|c| T::nearest(c).into());
     let facts = if at.iter().all(|c| c.is_finite()) {
-        bounds_and_facts(interval, at.map(|c| Interval { lo: c, hi: c })).1
+        bounds_and_facts(bounds, at.map(|c| Interval { lo: c, hi: c })).1
     } else {
         Facts::NONE
     };
@@ -257,7 +210,7 @@ fn sample<T: Real>(
     })
 }
 
-fn enclose<T: Real>(kernel: &dyn IntervalKernel<T>, bounds: [Interval; 3]) -> Value {
+fn enclose<T: Real>(kernel: &dyn Kernel<Enclose, T>, bounds: [Interval; 3]) -> Value {
     let (bounds, facts) = bounds_and_facts(kernel, bounds);
     json!({
         "lo": number::write(bounds.lo),
@@ -269,15 +222,10 @@ fn enclose<T: Real>(kernel: &dyn IntervalKernel<T>, bounds: [Interval; 3]) -> Va
 }
 
 fn bounds_and_facts<T: Real>(
-    kernel: &dyn IntervalKernel<T>,
+    kernel: &dyn Kernel<Enclose, T>,
     bounds: [Interval; 3],
 ) -> (Interval, Facts) {
-    let packet = BoxPacket {
-        neg_lo: bounds.map(|b| [T::above(-b.lo); LANES]),
-        hi: bounds.map(|b| [T::above(b.hi); LANES]),
-    };
-    let mut out = [EnclosurePacket::default()];
-    kernel.enclose(&[packet], &mut out);
+    let out = kernel.ask_all(&Boxes::around(&[bounds]));
     // Added to 0, so that no bound is printed as -0.
     let bounds = Interval { lo: 0.0 - out[0].neg_lo[0].into(), hi: 0.0 + out[0].hi[0].into() };
     (bounds, out[0].facts(0))

@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
 use zeroset::picture::Precision;
-use zeroset::program::Program;
+use zeroset::program::{Cleared, Form, Program};
 use zeroset::scene;
-use zeroset::zeros::ZeroKernel;
-use zeroset_eval::{Real, Step, Tape};
+use zeroset_eval::{FindZeros, Real, Step, Tape};
 use zeroset_interval::Interval;
-use zeroset_ir::display;
-use zeroset_jit::{Kind, intermediate_code};
+use zeroset_ir::{NodeId, display};
+use zeroset_jit::intermediate_code;
+use zeroset_syntax::SurfaceKind;
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
@@ -58,47 +58,33 @@ pub fn explain<T: Real>(subject: &Subject, with_code: bool) -> Result<String> {
         let root = program.roots()[index];
         writeln!(text, "\nread as     {}", surface.echo)?;
         writeln!(text, "simplified  {}", display(program.graph(), root, &names))?;
-        let interval = program.routine::<T>(index).tape;
-        let gradient = program.gradient_routine::<T>(index)?.tape;
-        if let Some((graph, [numerator, denominator, _])) = program.cleared(index)? {
-            let show = |node| display(&graph, node, &names);
+        if let Some(Cleared { graph, numerator, denominator, .. }) = program.cleared(index)? {
+            let show = |node: &NodeId| display(graph, *node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
-        writeln!(text, "forms       {}", forms(&program.zero_kernel::<T>(index)?))?;
-        writeln!(text, "operations  {}", operations(&interval))?;
-        let bytes = [
-            program.interval_kernel::<T>(index)?.code_bytes(),
-            program.point_kernel::<T>(index)?.code_bytes(),
-            program.gradient_kernel::<T>(index)?.code_bytes(),
-        ];
-        writeln!(
-            text,
-            "code        interval {} bytes, point {} bytes, gradient {} bytes ({} operations)",
-            bytes[0],
-            bytes[1],
-            bytes[2],
-            gradient.operations(),
-        )?;
-        if with_code {
-            let shown = intermediate_code(&interval, Kind::Interval)?;
-            writeln!(code, "\ninterval kernel of {}\n{shown}", surface.echo)?;
+        // Asked for what a picture needs, so that the kernels listed are those that it makes.
+        let kernels = program.kernels::<T>(index);
+        kernels.zeros()?;
+        kernels.gradients()?;
+        if surface.kind == SurfaceKind::Solid {
+            kernels.bounds()?;
+        }
+        for (form, label) in [(Form::Function, "operations"), (Form::Gradient, "derivatives")] {
+            if let Some(tape) = program.tape::<T>(index, form)? {
+                writeln!(text, "{label}  {}", operations(&tape))?;
+                if with_code && form == Form::Function {
+                    let shown = intermediate_code::<FindZeros, T>(&tape)?;
+                    writeln!(code, "\nzeros kernel of {}\n{shown}", surface.echo)?;
+                }
+            }
+        }
+        for made in program.made().iter().filter(|made| made.surface == index) {
+            writeln!(text, "kernel      {made}")?;
         }
     }
     let (before, after) = program.nodes();
     writeln!(text, "\nnodes       {before} as typed, {after} simplified")?;
     Ok(text + &code)
-}
-
-/// What is asked of a box, in turn, until something proves that it holds no zero.
-fn forms<T: Real>(kernel: &ZeroKernel<T>) -> String {
-    let mut forms = vec!["the function"];
-    if kernel.has_numerator() {
-        forms.push("its cleared form, so that poles are proven empty");
-    }
-    if kernel.has_branches() {
-        forms.push("its branches one by one, so that jumps are proven empty");
-    }
-    format!("intervals of {}", forms.join(", then of "))
 }
 
 /// The value if the bounds enclose one number as tightly as they can, else the bounds.

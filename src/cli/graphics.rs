@@ -9,7 +9,6 @@
 use super::output::write_png;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use icy_sixel::{EncodeOptions, sixel_encode};
 use std::fmt::Write as _;
 
 /// How pixels are sent.
@@ -87,14 +86,7 @@ impl Protocol {
                 write_png(&mut png, rgb, width, height).ok()?;
                 Some(self.wrap(&png, columns, rows))
             }
-            Self::Sixel => {
-                let opaque: Vec<u8> =
-                    rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-                // 256 colours shade a surface or two smoothly; dithering would only add grain and
-                // half the bytes again.
-                let options = EncodeOptions { diffusion: 0.0, ..EncodeOptions::default() };
-                sixel_encode(&opaque, width, height, &options).ok()
-            }
+            Self::Sixel => sixels(rgb, width, height),
         }
     }
 
@@ -123,6 +115,20 @@ impl Protocol {
             keys.clear();
         }
     }
+}
+
+#[cfg(feature = "sixel")]
+fn sixels(rgb: &[u8], width: usize, height: usize) -> Option<String> {
+    let opaque: Vec<u8> = rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
+    // 256 colours shade a surface or two smoothly; dithering would only add grain and half the bytes again.
+    let options = icy_sixel::EncodeOptions { diffusion: 0.0, ..Default::default() };
+    icy_sixel::sixel_encode(&opaque, width, height, &options).ok()
+}
+
+/// Without the feature no terminal is asked whether it shows sixels.
+#[cfg(not(feature = "sixel"))]
+fn sixels(_: &[u8], _: usize, _: usize) -> Option<String> {
+    None
 }
 
 #[cfg(test)]

@@ -18,12 +18,12 @@ const TICKS: f64 = 4.0;
 /// Where points of space appear in a window of a given size.
 pub struct Projector<'a> {
     rendering: &'a Rendering,
-    rays: zeroset_trace::Frame,
+    rays: zeroset_trace::RayGrid,
 }
 
 impl<'a> Projector<'a> {
     pub fn new(rendering: &'a Rendering, width: usize, height: usize) -> Self {
-        Self { rendering, rays: rendering.camera.frame(width, height) }
+        Self { rendering, rays: rendering.camera.rays(width, height) }
     }
 
     /// The place in pixels and the distance from the ray's origin; `None` behind the eye.

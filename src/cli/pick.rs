@@ -28,9 +28,9 @@ impl<'a> Pick<'a> {
         let column = scaled(place.0, window.0, buffer.width)?;
         let row = scaled(place.1, window.1, buffer.height)?;
         let pixel = row * buffer.width + column;
-        let ray = rendering.camera.frame(buffer.width, buffer.height).ray_of(pixel);
+        let ray = rendering.camera.rays(buffer.width, buffer.height).ray_of(pixel);
         let distance = buffer.drawn[pixel];
-        let point = distance.is_finite().then(|| ray.at(distance));
+        let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
         Some(Self { rendering, pixel, point })
     }
 

@@ -46,6 +46,8 @@ fn protocol() -> (Option<Protocol>, bool) {
         match Known::detect(|name| std::env::var(name).ok()) {
             Known::Speaks(protocol) => (Some(protocol), false),
             Known::Mute => (None, false),
+            // All that an answer could tell is that sixels are shown.
+            Known::Unknown if !cfg!(feature = "sixel") => (None, false),
             Known::Unknown => match terminal::ask(PATIENCE) {
                 Answer::Given(answer) => (Protocol::answered(&answer), false),
                 Answer::Late => (None, true),

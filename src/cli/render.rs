@@ -14,8 +14,8 @@ use std::process::ExitCode;
 use zeroset::domain::AutoDomain;
 use zeroset::picture::{self, Picture, Precision, Settings};
 use zeroset::scene;
-use zeroset_syntax::Color;
-use zeroset_trace::{Colour, Status};
+use zeroset_syntax::SrgbColor;
+use zeroset_trace::{LinearRgb, Status};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
@@ -101,7 +101,7 @@ pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Re
         height,
         precision,
         max_depth,
-        packet: method.packet,
+        method: method.method,
         shadow_depth: method.shadows.then_some(shadow_depth),
         normals: Some(method.normals),
         ..Settings::default()
@@ -114,8 +114,8 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let background = match &shading.background {
         None => None,
         Some(text) => {
-            let named = Color::named(text).map(|color| Colour::from_srgb(color.rgb));
-            Some(named.or_else(|| Colour::from_hex(text)).with_context(|| {
+            let named = SrgbColor::named(text).map(|color| LinearRgb::from_srgb(color.rgb));
+            Some(named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
                 format!("--background '{text}' is not a colour such as white or ffffff")
             })?)
         }

@@ -4,8 +4,7 @@ use super::subject::Subject;
 use serde_json::{Value, json};
 use zeroset::domain::AutoDomain;
 use zeroset::picture::{Picture, Settings};
-use zeroset::work::Count;
-use zeroset_trace::{Camera, Projection, Region};
+use zeroset_trace::{Camera, Count, Projection, Region};
 
 /// Times, counts, camera and domain of a picture.
 pub fn object(
@@ -25,6 +24,20 @@ pub fn object(
         Projection::Perspective { fov } => ("fov", fov),
         Projection::Orthographic { height } => ("ortho", height),
     };
+    let kernels: Vec<Value> = statistics
+        .kernels
+        .iter()
+        .map(|made| {
+            json!({
+                "surface": made.surface,
+                "question": made.question,
+                "form": made.form.to_string(),
+                "precision": made.floats(),
+                "bytes": made.bytes,
+                "reason": made.reason(),
+            })
+        })
+        .collect();
     let mut camera_object = json!({
         "eye": camera.eye().to_array(),
         "target": camera.target().to_array(),
@@ -33,7 +46,7 @@ pub fn object(
     camera_object[projection] = json!(value);
     json!({
         "surfaces": echoes,
-        "method": "knoll",
+        "method": picture.method.name,
         "precision": picture.precision.to_string(),
         "size": [settings.width, settings.height],
         "ms": {
@@ -55,6 +68,7 @@ pub fn object(
             "given_up": statistics.work.given_up,
         },
         "code_bytes": statistics.code_bytes,
+        "kernels": kernels,
         "nodes": {"before": statistics.nodes.0, "after": statistics.nodes.1},
         "camera": camera_object,
         "domain": [low.x, high.x, low.y, high.y, low.z, high.z],

@@ -251,7 +251,7 @@ mod tests {
             file.follows(&text);
         }
         let last = file.live.snapshot().rendering.expect("a picture").camera;
-        let turn = |camera: &zeroset_trace::Camera| camera.frame(1, 1).forward();
+        let turn = |camera: &zeroset_trace::Camera| camera.rays(1, 1).forward();
         assert!((turn(&camera) - turn(&last)).length() < 1e-9, "the view has moved");
     }
 

@@ -9,7 +9,7 @@ use crate::picture::{Precision, Settings};
 use crate::scene::{self, CameraChoice, DomainChoice};
 use std::fmt::Write as _;
 use zeroset_syntax::language_names;
-use zeroset_trace::{Region, View};
+use zeroset_trace::{METHODS, Method, Region, StandardView};
 
 /// What a line asks for.
 enum Line<'a> {
@@ -50,9 +50,9 @@ pub const COMMANDS: &[CommandRow] = &[
     CommandRow { name: "domain", arguments: "auto|R|X0,X1,Y0,Y1,Z0,Z1", doc: "set the domain that is shown",
         run: |live, domain| Some(look_at(live, domain.parse().ok()?)) },
     CommandRow { name: "view", arguments: "iso|front|back|left|right|top|bottom", doc: "look from this side",
-        run: |live, name| View::named(name).map(|view| look_from(live, view)) },
+        run: |live, name| StandardView::named(name).map(|view| look_from(live, view)) },
     CommandRow { name: "method", arguments: "[NAME]", doc: "how rays are traced",
-        run: |_, name| Some(method(name)) },
+        run: |live, name| Some(method(live, name)) },
     CommandRow { name: "tolerance", arguments: "[LENGTH]", doc: "how finely surfaces are located, in world units",
         run: |live, length| Some(tolerance(live, optional(length, |length| {
             length.parse().ok().filter(|length: &f64| length.is_finite() && *length > 0.0)
@@ -161,7 +161,7 @@ fn look_at(live: &Live, domain: DomainChoice) -> Result<Reply, Refusal> {
 }
 
 #[allow(clippy::unnecessary_wraps)] // as all commands
-fn look_from(live: &Live, view: View) -> Result<Reply, Refusal> {
+fn look_from(live: &Live, view: StandardView) -> Result<Reply, Refusal> {
     live.change(|request: &mut Request| {
         let projection = request.choice.projection;
         request.orbit = None;
@@ -170,12 +170,21 @@ fn look_from(live: &Live, view: View) -> Result<Reply, Refusal> {
     Ok(Reply::Done)
 }
 
-fn method(name: &str) -> Result<Reply, Refusal> {
-    match name {
-        "" => say("knoll (the only one so far)".to_owned()),
-        "knoll" => Ok(Reply::Done),
-        _ => refused(format!("there is no method '{name}'; there is: knoll")),
+fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
+    if name.is_empty() {
+        let used = live.settings().method;
+        let line = |row: &Method| {
+            let mark = if row == used { '*' } else { ' ' };
+            format!("{mark} {:8} {}", row.name, row.help)
+        };
+        return say(METHODS.iter().map(line).collect::<Vec<_>>().join("\n"));
     }
+    let Some(method) = Method::named(name) else {
+        let names: Vec<&str> = METHODS.iter().map(|row| row.name).collect();
+        return refused(format!("no method named '{name}'; there is {}", names.join(", ")));
+    };
+    live.change(|request| request.settings.method = method);
+    Ok(Reply::Done)
 }
 
 fn tolerance(live: &Live, length: Option<f64>) -> Result<Reply, Refusal> {
@@ -358,7 +367,7 @@ mod tests {
         let bounds = [-2.0, 2.0, -2.0, 2.0, -2.0, 2.0];
         assert_eq!(live.request().domain, DomainChoice::Bounds(bounds));
         live.enter(":view top").expect("a view");
-        assert_eq!(live.request().choice.view, Some(View::Top));
+        assert_eq!(live.request().choice.view, Some(StandardView::Top));
         live.enter(":prec f64").expect("a precision");
         assert_eq!(live.settings().precision, Precision::F64);
         for line in [":set r = 2", ":set r=2", ":set r 2"] {

@@ -36,7 +36,7 @@ impl Orbit {
     pub fn from_camera(camera: &Camera, region: &Region) -> Self {
         let scale = region.half_extent();
         let back = camera.eye() - camera.target();
-        let frame = camera.frame(1, 1);
+        let frame = camera.rays(1, 1);
         // About z if that keeps the horizon level, else about the camera's own upward direction.
         let level = frame.right().z.abs() < 1e-9;
         let pole = match level {
@@ -160,7 +160,7 @@ impl Orbit {
         self.projection = match self.projection {
             Projection::Perspective { .. } => Projection::Orthographic { height: visible },
             Projection::Orthographic { .. } => {
-                let fov = zeroset_trace::View::FOV;
+                let fov = zeroset_trace::StandardView::FOV;
                 self.distance = visible / 2.0 / (fov.to_radians() / 2.0).tan();
                 Projection::Perspective { fov }
             }
@@ -178,7 +178,7 @@ fn axes(pole: DVec3) -> (DVec3, DVec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeroset_trace::View;
+    use zeroset_trace::StandardView;
 
     const PERSPECTIVE: Projection = Projection::Perspective { fov: 40.0 };
 
@@ -187,7 +187,7 @@ mod tests {
     }
 
     fn same(one: &Camera, other: &Camera) {
-        let (a, b) = (one.frame(9, 7), other.frame(9, 7));
+        let (a, b) = (one.rays(9, 7), other.rays(9, 7));
         for (p, q) in [(a.eye(), b.eye()), (a.right(), b.right()), (a.up(), b.up())] {
             assert!((p - q).length() < 1e-9, "{one:?} and {other:?}");
         }
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn every_camera_lies_on_its_own_orbit() {
         let region = region();
-        for (_, view) in View::ALL {
+        for (_, view) in StandardView::ALL {
             for projection in [PERSPECTIVE, Projection::Orthographic { height: 3.0 }] {
                 let camera = view.camera(&region, projection).expect("valid");
                 let orbit = Orbit::from_camera(&camera, &region);
@@ -218,22 +218,22 @@ mod tests {
     #[test]
     fn a_drag_turns_about_z_and_stops_at_the_poles() {
         let region = region();
-        let start = View::Iso.camera(&region, PERSPECTIVE).expect("valid");
+        let start = StandardView::Iso.camera(&region, PERSPECTIVE).expect("valid");
         let mut orbit = Orbit::from_camera(&start, &region);
         orbit.turn(100.0, 0.0, 400);
         let turned = orbit.camera(&region).expect("valid");
         assert!((turned.eye().z - start.eye().z).abs() < 1e-9);
         assert!((turned.eye() - start.eye()).length() > 1.0);
         // The near side follows the pointer: the eye goes to the left.
-        assert!((turned.eye() - start.eye()).dot(start.frame(1, 1).right()) < 0.0);
+        assert!((turned.eye() - start.eye()).dot(start.rays(1, 1).right()) < 0.0);
         orbit.turn(0.0, 1e6, 400);
         let top = orbit.camera(&region).expect("straight down is a view");
-        assert!(top.frame(1, 1).forward().z < -0.999_999);
+        assert!(top.rays(1, 1).forward().z < -0.999_999);
     }
 
     /// Pixel of a point of space, from the middle, to the right and downward.
     fn pixel(camera: &Camera, point: DVec3, height: f64) -> (f64, f64) {
-        let frame = camera.frame(1, 1);
+        let frame = camera.rays(1, 1);
         let way = point - camera.eye();
         let half = match camera.projection() {
             Projection::Perspective { fov } => {
@@ -249,8 +249,8 @@ mod tests {
     fn zoom_keeps_what_is_under_the_pointer_and_pan_moves_it_along() {
         let region = region();
         for projection in [PERSPECTIVE, Projection::Orthographic { height: 5.0 }] {
-            let camera = View::Iso.camera(&region, projection).expect("valid");
-            let frame = camera.frame(1, 1);
+            let camera = StandardView::Iso.camera(&region, projection).expect("valid");
+            let frame = camera.rays(1, 1);
             let point = camera.target() + 0.4 * frame.right() - 0.3 * frame.up();
             let at = pixel(&camera, point, 480.0);
             let mut orbit = Orbit::from_camera(&camera, &region);
@@ -267,7 +267,7 @@ mod tests {
     #[test]
     fn the_whole_box_fits_and_fills_the_picture() {
         let region = region();
-        for (_, view) in View::ALL {
+        for (_, view) in StandardView::ALL {
             for projection in [PERSPECTIVE, Projection::Orthographic { height: 0.3 }] {
                 for (width, height) in [(800, 600), (300, 200), (100, 400)] {
                     let camera = view.camera(&region, projection).expect("valid");
@@ -293,8 +293,8 @@ mod tests {
     #[test]
     fn projections_change_without_a_jump() {
         let region = region();
-        let camera = View::Iso.camera(&region, PERSPECTIVE).expect("valid");
-        let point = camera.target() + 0.5 * camera.frame(1, 1).right();
+        let camera = StandardView::Iso.camera(&region, PERSPECTIVE).expect("valid");
+        let point = camera.target() + 0.5 * camera.rays(1, 1).right();
         let mut orbit = Orbit::from_camera(&camera, &region);
         let before = pixel(&camera, point, 480.0).0;
         for _ in 0..2 {

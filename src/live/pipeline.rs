@@ -313,6 +313,7 @@ impl Worker {
             // of the movement.
             let advance = |_| if coarse { self.wanted_coarsely(job) } else { self.wanted(job) };
             let picture = model.trace(&camera, &settings, &advance);
+            let picture = picture.map_err(|error| scene(error.into()))?;
             if !advance(0) {
                 return Ok(());
             }

@@ -34,7 +34,8 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
         low.x, high.x, low.y, high.y, low.z, high.z
     );
     let (depth, precision) = (rendering.request.settings.max_depth, rendering.picture.precision);
-    let _ = writeln!(text, "method      knoll, depth {depth}, {precision}");
+    let method = rendering.picture.method.name;
+    let _ = writeln!(text, "method      {method}, depth {depth}, {precision}");
     let pixels = statistics.pixels;
     let _ = writeln!(
         text,
@@ -87,8 +88,9 @@ impl Rendering {
             format!("compiled in {}", ms(times.simplify + times.compile))
         };
         format!(
-            "{} · {width}x{height} · knoll {} {} · {undecided} undecided · {made}{}",
+            "{} · {width}x{height} · {} {} {} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
+            self.picture.method.name,
             self.request.settings.max_depth,
             self.picture.precision,
             if self.picture.flat { " · 0 everywhere?" } else { "" },

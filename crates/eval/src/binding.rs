@@ -1,40 +1,30 @@
 //! Parameter values as kernels read them.
 
+use crate::batch::Lanes;
+use crate::domain::PARAMETER_QUANTITIES;
 use crate::real::Real;
 use crate::tape::{middle, outward};
-use zeroset_interval::{Facts, Interval};
+use std::sync::Arc;
+use zeroset_interval::Interval;
 
 /// Values of all parameters for one picture: what turns code into a function of x, y and z.
 ///
-/// A parameter is a real number known by bounds, because what was typed need not be a float. It may also be an
-/// expression of other parameters, computed beforehand, and as such be undefined; every enclosure inherits that.
+/// A parameter is a real number known by bounds, because what was typed need not be a float. Clones share the values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding<T: Real = f32> {
-    enclosures: Vec<[T; 2]>,
-    values: Vec<T>,
-    bounds: Vec<Interval>,
-    facts: Facts,
+    quantities: Arc<[Lanes<T>]>,
+    bounds: Arc<[Interval]>,
 }
 
 impl<T: Real> Binding<T> {
-    /// Binds each parameter to bounds of its value and to what is proven of it.
-    pub fn new(parameters: &[(Interval, Facts)]) -> Self {
-        let nowhere = parameters.iter().any(|(_, facts)| facts.has(Facts::NOWHERE));
-        let facts = if nowhere {
-            Facts::NOWHERE
-        } else {
-            // A parameter does not vary over a box: where it is defined, it is continuous.
-            let defined = parameters.iter().all(|(_, facts)| facts.has(Facts::DEFINED));
-            if defined { Facts::TOTAL } else { Facts::NONE }
+    /// Binds each parameter to bounds of its value.
+    pub fn new(parameters: &[Interval]) -> Self {
+        let bounds: Arc<[Interval]> =
+            parameters.iter().map(|bounds| outward::<T>(*bounds)).collect();
+        let quantities = |b: &Interval| -> [Lanes<T>; PARAMETER_QUANTITIES] {
+            [-b.lo, b.hi, middle::<T>(*b)].map(|number| Lanes::splat(T::nearest(number)))
         };
-        let bounds: Vec<Interval> =
-            parameters.iter().map(|(bounds, _)| outward::<T>(*bounds)).collect();
-        Self {
-            enclosures: bounds.iter().map(|b| [T::nearest(-b.lo), T::nearest(b.hi)]).collect(),
-            values: bounds.iter().map(|b| T::nearest(middle::<T>(*b))).collect(),
-            bounds,
-            facts,
-        }
+        Self { quantities: bounds.iter().flat_map(quantities).collect(), bounds }
     }
 
     /// For functions without parameters.
@@ -42,14 +32,9 @@ impl<T: Real> Binding<T> {
         Self::new(&[])
     }
 
-    /// Per parameter, −lo and hi.
-    pub fn enclosures(&self) -> &[[T; 2]] {
-        &self.enclosures
-    }
-
-    /// Per parameter, a value near the middle of its bounds.
-    pub fn values(&self) -> &[T] {
-        &self.values
+    /// What kernels read: per parameter −lo, hi and a value near the middle of its bounds, each in all lanes.
+    pub fn quantities(&self) -> &[Lanes<T>] {
+        &self.quantities
     }
 
     /// Per parameter, its bounds with ends in `T`.
@@ -57,19 +42,9 @@ impl<T: Real> Binding<T> {
         &self.bounds
     }
 
-    /// What is proven of the parameters together.
-    pub fn facts(&self) -> Facts {
-        self.facts
-    }
-
-    /// The facts of an enclosure that also depends on these parameters: `(facts & kept) | added` by bits.
-    pub fn limit(&self, facts: Facts) -> Facts {
-        let [kept, added] = self.limits();
-        (facts & kept) | added
-    }
-
-    /// The two operands of [`Binding::limit`], as kernels read them.
-    pub fn limits(&self) -> [Facts; 2] {
-        [self.facts | Facts::NOWHERE, self.facts & Facts::NOWHERE]
+    /// Whether each parameter lies within its range. Code that was made for these ranges holds for this binding.
+    pub fn is_within(&self, ranges: &[Interval]) -> bool {
+        let inside = |(b, range): (&Interval, &Interval)| range.lo <= b.lo && b.hi <= range.hi;
+        self.bounds.len() == ranges.len() && self.bounds.iter().zip(ranges).all(inside)
     }
 }

@@ -3,11 +3,13 @@
 //! At a jump, the enclosure of a function is the hull of both branches, and holds 0 though neither does. A box is free of
 //! zeros if it is so over each of some parts that cover it. Which operations split a box, and how, the rules say.
 
+use crate::domain::ValueDomain;
 use crate::real::Real;
-use crate::tape::{Step, Tape};
+use crate::tape::{Step, Tape, may_vanish};
 use zeroset_interval::{
-    Enclosure, Fact, Format, Interval, Machine, Operand, Part, Parting, enclose, enclose_part,
+    Branch, Enclosure, Fact, Format, Interval, Machine, Operand, Split, enclose, enclose_branch,
 };
+use zeroset_ops::Op;
 
 /// Combinations of parts, at most.
 const COMBINATIONS: usize = 8;
@@ -31,13 +33,13 @@ pub(crate) struct Branches {
 /// box, and the others keep their whole boxes.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
-    parting: Parting,
+    parting: Split,
     is_shared: bool,
 }
 
 impl Choice {
-    fn parts(self) -> &'static [Part] {
-        self.parting.parts()
+    fn parts(self) -> &'static [Branch] {
+        self.parting.branches()
     }
 }
 
@@ -60,7 +62,7 @@ impl Branches {
     }
 
     fn within<T: Real>(tape: &Tape<T>, combinations: usize) -> Self {
-        let partings: Vec<Parting> =
+        let partings: Vec<Split> =
             (0..tape.steps().len()).map(|index| parting(tape, index)).collect();
         let mut choices: Vec<Choice> = Vec::new();
         let mut makes = vec![None; partings.len()];
@@ -70,8 +72,8 @@ impl Branches {
             let first = choices.len();
             let mut next = first;
             for (index, &parting) in partings.iter().enumerate() {
-                let parts = parting.parts().len();
-                if parts < 2 || (parting == Parting::AtPole) != poles {
+                let parts = parting.branches().len();
+                if parts < 2 || (parting == Split::AtPole) != poles {
                     continue;
                 }
                 if parts <= left {
@@ -120,10 +122,10 @@ impl Branches {
     }
 
     /// The parts of each combination, by choice.
-    fn combinations(&self) -> Vec<Vec<Part>> {
+    fn combinations(&self) -> Vec<Vec<Branch>> {
         let mut all = vec![Vec::new()];
         for choice in &self.choices {
-            let longer = |parts: &Vec<Part>, part: Part| {
+            let longer = |parts: &Vec<Branch>, part: Branch| {
                 let mut parts = parts.clone();
                 parts.push(part);
                 parts
@@ -138,24 +140,24 @@ impl Branches {
 }
 
 /// One of `choices`, in turn from `next` on, that offers this parting.
-fn shared(choices: &[Choice], parting: Parting, next: usize) -> Option<usize> {
+fn shared(choices: &[Choice], parting: Split, next: usize) -> Option<usize> {
     let mut turn = (0..choices.len()).map(|k| (next + k) % choices.len());
     turn.find(|&k| choices[k].parting == parting)
 }
 
-fn parting<T: Real>(tape: &Tape<T>, index: usize) -> Parting {
+fn parting<T: Real>(tape: &Tape<T>, index: usize) -> Split {
     match &tape.steps()[index] {
         Step::Apply(op, operands) => {
             let ranges: Vec<Interval> = operands.iter().map(|&i| tape.range(i)).collect();
-            Parting::of(*op, &ranges, tape.exponent(operands))
+            Split::of(*op, &ranges, tape.exponent(operands))
         }
-        Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => Parting::Whole,
+        Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => Split::Whole,
     }
 }
 
 /// What is carried from step to step while a tape is written for one combination.
 struct Combination<V> {
-    parts: Vec<Part>,
+    parts: Vec<Branch>,
     /// Per step, its value.
     values: Vec<Operand<V>>,
     /// Per choice that is shared, the lanes in which it has been made.
@@ -173,14 +175,17 @@ impl<V: Copy> Combination<V> {
 }
 
 impl<T: Real> Tape<T> {
-    /// Writes where all outputs may vanish together: the enclosure of the first over the whole box, but empty where in
-    /// each combination of parts some output has no zero. `leaf` gives the steps that are no operations.
-    pub(crate) fn enclose_branches<M: Machine>(
+    /// Writes in which lanes all outputs may vanish together: not where in each combination of parts some output has no
+    /// zero.
+    pub(crate) fn possible_branches<M: Machine, D>(
         &self,
         m: &mut M,
         branches: &Branches,
-        mut leaf: impl FnMut(&mut M, &Step) -> Option<Enclosure<M::V>>,
-    ) -> Enclosure<M::V> {
+        leaves: &mut D,
+    ) -> Fact<M::V>
+    where
+        D: ValueDomain<T, M, Value = Enclosure<M::V>>,
+    {
         let mut done: Vec<Combination<M::V>> = Vec::new();
         for parts in branches.combinations() {
             let made = vec![Fact::False; branches.choices.len()];
@@ -191,9 +196,14 @@ impl<T: Real> Tape<T> {
                 let (operand, made) = if let Some(other) = same {
                     (other.values[index], other.made_at[index])
                 } else {
-                    let (value, made) = match leaf(m, step) {
-                        Some(value) => (value, Fact::False),
-                        None => self.enclose_step(m, branches, &now, index),
+                    let leaf = |value| (value, Fact::False);
+                    let (value, made) = match step {
+                        Step::Coordinate(axis) => leaf(leaves.coordinate(m, *axis)),
+                        Step::Parameter(number) => leaf(leaves.parameter(m, *number as usize)),
+                        Step::Constant(bounds, _) => leaf(leaves.constant(m, *bounds)),
+                        Step::Apply(op, operands) => {
+                            enclose_step::<T, M>(m, branches, &now, index, *op, operands)
+                        }
                     };
                     let (range, exponent) = (self.range(index), step.exponent());
                     (Operand { value, range, exponent }, made)
@@ -206,38 +216,41 @@ impl<T: Real> Tape<T> {
             }
             done.push(now);
         }
-        let outputs = |one: &Combination<M::V>| -> Vec<Enclosure<M::V>> {
-            self.outputs_at().iter().map(|&output| one.values[output].value).collect()
-        };
-        let combinations: Vec<_> = done.iter().map(outputs).collect();
-        zeros(m, T::FORMAT, &combinations)
-    }
-
-    /// An operation in one combination, and the lanes in which its choice has been made then.
-    fn enclose_step<M: Machine>(
-        &self,
-        m: &mut M,
-        branches: &Branches,
-        now: &Combination<M::V>,
-        index: usize,
-    ) -> (Enclosure<M::V>, Fact<M::V>) {
-        let Step::Apply(op, operands) = &self.steps()[index] else {
-            unreachable!("other steps are leaves");
-        };
-        let operands: Vec<_> = operands.iter().map(|&i| now.values[i]).collect();
-        let Some(choice) = branches.makes[index] else {
-            return (enclose(m, T::FORMAT, *op, &operands), Fact::False);
-        };
-        let part = enclose_part(m, T::FORMAT, *op, &operands, now.parts[choice]);
-        if !branches.choices[choice].is_shared {
-            return (part, Fact::False);
+        let mut possible = Fact::False;
+        for combination in done {
+            let mut all = Fact::True;
+            for &output in self.outputs_at() {
+                let zero = may_vanish(m, T::FORMAT, &combination.values[output].value);
+                all = all.and(m, zero);
+            }
+            possible = possible.or(m, all);
         }
-        let whole = enclose(m, T::FORMAT, *op, &operands);
-        let made = now.made[choice];
-        // Where it does not jump, there is no choice to be made.
-        let jumps = whole.continuous.not(m, T::FORMAT);
-        (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
+        possible
     }
+}
+
+/// An operation in one combination, and the lanes in which its choice has been made then.
+fn enclose_step<T: Real, M: Machine>(
+    m: &mut M,
+    branches: &Branches,
+    now: &Combination<M::V>,
+    index: usize,
+    op: Op,
+    operands: &[usize],
+) -> (Enclosure<M::V>, Fact<M::V>) {
+    let operands: Vec<_> = operands.iter().map(|&i| now.values[i]).collect();
+    let Some(choice) = branches.makes[index] else {
+        return (enclose(m, T::FORMAT, op, &operands), Fact::False);
+    };
+    let part = enclose_branch(m, T::FORMAT, op, &operands, now.parts[choice]);
+    if !branches.choices[choice].is_shared {
+        return (part, Fact::False);
+    }
+    let whole = enclose(m, T::FORMAT, op, &operands);
+    let made = now.made[choice];
+    // Where it does not jump, there is no choice to be made.
+    let jumps = whole.continuous.not(m, T::FORMAT);
+    (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
 }
 
 /// `whole` in the lanes of `mask`, else `part`.
@@ -270,37 +283,10 @@ fn pick<M: Machine>(
     }
 }
 
-/// The hull of the first output over all combinations, empty where in none of them all outputs may vanish.
-fn zeros<M: Machine>(
-    m: &mut M,
-    format: Format,
-    combinations: &[Vec<Enclosure<M::V>>],
-) -> Enclosure<M::V> {
-    let zero = m.number(format, 0.0);
-    let mut hull = combinations[0][0];
-    let mut some = Fact::False;
-    for outputs in combinations {
-        hull.neg_lo = m.max(hull.neg_lo, outputs[0].neg_lo);
-        hull.hi = m.max(hull.hi, outputs[0].hi);
-        let mut all = Fact::True;
-        for output in outputs {
-            let least = m.min(output.neg_lo, output.hi);
-            let holds_zero = Fact::Lanes(m.le(zero, least));
-            let somewhere = output.nowhere.not(m, format);
-            all = all.and(m, holds_zero).and(m, somewhere);
-        }
-        some = some.or(m, all);
-    }
-    let nowhere = some.not(m, format);
-    Enclosure { nowhere, defined: Fact::False, continuous: Fact::False, ..hull }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::packet::{BoxPacket, EnclosurePacket};
-    use crate::{Assumptions, Binding, IntervalKernel, Reference};
-    use zeroset_interval::Facts;
+    use crate::{Assumptions, Binding, Boxes, FindZeros, Kernel, Reference};
     use zeroset_ir::{Axis, Graph, NodeId};
     use zeroset_ops::Op;
 
@@ -331,13 +317,9 @@ mod tests {
         /// Whether `root` is proven to have no zero for x, y and z in these ranges.
         fn is_empty(&self, root: NodeId, ranges: [[f32; 2]; 3]) -> bool {
             let tape = self.branches(root).expect("it jumps");
-            let packet = BoxPacket {
-                neg_lo: ranges.map(|[lo, _]| [-lo; 4]),
-                hi: ranges.map(|[_, hi]| [hi; 4]),
-            };
-            let mut out = [EnclosurePacket::default()];
-            Reference::new(tape, Binding::empty()).enclose(&[packet], &mut out);
-            Facts::from_bits(out[0].facts[0]).has(Facts::NOWHERE)
+            let ends = ranges.map(|[lo, hi]| Interval { lo: lo.into(), hi: hi.into() });
+            let kernel = Reference::<FindZeros>::new(tape, Binding::empty());
+            kernel.ask_all(&Boxes::around(&[ends]))[0].possible == 0
         }
     }
 

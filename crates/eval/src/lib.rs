@@ -1,24 +1,32 @@
-//! What a traverser may ask of a function, the layouts of its data, and the reference evaluator.
+//! What may be asked of a function, the layouts of its data, and the reference evaluator.
 //!
-//! A [`Tape`] is a graph laid out for evaluation; it writes itself on any
-//! [`Machine`](zeroset_interval::Machine). [`Reference`] runs it in software; native code comes from elsewhere and
-//! implements the same traits. All of them exist in `f32` and in
-//! `f64`, by a type parameter [`Real`] that is `f32` where it is left out. This crate knows neither code generation nor
-//! rays.
+//! A [`Tape`] is a graph laid out for evaluation; it writes itself on any [`Machine`](zeroset_interval::Machine), in any
+//! [domain of values](ValueDomain). A [`Question`] says what code reads and what its answer means, a [`Kernel`] answers it:
+//! [`Reference`] in software, native code elsewhere. All of them exist in `f32` and in `f64`, by a type parameter [`Real`]
+//! that is `f32` where it is left out. A [`Surface`] is one function and the kernels that it has. This crate knows neither
+//! code generation nor rays.
 
+mod batch;
 mod binding;
 mod branches;
-mod kernel;
-mod packet;
+mod differentiable;
+mod domain;
+mod question;
 mod real;
 mod reference;
+mod surface;
 mod tape;
 
+pub use batch::{
+    Batch, Boxes, Enclosures, GradientEnclosures, Gradients, Input, LANES, Lanes, Output, Points,
+    Values, Zeros,
+};
 pub use binding::Binding;
-pub use kernel::{GradientKernel, IntervalKernel, PointKernel};
-pub use packet::{
-    BoxPacket, EnclosurePacket, GradientPacket, LANES, Lanes, PointPacket, ValuePacket,
+pub use domain::{Term, ValueDomain};
+pub use question::{
+    Answer, Enclose, EncloseGradient, FindZeros, Kernel, Loader, Question, Sample, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;
+pub use surface::{Asked, KernelError, Kernels, Surface, ZeroTest};
 pub use tape::{Assumptions, Step, Tape};

@@ -1,14 +1,13 @@
 //! The two float types in which kernels compute.
 
-use crate::packet::{LANES, Lanes};
+use crate::batch::Lanes;
+use crate::surface::{Kernels, Surface};
 use std::fmt::Debug;
-use std::ops::{BitOrAssign, Neg};
-use zeroset_interval::{Facts, Format, Lanes as Vector, round::f32_up};
+use std::ops::Neg;
+use zeroset_interval::{Format, Vector128 as Vector, round::f32_up};
 
 /// A float type in which kernels compute: `f32` or `f64`.
 ///
-/// A packet has four lanes in either; in 128-bit vectors, a quantity of a packet fills one vector of `f32` or two of
-/// `f64`.
 pub trait Real:
     sealed::Sealed
     + Copy
@@ -23,48 +22,29 @@ pub trait Real:
 {
     /// The type of the lanes.
     const FORMAT: Format;
-    /// Vectors that a quantity of a packet fills.
-    const VECTORS: usize;
+    /// Lanes of a vector of the [software machine](zeroset_interval::Software).
+    const VECTOR_LANES: usize;
     /// The largest finite number.
     const LARGEST: Self;
-
-    /// The unsigned integer of the same size: how a lane stores [`Facts`].
-    type Word: Copy
-        + Debug
-        + Default
-        + PartialEq
-        + BitOrAssign
-        + From<u32>
-        + Into<u64>
-        + Send
-        + Sync;
 
     /// `value` rounded to nearest.
     fn nearest(value: f64) -> Self;
     /// `value` rounded up.
     fn above(value: f64) -> Self;
-    /// The bits of a vector that holds this number in all lanes.
-    fn splat(self) -> u128;
-    /// The bits of a vector that holds these facts in all lanes.
-    fn splat_facts(facts: Facts) -> u128;
     /// The vector with this index, of those that `lanes` fill.
     fn load(lanes: &Lanes<Self>, index: usize) -> Vector;
     /// Writes the vector with this index, of those that `lanes` fill.
     fn store(vector: Vector, index: usize, lanes: &mut Lanes<Self>);
-    /// The lanes in which a mask is set; false for those that a vector does not have.
-    fn is_set(mask: Vector) -> [bool; LANES];
-
-    /// The facts that a lane stores.
-    fn facts(word: Self::Word) -> Facts {
-        Facts::from_bits(word.into() as u32)
-    }
+    /// The lanes of a vector in which a mask is set: a bit each, the lowest for the first.
+    fn bits(mask: Vector) -> u32;
+    /// The kernels of a surface that compute in this type.
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self>;
 }
 
 impl Real for f32 {
     const FORMAT: Format = Format::F32;
-    const VECTORS: usize = 1;
+    const VECTOR_LANES: usize = 4;
     const LARGEST: Self = Self::MAX;
-    type Word = u32;
 
     fn nearest(value: f64) -> Self {
         value as Self
@@ -72,28 +52,24 @@ impl Real for f32 {
     fn above(value: f64) -> Self {
         f32_up::from_f64(value)
     }
-    fn splat(self) -> u128 {
-        u128::from(self.to_bits()) * (u128::MAX / u128::from(u32::MAX))
+    fn load(lanes: &Lanes<Self>, index: usize) -> Vector {
+        Vector::from_f32(vector(lanes, index))
     }
-    fn splat_facts(facts: Facts) -> u128 {
-        Self::from_bits(facts.bits()).splat()
+    fn store(vector: Vector, index: usize, lanes: &mut Lanes<Self>) {
+        lanes[4 * index..4 * index + 4].copy_from_slice(&vector.f32());
     }
-    fn load(lanes: &Lanes<Self>, _: usize) -> Vector {
-        Vector::from_f32(*lanes)
+    fn bits(mask: Vector) -> u32 {
+        gather(mask.bits_32().map(|lane| lane != 0))
     }
-    fn store(vector: Vector, _: usize, lanes: &mut Lanes<Self>) {
-        *lanes = vector.f32();
-    }
-    fn is_set(mask: Vector) -> [bool; LANES] {
-        mask.bits_32().map(|lane| lane != 0)
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
+        surface.single()
     }
 }
 
 impl Real for f64 {
     const FORMAT: Format = Format::F64;
-    const VECTORS: usize = 2;
+    const VECTOR_LANES: usize = 2;
     const LARGEST: Self = Self::MAX;
-    type Word = u64;
 
     fn nearest(value: f64) -> Self {
         value
@@ -101,22 +77,26 @@ impl Real for f64 {
     fn above(value: f64) -> Self {
         value
     }
-    fn splat(self) -> u128 {
-        u128::from(self.to_bits()) * (u128::MAX / u128::from(u64::MAX))
-    }
-    fn splat_facts(facts: Facts) -> u128 {
-        Self::from_bits(facts.bits().into()).splat()
-    }
     fn load(lanes: &Lanes<Self>, index: usize) -> Vector {
-        Vector::from_f64([lanes[2 * index], lanes[2 * index + 1]])
+        Vector::from_f64(vector(lanes, index))
     }
     fn store(vector: Vector, index: usize, lanes: &mut Lanes<Self>) {
         lanes[2 * index..2 * index + 2].copy_from_slice(&vector.f64());
     }
-    fn is_set(mask: Vector) -> [bool; LANES] {
-        let [a, b] = mask.bits_64().map(|lane| lane != 0);
-        [a, b, false, false]
+    fn bits(mask: Vector) -> u32 {
+        gather(mask.bits_64().map(|lane| lane != 0))
     }
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
+        surface.double()
+    }
+}
+
+fn vector<T: Copy, const N: usize>(lanes: &Lanes<T>, index: usize) -> [T; N] {
+    std::array::from_fn(|lane| lanes[N * index + lane])
+}
+
+fn gather<const N: usize>(set: [bool; N]) -> u32 {
+    (0..N).map(|lane| u32::from(set[lane]) << lane).sum()
 }
 
 mod sealed {
@@ -128,20 +108,25 @@ mod sealed {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn splats_fill_all_lanes() {
-        assert_eq!(1.5_f32.splat(), 0x3fc0_0000_3fc0_0000_3fc0_0000_3fc0_0000);
-        assert_eq!(1.5_f64.splat(), 0x3ff8_0000_0000_0000_3ff8_0000_0000_0000);
-        assert_eq!(f64::splat_facts(Facts::TOTAL), 6 | 6 << 64);
-    }
+    use crate::batch::LANES;
 
     #[test]
     fn vectors_hold_neighbouring_lanes() {
-        let mut lanes = [0.0; LANES];
-        for index in 0..f64::VECTORS {
-            f64::store(f64::load(&[1.0, 2.0, 3.0, 4.0], index), index, &mut lanes);
+        fn check<T: Real>() {
+            let given = Lanes(std::array::from_fn(|lane| T::nearest(lane as f64)));
+            let mut copied = Lanes::splat(T::default());
+            for index in 0..LANES / T::VECTOR_LANES {
+                T::store(T::load(&given, index), index, &mut copied);
+            }
+            assert_eq!(copied, given);
         }
-        assert_eq!(lanes, [1.0, 2.0, 3.0, 4.0]);
+        check::<f32>();
+        check::<f64>();
+    }
+
+    #[test]
+    fn masks_have_their_first_lane_lowest() {
+        assert_eq!(f32::bits(Vector::F32([0, !0, 0, !0])), 0b1010);
+        assert_eq!(f64::bits(Vector::F64([!0, 0])), 0b01);
     }
 }

@@ -1,101 +1,65 @@
 //! The reference evaluator: a loop over steps on the software machine.
 
+use crate::batch::{Batch, Input, Output};
 use crate::binding::Binding;
-use crate::kernel::{GradientKernel, IntervalKernel, PointKernel};
-use crate::packet::{BoxPacket, EnclosurePacket, GradientPacket, LANES, PointPacket, ValuePacket};
+use crate::question::{Answer, Kernel, Loader, Question};
 use crate::real::Real;
-use crate::tape::{Tape, facts_of};
-use zeroset_interval::{Lanes, Software};
+use crate::tape::Tape;
+use std::marker::PhantomData;
+use zeroset_interval::{Software, Vector128 as Vector};
 
-/// A tape with its parameters bound, evaluated in software, without native code.
+/// A tape with its parameters bound that answers a question in software, without native code.
 ///
 /// It gives the bits that native kernels give; it is some hundred times slower.
 #[derive(Clone, Debug)]
-pub struct Reference<T: Real = f32> {
+pub struct Reference<Q: Question, T: Real = f32> {
     tape: Tape<T>,
     binding: Binding<T>,
+    question: PhantomData<Q>,
 }
 
-impl<T: Real> Reference<T> {
+impl<Q: Question, T: Real> Reference<Q, T> {
     /// A reference for `tape` under `binding`.
     ///
     /// # Panics
-    /// If the binding has another number of parameters than the tape.
+    /// If the tape computes another number of expressions than the question needs, or assumes another number of
+    /// parameters than are bound, or, in debug builds, other values.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Self {
-        assert_eq!(tape.parameters(), binding.values().len(), "parameters");
-        Self { tape, binding }
-    }
-
-    /// The values of all outputs in the vector of lanes with this index.
-    fn values_at(&self, packet: &PointPacket<T>, vector: usize) -> Vec<Lanes> {
-        self.tape.evaluate(
-            &mut Software,
-            |_, axis| T::load(&packet.at[axis as usize], vector),
-            |_, number| T::load(&[self.binding.values()[number as usize]; 4], 0),
-        )
-    }
-
-    /// Encloses the boxes in the vector of lanes with this index.
-    fn enclose_at(&self, packet: &BoxPacket<T>, vector: usize, out: &mut EnclosurePacket<T>) {
-        let values = self.tape.enclose(
-            &mut Software,
-            |_, axis| {
-                let axis = axis as usize;
-                (T::load(&packet.neg_lo[axis], vector), T::load(&packet.hi[axis], vector))
-            },
-            |_, number| {
-                let [neg_lo, hi] = self.binding.enclosures()[number as usize];
-                (T::load(&[neg_lo; 4], 0), T::load(&[hi; 4], 0))
-            },
-        );
-        T::store(values[0].neg_lo, vector, &mut out.neg_lo);
-        T::store(values[0].hi, vector, &mut out.hi);
-        let reads = self.tape.reads_parameters();
-        let lanes = LANES / T::VECTORS;
-        let words = &mut out.facts[lanes * vector..lanes * (vector + 1)];
-        for (out, facts) in words.iter_mut().zip(facts_of::<T>(&values[0])) {
-            let facts = if reads { self.binding.limit(facts) } else { facts };
-            *out = facts.bits().into();
-        }
+        tape.check::<Q>(&binding);
+        Self { tape, binding, question: PhantomData }
     }
 }
 
-impl<T: Real> IntervalKernel<T> for Reference<T> {
-    fn enclose(&self, boxes: &[BoxPacket<T>], out: &mut [EnclosurePacket<T>]) {
-        assert!(out.len() >= boxes.len(), "output shorter than input");
-        for (packet, out) in boxes.iter().zip(out) {
-            for vector in 0..T::VECTORS {
-                self.enclose_at(packet, vector, out);
+/// A batch that is read one vector after another.
+struct Cursor<'a, Q: Question, T: Real> {
+    input: &'a Q::Input<T>,
+    binding: &'a Binding<T>,
+    vector: usize,
+}
+
+impl<Q: Question, T: Real> Loader<Software> for Cursor<'_, Q, T> {
+    fn input(&mut self, _: &mut Software, quantity: usize) -> Vector {
+        T::load(self.input.quantity(quantity), self.vector)
+    }
+
+    fn parameter(&mut self, _: &mut Software, quantity: usize) -> Vector {
+        T::load(&self.binding.quantities()[quantity], 0)
+    }
+}
+
+impl<Q: Question, T: Real> Kernel<Q, T> for Reference<Q, T> {
+    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+        self.tape.check_input::<Q>(input);
+        (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
+        for vector in 0..input.count().div_ceil(T::VECTOR_LANES) {
+            let mut cursor = Cursor::<Q, T> { input, binding: &self.binding, vector };
+            let Answer { quantities, masks } = Q::answer(&self.tape, &mut Software, &mut cursor);
+            for (number, value) in quantities.into_iter().enumerate() {
+                T::store(value, vector, output.quantity_mut(number));
             }
-        }
-    }
-}
-
-impl<T: Real> PointKernel<T> for Reference<T> {
-    fn sample(&self, points: &[PointPacket<T>], out: &mut [ValuePacket<T>]) {
-        assert!(out.len() >= points.len(), "output shorter than input");
-        for (packet, out) in points.iter().zip(out) {
-            for vector in 0..T::VECTORS {
-                T::store(self.values_at(packet, vector)[0], vector, &mut out.value);
-            }
-        }
-    }
-}
-
-impl<T: Real> GradientKernel<T> for Reference<T> {
-    /// # Panics
-    /// Also if the tape does not have four outputs: value and partial derivatives.
-    fn gradient(&self, points: &[PointPacket<T>], out: &mut [GradientPacket<T>]) {
-        assert!(out.len() >= points.len(), "output shorter than input");
-        for (packet, out) in points.iter().zip(out) {
-            for vector in 0..T::VECTORS {
-                let values = self.values_at(packet, vector);
-                let [value, derivatives @ ..]: [Lanes; 4] =
-                    values.try_into().expect("value and three derivatives");
-                T::store(value, vector, &mut out.value);
-                for (derivative, out) in derivatives.into_iter().zip(&mut out.gradient) {
-                    T::store(derivative, vector, out);
-                }
+            for (number, mask) in masks.into_iter().enumerate() {
+                let bits = T::bits(mask.mask(&mut Software, T::FORMAT));
+                *output.mask_mut(number) |= (bits << (T::VECTOR_LANES * vector)) as u16;
             }
         }
     }

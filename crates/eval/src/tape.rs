@@ -1,13 +1,17 @@
 //! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
 
+use crate::batch::{Input, LANES, Lanes};
+use crate::binding::Binding;
 use crate::branches::Branches;
+use crate::domain::{Bounds, Term, ValueDomain};
+use crate::question::{Loader, Question};
 use crate::real::Real;
 use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_interval::{
-    Enclosure, Exponent, Facts, Interval, Lanes, Machine, Operand, Software, enclose,
-    enclose_twins, evaluate, evaluate_twins,
+    Enclosure, Exponent, Fact, Format, Interval, Machine, Operand, Software, Vector128 as Vector,
+    enclose,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -25,6 +29,14 @@ impl Assumptions {
     /// Nothing is known of the coordinates or of `parameters` parameters.
     pub fn none(parameters: usize) -> Self {
         Self { domain: [Interval::ENTIRE; 3], parameters: vec![Interval::ENTIRE; parameters] }
+    }
+
+    /// The same bounds with ends in `T`, rounded outward.
+    fn outward<T: Real>(&self) -> Self {
+        Self {
+            domain: self.domain.map(outward::<T>),
+            parameters: self.parameters.iter().map(|bounds| outward::<T>(*bounds)).collect(),
+        }
     }
 }
 
@@ -57,8 +69,8 @@ pub struct Tape<T: Real = f32> {
     steps: Vec<Step>,
     ranges: Vec<Interval>,
     outputs: Vec<usize>,
-    parameters: usize,
-    /// Constants and ranges have ends in `T`.
+    /// Their bounds, constants and ranges have ends in `T`.
+    assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
     branches: Option<Arc<Branches>>,
 }
@@ -75,11 +87,11 @@ impl<T: Real> Tape<T> {
             steps: Vec::new(),
             ranges: Vec::new(),
             outputs: Vec::new(),
-            parameters: assumptions.parameters.len(),
+            assumptions: Arc::new(assumptions.outward::<T>()),
             format: PhantomData,
             branches: None,
         };
-        let mut values: Vec<Operand<Lanes>> = Vec::new();
+        let mut values: Vec<Operand<Vector>> = Vec::new();
         for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
             let step = match node {
                 Node::Variable(axis) => Step::Coordinate(*axis),
@@ -101,9 +113,8 @@ impl<T: Real> Tape<T> {
         tape
     }
 
-    /// Steps that tell where `roots` may all vanish, branch by branch where they jump: enclosures of the first of them,
-    /// but empty ([`NOWHERE`](zeroset_interval::Facts::NOWHERE)) where it is proven that some root is not 0, wherever
-    /// in the box; nothing else is claimed. They are those of the first root restricted to where all are 0.
+    /// Steps that tell where `roots` may all vanish, branch by branch where they jump: they answer
+    /// [`FindZeros`](crate::FindZeros), and nothing else.
     ///
     /// `None` if the last root does not jump, or the steps are too many to be written for two branches.
     ///
@@ -140,14 +151,14 @@ impl<T: Real> Tape<T> {
         if self.branches.is_some() { 1 } else { self.outputs.len() }
     }
 
-    /// The number of parameters that the caller passes, used or not.
-    pub fn parameters(&self) -> usize {
-        self.parameters
+    /// What the code may take for granted, its bounds rounded outward to `T`.
+    pub fn assumptions(&self) -> &Assumptions {
+        &self.assumptions
     }
 
-    /// Whether any step reads a parameter.
-    pub fn reads_parameters(&self) -> bool {
-        self.steps.iter().any(|step| matches!(step, Step::Parameter(_)))
+    /// The number of parameters that the caller passes, used or not.
+    pub fn parameters(&self) -> usize {
+        self.assumptions.parameters.len()
     }
 
     /// The number of operations: steps that are neither coordinates, parameters nor constants, and each as often as it
@@ -159,76 +170,93 @@ impl<T: Real> Tape<T> {
         self.steps.iter().filter(|step| matches!(step, Step::Apply(..))).count()
     }
 
-    /// Writes the enclosures of all outputs on `m`. `coordinate` and `parameter` give inputs as (−lo, hi).
-    pub fn enclose<M: Machine>(
+    /// Holds what a question and a binding need against what this tape is.
+    ///
+    /// # Panics
+    /// If the number of expressions or of parameters differs, or, in debug builds, if a value is not within what the
+    /// tape assumes.
+    pub fn check<Q: Question>(&self, binding: &Binding<T>) {
+        assert_eq!(self.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
+        assert_eq!(self.parameters(), binding.bounds().len(), "parameters");
+        debug_assert!(
+            binding.is_within(&self.assumptions.parameters),
+            "code for {:?} was bound to {:?}",
+            self.assumptions.parameters,
+            binding.bounds(),
+        );
+    }
+
+    /// Holds what is asked about against what this tape is.
+    ///
+    /// # Panics
+    /// If no lane is in use or more than there are, or, in debug builds, if one is beyond the domain that the tape assumes.
+    #[inline]
+    pub fn check_input<Q: Question>(&self, input: &Q::Input<T>) {
+        assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
+        debug_assert!(input.is_within(&self.assumptions.domain), "a box reaches out of the domain");
+    }
+
+    /// Whether the bounds of the first output are finite in every sample.
+    pub(crate) fn is_bounded(&self) -> bool {
+        let (range, largest) = (self.ranges[self.outputs[0]], T::LARGEST.into());
+        -largest <= range.lo && range.hi <= largest
+    }
+
+    /// Writes the values of all outputs on `m`, in a domain of values.
+    ///
+    /// # Panics
+    /// If the tape only finds zeros ([`Tape::branches`]).
+    pub fn evaluate<M: Machine, D: ValueDomain<T, M>>(
         &self,
         m: &mut M,
-        mut coordinate: impl FnMut(&mut M, Axis) -> (M::V, M::V),
-        mut parameter: impl FnMut(&mut M, u32) -> (M::V, M::V),
-    ) -> Vec<Enclosure<M::V>> {
-        let mut leaf = |m: &mut M, step: &Step| match step {
-            Step::Coordinate(axis) => Some(pair(coordinate(m, *axis))),
-            Step::Parameter(number) => Some(pair(parameter(m, *number))),
-            Step::Constant(bounds, _) => {
-                Some(pair((m.number(T::FORMAT, -bounds.lo), m.number(T::FORMAT, bounds.hi))))
-            }
-            Step::Apply(..) => None,
-        };
-        if let Some(branches) = &self.branches {
-            return vec![self.enclose_branches(m, branches, leaf)];
-        }
-        let mut values: Vec<Operand<M::V>> = Vec::with_capacity(self.steps.len());
+        domain: &mut D,
+    ) -> Vec<D::Value> {
+        assert!(self.branches.is_none(), "branches only find zeros");
+        let mut terms: Vec<Term<D::Value>> = Vec::with_capacity(self.steps.len());
         let mut twins = Twins::default();
         for (step, &range) in self.steps.iter().zip(&self.ranges) {
-            let value = match (step, leaf(m, step)) {
-                (_, Some(value)) => value,
-                (Step::Apply(op, operands), None) => {
-                    let both = || enclose_twins(m, T::FORMAT, *op, &values[operands[0]]);
+            let value = match step {
+                Step::Coordinate(axis) => domain.coordinate(m, *axis),
+                Step::Parameter(number) => domain.parameter(m, *number as usize),
+                Step::Constant(bounds, _) => domain.constant(m, *bounds),
+                Step::Apply(op, operands) => {
+                    let both = || domain.apply_twins(m, *op, &terms[operands[0]]);
                     if let Some(value) = twins.take(*op, operands[0], both) {
                         value
                     } else {
-                        let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-                        enclose(m, T::FORMAT, *op, &operands)
+                        let operands: Vec<_> = operands.iter().map(|&i| terms[i]).collect();
+                        domain.apply(m, *op, &operands)
                     }
-                }
-                (Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..), None) => {
-                    unreachable!("leaves have values")
                 }
             };
-            values.push(Operand { value, range, exponent: step.exponent() });
+            terms.push(Term { value, range, exponent: step.exponent() });
         }
-        self.outputs.iter().map(|&output| values[output].value).collect()
+        self.outputs.iter().map(|&output| terms[output].value).collect()
     }
 
-    /// Writes the values of all outputs at points on `m`.
-    pub fn evaluate<M: Machine>(
+    /// Writes in which lanes all outputs may vanish together, branch by branch; `None` if this tape is not one of
+    /// [`Tape::branches`].
+    pub(crate) fn vanishing_together<M: Machine>(
         &self,
         m: &mut M,
-        mut coordinate: impl FnMut(&mut M, Axis) -> M::V,
-        mut parameter: impl FnMut(&mut M, u32) -> M::V,
-    ) -> Vec<M::V> {
-        let mut values: Vec<M::V> = Vec::with_capacity(self.steps.len());
-        let mut twins = Twins::default();
-        for step in &self.steps {
-            values.push(match step {
-                Step::Coordinate(axis) => coordinate(m, *axis),
-                Step::Parameter(number) => parameter(m, *number),
-                Step::Constant(bounds, _) => m.number(T::FORMAT, middle::<T>(*bounds)),
-                Step::Apply(op, operands) => {
-                    let (first, range) = (operands[0], self.ranges[operands[0]]);
-                    let both = || evaluate_twins(m, T::FORMAT, *op, values[first], range);
-                    if let Some(value) = twins.take(*op, first, both) {
-                        value
-                    } else {
-                        let exponent = self.exponent(operands);
-                        let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-                        evaluate(m, T::FORMAT, *op, &operands, exponent)
-                    }
-                }
-            });
-        }
-        self.outputs.iter().map(|&output| values[output]).collect()
+        loader: &mut impl Loader<M>,
+    ) -> Option<Fact<M::V>> {
+        let branches = self.branches.as_ref()?;
+        Some(self.possible_branches(m, branches, &mut Bounds(loader)))
     }
+}
+
+/// Lanes in which an expression may be 0.
+pub(crate) fn may_vanish<M: Machine>(
+    m: &mut M,
+    format: Format,
+    value: &Enclosure<M::V>,
+) -> Fact<M::V> {
+    let zero = m.number(format, 0.0);
+    let least = m.min(value.neg_lo, value.hi);
+    let holds_zero = Fact::Lanes(m.le(zero, least));
+    let somewhere = value.nowhere.not(m, format);
+    holds_zero.and(m, somewhere)
 }
 
 /// Values computed together with their twins and not yet asked for, by operation and the step of its operand.
@@ -253,10 +281,6 @@ impl<V> Twins<V> {
     }
 }
 
-fn pair<V: Copy>((neg_lo, hi): (V, V)) -> Enclosure<V> {
-    Enclosure::total(neg_lo, hi)
-}
-
 /// The bounds with ends in `T`, rounded outward.
 pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
     Interval { lo: -T::above(-bounds.lo).into(), hi: T::above(bounds.hi).into() }
@@ -278,12 +302,12 @@ const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 /// A step's value over everything that `assumptions` allow: since rules are isotone, it bounds every later value.
 fn range_of<T: Real>(
     step: &Step,
-    values: &[Operand<Lanes>],
+    values: &[Operand<Vector>],
     assumptions: &Assumptions,
-) -> Operand<Lanes> {
+) -> Operand<Vector> {
     let given = |bounds: Interval| {
         let bounds = outward::<T>(bounds);
-        let lanes = |end: f64| T::load(&[T::nearest(end); 4], 0);
+        let lanes = |end: f64| T::load(&Lanes::splat(T::nearest(end)), 0);
         Operand::new(Enclosure::total(lanes(-bounds.lo), lanes(bounds.hi)), bounds)
     };
     match step {
@@ -295,58 +319,63 @@ fn range_of<T: Real>(
             let value = enclose(&mut Software, T::FORMAT, *op, &operands);
             // 0 − x gives 0 for a zero of either sign.
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
-            let nowhere = facts_of::<T>(&value)[0].has(Facts::NOWHERE);
+            let nowhere = T::bits(value.nowhere.mask(&mut Software, T::FORMAT)) & 1 == 1;
             let range = match Interval::new(lo, hi) {
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),
             };
-            given(if op.row().excess.is_some() { inflate(range) } else { range }).with_facts(&value)
+            let range = op.row().excess.map_or(range, |[f32, f64]| match T::FORMAT {
+                Format::F32 => inflate(range, f64::from(f32::from_bits(1)) * f32 as f64),
+                Format::F64 => inflate(range, f64::from_bits(f64)),
+            });
+            given(range).with_facts(&value)
         }
     }
 }
 
 trait WithFacts {
-    fn with_facts(self, facts: &Enclosure<Lanes>) -> Self;
+    fn with_facts(self, facts: &Enclosure<Vector>) -> Self;
 }
 
-impl WithFacts for Operand<Lanes> {
-    fn with_facts(self, facts: &Enclosure<Lanes>) -> Self {
+impl WithFacts for Operand<Vector> {
+    fn with_facts(self, facts: &Enclosure<Vector>) -> Self {
         let value = Enclosure { neg_lo: self.value.neg_lo, hi: self.value.hi, ..*facts };
         Self { value, ..self }
     }
 }
 
 /// The number in the first lane.
-fn first<T: Real>(vector: Lanes) -> f64 {
-    let mut lanes = [T::default(); 4];
+fn first<T: Real>(vector: Vector) -> f64 {
+    let mut lanes = Lanes::default();
     T::store(vector, 0, &mut lanes);
     lanes[0].into()
 }
 
-/// The facts of each lane of a vector; none for lanes that it does not have.
-pub(crate) fn facts_of<T: Real>(value: &Enclosure<Lanes>) -> [Facts; 4] {
-    let mut facts = [Facts::NONE; 4];
-    for (fact, bit) in [
-        (value.nowhere, Facts::NOWHERE),
-        (value.defined, Facts::DEFINED),
-        (value.continuous, Facts::CONTINUOUS),
-    ] {
-        let set = T::is_set(fact.mask(&mut Software, T::FORMAT));
-        for (facts, set) in facts.iter_mut().zip(set) {
-            *facts = if set { *facts | bit } else { *facts };
-        }
-    }
-    facts
-}
-
-fn inflate(range: Interval) -> Interval {
-    let out = |end: f64, sign: f64| end + sign * end.abs() * NOT_MONOTONE;
+/// The range, widened by as much as bounds over a branch may stick out of it: relatively, and below
+/// the normal numbers by `excess`, the most that an enclosure of the operation is too wide by there.
+/// An end at 0 stays, as no approximation changes the sign of a value.
+fn inflate(range: Interval, excess: f64) -> Interval {
+    let out = |end: f64, sign: f64| match end {
+        0.0 => end,
+        _ => end + sign * (end.abs() * NOT_MONOTONE).max(excess),
+    };
     Interval { lo: out(range.lo, -1.0), hi: out(range.hi, 1.0) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ends_below_the_normal_numbers_are_widened_too() {
+        let excess = f64::from_bits(4);
+        for bits in [1, 3, 1 << 10, 1 << 19, 1 << 40] {
+            let end = f64::from_bits(bits);
+            let Interval { lo, hi } = inflate(Interval { lo: end, hi: end }, excess);
+            assert!(lo < end && end < hi && hi - end >= excess, "{end:e}: {lo:e} {hi:e}");
+        }
+        assert_eq!(inflate(Interval::ZERO, excess), Interval::ZERO);
+    }
 
     #[test]
     fn middles_are_numbers() {

@@ -2,8 +2,8 @@
 
 /// The reals from `lo` to `hi`, both ends included where finite.
 ///
-/// Invariants: neither end is NaN, `lo ≤ hi`, `lo < +∞`, `hi > −∞`. There is no empty interval: emptiness is a
-/// [fact](crate::Facts) that accompanies the bounds.
+/// Invariants: neither end is NaN, `lo ≤ hi`, `lo < +∞`, `hi > −∞`. There is no empty interval:
+/// emptiness is a [fact](crate::Facts) that accompanies the bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.

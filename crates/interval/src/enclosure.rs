@@ -99,8 +99,11 @@ pub enum Exponent {
     Real,
     /// It is this integer, at every sample.
     Integer(i32),
-    /// It is an integer too large for `i32`: the power is defined, but nothing is claimed of its value.
-    LargeInteger,
+    /// It is an integer too large for `i32`.
+    LargeInteger {
+        /// Whether it is odd.
+        odd: bool,
+    },
 }
 
 /// A sign that an operand's bounds are known to have.

@@ -5,13 +5,13 @@ use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
 use crate::facts::Facts;
 use crate::machine::Format;
 use crate::rules;
-use crate::software::{Lanes, Software};
+use crate::software::{Software, Vector128};
 use crate::unbounded::{product, quotient};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 /// What is known of an expression: its bounds, what is proven of it, and what it is as an exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Value {
+pub struct Decorated {
     /// All its values lie within.
     pub bounds: Interval,
     /// Where it is defined and continuous.
@@ -20,17 +20,19 @@ pub struct Value {
     pub exponent: Exponent,
 }
 
-impl From<(Interval, Facts)> for Value {
+impl From<(Interval, Facts)> for Decorated {
     /// No constant integer.
     fn from((bounds, facts): (Interval, Facts)) -> Self {
         Self { bounds, facts, exponent: Exponent::Real }
     }
 }
 
-/// Encloses `op` over boxes of operands in `f64`, rounded outward, with what is proven of the result.
+/// Encloses `op` over boxes of operands in `f64`, rounded outward, with what is proven of the
+/// result.
 ///
-/// Where the result is defined nowhere, its bounds are all reals. Sums, products, quotients, squares, square roots and
-/// all that rounds or compares are the tightest, on infinite operands too (where kernels need not be).
+/// Where the result is defined nowhere, its bounds are all reals. Sums, products, quotients,
+/// squares, square roots and all that rounds or compares are the tightest, on infinite operands too
+/// (where kernels need not be).
 ///
 /// ```
 /// use zeroset_interval::{Facts, Interval, fold};
@@ -44,17 +46,17 @@ impl From<(Interval, Facts)> for Value {
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
-pub fn fold<V: Copy + Into<Value>>(op: Op, operands: &[V]) -> (Interval, Facts) {
-    let values: Vec<Value> = operands.iter().map(|&operand| operand.into()).collect();
-    let operands: Vec<Operand<Lanes>> = values
+pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Facts) {
+    let values: Vec<Decorated> = operands.iter().map(|&operand| operand.into()).collect();
+    let operands: Vec<Operand<Vector128>> = values
         .iter()
-        .map(|&Value { bounds: range, facts, exponent }| {
+        .map(|&Decorated { bounds: range, facts, exponent }| {
             let fact = |bit: Facts| {
                 if facts.has(bit) { Fact::True } else { Fact::False }
             };
             let value = Enclosure {
-                neg_lo: Lanes::from_f64([-range.lo; 2]),
-                hi: Lanes::from_f64([range.hi; 2]),
+                neg_lo: Vector128::from_f64([-range.lo; 2]),
+                hi: Vector128::from_f64([range.hi; 2]),
                 nowhere: fact(Facts::NOWHERE),
                 defined: fact(Facts::DEFINED),
                 continuous: fact(Facts::CONTINUOUS),
@@ -75,11 +77,20 @@ pub fn fold<V: Copy + Into<Value>>(op: Op, operands: &[V]) -> (Interval, Facts) 
     if facts.has(Facts::NOWHERE) {
         return (Interval::ENTIRE, Facts::NOWHERE);
     }
-    let bounds = match (op, &values[..]) {
-        (Op::Mul, [a, b]) => product(a.bounds, b.bounds),
-        (Op::Div, [a, b]) => quotient(a.bounds, b.bounds),
-        // 0 − x turns −0 into 0.
-        _ => Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 },
+    let bounds = match op.row().class {
+        Class::Product => product(values[0].bounds, values[1].bounds),
+        Class::Quotient => quotient(values[0].bounds, values[1].bounds),
+        Class::Negation
+        | Class::Sum
+        | Class::Square
+        | Class::Power
+        | Class::Remainder
+        | Class::Extremum
+        | Class::Choice
+        | Class::Fallback
+        | Class::Restriction(_)
+        | Class::Function(_)
+        | Class::FunctionOfTwo => Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 }, // 0 for −0
     };
     (bounds, facts)
 }

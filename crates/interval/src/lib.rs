@@ -1,16 +1,16 @@
 //! Intervals with outward rounding, and the rule of every operation on them.
 //!
-//! A rule is written once, over the primitive lane operations of a [`Machine`] that rounds up; an interval is
-//! the pair (−lo, hi), so rounding both up rounds outward. The same text runs on the [`Software`] machine here
-//! (folding, range analysis, the reference evaluator) and is emitted as native code elsewhere. This crate knows
-//! neither graphs nor code generation.
+//! A rule is written once, over the primitive lane operations of a [`Machine`] that rounds up; an
+//! interval is the pair (−lo, hi), so rounding both up rounds outward. The same rule runs on the
+//! [`Software`] machine here (folding, range analysis, the reference evaluator) and is emitted as
+//! native code elsewhere. This crate knows neither graphs nor code generation.
 
 mod bounds;
+mod branch;
 mod enclosure;
 mod facts;
 mod fold;
 mod machine;
-mod part;
 mod point;
 pub mod round;
 mod rules;
@@ -18,11 +18,11 @@ mod software;
 mod unbounded;
 
 pub use bounds::Interval;
+pub use branch::{Branch, Split};
 pub use enclosure::{Enclosure, Exponent, Fact, Operand};
 pub use facts::Facts;
-pub use fold::{Value, fold};
+pub use fold::{Decorated, fold};
 pub use machine::{Format, Machine};
-pub use part::{Part, Parting};
 pub use point::{evaluate, evaluate_twins};
-pub use rules::{enclose, enclose_part, enclose_twins};
-pub use software::{Lanes, Software};
+pub use rules::{enclose, enclose_branch, enclose_twins};
+pub use software::{Software, Vector128};

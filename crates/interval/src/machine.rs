@@ -1,4 +1,4 @@
-//! The primitive lane operations in which every kernel text is written.
+//! The primitive lane operations in which every rule is written.
 
 /// The type of the lanes of a 128-bit vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -12,9 +12,9 @@ pub enum Format {
 /// A machine with 128-bit vectors that rounds up.
 ///
 /// Rules are written once over this trait. One implementation emits native code, the other
-/// ([`Software`](crate::Software)) computes; both give the same bits (NaN apart, which no rule lets through).
-/// Arithmetic rounds to +∞, subnormals are kept, nothing is fused. Operands of one call share a [`Format`]. A mask
-/// is a vector whose lanes are all ones or all zeros.
+/// ([`Software`](crate::Software)) computes; both give the same bits (NaN apart, which no rule lets
+/// through). Arithmetic rounds to +∞, subnormals are kept, nothing is fused. Operands of one call
+/// share a [`Format`]. A mask is a vector whose lanes are all ones or all zeros.
 pub trait Machine {
     /// A vector.
     type V: Copy;
@@ -83,17 +83,17 @@ pub trait Machine {
     /// The inverse of [`Machine::widen`], rounded up.
     fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;
 
-    /// Applies `text` to each row of inputs, all `F64`; native code does so in a loop, so that it is emitted once (a
-    /// kernel with nine cosines compiles in half the time, and runs a sixth faster). What `text` computes must not be
-    /// used but through its results.
+    /// Applies `routine` to each row of inputs, all `F64`; native code does so in a loop, so that
+    /// it is emitted once (a kernel with nine cosines compiles in half the time, and runs a sixth
+    /// faster). What `routine` computes must not be used but through its results.
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         inputs: [[Self::V; IN]; ROWS],
-        mut text: impl FnMut(&mut Self, [Self::V; IN]) -> [Self::V; OUT],
+        mut routine: impl FnMut(&mut Self, [Self::V; IN]) -> [Self::V; OUT],
     ) -> [[Self::V; OUT]; ROWS]
     where
         Self: Sized,
     {
-        inputs.map(|row| text(self, row))
+        inputs.map(|row| routine(self, row))
     }
 }

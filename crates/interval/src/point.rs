@@ -1,15 +1,16 @@
 //! The value of every operation at points, written once over [`Machine`].
 //!
-//! Values carry no bound: they shade pictures and start searches. Where an operation is undefined the value is NaN, or
-//! infinite at a pole.
+//! Values carry no bound: they shade pictures and start searches. Where an operation is undefined
+//! the value is NaN, or infinite at a pole.
 
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
 use crate::machine::{Format, Machine};
-use crate::rules::{ANGLE_LIMIT, Base, Near, Rule, Text, by_halves};
+use crate::rules::{Approximation, Approximator, Base, HalfPi, Rule, by_halves};
 use zeroset_ops::Op;
 
-/// Evaluates `op` over lanes of operands, all in `format`; `exponent` says what the last operand is as one.
+/// Evaluates `op` over lanes of operands, all in `format`; `exponent` says what the last operand is
+/// as one.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
@@ -37,41 +38,33 @@ pub fn evaluate<M: Machine>(
         }
         Op::Sqr => rule.m.mul(a, a),
         Op::Sqrt => rule.m.sqrt(a),
-        Op::Cbrt => rule.near_at(a, |text, a| text.cbrt(a)),
-        Op::Exp => rule.at_halves(a, |text, a| text.exp_near(a)),
+        Op::Cbrt => rule.near_at(a, |approx, a| approx.cbrt(a)),
+        Op::Exp => rule.at_halves(a, |approx, a| approx.exp_near(a)),
         Op::Ln => rule.logarithm_at(a, Base::E),
         Op::Log2 => rule.logarithm_at(a, Base::Two),
         Op::Log10 => rule.logarithm_at(a, Base::Ten),
-        Op::Sin => rule.angle_at(a, |text, a| text.sin(a).0),
-        Op::Cos => rule.angle_at(a, |text, a| text.cos(a).0),
-        Op::Tan => rule.angle_at(a, |text, a| text.tan(a).0),
-        Op::Asin => rule.within_one_at(a, true, |text, a| text.asin(a)),
-        Op::Acos => rule.within_one_at(a, true, |text, a| text.acos(a)),
-        Op::Atan => rule.near_at(a, |text, a| text.atan(a)),
-        Op::Sinh => rule.near_at(a, |text, a| text.sinh(a)),
-        Op::Cosh => rule.near_at(a, |text, a| text.cosh(a)),
-        Op::Tanh => rule.near_at(a, |text, a| text.tanh(a)),
-        Op::Asinh => rule.unbounded_at(a, |text, a| text.asinh(a)),
+        Op::Sin => rule.angle_at(a, |approx, a, half_pi| approx.sin(a, half_pi).0),
+        Op::Cos => rule.angle_at(a, |approx, a, half_pi| approx.cos(a, half_pi).0),
+        Op::Tan => rule.angle_at(a, |approx, a, half_pi| approx.tan(a, half_pi).0),
+        Op::Asin => rule.within_one_at(a, true, |approx, a| approx.asin(a)),
+        Op::Acos => rule.within_one_at(a, true, |approx, a| approx.acos(a)),
+        Op::Atan => rule.near_at(a, |approx, a| approx.atan(a)),
+        Op::Sinh => rule.near_at(a, |approx, a| approx.sinh(a)),
+        Op::Cosh => rule.near_at(a, |approx, a| approx.cosh(a)),
+        Op::Tanh => rule.near_at(a, |approx, a| approx.tanh(a)),
+        Op::Asinh => rule.unbounded_at(a, |approx, a| approx.asinh(a)),
         Op::Acosh => {
-            let value = rule.unbounded_at(a, |text, a| text.acosh(a));
+            let value = rule.unbounded_at(a, |approx, a| approx.acosh(a));
             let one = rule.number(1.0);
             let inside = rule.m.le(one, a);
             rule.nan_unless(inside, value)
         }
-        Op::Atanh => rule.within_one_at(a, false, |text, a| text.atanh(a)),
+        Op::Atanh => rule.within_one_at(a, false, |approx, a| approx.atanh(a)),
         Op::Add => rule.m.add(a, operands[1]),
         Op::Sub => rule.m.sub(a, operands[1]),
         Op::Mul => rule.m.mul(a, operands[1]),
         Op::Div => rule.m.div(a, operands[1]),
-        Op::Pow => match exponent {
-            Exponent::Integer(n) if n < 0 => {
-                let power = rule.integer_power_at(a, n.unsigned_abs());
-                let one = rule.number(1.0);
-                rule.m.div(one, power)
-            }
-            Exponent::Integer(n) => rule.integer_power_at(a, n.unsigned_abs()),
-            Exponent::Real | Exponent::LargeInteger => rule.real_power_at(a, operands[1]),
-        },
+        Op::Pow => rule.power_at(a, operands[1], exponent),
         Op::Mod => {
             let quotient = rule.m.div(a, operands[1]);
             let cells = rule.m.floor(quotient);
@@ -122,7 +115,8 @@ pub fn evaluate<M: Machine>(
     }
 }
 
-/// Evaluates `op` and its twin over lanes of their operand, which lie in `range`, or `None` if they share no work there.
+/// Evaluates `op` and its twin over lanes of their operand, which lie in `range`, or `None` if they
+/// share no work there.
 pub fn evaluate_twins<M: Machine>(
     m: &mut M,
     format: Format,
@@ -131,7 +125,7 @@ pub fn evaluate_twins<M: Machine>(
     range: Interval,
 ) -> Option<[M::V; 2]> {
     let mut rule = Rule { m, format };
-    if !matches!(op, Op::Sin | Op::Cos) || !rule.is_near(range) {
+    if op.row().twin.is_none() || !rule.is_near(range) {
         return None;
     }
     let [sin, cos] = rule.near_waves_at(a);
@@ -159,9 +153,13 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(ordered, value)
     }
 
-    /// An elementary text at points; NaN at NaN.
-    fn at_halves(&mut self, a: M::V, mut f: impl FnMut(&mut Text<'_, M>, M::V) -> M::V) -> M::V {
-        let [value] = by_halves(self.m, self.format, [a], |text, [a]| [f(text, a)]);
+    /// An elementary routine at points; NaN at NaN.
+    fn at_halves(
+        &mut self,
+        a: M::V,
+        mut f: impl FnMut(&mut Approximator<'_, M>, M::V) -> M::V,
+    ) -> M::V {
+        let [value] = by_halves(self.m, self.format, [a], |approx, [a]| [f(approx, a)]);
         let is_number = self.m.eq(a, a);
         self.nan_unless(is_number, value)
     }
@@ -169,19 +167,19 @@ impl<M: Machine> Rule<'_, M> {
     fn near_at(
         &mut self,
         a: M::V,
-        mut f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+        mut f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
     ) -> M::V {
-        self.at_halves(a, |text, a| {
-            let near = f(text, a);
-            text.value(&near)
+        self.at_halves(a, |approx, a| {
+            let near = f(approx, a);
+            approx.value(&near)
         })
     }
 
-    /// A text for finite operands, of a function that is infinite with its operand.
+    /// A routine for finite operands, of a function that is infinite with its operand.
     fn unbounded_at(
         &mut self,
         a: M::V,
-        f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+        f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
     ) -> M::V {
         let value = self.near_at(a, f);
         let (magnitude, infinity) = (self.m.abs(a), self.infinity());
@@ -189,12 +187,12 @@ impl<M: Machine> Rule<'_, M> {
         self.m.select(unbounded, a, value)
     }
 
-    /// A text for operands from −1 to 1, both included if `closed`.
+    /// A routine for operands from −1 to 1, both included if `closed`.
     fn within_one_at(
         &mut self,
         a: M::V,
         closed: bool,
-        f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+        f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
     ) -> M::V {
         let value = self.near_at(a, f);
         let (magnitude, one) = (self.m.abs(a), self.number(1.0));
@@ -205,11 +203,12 @@ impl<M: Machine> Rule<'_, M> {
     /// The angle of the point (b, a); NaN at the origin and where either is NaN.
     fn angle_of(&mut self, a: M::V, b: M::V) -> M::V {
         let zero = self.zero();
-        // A zero of either sign is on the upper side and on the right, whatever rounding left of it.
+        // A zero of either sign is on the upper side and on the right, whatever rounding left of
+        // it.
         let (a, b) = (self.m.add(a, zero), self.m.add(b, zero));
-        let [value] = by_halves(self.m, self.format, [a, b], |text, [a, b]| {
-            let near = text.angle(a, b);
-            [text.value(&near)]
+        let [value] = by_halves(self.m, self.format, [a, b], |approx, [a, b]| {
+            let near = approx.angle(a, b);
+            [approx.value(&near)]
         });
         let value = self.nan_where_unordered(value, a, b);
         let (a, b) = (self.m.abs(a), self.m.abs(b));
@@ -219,7 +218,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     fn logarithm_at(&mut self, a: M::V, base: Base) -> M::V {
-        let value = self.near_at(a, |text, a| text.ln(a, base));
+        let value = self.near_at(a, |approx, a| approx.ln(a, base));
         let (zero, infinity) = (self.zero(), self.infinity());
         let unbounded = self.m.eq(a, infinity);
         let value = self.m.select(unbounded, infinity, value);
@@ -227,12 +226,35 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(positive, value)
     }
 
-    fn angle_at(&mut self, a: M::V, f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>) -> M::V {
-        let value = self.near_at(a, f);
+    fn angle_at(
+        &mut self,
+        a: M::V,
+        f: impl Fn(&mut Approximator<'_, M>, M::V, &HalfPi) -> Approximation<M::V>,
+    ) -> M::V {
+        let half_pi = HalfPi::for_angles(Interval::ENTIRE);
+        let value = self.near_at(a, |approx, a| f(approx, a, half_pi));
         let magnitude = self.m.abs(a);
-        let limit = self.number(ANGLE_LIMIT);
+        let limit = self.number(half_pi.limit(self.format));
         let near = self.m.le(magnitude, limit);
         self.nan_unless(near, value)
+    }
+
+    fn power_at(&mut self, a: M::V, b: M::V, exponent: Exponent) -> M::V {
+        match exponent {
+            Exponent::Integer(n) if n < 0 => {
+                let power = self.integer_power_at(a, n.unsigned_abs());
+                let one = self.number(1.0);
+                self.m.div(one, power)
+            }
+            Exponent::Integer(n) => self.integer_power_at(a, n.unsigned_abs()),
+            Exponent::LargeInteger { odd } => {
+                let magnitude = self.m.abs(a);
+                let power = self.real_power_at(magnitude, b);
+                let sign = self.sign_of(a);
+                if odd { self.m.mul(sign, power) } else { power }
+            }
+            Exponent::Real => self.real_power_at(a, b),
+        }
     }
 
     fn integer_power_at(&mut self, a: M::V, n: u32) -> M::V {
@@ -259,10 +281,10 @@ impl<M: Machine> Rule<'_, M> {
 
     fn real_power_at(&mut self, a: M::V, b: M::V) -> M::V {
         let zero = self.zero();
-        let [value] = by_halves(self.m, self.format, [a, b], |text, [a, b]| {
-            let ln = text.ln(a, Base::E).sum;
-            let exponent = text.times_limited(ln, b);
-            [text.exp_near(exponent)]
+        let [value] = by_halves(self.m, self.format, [a, b], |approx, [a, b]| {
+            let ln = approx.ln(a, Base::E).sum;
+            let exponent = approx.times_limited(ln, b);
+            [approx.exp_near(exponent)]
         });
         let positive = self.gt(a, zero);
         let exponent_is_number = self.m.eq(b, b);

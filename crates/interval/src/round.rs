@@ -1,17 +1,19 @@
-//! Arithmetic rounded up, in software: what one lane of a kernel computes while the rounding mode is +∞.
+//! Arithmetic rounded up, in software: what one lane of a kernel computes while the rounding mode
+//! is +∞.
 //!
-//! Nothing here reads or sets the rounding mode of the processor: each function corrects the result rounded to
-//! nearest by the sign of its exact error. NaN and infinities behave as in IEEE 754.
+//! Nothing here reads or sets the rounding mode of the processor: each function corrects the result
+//! rounded to nearest by the sign of its exact error. NaN and infinities behave as in IEEE 754.
 
-/// The smallest float not below an exact real given as `nearest`, its value rounded to nearest, and the sign of
-/// `exact − nearest` when both are finite.
+/// The smallest float not below an exact real given as `nearest`, its value rounded to nearest, and
+/// the sign of `exact − nearest` when both are finite.
 macro_rules! correct_up {
     ($type:ty, $nearest:expr, $finite_operands:expr, $error_is_positive:expr) => {{
         let nearest: $type = $nearest;
         if nearest.is_finite() {
             if $error_is_positive { nearest.next_up() } else { nearest }
         } else if nearest == <$type>::NEG_INFINITY && $finite_operands {
-            // The exact result is below every float, and the next float up is the lowest finite one.
+            // The exact result is below every float, and the next float up is the lowest finite
+            // one.
             -<$type>::MAX
         } else {
             nearest
@@ -19,10 +21,11 @@ macro_rules! correct_up {
     }};
 }
 
-/// `f32` results rounded up. Sums, products and remainders of two `f32` are computed in `f64`, where they are exact
-/// but for sums of very different magnitude, which carry their error along.
+/// `f32` results rounded up. Sums, products and remainders of two `f32` are computed in `f64`,
+/// where they are exact but for sums of very different magnitude, which carry their error along.
 pub mod f32_up {
-    /// `value + error`, where `|error|` is at most half a unit in the last place of `value`, rounded up to `f32`.
+    /// `value + error`, where `|error|` is at most half a unit in the last place of `value`,
+    /// rounded up to `f32`.
     fn demote(value: f64, error: f64) -> f32 {
         let nearest = value as f32;
         let back = f64::from(nearest);
@@ -76,7 +79,8 @@ pub mod f32_up {
 
 /// `f64` results rounded up.
 pub mod f64_up {
-    /// Exponents in this range leave room for the error of a product, quotient or root to be a float.
+    /// Exponents in this range leave room for the error of a product, quotient or root to be a
+    /// float.
     const COMFORT: std::ops::RangeInclusive<i32> = -400..=400;
 
     /// `a + b`.
@@ -141,14 +145,15 @@ pub mod f64_up {
         f64::from_bits(((n + 1023) as u64) << 52)
     }
 
-    /// `(value + error) · 2^n` rounded up, for 1/4 < |value| < 4 and |error| at most half its last place; only the
-    /// sign of `error` is used.
+    /// `(value + error) · 2^n` rounded up, for 1/4 < |value| < 4 and |error| at most half its last
+    /// place; only the sign of `error` is used.
     fn scale(value: f64, error: f64, n: i32) -> f64 {
         if COMFORT.contains(&n) {
             let nearest = value * power(n); // exact: no underflow
             return if error > 0.0 { nearest.next_up() } else { nearest };
         }
-        // Two exact steps at most, then the one that rounds; compare the result with the exact value by undoing it.
+        // Two exact steps at most, then the one that rounds; compare the result with the exact
+        // value by undoing it.
         let clamped = n.clamp(-1200, 1200); // beyond, the result is 0 or infinite in any case
         let half = clamped / 2;
         let nearest = value * power(half) * power(clamped - half);
@@ -161,10 +166,11 @@ pub mod f64_up {
     }
 }
 
-/// The exact error of `sum = a + b` rounded to nearest (Dekker's fast two-sum), or 0 if the sum is not finite.
+/// The exact error of `sum = a + b` rounded to nearest (Dekker's fast two-sum), or 0 if the sum is
+/// not finite.
 ///
-/// Taking the larger operand away first is exact and cannot overflow: what is left is about the smaller one. Knuth's
-/// two-sum, which needs no order, overflows for sums like −MAX/2 + MAX.
+/// Taking the larger operand away first is exact and cannot overflow: what is left is about the
+/// smaller one. Knuth's two-sum, which needs no order, overflows for sums like −MAX/2 + MAX.
 fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
     if !sum.is_finite() {
         return 0.0;

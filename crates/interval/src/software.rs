@@ -5,14 +5,14 @@ use crate::round::{f32_up, f64_up};
 
 /// A vector's lanes, as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lanes {
+pub enum Vector128 {
     /// Four `f32`.
     F32([u32; 4]),
     /// Two `f64`.
     F64([u64; 2]),
 }
 
-impl Lanes {
+impl Vector128 {
     /// Four `f32` lanes.
     pub fn from_f32(lanes: [f32; 4]) -> Self {
         Self::F32(lanes.map(f32::to_bits))
@@ -62,18 +62,24 @@ impl Lanes {
     }
 }
 
-/// A [`Machine`] that computes each lane in software, rounding up whatever the processor's rounding mode.
+/// A [`Machine`] that computes each lane in software, rounding up whatever the processor's rounding
+/// mode.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Software;
 
-fn unary(a: Lanes, f: impl Fn(f32) -> f32, g: impl Fn(f64) -> f64) -> Lanes {
+fn unary(a: Vector128, f: impl Fn(f32) -> f32, g: impl Fn(f64) -> f64) -> Vector128 {
     match a {
-        Lanes::F32(a) => Lanes::F32(a.map(|a| f(f32::from_bits(a)).to_bits())),
-        Lanes::F64(a) => Lanes::F64(a.map(|a| g(f64::from_bits(a)).to_bits())),
+        Vector128::F32(a) => Vector128::F32(a.map(|a| f(f32::from_bits(a)).to_bits())),
+        Vector128::F64(a) => Vector128::F64(a.map(|a| g(f64::from_bits(a)).to_bits())),
     }
 }
 
-fn binary(a: Lanes, b: Lanes, f: impl Fn(f32, f32) -> f32, g: impl Fn(f64, f64) -> f64) -> Lanes {
+fn binary(
+    a: Vector128,
+    b: Vector128,
+    f: impl Fn(f32, f32) -> f32,
+    g: impl Fn(f64, f64) -> f64,
+) -> Vector128 {
     integer(
         a,
         b,
@@ -82,20 +88,29 @@ fn binary(a: Lanes, b: Lanes, f: impl Fn(f32, f32) -> f32, g: impl Fn(f64, f64) 
     )
 }
 
-fn integer(a: Lanes, b: Lanes, f: impl Fn(u32, u32) -> u32, g: impl Fn(u64, u64) -> u64) -> Lanes {
+fn integer(
+    a: Vector128,
+    b: Vector128,
+    f: impl Fn(u32, u32) -> u32,
+    g: impl Fn(u64, u64) -> u64,
+) -> Vector128 {
     match (a, b) {
-        (Lanes::F32(a), Lanes::F32(b)) => Lanes::F32(std::array::from_fn(|i| f(a[i], b[i]))),
-        (Lanes::F64(a), Lanes::F64(b)) => Lanes::F64(std::array::from_fn(|i| g(a[i], b[i]))),
+        (Vector128::F32(a), Vector128::F32(b)) => {
+            Vector128::F32(std::array::from_fn(|i| f(a[i], b[i])))
+        }
+        (Vector128::F64(a), Vector128::F64(b)) => {
+            Vector128::F64(std::array::from_fn(|i| g(a[i], b[i])))
+        }
         _ => panic!("operands of one operation share a format"),
     }
 }
 
 fn compare(
-    a: Lanes,
-    b: Lanes,
+    a: Vector128,
+    b: Vector128,
     f: impl Fn(f32, f32) -> bool,
     g: impl Fn(f64, f64) -> bool,
-) -> Lanes {
+) -> Vector128 {
     integer(
         a,
         b,
@@ -109,122 +124,122 @@ fn compare(
 }
 
 impl Machine for Software {
-    type V = Lanes;
+    type V = Vector128;
 
-    fn number(&mut self, format: Format, value: f64) -> Lanes {
+    fn number(&mut self, format: Format, value: f64) -> Vector128 {
         match format {
             Format::F32 => {
                 let narrow = value as f32;
                 debug_assert!(f64::from(narrow) == value, "{value} is not exact in f32");
-                Lanes::from_f32([narrow; 4])
+                Vector128::from_f32([narrow; 4])
             }
-            Format::F64 => Lanes::from_f64([value; 2]),
+            Format::F64 => Vector128::from_f64([value; 2]),
         }
     }
-    fn bits(&mut self, format: Format, bits: u64) -> Lanes {
+    fn bits(&mut self, format: Format, bits: u64) -> Vector128 {
         match format {
-            Format::F32 => Lanes::F32([bits as u32; 4]),
-            Format::F64 => Lanes::F64([bits; 2]),
+            Format::F32 => Vector128::F32([bits as u32; 4]),
+            Format::F64 => Vector128::F64([bits; 2]),
         }
     }
 
-    fn add(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn add(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         binary(a, b, f32_up::add, f64_up::add)
     }
-    fn sub(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn sub(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         binary(a, b, f32_up::sub, f64_up::sub)
     }
-    fn mul(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn mul(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         binary(a, b, f32_up::mul, f64_up::mul)
     }
-    fn div(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn div(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         binary(a, b, f32_up::div, f64_up::div)
     }
-    fn sqrt(&mut self, a: Lanes) -> Lanes {
+    fn sqrt(&mut self, a: Vector128) -> Vector128 {
         unary(a, f32_up::sqrt, f64_up::sqrt)
     }
-    fn neg(&mut self, a: Lanes) -> Lanes {
+    fn neg(&mut self, a: Vector128) -> Vector128 {
         unary(a, |a| -a, |a| -a)
     }
-    fn abs(&mut self, a: Lanes) -> Lanes {
+    fn abs(&mut self, a: Vector128) -> Vector128 {
         unary(a, f32::abs, f64::abs)
     }
-    fn min(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn min(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         binary(a, b, |a, b| if a < b { a } else { b }, |a, b| if a < b { a } else { b })
     }
-    fn max(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn max(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         binary(a, b, |a, b| if a > b { a } else { b }, |a, b| if a > b { a } else { b })
     }
-    fn floor(&mut self, a: Lanes) -> Lanes {
+    fn floor(&mut self, a: Vector128) -> Vector128 {
         unary(a, f32::floor, f64::floor)
     }
-    fn ceil(&mut self, a: Lanes) -> Lanes {
+    fn ceil(&mut self, a: Vector128) -> Vector128 {
         unary(a, f32::ceil, f64::ceil)
     }
-    fn trunc(&mut self, a: Lanes) -> Lanes {
+    fn trunc(&mut self, a: Vector128) -> Vector128 {
         unary(a, f32::trunc, f64::trunc)
     }
-    fn nearest(&mut self, a: Lanes) -> Lanes {
+    fn nearest(&mut self, a: Vector128) -> Vector128 {
         unary(a, f32::round_ties_even, f64::round_ties_even)
     }
 
-    fn lt(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn lt(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         compare(a, b, |a, b| a < b, |a, b| a < b)
     }
-    fn le(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn le(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         compare(a, b, |a, b| a <= b, |a, b| a <= b)
     }
-    fn eq(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn eq(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         compare(a, b, |a, b| a == b, |a, b| a == b)
     }
-    fn and(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn and(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         integer(a, b, |a, b| a & b, |a, b| a & b)
     }
-    fn or(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn or(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         integer(a, b, |a, b| a | b, |a, b| a | b)
     }
-    fn xor(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn xor(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         integer(a, b, |a, b| a ^ b, |a, b| a ^ b)
     }
-    fn select(&mut self, mask: Lanes, a: Lanes, b: Lanes) -> Lanes {
+    fn select(&mut self, mask: Vector128, a: Vector128, b: Vector128) -> Vector128 {
         let chosen = self.and(mask, a);
         let other = integer(mask, b, |m, b| !m & b, |m, b| !m & b);
         self.or(chosen, other)
     }
 
-    fn select_signed(&mut self, sign: Lanes, a: Lanes, b: Lanes) -> Lanes {
+    fn select_signed(&mut self, sign: Vector128, a: Vector128, b: Vector128) -> Vector128 {
         let mask = match sign {
-            Lanes::F32(lanes) => Lanes::F32(lanes.map(|lane| (lane as i32 >> 31) as u32)),
-            Lanes::F64(lanes) => Lanes::F64(lanes.map(|lane| (lane as i64 >> 63) as u64)),
+            Vector128::F32(lanes) => Vector128::F32(lanes.map(|lane| (lane as i32 >> 31) as u32)),
+            Vector128::F64(lanes) => Vector128::F64(lanes.map(|lane| (lane as i64 >> 63) as u64)),
         };
         self.select(mask, a, b)
     }
 
-    fn int_add(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn int_add(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         integer(a, b, u32::wrapping_add, u64::wrapping_add)
     }
-    fn int_sub(&mut self, a: Lanes, b: Lanes) -> Lanes {
+    fn int_sub(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         integer(a, b, u32::wrapping_sub, u64::wrapping_sub)
     }
-    fn shift_left(&mut self, a: Lanes, by: u8) -> Lanes {
+    fn shift_left(&mut self, a: Vector128, by: u8) -> Vector128 {
         match a {
-            Lanes::F32(a) => Lanes::F32(a.map(|a| a << by)),
-            Lanes::F64(a) => Lanes::F64(a.map(|a| a << by)),
+            Vector128::F32(a) => Vector128::F32(a.map(|a| a << by)),
+            Vector128::F64(a) => Vector128::F64(a.map(|a| a << by)),
         }
     }
-    fn shift_right(&mut self, a: Lanes, by: u8) -> Lanes {
+    fn shift_right(&mut self, a: Vector128, by: u8) -> Vector128 {
         match a {
-            Lanes::F32(a) => Lanes::F32(a.map(|a| a >> by)),
-            Lanes::F64(a) => Lanes::F64(a.map(|a| a >> by)),
+            Vector128::F32(a) => Vector128::F32(a.map(|a| a >> by)),
+            Vector128::F64(a) => Vector128::F64(a.map(|a| a >> by)),
         }
     }
 
-    fn widen(&mut self, a: Lanes) -> [Lanes; 2] {
+    fn widen(&mut self, a: Vector128) -> [Vector128; 2] {
         let a = a.f32().map(f64::from);
-        [Lanes::from_f64([a[0], a[1]]), Lanes::from_f64([a[2], a[3]])]
+        [Vector128::from_f64([a[0], a[1]]), Vector128::from_f64([a[2], a[3]])]
     }
-    fn narrow(&mut self, halves: [Lanes; 2]) -> Lanes {
+    fn narrow(&mut self, halves: [Vector128; 2]) -> Vector128 {
         let ([a, b], [c, d]) = (halves[0].f64(), halves[1].f64());
-        Lanes::from_f32([a, b, c, d].map(f32_up::from_f64))
+        Vector128::from_f32([a, b, c, d].map(f32_up::from_f64))
     }
 }

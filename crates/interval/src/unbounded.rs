@@ -1,6 +1,8 @@
-//! Products and quotients of intervals, the tightest whatever the operands: infinite ends and divisors that contain 0.
+//! Products and quotients of intervals, the tightest whatever the operands: infinite ends and
+//! divisors that contain 0.
 //!
-//! Kernels are this tight on finite operands only, for they guard against 0·∞ with few instructions.
+//! Kernels are this tight on finite operands only, for they guard against 0·∞ with few
+//! instructions.
 
 use crate::bounds::Interval;
 use crate::round::f64_up;
@@ -15,7 +17,8 @@ pub(crate) fn product(a: Interval, b: Interval) -> Interval {
     Interval { lo: 0.0 - largest([-a.lo, -a.hi]), hi: 0.0 + largest([a.lo, a.hi]) }
 }
 
-/// a/b over the members of b that are not 0. Nothing is claimed for b = [0, 0], where there are none.
+/// a/b over the members of b that are not 0. Nothing is claimed for b = [0, 0], where there are
+/// none.
 pub(crate) fn quotient(a: Interval, b: Interval) -> Interval {
     if a == Interval::ZERO {
         return a;
@@ -57,7 +60,8 @@ mod tests {
         candidates.into_iter().chain(near).filter(|x| a.contains(*x)).collect()
     }
 
-    /// Checks bounds against samples: they hold them all, and each end is one of them, or as large as they get.
+    /// Checks bounds against samples: they hold them all, and each end is one of them, or as large
+    /// as they get.
     fn check(of: fn(Interval, Interval) -> Interval, f: fn(f64, f64) -> f64) {
         for a in intervals() {
             for b in intervals() {

@@ -1,12 +1,13 @@
 //! Building expressions with the obvious steps taken at once: zeros, ones and exact numbers vanish.
 //!
-//! For passes that make many terms which are mostly trivial. A factor 0 drops the other factor with its domain of
-//! definition, so these are for derivatives and cleared forms, not for [`simplify`](crate::simplify()).
+//! For passes that make many terms which are mostly trivial. A factor 0 drops the other factor with
+//! its domain of definition, so these are for derivatives and cleared forms, not for
+//! [`simplify`](crate::simplify()).
 
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
 use num_rational::BigRational;
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 fn exact(graph: &Graph, id: NodeId) -> Option<&BigRational> {
     match graph.node(id) {
@@ -21,7 +22,7 @@ fn is_integer(graph: &Graph, id: NodeId, value: i64) -> bool {
 
 fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
     match graph.node(id) {
-        Node::Apply(Op::Neg, operands) => Some(operands[0]),
+        Node::Apply(op, operands) if op.row().class == Class::Negation => Some(operands[0]),
         Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
     }
 }
@@ -119,6 +120,18 @@ pub(crate) fn div(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
         return graph.constant(Constant::rational(quotient));
     }
     graph.apply(Op::Div, &[a, b])
+}
+
+/// `a ^ b`
+pub(crate) fn pow(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    let integer = match graph.node(b) {
+        Node::Constant(constant) => constant.as_integer(),
+        Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
+    };
+    match integer {
+        Some(n) => powi(graph, a, n),
+        None => graph.apply(Op::Pow, &[a, b]),
+    }
 }
 
 /// `a` to an integer power.

@@ -1,7 +1,7 @@
 //! Cleared forms: a function with poles as a quotient of two functions without.
 //!
-//! Near a pole every enclosure of `1/x − y` is unbounded and so proves nothing. Its numerator `1 − x·y` is tame: where
-//! that has no zero the function has none, pole or not.
+//! Near a pole every enclosure of `1/x − y` is unbounded and so proves nothing. Its numerator
+//! `1 − x·y` is tame: where that has no zero the function has none, pole or not.
 
 use crate::algebra::{add, div, is_one, is_zero, mul, neg, powi, sub};
 use crate::graph::{Graph, Node, NodeId};
@@ -9,16 +9,17 @@ use crate::hoist::uniform;
 use std::collections::BTreeMap;
 use zeroset_ops::{Class, Op};
 
-/// Quotients with more distinct factors below the line stay as they are: each new one costs a product of all others.
+/// Quotients with more distinct factors below the line stay as they are: each new one costs a
+/// product of all others.
 const FACTOR_LIMIT: usize = 16;
 /// Powers beyond this stay as they are.
 const EXPONENT_LIMIT: u32 = 64;
 
 /// A function f in cleared form.
 ///
-/// Within the domain of f, its zeros are the points where the numerator is 0. Where the denominator is 0, f is
-/// undefined. The quotient of the two is f, or, if a division by a function with poles of its own was cleared, f
-/// but for a factor that has no zero in the domain.
+/// Within the domain of f, its zeros are the points where the numerator is 0. Where the denominator
+/// is 0, f is undefined. The quotient of the two is f, or, if a division by a function with poles
+/// of its own was cleared, f but for a factor that has no zero in the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cleared {
     /// The node that is 0 where f is.
@@ -95,11 +96,12 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
     node
 }
 
-/// The cleared form of `root`, added to `graph`, or `None` if `root` has no pole that can be cleared.
+/// The cleared form of `root`, added to `graph`, or `None` if `root` has no pole that can be
+/// cleared.
 ///
-/// Divisions, negative powers and tangents are cleared through sums, products, quotients and integer powers. Poles
-/// inside other functions stay where they are, and so do divisions by what depends on no coordinate: those are not
-/// poles in space.
+/// Divisions, negative powers and tangents are cleared through sums, products, quotients and
+/// integer powers. Poles inside other functions stay where they are, and so do divisions by what
+/// depends on no coordinate: those are not poles in space.
 pub fn clear(graph: &mut Graph, root: NodeId) -> Option<Cleared> {
     let needed = graph.reachable(&[root]);
     let mut uniform = uniform(graph);
@@ -254,24 +256,24 @@ fn inverted(graph: &mut Graph, a: &Fraction, uniform: &[bool]) -> Option<Fractio
         // Nodes beyond the table are new: made of at least one that varies, or exact.
         let fixed =
             uniform.get(id.index()).copied().unwrap_or(false) || matches!(node, Node::Constant(_));
-        match node {
-            Node::Constant(_) | Node::Parameter(_) | Node::Apply(..) if fixed => {
-                let power = powi(graph, id, i64::from(exponent));
-                numerator = div(graph, numerator, power);
+        let class = match &node {
+            Node::Apply(op, operands) => Some((op.row().class, operands)),
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => None,
+        };
+        if fixed {
+            let power = powi(graph, id, i64::from(exponent));
+            numerator = div(graph, numerator, power);
+        } else if let Some((Class::Product, operands)) = class {
+            pending.extend(operands.iter().map(|o| (*o, exponent)));
+        } else if let Some((Class::Square, operands)) = class {
+            pending.push((operands[0], exponent * 2));
+        } else if let Some((Class::Negation, operands)) = class {
+            pending.push((operands[0], exponent));
+            if exponent % 2 == 1 {
+                numerator = neg(graph, numerator);
             }
-            Node::Apply(Op::Mul, operands) => {
-                pending.extend(operands.iter().map(|o| (*o, exponent)));
-            }
-            Node::Apply(Op::Sqr, operands) => pending.push((operands[0], exponent * 2)),
-            Node::Apply(Op::Neg, operands) => {
-                pending.push((operands[0], exponent));
-                if exponent % 2 == 1 {
-                    numerator = neg(graph, numerator);
-                }
-            }
-            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => {
-                *below.entry(id).or_insert(0) += exponent;
-            }
+        } else {
+            *below.entry(id).or_insert(0) += exponent;
         }
     }
     Some(Fraction { numerator, above: a.below.clone(), below, excluded: a.excluded.clone() })
@@ -336,6 +338,20 @@ mod tests {
     }
 
     #[test]
+    fn poles_with_the_same_bounds_are_not_the_same_pole() {
+        // Both are 1/3 to 150 digits, too many to be kept exactly, and share their bounds.
+        let digits = "3".repeat(157);
+        let sheet = Sheet::default();
+        let [x, y, z] = sheet.xyz();
+        let [first, second] = ["1", "9"].map(|last| sheet.number(&format!("0.{digits}{last}")));
+        let root = (y / (x + first) - z / (x + second)).id;
+        let mut graph = sheet.graph();
+        let numerator = clear(&mut graph, root).expect("poles").numerator;
+        let text = display(&graph, numerator, &[]);
+        assert_eq!(text.matches('*').count(), 2, "{text}: not y - z");
+    }
+
+    #[test]
     fn many_poles_do_not_multiply_for_ever() {
         let sheet = Sheet::default();
         let [x, y, _] = sheet.xyz();
@@ -385,7 +401,8 @@ mod tests {
                 }
                 compared += 1;
                 assert!(d != 0.0 || ed > 0.0, "{}", context());
-                // A value that is clearly not 0 has a numerator that may not be 0, and the other way round.
+                // A value that is clearly not 0 has a numerator that may not be 0, and the other
+                // way round.
                 assert!(f.abs() <= ef || n.abs() + en > 0.0, "{}", context());
                 assert!(n.abs() <= en || f.abs() + ef > 0.0, "{}", context());
             }

@@ -1,21 +1,21 @@
 //! Symbolic partial derivatives.
 //!
-//! Forward accumulation: one loop over the nodes carries the three partial derivatives of each, as nodes of the
-//! same graph. Unlike reverse accumulation it keeps the branches of a choice apart, so that the derivative of the
-//! branch not taken need not exist, and it encloses min and max by the hull of two derivatives, not by their sum.
-//! The rules are those of `partials` in the table of operations; nothing here evaluates anything.
+//! Forward accumulation: one loop over the nodes carries the three partial derivatives of each, as
+//! nodes of the same graph. Unlike reverse accumulation it keeps the branches of a choice apart, so
+//! that the derivative of the branch not taken need not exist, and it encloses min and max by the
+//! hull of two derivatives, not by their sum. The rules are the column `derivative` of the table of
+//! operations; nothing here evaluates anything.
 
-use crate::algebra::{add, div, is_zero, mul, neg, powi, sub};
-use crate::constant::Constant;
+use crate::algebra::{add, div, is_zero, mul, neg, pow, sub};
 use crate::graph::{Axis, Graph, Node, NodeId};
-use num_traits::One;
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op, TABLE};
 
 /// The partial derivatives of `root` by x, y and z, added to `graph`.
 ///
-/// Each is the derivative at every point where `root` is differentiable and the rules' intermediate results exist.
-/// Where `root` has a kink, a derivative is that of one side, or lies between those of both sides. Jumps count as
-/// flat. The domain of a derivative is not that of `root`: it may be smaller (`sqrt` at 0) or larger.
+/// Each is the derivative at every point where `root` is differentiable and the rules' intermediate
+/// results exist. Where two operands of min or max are equal it is the mean of their derivatives;
+/// at other kinks, that of one side or between those of both. Jumps count as flat. The domain of a
+/// derivative is not that of `root`: it may be smaller (`sqrt` at 0) or larger.
 ///
 /// The graph grows by at most a small constant times the number of nodes that `root` needs.
 ///
@@ -32,7 +32,8 @@ pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
     let needed = graph.reachable(&[root]);
     let zero = graph.integer(0);
     let one = graph.integer(1);
-    // Only the nodes up to the root have an entry; those that the rules add are never differentiated here.
+    // Only the nodes up to the root have an entry; those that the rules add are never
+    // differentiated here.
     let mut partials = vec![[zero; 3]; root.index() + 1];
     let ids: Vec<NodeId> = graph
         .iter()
@@ -52,7 +53,7 @@ pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
                     if inner.iter().all(|d| is_zero(graph, *d)) {
                         continue;
                     }
-                    partials[id.index()][axis] = chain(graph, op, id, &operands, &inner);
+                    partials[id.index()][axis] = chain(graph, op, &operands, &inner);
                 }
             }
         }
@@ -60,230 +61,121 @@ pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
     partials[root.index()]
 }
 
-/// The derivative of `id = op(operands)`, given the operands' derivatives `inner`.
-#[allow(clippy::too_many_lines)] // one arm per operation
-fn chain(graph: &mut Graph, op: Op, id: NodeId, operands: &[NodeId], inner: &[NodeId]) -> NodeId {
-    let a = operands[0];
-    let da = inner[0];
-    match op {
-        Op::Neg => neg(graph, da),
-        Op::Abs => {
-            let sign = graph.apply(Op::Sign, &[a]);
-            mul(graph, sign, da)
-        }
-        Op::Sign | Op::Floor | Op::Ceil | Op::Round | Op::Trunc => graph.integer(0),
-        Op::Fract | Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero | Op::WhereDefined => da,
-        Op::Sqr => {
-            let two = graph.integer(2);
-            let outer = mul(graph, two, a);
-            mul(graph, outer, da)
-        }
-        Op::Sqrt => {
-            let two = graph.integer(2);
-            let below = mul(graph, two, id);
-            div(graph, da, below)
-        }
-        Op::Cbrt => {
-            let three = graph.integer(3);
-            let square = powi(graph, id, 2);
-            let below = mul(graph, three, square);
-            div(graph, da, below)
-        }
-        Op::Exp => mul(graph, id, da),
-        Op::Ln => div(graph, da, a),
-        Op::Log2 => logarithm(graph, a, da, 2),
-        Op::Log10 => logarithm(graph, a, da, 10),
-        Op::Sin => {
-            let cos = graph.apply(Op::Cos, &[a]);
-            mul(graph, cos, da)
-        }
-        Op::Cos => {
-            let sin = graph.apply(Op::Sin, &[a]);
-            let product = mul(graph, sin, da);
-            neg(graph, product)
-        }
-        Op::Tan => {
-            let outer = one_plus_square(graph, id);
-            mul(graph, outer, da)
-        }
-        Op::Asin => {
-            let below = root_within_one(graph, a);
-            div(graph, da, below)
-        }
-        Op::Acos => {
-            let below = root_within_one(graph, a);
-            let quotient = div(graph, da, below);
-            neg(graph, quotient)
-        }
-        Op::Atan => {
-            let below = one_plus_square(graph, a);
-            div(graph, da, below)
-        }
-        Op::Sinh => {
-            let cosh = graph.apply(Op::Cosh, &[a]);
-            mul(graph, cosh, da)
-        }
-        Op::Cosh => {
-            let sinh = graph.apply(Op::Sinh, &[a]);
-            mul(graph, sinh, da)
-        }
-        Op::Tanh => {
-            // 1 − tanh² loses all digits, and its sign, where the function is flat.
-            let cosh = graph.apply(Op::Cosh, &[a]);
-            let below = powi(graph, cosh, 2);
-            div(graph, da, below)
-        }
-        Op::Asinh => {
-            let square = one_plus_square(graph, a);
-            let below = graph.apply(Op::Sqrt, &[square]);
-            div(graph, da, below)
-        }
-        Op::Acosh => {
-            let one = graph.integer(1);
-            let (below_one, above) = (sub(graph, a, one), add(graph, a, one));
-            let product = mul(graph, below_one, above);
-            let below = graph.apply(Op::Sqrt, &[product]);
-            div(graph, da, below)
-        }
-        Op::Atanh => {
-            let below = within_one(graph, a);
-            div(graph, da, below)
-        }
-        Op::Add => add(graph, da, inner[1]),
-        Op::Sub => sub(graph, da, inner[1]),
-        Op::Mul => {
-            let left = mul(graph, da, operands[1]);
-            let right = mul(graph, a, inner[1]);
-            add(graph, left, right)
-        }
-        Op::Div => {
-            // (da − (a/b)·db)/b shares the quotient, and needs one division where the rule of the table has two.
-            let change = mul(graph, id, inner[1]);
-            let above = sub(graph, da, change);
-            div(graph, above, operands[1])
-        }
-        Op::Pow => power(graph, id, operands, inner),
-        Op::Mod => {
-            let db = inner[1];
-            if is_zero(graph, db) {
-                return da;
-            }
-            let quotient = graph.apply(Op::Div, operands);
-            let floor = graph.apply(Op::Floor, &[quotient]);
-            let change = mul(graph, floor, db);
-            sub(graph, da, change)
-        }
-        Op::Atan2 => {
-            let b = operands[1];
-            let (left, right) = (mul(graph, b, da), mul(graph, a, inner[1]));
-            let turn = sub(graph, left, right);
-            let (a_square, b_square) = (powi(graph, a, 2), powi(graph, b, 2));
-            let distance = add(graph, a_square, b_square);
-            div(graph, turn, distance)
-        }
-        Op::Min => {
-            let order = sub(graph, operands[1], a);
-            choose(graph, order, inner[1], da)
-        }
-        Op::Max => {
-            let order = sub(graph, a, operands[1]);
-            choose(graph, order, inner[1], da)
-        }
-        Op::SelectNegative => choose(graph, a, inner[1], inner[2]),
-        Op::Otherwise => {
-            // Where a has a value and no derivative, that of the other operand stands in as well.
-            let here = graph.apply(Op::WhereDefined, &[da, a]);
-            graph.apply(op, &[here, inner[1]])
-        }
+/// The derivative of `op(operands)`, given the operands' derivatives `inner`.
+fn chain(graph: &mut Graph, op: Op, operands: &[NodeId], inner: &[NodeId]) -> NodeId {
+    let row = op.row();
+    if row.class == Class::Extremum && inner[0] == inner[1] {
+        return inner[0];
     }
+    let mut reader = Reader { graph, operands, inner, rest: row.derivative };
+    let derivative = reader.sum();
+    assert!(reader.rest.is_empty(), "{}: {}", row.name, row.derivative);
+    derivative
 }
 
-/// `negative` where `condition < 0`, else `other`.
-fn choose(graph: &mut Graph, condition: NodeId, negative: NodeId, other: NodeId) -> NodeId {
-    if negative == other {
-        return other;
+/// Reads the formula of a row as nodes, and panics where that is none.
+struct Reader<'a> {
+    graph: &'a mut Graph,
+    operands: &'a [NodeId],
+    inner: &'a [NodeId],
+    rest: &'static str,
+}
+
+impl Reader<'_> {
+    fn eat(&mut self, symbol: &str) -> bool {
+        let rest = self.rest.strip_prefix(symbol).map(str::trim_start);
+        self.rest = rest.unwrap_or(self.rest);
+        rest.is_some()
     }
-    graph.apply(Op::SelectNegative, &[condition, negative, other])
-}
 
-fn one_plus_square(graph: &mut Graph, a: NodeId) -> NodeId {
-    let square = powi(graph, a, 2);
-    let one = graph.integer(1);
-    add(graph, one, square)
-}
-
-/// `(1-a)*(1+a)`, which unlike 1 − a² is exact to the end near ±1.
-fn within_one(graph: &mut Graph, a: NodeId) -> NodeId {
-    let one = graph.integer(1);
-    let (below, above) = (sub(graph, one, a), add(graph, one, a));
-    mul(graph, below, above)
-}
-
-fn root_within_one(graph: &mut Graph, a: NodeId) -> NodeId {
-    let product = within_one(graph, a);
-    graph.apply(Op::Sqrt, &[product])
-}
-
-/// The derivative of the logarithm of `a` to an integer base.
-fn logarithm(graph: &mut Graph, a: NodeId, da: NodeId, base: i64) -> NodeId {
-    let base = graph.integer(base);
-    let scale = graph.apply(Op::Ln, &[base]);
-    let below = mul(graph, a, scale);
-    div(graph, da, below)
-}
-
-fn power(graph: &mut Graph, id: NodeId, operands: &[NodeId], inner: &[NodeId]) -> NodeId {
-    let (a, b) = (operands[0], operands[1]);
-    let (da, db) = (inner[0], inner[1]);
-    let by_base = if is_zero(graph, da) {
-        da
-    } else {
-        let reduced = match graph.node(b) {
-            Node::Constant(constant) => match constant.as_integer() {
-                Some(n) => match n.checked_sub(1) {
-                    Some(reduced) => powi(graph, a, reduced),
-                    None => quotient(graph, id, a),
-                },
-                None => match constant.exact().cloned() {
-                    Some(value) => {
-                        let one = num_rational::BigRational::one();
-                        let exponent = graph.constant(Constant::rational(value - one));
-                        graph.apply(Op::Pow, &[a, exponent])
-                    }
-                    None => lowered(graph, a, b),
-                },
-            },
-            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => lowered(graph, a, b),
+    fn sum(&mut self) -> NodeId {
+        let mut sum = if self.eat("-") {
+            let product = self.product();
+            neg(self.graph, product)
+        } else {
+            self.product()
         };
-        let outer = mul(graph, b, reduced);
-        mul(graph, outer, da)
-    };
-    if is_zero(graph, db) {
-        return by_base; // no logarithm: the base may be negative or 0
+        loop {
+            if self.eat("+") {
+                let term = self.product();
+                sum = add(self.graph, sum, term);
+            } else if self.eat("-") {
+                let term = self.product();
+                sum = sub(self.graph, sum, term);
+            } else {
+                return sum;
+            }
+        }
     }
-    let log = graph.apply(Op::Ln, &[a]);
-    let outer = mul(graph, id, log);
-    let by_exponent = mul(graph, outer, db);
-    add(graph, by_base, by_exponent)
-}
 
-/// `a^(b-1)` for an exponent that is not known exactly.
-fn lowered(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
-    let one = graph.integer(1);
-    let exponent = graph.apply(Op::Sub, &[b, one]);
-    graph.apply(Op::Pow, &[a, exponent])
-}
+    fn product(&mut self) -> NodeId {
+        let mut product = self.power();
+        loop {
+            if self.eat("*") {
+                let factor = self.power();
+                product = mul(self.graph, product, factor);
+            } else if self.eat("/") {
+                let divisor = self.power();
+                product = div(self.graph, product, divisor);
+            } else {
+                return product;
+            }
+        }
+    }
 
-/// `a^b / a`, for an exponent that cannot be lowered.
-fn quotient(graph: &mut Graph, power: NodeId, a: NodeId) -> NodeId {
-    graph.apply(Op::Div, &[power, a])
+    fn power(&mut self) -> NodeId {
+        let base = self.atom();
+        if !self.eat("^") {
+            return base;
+        }
+        let exponent = self.atom();
+        pow(self.graph, base, exponent)
+    }
+
+    fn atom(&mut self) -> NodeId {
+        if self.eat("(") {
+            let sum = self.sum();
+            assert!(self.eat(")"), "{}", self.rest);
+            return sum;
+        }
+        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let end = self.rest.find(|c| !is_word(c)).unwrap_or(self.rest.len());
+        let (word, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        match word {
+            "a" => self.operands[0],
+            "b" => self.operands[1],
+            "da" => self.inner[0],
+            "db" => self.inner[1],
+            "dc" => self.inner[2],
+            _ => match word.parse() {
+                Ok(number) => self.graph.integer(number),
+                Err(_) => self.call(word),
+            },
+        }
+    }
+
+    fn call(&mut self, name: &str) -> NodeId {
+        let row = TABLE.iter().find(|row| row.name == name);
+        let row = row.unwrap_or_else(|| panic!("no operation {name:?}"));
+        let mut operands = Vec::new();
+        while self.eat(if operands.is_empty() { "(" } else { "," }) {
+            operands.push(self.sum());
+        }
+        assert!(self.eat(")"), "{}", self.rest);
+        match operands[..] {
+            [_, negative, other] if negative == other => other,
+            _ => self.graph.apply(row.op, &operands),
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::{Random, evaluate};
+    use crate::testing::{Random, Sheet, evaluate};
+    use zeroset_ops::composed;
 
     fn apply(graph: &mut Graph, op: Op, operands: &[NodeId]) -> NodeId {
         graph.apply(op, operands)
@@ -295,10 +187,7 @@ mod tests {
         let x = graph.variable(Axis::X);
         let three = graph.integer(3);
         let root = apply(&mut graph, Op::Pow, &[x, three]);
-        let before = graph.len();
         let partials = gradient(&mut graph, root);
-        let ln = graph.iter().skip(before).find(|(_, node)| matches!(node, Node::Apply(Op::Ln, _)));
-        assert!(ln.is_none());
         let square = apply(&mut graph, Op::Sqr, &[x]);
         assert_eq!(partials[0], apply(&mut graph, Op::Mul, &[three, square]));
         assert!(is_zero(&graph, partials[1]) && is_zero(&graph, partials[2]));
@@ -329,15 +218,48 @@ mod tests {
     }
 
     #[test]
-    fn the_smaller_operand_gives_the_derivative_of_min() {
+    fn a_tie_has_the_mean_of_both_derivatives() {
         let mut graph = Graph::new();
-        let x = graph.variable(Axis::X);
-        let y = graph.variable(Axis::Y);
-        let root = graph.apply(Op::Min, &[x, y]);
-        let by_x = gradient(&mut graph, root)[0];
-        let order = graph.apply(Op::Sub, &[y, x]);
-        let (zero, one) = (graph.integer(0), graph.integer(1));
-        assert_eq!(by_x, graph.apply(Op::SelectNegative, &[order, zero, one]));
+        let [x, y, z] = Axis::ALL.map(|axis| graph.variable(axis));
+        for op in [Op::Min, Op::Max] {
+            let extremum = graph.apply(op, &[x, y]);
+            let root = graph.apply(Op::Add, &[extremum, z]);
+            let partials = gradient(&mut graph, root);
+            let at = |at: [f64; 3]| {
+                let values = evaluate(&graph, at, &[]);
+                partials.map(|id| values[id.index()].expect("defined").0)
+            };
+            assert_eq!(at([0.25, 0.25, 0.0]), [0.5, 0.5, 1.0]);
+            let [low, high] = [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0]];
+            let (less, more) = if op == Op::Min { (high, low) } else { (low, high) };
+            assert_eq!((at([0.25, 0.5, 0.0]), at([0.5, 0.25, 0.0])), (less, more));
+            assert_eq!(partials[2], graph.integer(1), "both sides agree");
+        }
+    }
+
+    #[test]
+    fn a_blend_on_its_seam_leans_to_neither_side() {
+        let blend = composed("blend").next().expect("a row");
+        assert_eq!(blend.body, "min(a, b)-max(k-abs(a-b), 0)^2/(4*k)");
+        let sheet = Sheet::default();
+        let [x, y, _] = sheet.xyz();
+        let gap = (1.0 - (x - y).f(Op::Abs)).apply(Op::Max, &[sheet.number("0")]);
+        let root = (x.apply(Op::Min, &[y]) - gap.pow(2) / 4.0).id;
+        let mut graph = sheet.graph();
+        let partials = gradient(&mut graph, root);
+        let values = evaluate(&graph, [0.3, 0.3, 0.0], &[]);
+        let at_seam = partials.map(|id| values[id.index()].expect("defined").0);
+        assert_eq!(at_seam, [0.5, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn every_row_states_a_derivative() {
+        for row in TABLE {
+            let mut graph = Graph::new();
+            let operands = Axis::ALL.map(|axis| graph.variable(axis));
+            let root = graph.apply(row.op, &operands[..row.op.arity()]);
+            gradient(&mut graph, root); // panics where a rule cannot be read
+        }
     }
 
     #[test]

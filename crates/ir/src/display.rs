@@ -1,7 +1,7 @@
 //! Expressions as text in the project's language.
 //!
-//! The text reads back as the same graph, up to how constants known by bounds only are printed. No recursion: the
-//! depth of a graph is not limited by the stack, and its length by [`TEXT_LIMIT`].
+//! The text reads back as the same graph, up to how constants known by bounds only are printed. No
+//! recursion: the depth of a graph is not limited by the stack, and its length by [`TEXT_LIMIT`].
 
 use crate::constant::Constant;
 use crate::graph::{Axis, Graph, Node, NodeId};
@@ -9,11 +9,12 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Notation};
 
-/// Longer text is cut off with `…`: a shared expression is spelt out at each use, so text may be exponentially longer
-/// than its graph.
+/// Longer text is cut off with `…`: a shared expression is spelt out at each use, so text may be
+/// exponentially longer than its graph.
 pub const TEXT_LIMIT: usize = 1 << 16;
 
-/// How tightly a piece of text binds; brackets are needed where a looser piece stands in a tighter place.
+/// How tightly a piece of text binds; brackets are needed where a looser piece stands in a tighter
+/// place.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     Sum,
@@ -28,8 +29,8 @@ enum Piece {
     Node(NodeId, Binding),
 }
 
-/// `id` in the language, with as few brackets as it reads back with. Parameters are called by `names`; those beyond
-/// its end `p0`, `p1`, … by number.
+/// `id` in the language, with as few brackets as it reads back with. Parameters are called by
+/// `names`; those beyond its end `p0`, `p1`, … by number.
 pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
     let mut text = String::new();
     let mut pending = vec![Piece::Node(id, Binding::Sum)];
@@ -124,20 +125,16 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
     }
 }
 
-/// A number: as a decimal where it is one of few digits, else as a quotient; by its name; or as bounds `[lo, hi]`.
+/// A number: as a decimal where it is one of few digits, else as a quotient; by its name; or as
+/// bounds `[lo, hi]`.
 fn number(constant: &Constant) -> (Binding, String) {
-    let named = [
-        (Constant::pi(), "pi"),
-        (Constant::tau(), "tau"),
-        (Constant::e(), "e"),
-        (Constant::phi(), "phi"),
-    ];
-    if let Some((_, name)) = named.iter().find(|(value, _)| value == constant) {
-        return (Binding::Atom, (*name).to_owned());
-    }
-    let Some(value) = constant.exact() else {
-        let bounds = constant.bounds();
-        return (Binding::Atom, format!("[{}, {}]", bounds.lo, bounds.hi));
+    let value = match constant {
+        Constant::Exact(value) => value,
+        Constant::Named(name) => return (Binding::Atom, name.text().into()),
+        Constant::Enclosed(_) => {
+            let bounds = constant.bounds();
+            return (Binding::Atom, format!("[{}, {}]", bounds.lo, bounds.hi));
+        }
     };
     let sign = if value.is_negative() { Binding::Sign } else { Binding::Atom };
     match decimal(value) {

@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-/// No pass takes or makes a graph of more nodes than this: code for it would take seconds to compile.
+/// No pass takes or makes a graph of more nodes than this: code for it would take seconds to
+/// compile.
 pub const NODE_LIMIT: usize = 1 << 18;
 
 /// Why a graph cannot be simplified.

@@ -1,7 +1,8 @@
 //! Exponents that depend on parameters become constants.
 //!
-//! Where a power is defined depends on whether its exponent is an integer, so a parameter there is not a number like any
-//! other: its exact value decides which function is meant. Changing it means compiling again.
+//! Where a power is defined depends on whether its exponent is an integer, so a parameter there is
+//! not a number like any other: its exact value decides which function is meant. Changing it means
+//! compiling again.
 
 use crate::compact::{copy_node, place};
 use crate::constant::Constant;
@@ -9,8 +10,9 @@ use crate::graph::{Graph, Node, NodeId};
 use crate::hoist::uniform;
 use zeroset_ops::Class;
 
-/// The same expressions with each parameter replaced by its value, by number, in exponents that depend on no coordinate.
-/// The values of other parameters leave no trace, not even in the order of nodes.
+/// The same expressions with each parameter replaced by its value, by number, in exponents that
+/// depend on no coordinate. The values of other parameters leave no trace, not even in the order of
+/// nodes.
 ///
 /// # Panics
 /// If a root does not belong to `graph`, or such a parameter has no value.

@@ -59,7 +59,11 @@ impl std::ops::Deref for Operands {
     }
 }
 
-/// A growing set of expressions, each stored once. Graphs are equal if the same nodes have the same places.
+/// A growing set of expressions, each stored once: one node is one real function, so what holds for
+/// equal numbers holds for equal nodes. Constants known by their bounds only may be different
+/// numbers, so each of them has a node of its own.
+///
+/// Graphs are equal if the same nodes have the same places.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -101,7 +105,8 @@ impl Graph {
         self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))
     }
 
-    /// The nodes from the `first` one on, counted from 0: those added since the graph had that many.
+    /// The nodes from the `first` one on, counted from 0: those added since the graph had that
+    /// many.
     pub fn since(&self, first: usize) -> impl Iterator<Item = (NodeId, &Node)> {
         let later = self.nodes.get(first..).unwrap_or_default();
         later.iter().zip(first..).map(|(node, index)| (NodeId(index as u32), node))
@@ -117,9 +122,12 @@ impl Graph {
         self.intern(Node::Parameter(number))
     }
 
-    /// A real number.
+    /// A real number; a new node each time if it is known by its bounds only.
     pub fn constant(&mut self, value: Constant) -> NodeId {
-        self.intern(Node::Constant(value))
+        match value {
+            Constant::Exact(_) | Constant::Named(_) => self.intern(Node::Constant(value)),
+            Constant::Enclosed(_) => self.push(Node::Constant(value)),
+        }
     }
 
     /// A small integer.
@@ -151,9 +159,14 @@ impl Graph {
         if let Some(&id) = self.index.get(&node) {
             return id;
         }
-        let id = NodeId(u32::try_from(self.nodes.len()).expect("fewer than 2^32 nodes"));
-        self.nodes.push(node.clone());
+        let id = self.push(node.clone());
         self.index.insert(node, id);
+        id
+    }
+
+    fn push(&mut self, node: Node) -> NodeId {
+        let id = NodeId(u32::try_from(self.nodes.len()).expect("fewer than 2^32 nodes"));
+        self.nodes.push(node);
         id
     }
 
@@ -186,6 +199,17 @@ mod tests {
         assert_eq!(graph.apply(Op::Add, &[x, again]), a);
         assert_ne!(graph.apply(Op::Add, &[one, x]), a);
         assert_eq!(graph.len(), 4);
+    }
+
+    #[test]
+    fn numbers_known_by_bounds_only_are_never_one_node() {
+        let mut graph = Graph::new();
+        let near = Constant::decimal("1e-400").expect("a decimal");
+        let [a, b] = [0, 1].map(|_| graph.constant(near.clone()));
+        assert_ne!(a, b);
+        let [pi, again] = [0, 1].map(|_| graph.constant(Constant::pi()));
+        assert_eq!(pi, again);
+        assert_ne!(pi, graph.constant(Constant::enclosed(Constant::pi().bounds())));
     }
 
     #[test]

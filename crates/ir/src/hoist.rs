@@ -12,8 +12,8 @@ pub struct Hoisted {
     pub graph: Graph,
     /// The roots in it.
     pub roots: Vec<NodeId>,
-    /// Each fresh parameter's number, counting up, and the node of the original graph whose value it takes. That
-    /// value may be undefined; then everything that uses it is.
+    /// Each fresh parameter's number, counting up, and the node of the original graph whose value
+    /// it takes. That value may be undefined; then everything that uses it is.
     pub uniforms: Vec<(u32, NodeId)>,
 }
 
@@ -30,10 +30,12 @@ pub fn uniform(graph: &Graph) -> Vec<bool> {
     uniform
 }
 
-/// Replaces each maximal expression that depends on parameters but on no coordinate by a fresh parameter, so that it
-/// is evaluated once per picture and not once per sample. Bare parameters and constants stay.
+/// Replaces each maximal expression that depends on parameters but on no coordinate by a fresh
+/// parameter, so that it is evaluated once per picture and not once per sample. Bare parameters and
+/// constants stay.
 ///
-/// Fresh parameters are numbered from `first`, or from past the largest number in use, whichever is larger.
+/// Fresh parameters are numbered from `first`, or from past the largest number in use, whichever is
+/// larger.
 ///
 /// ```
 /// use zeroset_ir::{Axis, Graph, hoist};

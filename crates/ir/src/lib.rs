@@ -1,7 +1,7 @@
 //! The expression graph: hash-consed nodes over exact constants.
 //!
-//! Nothing here knows text, kernels or pictures. A graph only grows, and a node's operands always come before it,
-//! so the order of ids is a topological order and every pass is one loop.
+//! Nothing here knows text, kernels or pictures. A graph only grows, and a node's operands always
+//! come before it, so the order of ids is a topological order and every pass is one loop.
 
 mod algebra;
 mod clear;
@@ -20,7 +20,7 @@ mod testing;
 
 pub use clear::{Cleared, clear};
 pub use compact::compact;
-pub use constant::Constant;
+pub use constant::{Constant, Name};
 pub use derivative::gradient;
 pub use display::{TEXT_LIMIT, display};
 pub use error::{IrError, NODE_LIMIT};

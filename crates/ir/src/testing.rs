@@ -97,7 +97,8 @@ operator!(Div, div, Op::Div);
 
 /// The value of every node at a point, in `f64`; `None` where it is undefined.
 ///
-/// With it goes a bound on how far rounding may have moved it, grown generously: tests skip what is unstable.
+/// With it goes a bound on how far rounding may have moved it, grown generously: tests skip what is
+/// unstable.
 pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<Option<(f64, f64)>> {
     let mut values: Vec<Option<(f64, f64)>> = Vec::with_capacity(graph.len());
     let mut fixed: Vec<bool> = Vec::with_capacity(graph.len());
@@ -316,7 +317,8 @@ impl Random {
         (self.next() % end as u64) as usize
     }
 
-    /// A coordinate in [-2, 2], often a small integer or half: where domains end and powers are exact.
+    /// A coordinate in [-2, 2], often a small integer or half: where domains end and powers are
+    /// exact.
     pub(crate) fn coordinate(&mut self) -> f64 {
         match self.below(4) {
             0 => self.below(5) as f64 - 2.0,

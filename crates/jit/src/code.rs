@@ -68,7 +68,8 @@ impl Code {
 }
 
 // SAFETY: after it is finished the code is read-only, as are its constants, which move with the box that owns them
-// and not in memory; the memory is only touched again by `drop`, which has exclusive access.
+// and not in memory. `JITModule` has interior mutability, but nothing reaches it through `&Code`: the module is only
+// touched again by `drop`, which has exclusive access.
 unsafe impl Send for Code {}
 // SAFETY: see above; `entry` may run on many threads at once since kernels write only to their outputs.
 unsafe impl Sync for Code {}

@@ -4,51 +4,22 @@ use crate::code::{Code, Memory};
 use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, VECTOR, Vector, type_of};
+use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I64;
-use cranelift_codegen::ir::{AbiParam, Function, InstBuilder, MemFlagsData, Signature, Value};
+use cranelift_codegen::ir::{
+    AbiParam, BlockArg, Function, InstBuilder, MemFlagsData, Signature, Value,
+};
 use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
-use cranelift_codegen::{Context, ir::Block};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Module, default_libcall_names};
-use std::mem::size_of;
+use std::marker::PhantomData;
 use std::sync::OnceLock;
-use zeroset_eval::{
-    BoxPacket, EnclosurePacket, GradientPacket, PointPacket, Real, Tape, ValuePacket,
-};
-use zeroset_interval::{Enclosure, Fact, Facts, Format, Machine};
-
-/// What a kernel computes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Enclosures of one output over boxes.
-    Interval,
-    /// Values of one output at points.
-    Point,
-    /// Values of four outputs at points: a function and its derivatives.
-    Gradient,
-}
-
-impl Kind {
-    fn outputs(self) -> usize {
-        match self {
-            Self::Interval | Self::Point => 1,
-            Self::Gradient => 4,
-        }
-    }
-
-    /// Bytes of a packet that goes in, and of one that comes out.
-    fn strides<T: Real>(self) -> [usize; 2] {
-        match self {
-            Self::Interval => [size_of::<BoxPacket<T>>(), size_of::<EnclosurePacket<T>>()],
-            Self::Point => [size_of::<PointPacket<T>>(), size_of::<ValuePacket<T>>()],
-            Self::Gradient => [size_of::<PointPacket<T>>(), size_of::<GradientPacket<T>>()],
-        }
-    }
-}
+use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Question, Real, Tape};
+use zeroset_interval::Fact;
 
 /// Operations in one kernel, at most: beyond this even the fast tier takes too long.
 const LIMIT: usize = 20_000;
@@ -115,13 +86,13 @@ fn check_processor() -> Result<(), Error> {
     }
 }
 
-/// Compiles `tape`.
+/// Compiles what answers a question.
 ///
 /// # Panics
-/// If the tape has another number of outputs than `kind` needs.
-pub fn compile<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<Code, Error> {
+/// If the tape computes another number of expressions than the question needs.
+pub fn compile<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Code, Error> {
     check_processor()?;
-    let (function, constants) = build(tape, kind)?;
+    let (function, constants) = build::<Q, T>(tape)?;
     let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
     check_stack(function.fixed_stack_size())?;
     let isa = target(tier)?;
@@ -150,9 +121,9 @@ fn check_stack(bytes: u32) -> Result<(), Error> {
 /// If the formula is too large.
 ///
 /// # Panics
-/// If the tape has another number of outputs than `kind` needs.
-pub fn intermediate_code<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<String, Error> {
-    Ok(build(tape, kind)?.0.display().to_string())
+/// If the tape computes another number of expressions than the question needs.
+pub fn intermediate_code<Q: Question, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
+    Ok(build::<Q, T>(tape)?.0.display().to_string())
 }
 
 /// The machine code of a kernel, as assembly text.
@@ -161,10 +132,10 @@ pub fn intermediate_code<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<String, 
 /// If this processor is not supported or the formula too large.
 ///
 /// # Panics
-/// If the tape has another number of outputs than `kind` needs.
-pub fn machine_code<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<String, Error> {
+/// If the tape computes another number of expressions than the question needs.
+pub fn machine_code<Q: Question, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
     check_processor()?;
-    let mut context = Context::for_function(build(tape, kind)?.0);
+    let mut context = Context::for_function(build::<Q, T>(tape)?.0);
     context.set_disasm(true);
     let code = context
         .compile(target(Tier::Optimised)?.as_ref(), &mut ControlPlane::default())
@@ -173,10 +144,10 @@ pub fn machine_code<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<String, Error
 }
 
 fn signature() -> Signature {
-    let convention = if cfg!(target_vendor = "apple") {
+    // What the asm trampoline calls by, whatever the system's own convention is.
+    let convention = if cfg!(all(target_vendor = "apple", target_arch = "aarch64")) {
         CallConv::AppleAarch64
     } else {
-        // The asm trampoline passes arguments by this convention on every system.
         CallConv::SystemV
     };
     let mut signature = Signature::new(convention);
@@ -184,11 +155,30 @@ fn signature() -> Signature {
     signature
 }
 
-/// Where a kernel finds its data in the current round of its loop: of packets of `f64`, each round takes one half.
-struct Cursor {
+/// Where a kernel finds what it reads in the current round of its loop.
+struct Cursor<T> {
     input: Value,
-    output: Value,
     parameters: Value,
+    format: PhantomData<T>,
+}
+
+impl<T: Real> Loader<Emitter<'_, '_>> for Cursor<T> {
+    fn input(&mut self, m: &mut Emitter<'_, '_>, quantity: usize) -> Vector {
+        load::<T>(m, self.input, quantity)
+    }
+
+    fn parameter(&mut self, m: &mut Emitter<'_, '_>, quantity: usize) -> Vector {
+        load::<T>(m, self.parameters, quantity)
+    }
+}
+
+/// For what is counted only: nothing is read.
+struct Unread;
+
+impl Loader<Counter> for Unread {
+    fn input(&mut self, _: &mut Counter, _: usize) {}
+
+    fn parameter(&mut self, _: &mut Counter, _: usize) {}
 }
 
 /// All pointers passed to a kernel are valid and aligned to a packet.
@@ -197,14 +187,15 @@ fn trusted() -> MemFlagsData {
 }
 
 /// The function, and the constants that its pool must hold.
-fn build<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<(Function, Vec<u128>), Error> {
-    assert_eq!(tape.outputs(), kind.outputs(), "outputs of a {kind:?} kernel");
+fn build<Q: Question, T: Real>(tape: &Tape<T>) -> Result<(Function, Vec<u128>), Error> {
+    assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
     if tape.operations() > LIMIT {
         return Err(Error::TooLarge { operations: tape.operations(), limit: LIMIT });
     }
-    let instructions = length(tape, kind);
-    if instructions > INSTRUCTIONS {
-        return Err(Error::TooLong { instructions, limit: INSTRUCTIONS });
+    let mut counter = Counter::default();
+    Q::answer(tape, &mut counter, &mut Unread);
+    if counter.0 > INSTRUCTIONS {
+        return Err(Error::TooLong { instructions: counter.0, limit: INSTRUCTIONS });
     }
     let mut function = Function::new();
     function.signature = signature();
@@ -218,145 +209,74 @@ fn build<T: Real>(tape: &Tape<T>, kind: Kind) -> Result<(Function, Vec<u128>), E
         unreachable!("the signature has six parameters");
     };
     let (body, end) = (builder.create_block(), builder.create_block());
-    let carried: Vec<Value> = (0..3).map(|_| builder.append_block_param(body, I64)).collect();
-    let left = match T::VECTORS {
-        1 => count,
-        vectors => builder.ins().imul_imm_s(count, vectors as i64),
-    };
-    builder.ins().brif(count, body, &args(&[inputs, outputs, left]), end, &[]);
+    // As parameters of the block: the batches from the lanes on that are next, the first of these lanes, and the masks.
+    let [input, output, lane, masks] = [(); 4].map(|()| builder.append_block_param(body, I64));
+    let zero = builder.ins().iconst(I64, 0);
+    builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));
+
     builder.switch_to_block(body);
-    let cursor = Cursor { input: carried[0], output: carried[1], parameters };
     // The pool's address is read anew in each round, so that no load from it is moved out of the loop.
     let pool = builder.ins().load(I64, trusted(), constants, 0);
+    let mut cursor = Cursor::<T> { input, parameters, format: PhantomData };
     let mut emitter = Emitter::new(&mut builder, pool);
-    match kind {
-        Kind::Interval => emit_enclosure(&mut emitter, tape, &cursor),
-        Kind::Point | Kind::Gradient => emit_values(&mut emitter, tape, &cursor),
+    let answer = Q::answer(tape, &mut emitter, &mut cursor);
+    for (number, value) in answer.quantities.into_iter().enumerate() {
+        let value = emitter.value(value);
+        emitter.builder().ins().store(trusted(), value, output, offset::<T>(number));
+    }
+    let (mut known, mut found) = (0_u64, None);
+    for (mask, shift) in answer.masks.iter().zip((0..).step_by(LANES)) {
+        match mask {
+            Fact::False => {}
+            Fact::True => known |= u64::from(u16::MAX) << shift,
+            Fact::Lanes(mask) => {
+                let bits = emitter.sign_bits(*mask);
+                let builder = emitter.builder();
+                let mut bits = builder.ins().uextend(I64, bits);
+                if shift != 0 {
+                    bits = builder.ins().ishl_imm_u(bits, shift);
+                }
+                found = Some(found.map_or(bits, |found| builder.ins().bor(found, bits)));
+            }
+        }
     }
     let pool = emitter.finish();
-    close_loop(&mut builder, kind.strides::<T>(), T::VECTORS, &carried, body, end);
+    let mut all = masks;
+    if let Some(found) = found {
+        let found = builder.ins().ishl(found, lane);
+        all = builder.ins().bor(masks, found);
+    }
+    let input = builder.ins().iadd_imm_s(input, VECTOR as i64);
+    let output = builder.ins().iadd_imm_s(output, VECTOR as i64);
+    let lane = builder.ins().iadd_imm_s(lane, (VECTOR / size_of::<T>()) as i64);
+    let more = builder.ins().icmp(IntCC::UnsignedLessThan, lane, count);
+    builder.ins().brif(more, body, &args(&[input, output, lane, all]), end, &[]);
+
     builder.switch_to_block(end);
+    if <Q::Output<T>>::MASKS > 0 {
+        if known != 0 {
+            let known = builder.ins().iconst(I64, known as i64);
+            all = builder.ins().bor(all, known);
+        }
+        builder.ins().store(trusted(), all, outputs, offset::<T>(<Q::Output<T>>::QUANTITIES));
+    }
     builder.ins().return_(&[]);
     builder.seal_all_blocks();
     builder.finalize(target(Tier::Optimised)?.frontend_config());
     Ok((function, pool))
 }
 
-/// The number of instructions that a kernel will hold, about.
-fn length<T: Real>(tape: &Tape<T>, kind: Kind) -> usize {
-    let mut counter = Counter::default();
-    match kind {
-        Kind::Interval => {
-            tape.enclose(&mut counter, |_, _| ((), ()), |_, _| ((), ()));
-        }
-        Kind::Point | Kind::Gradient => {
-            tape.evaluate(&mut counter, |_, _| (), |_, _| ());
-        }
-    }
-    counter.0
-}
-
-fn args(values: &[Value]) -> Vec<cranelift_codegen::ir::BlockArg> {
+fn args(values: &[Value]) -> Vec<BlockArg> {
     values.iter().map(|&value| value.into()).collect()
 }
 
-/// Steps to the next vectors of a packet, or from its last to the next packet, or ends.
-fn close_loop(
-    builder: &mut FunctionBuilder<'_>,
-    strides: [usize; 2],
-    vectors: usize,
-    carried: &[Value],
-    body: Block,
-    end: Block,
-) {
-    let left = builder.ins().iadd_imm_s(carried[2], -1);
-    let [input, output] = [0, 1].map(|which| {
-        let (at, stride) = (carried[which], strides[which]);
-        if vectors == 1 {
-            return builder.ins().iadd_imm_s(at, stride as i64);
-        }
-        // Two vectors to a packet: an even number of rounds is left before the first of them, and an odd one is after
-        // it. Those of one quantity lie side by side, so `left` is odd where the second is next.
-        let second = builder.ins().band_imm_u(left, 1);
-        let back = builder.ins().imul_imm_s(second, 2 * VECTOR as i64 - stride as i64);
-        let at = builder.ins().iadd_imm_s(at, stride as i64 - VECTOR as i64);
-        builder.ins().iadd(at, back)
-    });
-    let more = builder.ins().icmp_imm_s(IntCC::NotEqual, left, 0);
-    builder.ins().brif(more, body, &args(&[input, output, left]), end, &[]);
+/// Where the quantity with this number starts in a batch, in bytes.
+fn offset<T: Real>(quantity: usize) -> i32 {
+    (size_of::<Lanes<T>>() * quantity) as i32
 }
 
-/// Loads the vector with this index from an array of vectors.
-fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, index: usize) -> Vector {
-    let offset = (VECTOR * index) as i32;
-    Vector::Value(m.builder().ins().load(type_of(T::FORMAT), trusted(), base, offset))
-}
-
-/// Stores a vector of the quantity with this index of a packet.
-fn store<T: Real>(m: &mut Emitter<'_, '_>, vector: Vector, base: Value, index: usize) {
-    let value = m.value(vector);
-    let offset = (VECTOR * T::VECTORS * index) as i32;
-    m.builder().ins().store(trusted(), value, base, offset);
-}
-
-/// Index of the first parameter's vectors after the two fact words.
-const FIRST_PARAMETER: usize = 2;
-
-fn emit_enclosure<T: Real>(m: &mut Emitter<'_, '_>, tape: &Tape<T>, cursor: &Cursor) {
-    let values = tape.enclose(
-        m,
-        |m, axis| {
-            let axis = axis as usize;
-            let row = |axis: usize| T::VECTORS * axis;
-            (load::<T>(m, cursor.input, row(axis)), load::<T>(m, cursor.input, row(3 + axis)))
-        },
-        |m, number| {
-            let at = FIRST_PARAMETER + 2 * number as usize;
-            (load::<T>(m, cursor.parameters, at), load::<T>(m, cursor.parameters, at + 1))
-        },
-    );
-    let value = &values[0];
-    let mut facts = fact_bits(m, T::FORMAT, value);
-    if tape.reads_parameters() {
-        let kept = load::<T>(m, cursor.parameters, 0);
-        let added = load::<T>(m, cursor.parameters, 1);
-        facts = m.and(facts, kept);
-        facts = m.or(facts, added);
-    }
-    store::<T>(m, value.neg_lo, cursor.output, 0);
-    store::<T>(m, value.hi, cursor.output, 1);
-    store::<T>(m, facts, cursor.output, 2);
-}
-
-/// The three facts as bits of each lane.
-fn fact_bits(m: &mut Emitter<'_, '_>, format: Format, value: &Enclosure<Vector>) -> Vector {
-    let facts = [
-        (value.nowhere, Facts::NOWHERE),
-        (value.defined, Facts::DEFINED),
-        (value.continuous, Facts::CONTINUOUS),
-    ];
-    let known = facts
-        .iter()
-        .filter(|(fact, _)| matches!(fact, Fact::True))
-        .fold(Facts::NONE, |known, (_, bit)| known | *bit);
-    let mut bits = m.bits(format, u64::from(known.bits()));
-    for (fact, bit) in facts {
-        if let Fact::Lanes(mask) = fact {
-            let bit = m.bits(format, u64::from(bit.bits()));
-            let set = m.and(mask, bit);
-            bits = m.or(set, bits);
-        }
-    }
-    bits
-}
-
-fn emit_values<T: Real>(m: &mut Emitter<'_, '_>, tape: &Tape<T>, cursor: &Cursor) {
-    let values = tape.evaluate(
-        m,
-        |m, axis| load::<T>(m, cursor.input, T::VECTORS * axis as usize),
-        |m, number| load::<T>(m, cursor.parameters, number as usize),
-    );
-    for (index, value) in values.into_iter().enumerate() {
-        store::<T>(m, value, cursor.output, index);
-    }
+/// Loads the next lanes of a quantity of the batch at `base`.
+fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, quantity: usize) -> Vector {
+    let flags = trusted();
+    Vector::Value(m.builder().ins().load(type_of(T::FORMAT), flags, base, offset::<T>(quantity)))
 }

@@ -2,7 +2,7 @@
 
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::immediates::V128Imm;
-use cranelift_codegen::ir::types::{F32X4, F64X2, I8X16, I32X4, I64, I64X2};
+use cranelift_codegen::ir::types::{F32X4, F64X2, I8X16, I32, I32X4, I64, I64X2};
 use cranelift_codegen::ir::{
     ConstantData, Endianness, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Type, Value,
 };
@@ -72,6 +72,13 @@ impl<'a, 'b> Emitter<'a, 'b> {
         let value = self.builder.ins().vconst(ty, handle);
         self.kept.insert((ty, bits), value);
         value
+    }
+
+    /// The sign bits of a vector's lanes, the lowest for the first.
+    pub fn sign_bits(&mut self, vector: Vector) -> Value {
+        let value = self.value(vector);
+        let (_, integers) = self.integers(value);
+        self.builder.ins().vhigh_bits(I32, integers)
     }
 
     /// The vector as a value for one instruction.

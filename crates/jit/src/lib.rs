@@ -11,6 +11,6 @@ mod kernel;
 mod lanes;
 mod rounding;
 
-pub use compiler::{Kind, intermediate_code, machine_code};
+pub use compiler::{intermediate_code, machine_code};
 pub use error::Error;
-pub use kernel::{NativeGradient, NativeInterval, NativePoint};
+pub use kernel::{Compiled, Native};

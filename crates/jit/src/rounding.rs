@@ -1,8 +1,8 @@
 //! The one place where the rounding mode changes: a call into native code and back.
 
 /// A kernel's first instruction. It is called by the System V convention on `x86_64` and by AAPCS64 on `aarch64`, whatever
-/// the operating system's own may be, with: inputs, outputs, number of packets, parameters, the address of the address of
-/// the constants, guard words (reserved: null for now).
+/// the operating system's own may be, with: the input batch, the output batch, lanes in use, parameters, the address of the
+/// address of the constants, guard words (reserved: null for now).
 pub type Entry = *const u8;
 
 /// MXCSR: all exceptions masked, subnormals kept, rounding to +∞ or (the default everywhere else) to nearest.
@@ -14,12 +14,12 @@ static ROUND_NEAREST: u32 = 0x1f80;
 /// Calls `entry` with the rounding mode set to +∞, and restores the default mode.
 ///
 /// # Safety
-/// `entry` must be a kernel whose inputs, outputs, parameters and constants these pointers satisfy. It must not unwind.
+/// `entry` must be a kernel whose input, output, parameters and constants these pointers satisfy. It must not unwind.
 #[inline]
 pub unsafe fn call_rounding_up(
     entry: Entry,
-    inputs: *const u8,
-    outputs: *mut u8,
+    input: *const u8,
+    output: *mut u8,
     count: usize,
     parameters: *const u8,
     constants: *const u8,
@@ -37,8 +37,8 @@ pub unsafe fn call_rounding_up(
             up = sym ROUND_UP,
             nearest = sym ROUND_NEAREST,
             in("r12") entry,
-            in("rdi") inputs,
-            in("rsi") outputs,
+            in("rdi") input,
+            in("rsi") output,
             in("rdx") count,
             in("rcx") parameters,
             in("r8") constants,
@@ -57,8 +57,8 @@ pub unsafe fn call_rounding_up(
             in("x20") entry,
             in("x21") 1u64 << 22,
             in("x22") 0u64,
-            in("x0") inputs,
-            in("x1") outputs,
+            in("x0") input,
+            in("x1") output,
             in("x2") count,
             in("x3") parameters,
             in("x4") constants,
@@ -68,7 +68,7 @@ pub unsafe fn call_rounding_up(
     }
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     {
-        let _ = (entry, inputs, outputs, count, parameters, constants);
+        let _ = (entry, input, output, count, parameters, constants);
         unreachable!("no kernel is ever compiled for this processor");
     }
 }

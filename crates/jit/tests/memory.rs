@@ -1,12 +1,13 @@
 //! Compiling and dropping kernels leaves no memory behind. Alone in its file, hence in its process.
 //!
-//! A long run: `ZEROSET_CYCLES=200000 cargo test --release -p zeroset-jit --test memory -- --nocapture`.
+//! A long run:
+//! `ZEROSET_CYCLES=200000 cargo test --release -p zeroset-jit --test memory -- --nocapture`.
 
 #![cfg(target_os = "linux")]
 
-use zeroset_eval::{Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, Tape};
+use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Tape};
 use zeroset_ir::{Axis, Graph};
-use zeroset_jit::NativeInterval;
+use zeroset_jit::Native;
 use zeroset_ops::Op;
 
 /// A thousandth of the long run, twice.
@@ -29,10 +30,9 @@ fn cycle(n: usize) -> usize {
     let product = graph.apply(Op::Mul, &[sum, y]);
     let root = if n.is_multiple_of(3) { graph.apply(Op::Exp, &[product]) } else { product };
     let tape = Tape::<f32>::new(&graph, &[root], &Assumptions::none(0));
-    let kernel = NativeInterval::compile(&tape, &Binding::empty()).expect("compiles");
-    let mut out = [EnclosurePacket::default()];
-    kernel.enclose(&[BoxPacket::default()], &mut out);
-    kernel.code_bytes()
+    let kernel = Native::<Enclose>::new(tape, Binding::empty()).expect("compiles");
+    kernel.ask_all(&[Boxes { count: 1, ..Boxes::default() }]);
+    kernel.compiled().code_bytes()
 }
 
 #[test]

@@ -1,7 +1,8 @@
-//! What the rewriting, clearing and printing of formulas tell apart: kinds of operation, not operations.
+//! What the rewriting, clearing and printing of formulas tell apart: kinds of operation, not
+//! operations.
 //!
-//! A new function needs no new kind: the kinds here say which laws of algebra an operation obeys, and most
-//! functions obey none.
+//! A new function needs no new kind: the kinds here say which laws of algebra an operation obeys,
+//! and most functions obey none.
 
 use crate::Op;
 

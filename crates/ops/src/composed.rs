@@ -9,8 +9,8 @@ pub struct Composed {
     pub aliases: &'static [&'static str],
     /// Parameter names, as used in `body`.
     pub parameters: &'static [&'static str],
-    /// The formula. Names in it mean the built-in functions and constants, whatever the user redefines; internal
-    /// operations of the table may be called here.
+    /// The formula. Names in it mean the built-in functions and constants, whatever the user
+    /// redefines; internal operations of the table may be called here.
     pub body: &'static str,
     /// One line for help.
     pub doc: &'static str,

@@ -4,8 +4,8 @@ use crate::class::{Class, Parity};
 
 /// A native operation: a node of the expression graph that has an interval rule of its own.
 ///
-/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm: the compiler
-/// then lists every place that a new row still needs.
+/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm: the
+/// compiler then lists every place that a new row still needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)] // each variant is documented by its row
 pub enum Op {
@@ -82,28 +82,28 @@ pub struct Row {
     pub domain: Domain,
     /// Where it is continuous, within its domain.
     pub continuity: Continuity,
-    /// How it changes with its first operand.
-    pub monotonicity: Monotonicity,
     /// Which laws of algebra it obeys.
     pub class: Class,
     /// What it does with a minus sign.
     pub parity: Parity,
-    /// Where a function of one operand has a rational value that no law gives: pairs of integers, argument and value.
+    /// Where a function of one operand has a rational value that no law gives: pairs of integers,
+    /// argument and value.
     pub values: &'static [(i32, i32)],
     /// Two functions without poles whose quotient it is, if it has poles and is such a quotient.
     pub quotient: Option<[Op; 2]>,
-    /// A function of the same operand that shares most of its work, so that both are computed together.
+    /// A function of the same operand that shares most of its work, so that both are computed
+    /// together.
     pub twin: Option<Op>,
-    /// If its bounds come from an approximation: the most floats by which an enclosure of its value at a point may be wider
-    /// than the tightest one, in `f32` and in `f64`. They are not exactly monotone in the operands' bounds then. `None` if
-    /// they come of correctly rounded arithmetic alone; to say so where they do not is unsound.
+    /// If its bounds come from an approximation: the most floats by which an enclosure of its value
+    /// at a point may be wider than the tightest one, in `f32` and in `f64`; such bounds are not
+    /// exactly monotone in those of the operands. `None` if they come from correctly rounded
+    /// arithmetic alone; claiming `None` otherwise is unsound.
     pub excess: Option<[u64; 2]>,
-    /// Partial derivative for each operand, in the language, over operands `a`, `b`, `c`.
-    pub partials: &'static [&'static str],
+    /// Its derivative by some variable: a formula over operands `a`, `b`, `c`, their derivatives
+    /// `da`, `db`, `dc`, small integers and the operations of the table.
+    pub derivative: &'static str,
     /// One line for help.
     pub doc: &'static str,
-    /// Where the definition comes from.
-    pub source: &'static str,
 }
 
 /// How an operation is written.
@@ -147,8 +147,8 @@ pub enum Domain {
     CosineNonzero,
     /// Where not all operands are 0.
     AnyNonzero,
-    /// That of a power: all reals for an integer exponent ≥ 0, base ≠ 0 for a negative one; otherwise base > 0,
-    /// or base = 0 with exponent > 0.
+    /// That of a power: all reals for an integer exponent ≥ 0, base ≠ 0 for a negative one;
+    /// otherwise base > 0, or base = 0 with exponent > 0.
     Power,
 }
 
@@ -157,17 +157,7 @@ pub enum Domain {
 pub enum Continuity {
     /// Everywhere in its domain.
     Domain,
-    /// Everywhere but where it jumps: at integers, half integers, zero, multiples or a cut, as its doc line says.
+    /// Everywhere but where it jumps: at integers, half integers, zero, multiples or a cut, as its
+    /// doc line says.
     Jumps,
-}
-
-/// How an operation changes with its first operand, the others held fixed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Monotonicity {
-    /// Never decreases.
-    Increasing,
-    /// Never increases.
-    Decreasing,
-    /// Depends on where, or on the other operands.
-    Neither,
 }

@@ -1,17 +1,19 @@
-//! Functions and what they are applied to: brackets, or the implicit product up to the next function.
+//! Functions and what they are applied to: brackets, or the implicit product up to the next
+//! function.
 
 use crate::ast::{Expr, ExprKind, ProductSign};
 use crate::build::{Builder, number_only, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
-use crate::run::{Item, Items, superscript_number};
-use crate::scan::in_name;
+use crate::run::{Item, Items};
 use crate::scope::{Callee, is_variadic};
 use crate::span::Span;
+use crate::spelling::is_name;
 
 impl Builder<'_> {
-    /// A function and what it is applied to: brackets, or the implicit product up to the next function.
+    /// A function and what it is applied to: brackets, or the implicit product up to the next
+    /// function.
     pub(crate) fn application(
         &mut self,
         callee: &Callee,
@@ -20,7 +22,7 @@ impl Builder<'_> {
     ) -> Fallible<Expr> {
         let mut callee = callee.clone();
         let mut exponent = None;
-        if let Some(Item::Caret(..) | Item::Superscript(..)) = items.front() {
+        if let Some(Item::Caret(..) | Item::Superscript(_)) = items.front() {
             let power = self.function_exponent(items)?;
             if is_minus_one(&power) {
                 callee = self.inverse(&callee, span.to(power.span))?;
@@ -28,29 +30,24 @@ impl Builder<'_> {
                 exponent = Some(power);
             }
         }
-        let arguments = match items.pop_front() {
-            Some(Item::Group(pair)) => {
-                let place = self.span(&pair);
-                let mut arguments = Vec::new();
-                for argument in pair.into_inner().flat_map(Pair::into_inner) {
-                    arguments.push(self.value(argument)?);
-                }
-                (arguments, place)
+        let brackets = match items.front() {
+            Some(Item::Group(pair) | Item::Closed(pair))
+                if matches!(pair.as_rule(), Rule::group | Rule::braces) =>
+            {
+                Some(pair.clone())
             }
-            Some(Item::Closed(pair)) if pair.as_rule() == Rule::braces => {
-                let place = self.span(&pair);
-                (vec![self.closed(pair)?], place)
-            }
-            other => {
-                if let Some(item) = other {
-                    items.push_front(item);
-                }
-                let argument = self.bare_argument(&callee, span, items)?;
-                let place = argument.span;
-                (vec![argument], place)
-            }
+            _ => None,
         };
-        let call = self.call(&callee, span, arguments.0, arguments.1)?;
+        let (arguments, place) = if let Some(pair) = brackets {
+            items.pop_front();
+            let place = self.span(&pair);
+            (self.arguments(pair, place)?, place)
+        } else {
+            let argument = self.bare_argument(&callee, span, items)?;
+            let place = argument.span;
+            (vec![argument], place)
+        };
+        let call = self.call(&callee, span, arguments, place)?;
         Ok(match exponent {
             None => call,
             Some(exponent) => {
@@ -60,23 +57,24 @@ impl Builder<'_> {
         })
     }
 
+    /// The arguments in brackets, or the only one in braces.
+    fn arguments(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
+        if pair.as_rule() == Rule::group {
+            return pair.into_inner().map(|argument| self.value(argument)).collect();
+        }
+        Ok(vec![self.deeper(span, 1, |b| b.closed(pair, span))?])
+    }
+
     /// The exponent between a function and its argument, `sin^2 x`.
     fn function_exponent(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
-        match items.pop_front() {
-            Some(Item::Superscript(text, span)) => Ok(superscript_number(&text, span)),
-            Some(Item::Caret(signs, _)) => {
-                let exponent = self.primary(items)?;
-                let exponent = match items.front() {
-                    Some(Item::Caret(..) | Item::Superscript(..)) => {
-                        self.exponents(exponent, items)?
-                    }
-                    _ => exponent,
-                };
-                number_only(&exponent)?;
-                self.signed(&signs, |_| Ok(exponent))
-            }
-            _ => Err(Error::new(Span::at(self.base), ErrorKind::Empty)),
-        }
+        let signs = match items.pop_front() {
+            Some(Item::Superscript(number)) => return Ok(number),
+            Some(Item::Caret(signs, _)) => signs,
+            _ => Vec::new(),
+        };
+        let exponent = self.power(items)?;
+        number_only(&exponent)?;
+        self.signed(&signs, |_| Ok(exponent))
     }
 
     fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
@@ -105,10 +103,10 @@ impl Builder<'_> {
         span: Span,
         items: &mut Items<'_>,
     ) -> Fallible<Expr> {
-        let counts = self.scope.counts(callee);
-        if items.is_empty() || !counts.accept(1) {
+        let forms = self.scope.forms(callee);
+        if items.is_empty() || forms.function(1).is_none() {
             let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
-            let kind = ErrorKind::NeedsArgument { name: name.clone(), count: counts.least() };
+            let kind = ErrorKind::NeedsArgument { name: name.clone(), count: forms.least() };
             return Err(self.suggest_brackets(Error::new(span, kind), span));
         }
         let mut factors = Vec::new();
@@ -118,33 +116,26 @@ impl Builder<'_> {
             }
             self.factor(items, &mut factors)?;
         }
-        if factors.len() > 1 {
-            for factor in &factors {
-                number_only(factor)?;
-            }
-        }
-        let place = factors[0].span.to(factors[factors.len() - 1].span);
-        let product =
-            product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect(), place);
+        let product = product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect())?;
         number_only(&product)?;
         Ok(product)
     }
 
     /// `sin -x` is a difference; if that fails, brackets are what was meant.
     fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
-        let rest = &self.text[span.end..];
-        let after = rest.trim_start();
-        let operand = after.strip_prefix(['-', '−']);
-        let Some(operand) = operand.filter(|o| o.starts_with(|c: char| c.is_alphanumeric())) else {
-            return error;
-        };
-        let length = operand.find(|c: char| !in_name(c)).unwrap_or(operand.len());
-        let argument = &after[..after.len() - operand.len() + length];
-        let end = span.end + (rest.len() - after.len()) + argument.len();
-        if argument.len() > 40 {
-            return error;
+        let next = self.piece.tokens.partition_point(|token| token.span.start < span.end);
+        match &self.piece.tokens[next..] {
+            [sign, operand, ..]
+                if sign.symbol == '-'
+                    && sign.span.end == operand.span.start
+                    && (operand.symbol == '0' || is_name(operand.symbol))
+                    && operand.span.end - span.end <= 40 =>
+            {
+                let argument = &self.text[sign.span.to(operand.span).range()];
+                error.suggest(Span::new(span.end, operand.span.end), format!("({argument})"))
+            }
+            _ => error,
         }
-        error.suggest(Span::new(span.end, end), format!("({argument})"))
     }
 
     /// A call with its arguments counted.
@@ -155,11 +146,12 @@ impl Builder<'_> {
         arguments: Vec<Expr>,
         place: Span,
     ) -> Fallible<Expr> {
-        let Some(function) = self.scope.function(callee, arguments.len()) else {
+        let forms = self.scope.forms(callee);
+        let Some(function) = forms.function(arguments.len()) else {
             let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
             let kind = ErrorKind::WrongCount {
                 name: name.clone(),
-                expected: self.scope.counts(callee).to_string(),
+                expected: forms.to_string(),
                 given: arguments.len(),
                 usage: usage(callee),
             };

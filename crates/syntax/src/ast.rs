@@ -1,8 +1,9 @@
-//! The syntax tree: what was typed, with every name resolved and every implicit product made explicit.
+//! The syntax tree: what was typed, with every name resolved and every implicit product made
+//! explicit.
 //!
-//! Sums, products and chains hold any number of operands, so that only brackets, powers, signs and function
-//! arguments nest, and a limit on those bounds every recursion over a tree. Trees compare equal whatever their
-//! spans are.
+//! Sums, products and chains hold any number of operands, so that only brackets, powers, signs and
+//! function arguments nest, and a limit on those bounds every recursion over a tree. Trees compare
+//! equal whatever their spans are.
 
 use crate::span::Span;
 use zeroset_ir::Axis;
@@ -50,6 +51,16 @@ impl Expr {
             _ => None,
         }
     }
+
+    /// The number, if this is a whole one without a sign or an exponent.
+    pub(crate) fn whole_number(&self) -> Option<u32> {
+        self.number()?.parse().ok()
+    }
+
+    /// `-self`, which stands at `span`.
+    pub(crate) fn negated(self, span: Span) -> Self {
+        Self::new(ExprKind::Negate(Box::new(self)), span)
+    }
 }
 
 /// What an expression is.
@@ -58,7 +69,7 @@ pub enum ExprKind {
     /// A decimal number without a sign, as text that `Constant::decimal` reads.
     Number(String),
     /// A named value.
-    Name(Value),
+    Name(NamedValue),
     /// `-a`.
     Negate(Box<Expr>),
     /// `a + b - c`: a first term, and one or more further ones.
@@ -130,7 +141,7 @@ impl Relation {
 
 /// What a name stands for, where a number is wanted.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Value {
+pub enum NamedValue {
     /// A coordinate of space.
     Coordinate(Axis),
     /// Time, `t`.
@@ -143,7 +154,7 @@ pub enum Value {
     Defined(String),
 }
 
-impl Value {
+impl NamedValue {
     /// The name as printed.
     pub fn name(&self) -> &str {
         match self {
@@ -181,6 +192,15 @@ impl NamedConstant {
             Self::Tau => "tau",
             Self::E => "e",
             Self::Phi => "phi",
+        }
+    }
+
+    /// What the name stands for, where a reader may not know it.
+    pub(crate) fn meaning(self) -> Option<&'static str> {
+        match self {
+            Self::Pi | Self::E => None,
+            Self::Tau => Some("2*pi = 6.2831853…"),
+            Self::Phi => Some("the golden ratio, (1 + sqrt(5))/2 = 1.6180339…"),
         }
     }
 }

@@ -1,54 +1,60 @@
-//! From what the grammar recognised to the syntax tree: everything but runs of factors, which `run` shapes.
+//! From what the grammar recognised to the syntax tree: everything but rows of factors, which `run`
+//! shapes.
 
 use crate::ast::{Expr, ExprKind, Name, ProductSign, Relation, SumSign};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::grammar::{Pair, Rule};
+use crate::grammar::{Pair, Pairs, Rule, recognise};
 use crate::limits::Limits;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::factor_text;
+use crate::scan::Piece;
 use crate::scope::Scope;
 use crate::span::Span;
+use crate::spelling::short_formula;
 use rustc_hash::FxHashSet;
 
 /// Builds the trees of one statement.
 pub(crate) struct Builder<'a> {
     /// The whole text.
     pub text: &'a str,
-    /// Where the statement starts in it.
-    pub base: usize,
+    pub piece: &'a Piece,
     pub scope: &'a Scope,
     /// Parameters of the function being defined.
     pub locals: &'a [Name],
     pub limits: &'a Limits,
-    pub depth: usize,
+    depth: usize,
     pub notes: Vec<Note>,
     /// Names of the document that were used.
     pub used: FxHashSet<String>,
 }
 
+/// Signs before a term or in an exponent.
+pub(crate) type Signs = Vec<(SumSign, Span)>;
+
 impl<'a> Builder<'a> {
     pub(crate) fn new(
         text: &'a str,
-        base: usize,
+        piece: &'a Piece,
         scope: &'a Scope,
         locals: &'a [Name],
         limits: &'a Limits,
     ) -> Self {
-        Self {
-            text,
-            base,
-            scope,
-            locals,
-            limits,
-            depth: 0,
-            notes: Vec::new(),
-            used: FxHashSet::default(),
-        }
+        let (notes, used) = (Vec::new(), FxHashSet::default());
+        Self { text, piece, scope, locals, limits, depth: 0, notes, used }
     }
 
     pub(crate) fn span(&self, pair: &Pair<'_>) -> Span {
-        let span = pair.as_span();
-        Span::new(self.base + span.start(), self.base + span.end())
+        let (start, end) = (pair.as_span().start(), pair.as_span().end());
+        let tokens = &self.piece.tokens[self.piece.index(start)..self.piece.index(end)];
+        tokens
+            .first()
+            .zip(tokens.last())
+            .map_or(Span::at(self.piece.span.end), |(first, last)| first.span.to(last.span))
+    }
+
+    /// What was typed for `pair`.
+    pub(crate) fn typed(&self, pair: &Pair<'_>) -> &'a str {
+        &self.text[self.span(pair).range()]
     }
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
@@ -62,16 +68,17 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Runs `build` one level deeper.
-    pub(crate) fn nested<T>(
+    /// Runs `build` that many levels deeper.
+    pub(crate) fn deeper<T>(
         &mut self,
         span: Span,
+        levels: usize,
         build: impl FnOnce(&mut Self) -> Fallible<T>,
     ) -> Fallible<T> {
-        self.room(span, 1)?;
-        self.depth += 1;
+        self.room(span, levels)?;
+        self.depth += levels;
         let built = build(self);
-        self.depth -= 1;
+        self.depth -= levels;
         built
     }
 
@@ -84,6 +91,12 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
+    /// The number that the whole statement is.
+    pub(crate) fn only_expression(&mut self) -> Fallible<Expr> {
+        let statement = recognise(self.text, self.piece, Rule::constant)?;
+        self.value(statement.into_inner().next().expect("a constant is an expression"))
+    }
+
     /// An expression that must be a number.
     pub(crate) fn value(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let expr = self.expression(pair)?;
@@ -91,119 +104,107 @@ impl<'a> Builder<'a> {
         Ok(expr)
     }
 
+    /// The ends of a range.
+    pub(crate) fn bounds(&mut self, pair: Pair<'_>) -> Fallible<(Expr, Expr)> {
+        let mut ends = pair.into_inner();
+        let mut end = || ends.next().expect("bounds hold two expressions");
+        Ok((self.value(end())?, self.value(end())?))
+    }
+
     /// An expression: a number or a condition.
     pub(crate) fn expression(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
-        self.nested(span, |b| b.joined(pair, "or", |b, pair| b.joined(pair, "and", Self::negation)))
-    }
-
-    /// One operand, or several joined by `word`.
-    fn joined(
-        &mut self,
-        pair: Pair<'_>,
-        word: &'static str,
-        operand: impl Fn(&mut Self, Pair<'_>) -> Fallible<Expr>,
-    ) -> Fallible<Expr> {
-        let span = self.span(&pair);
-        let mut operands = Vec::new();
-        for child in pair.into_inner() {
-            match child.as_rule() {
-                Rule::or_word | Rule::and_word => {}
-                _ => operands.push(operand(self, child)?),
+        let mut parts = pair.into_inner();
+        match (parts.next(), parts.peek()) {
+            // Most are no more than a sum: brackets inside brackets then take less of the stack.
+            (Some(sum), None) => self.deeper(span, 1, |b| b.sum(sum)),
+            (first, _) => {
+                let parts: Vec<Pair<'_>> = first.into_iter().chain(parts).collect();
+                self.deeper(span, 1, |b| b.condition(&parts))
             }
         }
-        if operands.len() == 1 {
-            return Ok(operands.remove(0));
-        }
-        for operand in &operands {
-            condition_only(operand, word)?;
-        }
-        // `(a and b) and c` is the same as `a and b and c`.
-        let first = operands.remove(0);
-        let mut all = match (first.kind, word) {
-            (ExprKind::And(inner), "and") | (ExprKind::Or(inner), "or") => inner,
-            (kind, _) => vec![Expr::new(kind, first.span)],
-        };
-        all.extend(operands);
-        let kind = if word == "and" { ExprKind::And(all) } else { ExprKind::Or(all) };
-        Ok(Expr::new(kind, span))
     }
 
-    fn negation(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let mut words = Vec::new();
-        let mut inner = None;
-        for child in pair.into_inner() {
-            match child.as_rule() {
-                Rule::not_word => words.push(self.span(&child)),
-                _ => inner = Some(child),
+    fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
+        let mut any = Vec::new();
+        for parts in parts.split(|part| part.as_str() == "∨") {
+            let mut all = Vec::new();
+            for parts in parts.split(|part| part.as_str() == "∧") {
+                all.push(self.negation(parts)?);
             }
+            any.push(joined(all, "and")?);
         }
-        let chain = inner.expect("the grammar puts a chain after `not`");
+        joined(any, "or")
+    }
+
+    fn negation(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
+        let count = parts.iter().take_while(|part| part.as_rule() == Rule::not).count();
+        let (words, chain) = parts.split_at(count);
         if let Some(first) = words.first() {
-            self.room(*first, words.len())?;
+            self.room(self.span(first), count)?;
         }
         let mut expr = self.chain(chain)?;
-        for word in words.into_iter().rev() {
+        for word in words.iter().rev() {
             condition_only(&expr, "not")?;
-            let span = word.to(expr.span);
+            let span = self.span(word).to(expr.span);
             expr = Expr::new(ExprKind::Not(Box::new(expr)), span);
         }
         Ok(expr)
     }
 
-    fn chain(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let span = self.span(&pair);
-        let mut inner = pair.into_inner();
-        let first = self.sum(inner.next().expect("a chain starts with a sum"))?;
+    fn chain(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
+        let first = self.sum(parts[0].clone())?;
         let mut rest = Vec::new();
         let mut equals: Option<Span> = None;
-        while let (Some(sign), Some(sum)) = (inner.next(), inner.next()) {
-            let place = self.span(&sign);
-            let relation = relation(&sign);
+        for side in parts[1..].chunks(2) {
+            let place = self.span(&side[0]);
+            let relation = relation(&side[0]);
             if relation == Relation::Equal && equals.replace(place).is_some() {
                 return Err(Error::new(place, ErrorKind::SeveralEquals));
             }
-            rest.push((relation, self.sum(sum)?));
+            rest.push((relation, self.sum(side[1].clone())?));
         }
-        if rest.is_empty() {
+        let Some((_, last)) = rest.last() else {
             return Ok(first);
-        }
+        };
         if let (Some(place), true) = (equals, rest.len() > 1) {
             return Err(Error::new(place, ErrorKind::MixedChain));
         }
-        for side in std::iter::once(&first).chain(rest.iter().map(|(_, side)| side)) {
-            number_only(side)?;
-        }
+        let span = first.span.to(last.span);
+        numbers_only(std::iter::once(&first).chain(rest.iter().map(|(_, side)| side)))?;
         Ok(Expr::new(ExprKind::Compare(Box::new(first), rest), span))
     }
 
     pub(crate) fn sum(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
-        let mut signs: Vec<(SumSign, Span)> = Vec::new();
-        let mut first: Option<Expr> = None;
-        let mut rest: Vec<(SumSign, Expr)> = Vec::new();
-        for child in pair.into_inner() {
-            if child.as_rule() == Rule::sign {
-                signs.push((sign(&child), self.span(&child)));
-                continue;
-            }
-            // Behind a term, the first sign joins the next one and any others belong to it.
-            let joint = first.as_ref().map(|_| signs.remove(0).0);
-            let term = self.signed(&signs, |b| b.product(child))?;
-            signs.clear();
-            match joint {
-                Some(joint) => rest.push((joint, term)),
-                None => first = Some(term),
-            }
+        let mut pairs = pair.into_inner();
+        let first = self.term(&mut pairs)?;
+        let mut rest = Vec::new();
+        // A term ends before a plus or a minus.
+        while let Some(operator) = pairs.next() {
+            rest.push((sign(&operator), self.term(&mut pairs)?));
         }
-        let first = first.expect("a sum has a first term");
         if rest.is_empty() {
             return Ok(first);
         }
-        for term in std::iter::once(&first).chain(rest.iter().map(|(_, term)| term)) {
-            number_only(term)?;
-        }
+        numbers_only(std::iter::once(&first).chain(rest.iter().map(|(_, term)| term)))?;
         Ok(sum_of(first, rest, span))
+    }
+
+    /// A product with the signs before it.
+    pub(crate) fn term(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
+        let signs = self.signs(pairs);
+        self.signed(&signs, |b| b.product(pairs))
+    }
+
+    /// Takes the signs that stand next.
+    pub(crate) fn signs(&self, pairs: &mut Pairs<'_>) -> Signs {
+        let mut signs = Signs::new();
+        while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() == Rule::sign) {
+            signs.push((sign(&pair), self.span(&pair)));
+            pairs.next();
+        }
+        signs
     }
 
     /// What `build` makes, negated once for every minus sign of `signs`.
@@ -212,127 +213,106 @@ impl<'a> Builder<'a> {
         signs: &[(SumSign, Span)],
         build: impl FnOnce(&mut Self) -> Fallible<Expr>,
     ) -> Fallible<Expr> {
-        let minus = signs.iter().filter(|(sign, _)| *sign == SumSign::Minus).count();
-        if let Some((_, span)) = signs.first() {
-            self.room(*span, minus)?;
-        }
-        self.depth += minus;
-        let built = build(self);
-        self.depth -= minus;
-        let mut expr = built?;
-        if !signs.is_empty() {
-            number_only(&expr)?;
-        }
-        for (sign, span) in signs.iter().rev() {
-            if *sign == SumSign::Minus {
-                let span = span.to(expr.span);
-                expr = Expr::new(ExprKind::Negate(Box::new(expr)), span);
-            }
+        let Some((_, first)) = signs.first() else {
+            return build(self);
+        };
+        let minus = signs.iter().filter(|(sign, _)| *sign == SumSign::Minus);
+        let mut expr = self.deeper(*first, minus.clone().count(), build)?;
+        number_only(&expr)?;
+        for (_, span) in minus.rev() {
+            let span = span.to(expr.span);
+            expr = expr.negated(span);
         }
         Ok(expr)
     }
 
-    fn product(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let span = self.span(&pair);
-        let mut joint: Option<ProductSign> = None;
-        let mut signs: Vec<(SumSign, Span)> = Vec::new();
+    fn product(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
+        let mut joint = ProductSign::Times;
         let mut factors: Vec<(ProductSign, Expr)> = Vec::new();
-        for child in pair.into_inner() {
-            match child.as_rule() {
-                Rule::factor_sign => {
-                    let over = child.into_inner().any(|sign| sign.as_rule() == Rule::over);
-                    joint = Some(if over { ProductSign::Over } else { ProductSign::Times });
-                }
-                Rule::sign => signs.push((sign(&child), self.span(&child))),
-                _ => {
-                    let joint = joint.take().unwrap_or(ProductSign::Times);
-                    let mut run = self.run(child)?.into_iter();
-                    let first = run.next().expect("a run has a first factor");
-                    let first = self.signed(&signs, |_| Ok(first))?;
-                    signs.clear();
-                    let others: Vec<Expr> = run.collect();
-                    if joint == ProductSign::Over && !others.is_empty() {
-                        self.implicit_division(&factors, &first, &others);
-                    }
-                    if joint == ProductSign::Over && others.is_empty() {
-                        self.divided_power(&factors, &first);
-                    }
-                    factors.push((joint, first));
-                    factors.extend(others.into_iter().map(|f| (ProductSign::Times, f)));
-                }
+        loop {
+            let signs = self.signs(pairs);
+            let mut run = self.run(pairs)?.into_iter();
+            let first = run.next().expect("a run has a first factor");
+            let first = self.signed(&signs, |_| Ok(first))?;
+            let others: Vec<Expr> = run.collect();
+            if joint == ProductSign::Over {
+                self.note_division(&factors, &first, &others);
             }
+            factors.push((joint, first));
+            factors.extend(others.into_iter().map(|f| (ProductSign::Times, f)));
+            joint = match pairs.peek().map(|operator| operator.as_str()) {
+                Some("*") => ProductSign::Times,
+                Some("/") => ProductSign::Over,
+                _ => break,
+            };
+            pairs.next();
         }
-        if factors.len() > 1 {
-            for (_, factor) in &factors {
-                number_only(factor)?;
-            }
-        }
-        Ok(product_of(factors, span))
+        product_of(factors)
     }
 
-    /// Remarks on `1/2x`: the product after a division is easily meant to be divided by as a whole.
-    fn implicit_division(
-        &mut self,
-        before: &[(ProductSign, Expr)],
-        divisor: &Expr,
-        others: &[Expr],
-    ) {
-        let product = |factors: &mut dyn Iterator<Item = &Expr>| {
-            let factors: Vec<String> = factors.map(factor_text).collect();
-            short(factors.join("*"))
-        };
+    /// Notes a division that may be meant to end elsewhere.
+    #[inline(never)] // keeps its text out of the stack frames of nested products
+    fn note_division(&mut self, before: &[(ProductSign, Expr)], divisor: &Expr, others: &[Expr]) {
         let Some((_, numerator)) = before.last() else {
             return;
         };
-        let span = numerator.span.to(others.last().unwrap_or(divisor).span);
-        let top = short(factor_text(numerator));
-        let bottom = short(factor_text(divisor));
-        let tail = product(&mut others.iter());
-        let whole = product(&mut std::iter::once(divisor).chain(others));
-        let kind = NoteKind::ImplicitDivision {
-            read: format!("({top}/{bottom})*{tail}"),
-            other: format!("{top}/({whole})"),
+        let (kind, end) = match others.last() {
+            Some(last) => (Some(implicit_division(numerator, divisor, others)), last.span),
+            None => (divided_power(numerator, divisor), divisor.span),
         };
-        self.note(span, kind);
-    }
-
-    /// Remarks on `x^1/3`: nobody writes the exponent 1 but as the top of a fraction.
-    fn divided_power(&mut self, before: &[(ProductSign, Expr)], divisor: &Expr) {
-        let Some((_, power)) = before.last() else {
-            return;
-        };
-        let ExprKind::Power(base, exponent) = &power.kind else {
-            return;
-        };
-        let index = divisor.number().and_then(|text| text.parse::<u32>().ok());
-        let (Some("1"), Some(index @ 2..)) = (exponent.number(), index) else {
-            return;
-        };
-        let text = short(factor_text(base));
-        let inside = short(base.to_string());
-        let root = match index {
-            2 => format!("sqrt({inside})"),
-            3 => format!("cbrt({inside})"),
-            _ => format!("root({inside}, {index})"),
-        };
-        let span = power.span.to(divisor.span);
-        let read = format!("({text}^1)/{index}");
-        self.note(span, NoteKind::DividedPower { read, root });
+        if let Some(kind) = kind {
+            self.note(numerator.span.to(end), kind);
+        }
     }
 }
 
-/// A formula quoted in a remark; a long one would hide what the remark is about.
-fn short(text: String) -> String {
-    const LONGEST: usize = 24;
-    if text.chars().count() > LONGEST { "…".to_owned() } else { text }
+/// The note on `1/2x`: the divisor may be meant to be the whole product.
+fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteKind {
+    let product = |factors: &mut dyn Iterator<Item = &Expr>| {
+        short_formula(&factors.map(factor_text).collect::<Vec<_>>().join("*"))
+    };
+    let top = short_formula(&factor_text(numerator));
+    let bottom = short_formula(&factor_text(divisor));
+    let tail = product(&mut others.iter());
+    let whole = product(&mut std::iter::once(divisor).chain(others));
+    NoteKind::ImplicitDivision {
+        read: format!("({top}/{bottom})*{tail}"),
+        other: format!("{top}/({whole})"),
+    }
 }
 
-/// A product of one or more factors; one inside its first factor is opened, since it means the same.
-pub(crate) fn product_of(mut factors: Vec<(ProductSign, Expr)>, span: Span) -> Expr {
+/// The note on `x^1/3`: an exponent of 1 is only ever written as the top of a fraction.
+fn divided_power(power: &Expr, divisor: &Expr) -> Option<NoteKind> {
+    let ExprKind::Power(base, exponent) = &power.kind else {
+        return None;
+    };
+    let index = divisor.whole_number().filter(|index| *index >= 2)?;
+    if exponent.number() != Some("1") {
+        return None;
+    }
+    let read = format!("({}^1)/{index}", short_formula(&factor_text(base)));
+    Some(NoteKind::DividedPower { read, root: root_text(base, index) })
+}
+
+/// How a root of `radicand` is written.
+pub(crate) fn root_text(radicand: &Expr, index: u32) -> String {
+    let radicand = short_formula(&radicand.to_string());
+    match index {
+        2 => format!("sqrt({radicand})"),
+        3 => format!("cbrt({radicand})"),
+        _ => format!("root({radicand}, {index})"),
+    }
+}
+
+/// A product of one or more factors, which must be numbers; one inside its first factor is opened,
+/// since it means the same.
+pub(crate) fn product_of(mut factors: Vec<(ProductSign, Expr)>) -> Fallible<Expr> {
     let (_, first) = factors.remove(0);
-    if factors.is_empty() {
-        return first;
-    }
+    let Some((_, last)) = factors.last() else {
+        return Ok(first);
+    };
+    let span = first.span.to(last.span);
+    numbers_only(std::iter::once(&first).chain(factors.iter().map(|(_, factor)| factor)))?;
     let (first, rest) = match first.kind {
         ExprKind::Product(first, mut rest) => {
             rest.append(&mut factors);
@@ -340,7 +320,7 @@ pub(crate) fn product_of(mut factors: Vec<(ProductSign, Expr)>, span: Span) -> E
         }
         kind => (Box::new(Expr::new(kind, first.span)), factors),
     };
-    Expr::new(ExprKind::Product(first, rest), span)
+    Ok(Expr::new(ExprKind::Product(first, rest), span))
 }
 
 /// A sum of two or more terms; one inside its first term is opened, since it means the same.
@@ -360,15 +340,35 @@ pub(crate) fn sign(pair: &Pair<'_>) -> SumSign {
 }
 
 pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
-    let inner = pair.clone().into_inner().next().map(|inner| inner.as_rule());
-    match inner {
-        Some(Rule::unequal) => Relation::Unequal,
-        Some(Rule::less) => Relation::Less,
-        Some(Rule::less_equal) => Relation::LessEqual,
-        Some(Rule::greater) => Relation::Greater,
-        Some(Rule::greater_equal) => Relation::GreaterEqual,
-        _ => Relation::Equal,
+    match pair.as_str() {
+        "=" => Relation::Equal,
+        "≠" => Relation::Unequal,
+        "<" => Relation::Less,
+        "≤" => Relation::LessEqual,
+        ">" => Relation::Greater,
+        "≥" => Relation::GreaterEqual,
+        other => unreachable!("the grammar has no relation {other}"),
     }
+}
+
+/// One operand, or several joined by `word`.
+fn joined(mut operands: Vec<Expr>, word: &str) -> Fallible<Expr> {
+    if operands.len() == 1 {
+        return Ok(operands.remove(0));
+    }
+    for operand in &operands {
+        condition_only(operand, word)?;
+    }
+    let span = operands[0].span.to(operands[operands.len() - 1].span);
+    // `(a and b) and c` is the same as `a and b and c`.
+    let first = operands.remove(0);
+    let mut all = match (first.kind, word) {
+        (ExprKind::And(inner), "and") | (ExprKind::Or(inner), "or") => inner,
+        (kind, _) => vec![Expr::new(kind, first.span)],
+    };
+    all.extend(operands);
+    let kind = if word == "and" { ExprKind::And(all) } else { ExprKind::Or(all) };
+    Ok(Expr::new(kind, span))
 }
 
 /// Fails on a comparison, which is not a number.
@@ -377,6 +377,11 @@ pub(crate) fn number_only(expr: &Expr) -> Fallible<()> {
         return Err(Error::new(expr.span, ErrorKind::ConditionAsValue));
     }
     Ok(())
+}
+
+/// Fails on the first comparison.
+pub(crate) fn numbers_only<'e>(exprs: impl IntoIterator<Item = &'e Expr>) -> Fallible<()> {
+    exprs.into_iter().try_for_each(number_only)
 }
 
 /// Fails on a number, which does not hold or fail to hold.

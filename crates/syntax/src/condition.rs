@@ -1,7 +1,7 @@
 //! Conditions: solids and the sets that equations are restricted to.
 //!
-//! A point at which a side of a comparison has no value meets neither that comparison nor its opposite: there it is
-//! outside, and the rest of the condition still counts.
+//! A point at which a side of a comparison has no value meets neither that comparison nor its
+//! opposite: there it is outside, and the rest of the condition still counts.
 
 use crate::ast::{Expr, ExprKind, Relation};
 use crate::error::{Error, ErrorKind, Fallible};
@@ -10,8 +10,8 @@ use zeroset_ir::{Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
 impl<'a> Lowering<'a> {
-    /// The function that is ≤ 0 inside the solid that a condition describes, or with `negated` its opposite, and above 0
-    /// elsewhere; defined everywhere.
+    /// The function that is ≤ 0 inside the solid that a condition describes, or with `negated` its
+    /// opposite, and above 0 elsewhere; defined everywhere.
     pub(crate) fn solid(&mut self, expr: &'a Expr, negated: bool) -> Fallible<NodeId> {
         match &expr.kind {
             ExprKind::And(items) | ExprKind::Or(items) => {
@@ -23,27 +23,18 @@ impl<'a> Lowering<'a> {
             }
             ExprKind::Not(inner) => self.solid(inner, !negated),
             ExprKind::Compare(first, rest) => {
-                let mut left: &Expr = first;
                 let mut all = Vec::new();
-                for (relation, right) in rest {
-                    let span = left.span.to(right.span);
-                    let less = match relation {
-                        Relation::Less | Relation::LessEqual => true,
-                        Relation::Greater | Relation::GreaterEqual => false,
-                        Relation::Equal => {
-                            return Err(Error::new(span, ErrorKind::EquationInCondition));
-                        }
-                        Relation::Unequal => {
-                            return Err(Error::new(span, ErrorKind::UnequalOutsideBraces));
-                        }
+                for (left, relation, right) in comparisons(first, rest) {
+                    let Some((low, high, _)) = sides(left, relation, right) else {
+                        let kind = match relation {
+                            Relation::Equal => ErrorKind::EquationInCondition,
+                            _ => ErrorKind::UnequalOutsideBraces,
+                        };
+                        return Err(Error::new(left.span.to(right.span), kind));
                     };
-                    let one = if less == negated {
-                        self.difference(right, left)?
-                    } else {
-                        self.difference(left, right)?
-                    };
+                    let (low, high) = if negated { (high, low) } else { (low, high) };
+                    let one = self.difference(low, high)?;
                     all.push(self.otherwise_outside(one, 1));
-                    left = right;
                 }
                 Ok(self.fold(if negated { Op::Min } else { Op::Max }, &all))
             }
@@ -51,7 +42,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// `node` where it is defined, else a number that means outside; `node` alone if it cannot be undefined.
+    /// `node` where it is defined, else a number that means outside; `node` alone if it cannot be
+    /// undefined.
     fn otherwise_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {
@@ -95,36 +87,34 @@ impl<'a> Lowering<'a> {
                 items.iter().try_fold(root, |root, item| self.restrict(root, item))
             }
             ExprKind::Compare(first, rest) => {
-                let mut left: &Expr = first;
                 let mut root = root;
-                for (relation, right) in rest {
-                    let span = left.span.to(right.span);
-                    let (op, bound) = match relation {
-                        Relation::Less => (Op::WherePositive, self.difference(right, left)?),
-                        Relation::LessEqual => (Op::WhereNonneg, self.difference(right, left)?),
-                        Relation::Greater => (Op::WherePositive, self.difference(left, right)?),
-                        Relation::GreaterEqual => (Op::WhereNonneg, self.difference(left, right)?),
-                        Relation::Unequal => (Op::WhereNonzero, self.difference(left, right)?),
-                        Relation::Equal => {
+                for (left, relation, right) in comparisons(first, rest) {
+                    let (op, bound) = match sides(left, relation, right) {
+                        Some((low, high, strict)) => {
+                            (restriction(strict), self.difference(high, low)?)
+                        }
+                        None if relation == Relation::Unequal => {
+                            (Op::WhereNonzero, self.difference(left, right)?)
+                        }
+                        None => {
+                            let span = left.span.to(right.span);
                             return Err(Error::new(span, ErrorKind::RestrictionIsEquation));
                         }
                     };
                     root = self.graph.apply(op, &[root, bound]);
-                    left = right;
                 }
                 Ok(root)
             }
             ExprKind::Or(_) | ExprKind::Not(_) => {
                 let (bound, strict) = self.margin(condition, false)?;
-                let op = if strict == Some(true) { Op::WherePositive } else { Op::WhereNonneg };
-                Ok(self.graph.apply(op, &[root, bound]))
+                Ok(self.graph.apply(restriction(strict), &[root, bound]))
             }
             _ => Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
         }
     }
 
-    /// The solid `root` where `condition` holds as well, so that the cut is a face of it. A cut that has no inside
-    /// (`!=`) only takes points away.
+    /// The solid `root` where `condition` holds as well, so that the cut is a face of it. A cut
+    /// that has no inside (`!=`) only takes points away.
     pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
         match &condition.kind {
             ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),
@@ -136,57 +126,72 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A function that is positive (strict) or nonnegative (not strict) just where `condition`, or with `negated`
-    /// its opposite, holds.
-    fn margin(&mut self, condition: &'a Expr, negated: bool) -> Fallible<(NodeId, Option<bool>)> {
-        let (items, op): (Vec<(NodeId, Option<bool>)>, Op) = match &condition.kind {
+    /// A function that is positive or, unless the condition is strict, 0 just where `condition`, or
+    /// with `negated` its opposite, holds; and whether that is strict.
+    fn margin(&mut self, condition: &'a Expr, negated: bool) -> Fallible<(NodeId, bool)> {
+        let mut margins = Vec::new();
+        let op = match &condition.kind {
             ExprKind::Not(inner) => return self.margin(inner, !negated),
             ExprKind::And(items) | ExprKind::Or(items) => {
+                for item in items {
+                    margins.push(self.margin(item, negated)?);
+                }
                 let is_and = matches!(condition.kind, ExprKind::And(_));
-                let op = if is_and == negated { Op::Max } else { Op::Min };
-                let parts: Fallible<Vec<_>> =
-                    items.iter().map(|item| self.margin(item, negated)).collect();
-                (parts?, op)
+                if is_and == negated { Op::Max } else { Op::Min }
             }
             ExprKind::Compare(first, rest) => {
-                let mut left: &Expr = first;
-                let mut parts = Vec::new();
-                for (relation, right) in rest {
-                    let span = left.span.to(right.span);
-                    let (less, strict) = match relation {
-                        Relation::Less => (true, true),
-                        Relation::LessEqual => (true, false),
-                        Relation::Greater => (false, true),
-                        Relation::GreaterEqual => (false, false),
-                        Relation::Equal => {
-                            return Err(Error::new(span, ErrorKind::RestrictionIsEquation));
-                        }
-                        Relation::Unequal => {
-                            return Err(Error::new(span, ErrorKind::MixedRestriction));
-                        }
+                for (left, relation, right) in comparisons(first, rest) {
+                    let Some((low, high, strict)) = sides(left, relation, right) else {
+                        let kind = match relation {
+                            Relation::Equal => ErrorKind::RestrictionIsEquation,
+                            _ => ErrorKind::MixedRestriction,
+                        };
+                        return Err(Error::new(left.span.to(right.span), kind));
                     };
-                    let node = if less == negated {
-                        self.difference(left, right)?
-                    } else {
-                        self.difference(right, left)?
-                    };
-                    let node = self.otherwise_outside(node, -1);
-                    parts.push((node, Some(strict != negated)));
-                    left = right;
+                    let (low, high) = if negated { (high, low) } else { (low, high) };
+                    let margin = self.difference(high, low)?;
+                    margins.push((self.otherwise_outside(margin, -1), strict != negated));
                 }
-                (parts, if negated { Op::Max } else { Op::Min })
+                if negated { Op::Max } else { Op::Min }
             }
-            _ => {
-                return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition));
-            }
+            _ => return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
         };
-        let strict = items[0].1;
-        if items.iter().any(|(_, other)| *other != strict) {
+        let strict = margins[0].1;
+        if margins.iter().any(|(_, other)| *other != strict) {
             return Err(Error::new(condition.span, ErrorKind::MixedRestriction));
         }
-        let nodes: Vec<NodeId> = items.into_iter().map(|(node, _)| node).collect();
+        let nodes: Vec<NodeId> = margins.into_iter().map(|(node, _)| node).collect();
         Ok((self.fold(op, &nodes), strict))
     }
+}
+
+/// Each comparison of a chain with its sides.
+fn comparisons<'a>(
+    first: &'a Expr,
+    rest: &'a [(Relation, Expr)],
+) -> impl Iterator<Item = (&'a Expr, Relation, &'a Expr)> {
+    let left = std::iter::once(first).chain(rest.iter().map(|(_, side)| side));
+    left.zip(rest).map(|(left, (relation, right))| (left, *relation, right))
+}
+
+/// The lower and the higher side of an inequality, and whether it is strict; `None` for others.
+fn sides<'a>(
+    left: &'a Expr,
+    relation: Relation,
+    right: &'a Expr,
+) -> Option<(&'a Expr, &'a Expr, bool)> {
+    match relation {
+        Relation::Less => Some((left, right, true)),
+        Relation::LessEqual => Some((left, right, false)),
+        Relation::Greater => Some((right, left, true)),
+        Relation::GreaterEqual => Some((right, left, false)),
+        Relation::Equal | Relation::Unequal => None,
+    }
+}
+
+/// The operation that restricts to where a margin is positive, or not negative.
+fn restriction(strict: bool) -> Op {
+    if strict { Op::WherePositive } else { Op::WhereNonneg }
 }
 
 /// Whether a condition is made of inequalities only.

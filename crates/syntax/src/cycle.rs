@@ -1,12 +1,12 @@
 //! Definitions that use one another in a circle.
 
 use crate::ast::Definition;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Fallible};
 use crate::statement::Built;
 use rustc_hash::FxHashMap;
 
-/// The error for definitions that use one another in a circle, if any do.
-pub(crate) fn recursion(definitions: &[(&Definition, &Built)]) -> Option<Box<Error>> {
+/// Fails if definitions use one another in a circle.
+pub(crate) fn no_recursion(definitions: &[(&Definition, &Built)]) -> Fallible<()> {
     const NEW: u8 = 0;
     const OPEN: u8 = 1;
     const DONE: u8 = 2;
@@ -52,11 +52,11 @@ pub(crate) fn recursion(definitions: &[(&Definition, &Built)]) -> Option<Box<Err
                     cycle.rotate_left(first);
                     let name = |index: &usize| definitions[*index].0.name.text.clone();
                     let kind = ErrorKind::Recursion { cycle: cycle.iter().map(name).collect() };
-                    return Some(Error::new(definitions[cycle[0]].0.name.span, kind));
+                    return Err(Error::new(definitions[cycle[0]].0.name.span, kind));
                 }
                 _ => {}
             }
         }
     }
-    None
+    Ok(())
 }

@@ -1,104 +1,66 @@
-//! What is wrong with a statement that the grammar does not accept, told from where it stopped.
+//! What is wrong with a statement that the grammar refuses, inferred from where it stopped.
 
 use crate::error::{Error, ErrorKind};
 use crate::grammar::Rule;
-use crate::scan::{Piece, Token, TokenKind, is_operator_word};
+use crate::scan::{Piece, Token};
 use crate::span::Span;
-use crate::statement::LineKind;
-use pest::error::InputLocation;
+use crate::spelling::{closer, is_closer, is_operator, short_name};
 
-/// The error behind the grammar's refusal of `piece`.
-pub(crate) fn diagnose(
-    text: &str,
-    piece: &Piece,
-    line: LineKind,
-    refusal: &pest::error::Error<Rule>,
-) -> Box<Error> {
-    let typed = |token: &Token| &text[token.span.range()];
-    let at = piece.span.start
-        + match refusal.location {
-            InputLocation::Pos(at) | InputLocation::Span((at, _)) => at,
-        };
-    let next = piece.tokens.partition_point(|token| token.span.end <= at);
+/// The error behind the grammar's refusal of `piece`; `next` is the index of the token at which it
+/// stopped.
+pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
     let found = piece.tokens.get(next);
-    let here = found.map_or(piece.span, |token| token.span);
-    match line {
-        LineKind::Domain => return Error::new(here, ErrorKind::BadDomain),
-        LineKind::View => return Error::new(here, ErrorKind::BadView),
-        LineKind::Color => return Error::new(here, ErrorKind::BadColor),
-        LineKind::Formula => {}
-    }
-    if let Some(error) = unknown_character(piece) {
-        return error;
-    }
-    let before = next.checked_sub(1).map(|index| &piece.tokens[index]);
-    let is_sign = |token: &Token| token.kind == TokenKind::Sign || is_operator_word(typed(token));
-    let Some(found) = found else {
-        let Some(last) = before else {
-            return Error::new(piece.span, ErrorKind::Empty);
-        };
-        if is_range_word(typed(last)) {
-            return Error::new(last.span, ErrorKind::BadRange);
-        }
-        if let Some(error) = half_fraction(text, piece, next) {
-            return error;
-        }
-        if !is_sign(last) {
-            return Error::new(Span::at(last.span.end), ErrorKind::Unfinished);
-        }
-        let sign = typed(last).to_owned();
-        return Error::new(last.span, ErrorKind::MissingAfter { sign });
+    let setting = match rule {
+        Rule::domain_line => Some(ErrorKind::BadDomain),
+        Rule::view_line => Some(ErrorKind::BadView),
+        Rule::color_line => Some(ErrorKind::BadColor),
+        _ => None,
     };
-    let sign = typed(found).to_owned();
-    let after = piece.tokens.get(next + 1);
-    if let Some(after) = after.filter(|after| sign == "=" && matches!(typed(after), "<" | ">")) {
-        let meant = format!("{}=", typed(after));
-        return foreign(text, found.span.to(after.span), &meant);
+    if let Some(kind) = setting {
+        return Error::new(found.map_or(piece.span, |token| token.span), kind);
     }
-    let Some(before) = before else {
-        let kind = if is_sign(found) {
-            ErrorKind::MissingBefore { sign }
-        } else {
-            ErrorKind::Unexpected { found: sign }
-        };
-        return Error::new(found.span, kind);
-    };
-    let both = before.span.to(found.span);
-    match (typed(before), sign.as_str()) {
-        ("<", "=") => return foreign(text, both, "<="),
-        (">", "=") => return foreign(text, both, ">="),
-        ("==", "=") | ("-", ">") | ("<", "-" | ">") => return foreign(text, both, "="),
-        ("/", "/") => return foreign(text, both, "/"),
-        (_, ",") if before.kind == TokenKind::Number => return comma(piece, next),
-        (_, ",") if !is_sign(before) => return Error::new(found.span, ErrorKind::Comma),
-        _ => {}
+    // A character without a meaning is reported before anything else.
+    if let Some(token) = piece.tokens.iter().find(|token| token.symbol == '?') {
+        return unknown_character(text, token.span);
     }
-    if is_range_word(typed(before)) {
-        return Error::new(both, ErrorKind::BadRange);
-    }
-    if is_range_word(&sign) {
-        let range = found.span.to(piece.span);
-        return Error::new(Span::new(found.span.start, range.end), ErrorKind::BadRange);
-    }
-    if let Some(error) = half_fraction(text, piece, next) {
-        return error;
-    }
-    if found.kind == TokenKind::Break {
+    let before = next.checked_sub(1).map(|index| piece.tokens[index]);
+    let place = before.map_or(piece.span, |token| token.span);
+    let here = found.map_or(place, |token| token.span);
+    let both = if before.is_some() { place.to(here) } else { here };
+    let typed = |span: Span| text[span.range()].to_owned();
+    let opens = |symbol| closer(symbol).is_some() || symbol == '|';
+    match (before.map_or(' ', |token| token.symbol), found.map_or(' ', |token| token.symbol)) {
+        (' ', sign) if is_operator(sign) => {
+            Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })
+        }
+        ('=', '<') | ('<', '=') => foreign(text, both, "<="),
+        ('=', '>') | ('>', '=') => foreign(text, both, ">="),
+        ('=', '=') | ('-', '>') | ('<', '-') => foreign(text, both, "="),
+        ('<', '>') => foreign(text, both, "!="),
+        ('/', '/') => foreign(text, both, "/"),
+        ('0', ',') => comma(piece, next),
+        (sign, ',') if !is_operator(sign) => Error::new(here, ErrorKind::Comma),
+        ('∈', _) => Error::new(both, ErrorKind::BadRange),
+        (_, '∈') => Error::new(Span::new(here.start, piece.span.end), ErrorKind::BadRange),
+        _ if let Some(span) = half_fraction(&piece.tokens[..next]) => {
+            Error::new(span, ErrorKind::HalfFraction)
+        }
         // Outside brackets it would have ended the statement, so arguments are being separated.
-        return Error::new(found.span, ErrorKind::Unexpected { found: sign })
-            .suggest(found.span, ",");
+        (_, ';') => {
+            Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
+        }
+        (sign, _) if is_operator(sign) => {
+            Error::new(place, ErrorKind::MissingAfter { sign: typed(place) })
+        }
+        (open, sign) if opens(open) && is_operator(sign) => {
+            Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })
+        }
+        (open, close) if opens(open) && is_closer(close) => {
+            Error::new(both, ErrorKind::EmptyBrackets)
+        }
+        (_, ' ') => Error::new(Span::at(place.end), ErrorKind::Unfinished),
+        _ => Error::new(here, ErrorKind::Unexpected { found: short_name(&typed(here)) }),
     }
-    if is_sign(before) {
-        let sign = typed(before).to_owned();
-        return Error::new(before.span, ErrorKind::MissingAfter { sign });
-    }
-    if is_sign(found) && matches!(before.kind, TokenKind::Open(_) | TokenKind::Bar) {
-        return Error::new(found.span, ErrorKind::MissingBefore { sign });
-    }
-    if matches!((before.kind, found.kind), (TokenKind::Open(_), TokenKind::Close(_))) {
-        return Error::new(both, ErrorKind::EmptyBrackets);
-    }
-    Error::new(found.span, ErrorKind::Unexpected { found: short(&sign) })
 }
 
 /// A sign of other languages, and what is written here.
@@ -107,76 +69,51 @@ fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
     Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
 }
 
-/// A comma outside brackets; between two numbers it is a decimal comma.
+/// A comma behind a number, outside brackets; directly between two numbers it is a decimal comma.
 fn comma(piece: &Piece, index: usize) -> Box<Error> {
-    let token = &piece.tokens[index];
-    let (before, after) = (piece.tokens.get(index - 1), piece.tokens.get(index + 1));
-    let touches = |number: &Token| {
-        number.kind == TokenKind::Number
-            && (number.span.end == token.span.start || token.span.end == number.span.start)
-    };
-    match (before.filter(|t| touches(t)), after.filter(|t| touches(t))) {
-        (Some(before), Some(after)) => {
-            Error::new(before.span.to(after.span), ErrorKind::Comma).suggest(token.span, ".")
+    let Token { span, .. } = piece.tokens[index];
+    let before = piece.tokens[index - 1].span;
+    match piece.tokens.get(index + 1) {
+        Some(after)
+            if after.symbol == '0' && before.end == span.start && span.end == after.span.start =>
+        {
+            Error::new(before.to(after.span), ErrorKind::Comma).suggest(span, ".")
         }
-        _ => Error::new(token.span, ErrorKind::Comma),
+        _ => Error::new(span, ErrorKind::Comma),
     }
 }
 
-/// The error for `\frac{a}` without its second braces, if the grammar stopped right behind it.
-fn half_fraction(text: &str, piece: &Piece, next: usize) -> Option<Box<Error>> {
-    let before = piece.tokens[..next].iter().rev();
+/// The place of `\frac` if its second part is missing right behind `before`.
+fn half_fraction(before: &[Token]) -> Option<Span> {
     let mut depth = 0_usize;
-    for token in before {
-        match token.kind {
-            TokenKind::Close('}') => depth += 1,
-            TokenKind::Open('{') => depth = depth.checked_sub(1)?,
-            TokenKind::Command if depth == 0 => {
-                let typed = &text[token.span.range()];
-                let is_fraction = matches!(typed, "\\frac" | "\\dfrac" | "\\tfrac");
-                return is_fraction.then(|| Error::new(token.span, ErrorKind::HalfFraction));
-            }
+    for token in before.iter().rev() {
+        match token.symbol {
+            '}' => depth += 1,
+            '{' => depth = depth.checked_sub(1)?,
+            _ if depth > 0 => {}
+            'F' => return Some(token.span),
             // Its first part, as in `\frac1x`.
-            TokenKind::Number if depth == 0 => {}
-            _ if depth == 0 => return None,
-            _ => {}
+            '1' | '0' => {}
+            _ => return None,
         }
     }
     None
 }
 
-fn is_range_word(word: &str) -> bool {
-    matches!(word, "in" | "∈" | "\\in")
-}
-
-/// The first character that has no meaning, which is reported before anything else.
-fn unknown_character(piece: &Piece) -> Option<Box<Error>> {
-    piece.tokens.iter().find_map(|token| {
-        let TokenKind::Unknown(character) = token.kind else {
-            return None;
-        };
-        let error = Error::new(token.span, ErrorKind::UnexpectedCharacter { character });
-        let meant = match character {
-            '–' | '—' | '‐' | '‑' | '‒' | '－' => "-",
-            '（' => "(",
-            '）' => ")",
-            '＋' => "+",
-            '＊' | '∗' | '•' | '⋆' => "*",
-            '∕' | '⁄' => "/",
-            '，' => ",",
-            '＝' | '：' | ':' | '≡' | '≈' => "=",
-            '&' => "and",
-            _ => return Some(error),
-        };
-        Some(error.suggest(token.span, meant))
-    })
-}
-
-/// A word that is not too long for a message.
-pub(crate) fn short(word: &str) -> String {
-    const LONGEST: usize = 40;
-    if word.chars().count() <= LONGEST {
-        return word.to_owned();
-    }
-    word.chars().take(LONGEST).chain(['…']).collect()
+fn unknown_character(text: &str, span: Span) -> Box<Error> {
+    let character = text[span.range()].chars().next().unwrap_or('?');
+    let error = Error::new(span, ErrorKind::UnexpectedCharacter { character });
+    let meant = match character {
+        '–' | '—' | '‐' | '‑' | '‒' | '－' => "-",
+        '（' => "(",
+        '）' => ")",
+        '＋' => "+",
+        '＊' | '∗' | '•' | '⋆' => "*",
+        '∕' | '⁄' => "/",
+        '，' => ",",
+        '＝' | '：' | ':' | '≡' | '≈' => "=",
+        '&' => "and",
+        _ => return error,
+    };
+    error.suggest(span, meant)
 }

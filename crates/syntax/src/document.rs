@@ -1,21 +1,22 @@
-//! A whole text read: surfaces in one graph, parameters, domain, view and remarks.
+//! A whole text read: surfaces in one graph, parameters, domain, view and notes.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, Name, Relation, Statement};
-use crate::build::Builder;
+use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::constant::near_integers;
-use crate::cycle::recursion;
-use crate::diagnose::short;
+use crate::cycle::no_recursion;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
+use crate::grammar::Rule;
 use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
-use crate::scene::{Color, Domain, Scene, View, scene_line};
+use crate::scan::scan;
+use crate::scene::{DomainLine, SceneSetting, SrgbColor, ViewLine, scene_line};
 use crate::scope::Scope;
 use crate::span::Span;
-use crate::statement::{Built, LineKind, build, is_plain_number, lines, settle_heads};
+use crate::spelling::short_name;
+use crate::statement::{Built, build, is_plain_number, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
-use zeroset_ir::{Constant, Graph, NodeId};
+use zeroset_ir::{Axis, Constant, Graph, NodeId};
 
 /// What reading depends on beside the text.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,14 +39,14 @@ pub struct Document {
     /// Sliders and time, by ascending number.
     pub parameters: Vec<Parameter>,
     /// The `domain` line, if there is one.
-    pub domain: Option<Domain>,
+    pub domain: Option<DomainLine>,
     /// The `view` line, if there is one.
-    pub view: Option<View>,
+    pub view: Option<ViewLine>,
     /// The first comment's first line, if the text starts with a comment.
     pub title: Option<String>,
     /// The rest of that comment, line breaks kept; empty if there is none.
     pub doc: String,
-    /// Remarks, in the order of their places.
+    /// Notes, in the order of their places.
     pub notes: Vec<Note>,
 }
 
@@ -55,18 +56,18 @@ pub struct Surface {
     /// The function whose zeros are drawn.
     pub root: NodeId,
     /// Whether it bounds a solid.
-    pub kind: Kind,
+    pub kind: SurfaceKind,
     /// Where it was typed.
     pub span: Span,
     /// How it was read.
     pub echo: String,
     /// The color of the last `color` line above it, if there is one.
-    pub color: Option<Color>,
+    pub color: Option<SrgbColor>,
 }
 
 /// What a surface is the surface of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SurfaceKind {
     /// An equation: only its zeros.
     Equation,
     /// An inequality: the solid where the function is ≤ 0.
@@ -93,7 +94,7 @@ pub struct Parameter {
 /// What moves a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterKind {
-    /// A reader's hand.
+    /// The user.
     Slider,
     /// The clock.
     Time,
@@ -102,9 +103,10 @@ pub enum ParameterKind {
 /// Reads a document: one line or a whole file.
 ///
 /// # Errors
-/// What is wrong with the text or with an override: at least one error, at most one for each statement.
+/// What is wrong with the text or with an override: at least one error, at most one for
+/// each statement.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
-    Reader::new(text, options).read().map_err(Errors::new)
+    Reader::new(text, options).read()
 }
 
 /// Reads a document from bytes that should be UTF-8.
@@ -124,12 +126,12 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 /// The statements of a text, with every name resolved.
 ///
 /// # Errors
-/// What is wrong with the text: at least one error, at most one for each statement. `domain`, `view` and `color`
-/// lines are checked by the grammar only.
+/// What is wrong with the text: at least one error, at most one for each statement.
+/// `domain`, `view` and `color` lines are checked by the grammar only.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
     let mut reader = Reader::new(text, &options);
-    let (built, _) = reader.statements().map_err(Errors::new)?;
+    let (built, _) = reader.statements()?;
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
@@ -139,9 +141,9 @@ pub(crate) struct Reader<'a> {
     pub options: &'a Options<'a>,
     pub(crate) notes: Vec<Note>,
     pub errors: Vec<Error>,
-    domain: Option<Domain>,
-    view: Option<View>,
-    colors: Vec<(usize, Color)>,
+    domain: Option<DomainLine>,
+    view: Option<ViewLine>,
+    colors: Vec<(usize, SrgbColor)>,
 }
 
 impl<'a> Reader<'a> {
@@ -157,9 +159,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to their fields.
-    fn statements(&mut self) -> Result<(Vec<Built>, Scope), Vec<Error>> {
-        let mut lines = lines(self.text, &self.options.limits)?;
+    /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to
+    /// their fields.
+    fn statements(&mut self) -> Result<(Vec<Built>, Scope), Errors> {
+        let pieces = scan(self.text, &self.options.limits)?;
+        let mut lines = lines(self.text, &pieces)?;
         let mut scope = Scope::default();
         for (name, _) in self.options.overrides {
             scope.define(name, None);
@@ -167,13 +171,13 @@ impl<'a> Reader<'a> {
         settle_heads(&mut lines, &mut scope, &mut self.notes);
         let mut built = Vec::new();
         for line in lines {
-            let result = if line.kind == LineKind::Formula {
+            let result = if line.pair.as_rule() == Rule::line {
                 build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
             } else {
                 scene_line(self.text, line, &scope, &self.options.limits).map(|scene| match scene {
-                    Scene::Domain(domain) => self.domain = Some(domain),
-                    Scene::View(view) => self.view = Some(view),
-                    Scene::Color(at, color) => self.colors.push((at, color)),
+                    SceneSetting::Domain(domain) => self.domain = Some(domain),
+                    SceneSetting::View(view) => self.view = Some(view),
+                    SceneSetting::Color(at, color) => self.colors.push((at, color)),
                 })
             };
             if let Err(error) = result {
@@ -183,14 +187,19 @@ impl<'a> Reader<'a> {
                 break;
             }
         }
-        if self.errors.is_empty() {
-            Ok((built, scope))
-        } else {
-            Err(std::mem::take(&mut self.errors))
+        self.check()?;
+        Ok((built, scope))
+    }
+
+    /// Fails if there were errors.
+    fn check(&mut self) -> Result<(), Errors> {
+        match std::mem::take(&mut self.errors) {
+            errors if errors.is_empty() => Ok(()),
+            errors => Err(Errors::new(errors)),
         }
     }
 
-    fn read(mut self) -> Result<Document, Vec<Error>> {
+    fn read(mut self) -> Result<Document, Errors> {
         let (built, scope) = self.statements()?;
         let mut definitions: Vec<(&Definition, &Built)> = Vec::new();
         let mut drawings: Vec<&Built> = Vec::new();
@@ -216,30 +225,25 @@ impl<'a> Reader<'a> {
             .filter(|(index, (definition, _))| last[definition.name.text.as_str()] == *index)
             .map(|(_, both)| *both)
             .collect();
-        if let Some(error) = recursion(&definitions) {
-            return Err(vec![*error]);
-        }
+        no_recursion(&definitions)?;
         let used: FxHashSet<&str> =
             built.iter().flat_map(|b| b.used.iter().map(String::as_str)).collect();
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
             // Each is compared with every name, so a bound keeps hostile texts cheap.
-            let notes =
-                unused.take(MOST).map(|(d, _)| unused_note(self.text, d, &scope, self.options));
+            let notes = unused.take(MOST).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
         }
         let overrides = self.overrides(&definitions, &used);
         let (names, parameters) = self.parameters(&definitions, &overrides, &drawings);
-        if !self.errors.is_empty() {
-            return Err(self.errors);
-        }
+        self.check()?;
         let time = parameters.iter().find(|p| p.kind == ParameterKind::Time).map(|p| p.number);
         let mut lowering = Lowering::new(names, time, &self.options.limits);
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
         if let Some(drawing) = drawings.get(limit) {
             let start = Span::at(drawing.span.start);
-            return Err(vec![*Error::new(start, ErrorKind::TooManySurfaces { limit })]);
+            return Err(Error::new(start, ErrorKind::TooManySurfaces { limit }).into());
         }
         for drawing in &drawings {
             match surface(&mut lowering, drawing) {
@@ -247,19 +251,13 @@ impl<'a> Reader<'a> {
                 Err(error) => self.errors.push(*error),
             }
         }
-        if !self.errors.is_empty() {
-            return Err(self.errors);
-        }
+        self.check()?;
         let implied;
         if surfaces.is_empty() {
-            match implied_drawing(&definitions) {
-                Ok((statement, note)) => {
-                    self.notes.push(note);
-                    implied = statement;
-                    surfaces.push(surface(&mut lowering, &implied).map_err(|error| vec![*error])?);
-                }
-                Err(error) => return Err(vec![*error]),
-            }
+            let (statement, note) = implied_drawing(&definitions)?;
+            self.notes.push(note);
+            implied = statement;
+            surfaces.push(surface(&mut lowering, &implied)?);
         }
         for surface in &mut surfaces {
             let above = self.colors.iter().rfind(|(at, _)| *at < surface.span.start);
@@ -267,7 +265,7 @@ impl<'a> Reader<'a> {
         }
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         self.notes.sort_by_key(|note| note.span);
-        // One remark on a name is enough.
+        // One note on a name is enough.
         let mut seen = FxHashSet::default();
         self.notes.retain(|note| match note.kind {
             NoteKind::ConstantUsed { .. } | NoteKind::ProductOfNames { .. } => {
@@ -295,7 +293,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Remarks on exponents that are no integers as far as is known, each where it is first drawn.
+/// Notes on exponents that are not known to be integers, each where it is first drawn.
 fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
     let mut left = near_integers(graph, MOST_NOTES);
     let mut notes = Vec::new();
@@ -309,7 +307,7 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
                 // What is shared would be written out each time.
                 let nodes = graph.reachable(&[*id]).into_iter().filter(|needed| *needed).count();
                 let exponent = match nodes {
-                    0..=12 => short(&zeroset_ir::display(graph, *id, &[])),
+                    0..=12 => short_name(&zeroset_ir::display(graph, *id, &[])),
                     _ => "…".to_owned(),
                 };
                 let kind = NoteKind::NearInteger { exponent };
@@ -321,12 +319,11 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
     notes
 }
 
-/// The remark on a definition that nothing uses: perhaps a formula with a slip in its left side.
-fn unused_note(text: &str, definition: &Definition, scope: &Scope, options: &Options<'_>) -> Note {
+/// The note on a definition that nothing uses: perhaps a formula with a typo in its left side.
+fn unused_note(definition: &Definition, scope: &Scope) -> Note {
     let Name { text: name, span } = &definition.name;
-    let builder = Builder::new(text, span.start, scope, &[], &options.limits);
-    let meant = builder.meant(name, definition.parameters.is_some());
-    Note { span: *span, kind: NoteKind::Unused { name: short(name), meant } }
+    let meant = scope.meant(name, definition.parameters.is_some());
+    Note { span: *span, kind: NoteKind::Unused { name: short_name(name), meant } }
 }
 
 /// The surface that a statement draws.
@@ -335,12 +332,12 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
         return Err(Error::new(built.span, ErrorKind::Empty));
     };
     let (root, kind) = match lowering.equation(expr)? {
-        Some(root) => (root, Kind::Equation),
-        None => (lowering.solid(expr, false)?, Kind::Solid),
+        Some(root) => (root, SurfaceKind::Equation),
+        None => (lowering.solid(expr, false)?, SurfaceKind::Solid),
     };
     let root = restrictions.iter().try_fold(root, |root, condition| match kind {
-        Kind::Equation => lowering.restrict(root, condition),
-        Kind::Solid => lowering.cut(root, condition),
+        SurfaceKind::Equation => lowering.restrict(root, condition),
+        SurfaceKind::Solid => lowering.cut(root, condition),
     })?;
     Ok(Surface { root, kind, span: built.span, echo: echo(expr, restrictions), color: None })
 }
@@ -350,36 +347,36 @@ fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     if expr.is_condition() {
         return Drawing { expr, restrictions }.to_string();
     }
-    let zero = Expr::new(ExprKind::Number("0".to_owned()), expr.span);
-    let equation = ExprKind::Compare(Box::new(expr.clone()), vec![(Relation::Equal, zero)]);
-    let expr = &Expr::new(equation, expr.span);
-    Drawing { expr, restrictions }.to_string()
+    let equation = equals(expr.clone(), number_zero(expr.span));
+    Drawing { expr: &equation, restrictions }.to_string()
 }
 
-/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a height.
+fn equals(left: Expr, right: Expr) -> Expr {
+    let span = left.span;
+    Expr::new(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]), span)
+}
+
+fn number_zero(span: Span) -> Expr {
+    Expr::new(ExprKind::Number("0".to_owned()), span)
+}
+
+/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
+/// height.
 fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, Note)> {
-    use crate::ast::Value;
-    use zeroset_ir::Axis;
     for (definition, built) in definitions.iter().rev() {
         let parameters: Vec<&str> =
             definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
         let span = definition.name.span;
-        let coordinate = |axis| Expr::new(ExprKind::Name(Value::Coordinate(axis)), span);
+        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), span);
         let function = Function::Defined(definition.name.text.clone());
         let arguments: Vec<Expr> =
             Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
         let call = Expr::new(ExprKind::Call(function, arguments), span);
         let expr = match parameters.as_slice() {
-            ["x", "y", "z"] => {
-                let zero = Expr::new(ExprKind::Number("0".to_owned()), span);
-                ExprKind::Compare(Box::new(call), vec![(Relation::Equal, zero)])
-            }
-            ["x", "y"] => {
-                ExprKind::Compare(Box::new(coordinate(Axis::Z)), vec![(Relation::Equal, call)])
-            }
+            ["x", "y", "z"] => equals(call, number_zero(span)),
+            ["x", "y"] => equals(coordinate(Axis::Z), call),
             _ => continue,
         };
-        let expr = Expr::new(expr, span);
         let drawn = expr.to_string();
         let statement = Statement::Draw { expr, restrictions: Vec::new() };
         let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };

@@ -9,7 +9,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Errors(Vec<Error>);
 
-/// More errors than anyone would read at once; what lies beyond is not looked for.
+/// The most errors that are reported at once; any beyond are not looked for.
 pub(crate) const MOST: usize = 20;
 
 impl Errors {
@@ -88,7 +88,7 @@ pub struct Suggestion {
 
 /// What is wrong.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[allow(missing_docs)] // each message says what its variant means; fields are what the message names
+#[allow(missing_docs)] // each message says what its variant means and names its fields
 pub enum ErrorKind {
     // ---- limits
     #[error("the text is {bytes} bytes long; at most {limit} are read")]
@@ -99,7 +99,7 @@ pub enum ErrorKind {
     TooManySurfaces { limit: usize },
     #[error("this is nested more than {limit} levels deep")]
     TooDeep { limit: usize },
-    #[error("with its definitions put in, the formula has more than {limit} operations")]
+    #[error("with its definitions expanded, the formula has more than {limit} operations")]
     TooLarge { limit: usize },
     #[error("the text is not valid UTF-8: byte {offset} cannot be read")]
     NotUtf8 { offset: usize },
@@ -107,7 +107,7 @@ pub enum ErrorKind {
     // ---- nothing there
     #[error("there is no formula here")]
     Empty,
-    #[error("nothing is drawn: there are only definitions")]
+    #[error("nothing to draw: the text has only definitions")]
     NothingToDraw { last: String, is_number: bool, parameters: Option<usize> },
 
     // ---- characters and brackets
@@ -123,11 +123,11 @@ pub enum ErrorKind {
     UnclosedBar,
     #[error("there is nothing between these bars")]
     EmptyBars,
-    #[error("bars inside bars cannot be told apart")]
+    #[error("nested bars are ambiguous")]
     NestedBars,
     #[error("these bars can be paired in two ways")]
     AmbiguousBars,
-    #[error("there is nothing in these brackets")]
+    #[error("these brackets are empty")]
     EmptyBrackets,
 
     // ---- arrangement
@@ -137,35 +137,35 @@ pub enum ErrorKind {
     MissingBefore { sign: String },
     #[error("a fraction needs two pairs of braces")]
     HalfFraction,
-    #[error("something is missing at the end")]
+    #[error("the formula ends too early")]
     Unfinished,
-    #[error("`{found}` is not expected here")]
+    #[error("unexpected `{found}`")]
     Unexpected { found: String },
     #[error("a number cannot follow a name or a bracket")]
     NumberAfterFactor,
-    #[error("two numbers stand side by side")]
+    #[error("two numbers in a row need an operator between them")]
     NumberAfterNumber,
     #[error("`{sign}` is not an operator of this language")]
     ForeignOperator { sign: String },
-    #[error("several values in brackets are not a number")]
+    #[error("a list of values is not a number")]
     Tuple,
     #[error("a vector is not a number")]
     Vector,
-    #[error("a comma does not belong here")]
+    #[error("unexpected comma")]
     Comma,
 
     // ---- names
     #[error("`{name}` is not defined")]
     UnknownName {
         name: String,
-        /// The letter that lacks a value, if all others have one and the name could be their product.
+        /// The only letter without a value, if the name could be a product of its letters.
         letter: Option<char>,
     },
     #[error("there is no function `{name}`")]
     UnknownFunction { name: String },
     #[error("`{name}` runs a name and a number together")]
     LostSuperscript { name: String },
-    #[error("complex numbers are not part of this language")]
+    #[error("complex numbers are not supported")]
     Complex,
     #[error("`{name}` is a value, not a function")]
     NotAFunction { name: String },
@@ -175,29 +175,29 @@ pub enum ErrorKind {
     WrongCount { name: String, expected: String, given: usize, usage: Option<String> },
     #[error("`{name}^-1` could mean the inverse or the reciprocal")]
     InversePower { name: String },
-    #[error("`{name}` cannot be given another meaning")]
+    #[error("`{name}` cannot be redefined")]
     Reserved { name: String, is_function: bool },
     #[error("a function has at most {limit} parameters")]
     TooManyParameters { limit: usize },
-    #[error("`{name}` is the name of two parameters")]
+    #[error("two parameters are named `{name}`")]
     DuplicateParameter { name: String },
     #[error("{}", recursion(.cycle))]
     Recursion { cycle: Vec<String> },
-    #[error("the zeroth root does not exist")]
+    #[error("there is no zeroth root")]
     ZerothRoot,
 
     // ---- conditions
     #[error("a comparison cannot be used as a number")]
     ConditionAsValue,
-    #[error("`{word}` joins comparisons, and this is not one")]
+    #[error("`{word}` applies only to comparisons")]
     ValueAsCondition { word: String },
     #[error("an equation cannot be part of `and`, `or` or `not`")]
     EquationInCondition,
-    #[error("an equation has one `=`")]
+    #[error("an equation has only one `=`")]
     SeveralEquals,
     #[error("`=` cannot be mixed with `<` or `>`")]
     MixedChain,
-    #[error("`!=` only has a meaning in braces")]
+    #[error("`!=` is allowed only in braces")]
     UnequalOutsideBraces,
     #[error("a restriction needs a comparison such as `z > 0`")]
     RestrictionNotCondition,
@@ -213,7 +213,7 @@ pub enum ErrorKind {
     RestrictedDefinition,
 
     // ---- constants
-    #[error("this must be a fixed number, and `{name}` varies")]
+    #[error("this must be a constant, but `{name}` varies")]
     NotConstant { name: String },
     #[error("this has no value")]
     UndefinedConstant,
@@ -225,7 +225,7 @@ pub enum ErrorKind {
     OutsideRange,
 
     // ---- overrides
-    #[error("`{name}` occurs nowhere in the formula")]
+    #[error("`{name}` does not occur in the formula")]
     UnknownOverride { name: String },
     #[error("`{name}` is not a name that can be set")]
     OverrideNotAName { name: String },
@@ -235,7 +235,7 @@ pub enum ErrorKind {
     OverrideFunction { name: String },
 
     // ---- domain, view and color lines
-    #[error("a domain needs a size above 0")]
+    #[error("the size of a domain must be greater than 0")]
     EmptyDomain,
     #[error("this is not a domain")]
     BadDomain,
@@ -256,12 +256,12 @@ fn plural(count: usize) -> String {
     }
 }
 
-/// More names than this of a circle are not listed.
+/// The most names of a cycle that are listed.
 const LONGEST_CYCLE: usize = 6;
 
 fn recursion(cycle: &[String]) -> String {
     match cycle {
-        [only] => format!("`{only}` is defined by itself"),
+        [only] => format!("`{only}` is defined in terms of itself"),
         [first, rest @ ..] => {
             let mut others: Vec<String> =
                 rest.iter().chain([first]).map(|name| format!("`{name}`")).collect();
@@ -270,11 +270,11 @@ fn recursion(cycle: &[String]) -> String {
                 others.insert(LONGEST_CYCLE - 2, "…".to_owned());
             }
             format!(
-                "these definitions go round in a circle: `{first}` uses {}",
+                "these definitions are circular: `{first}` uses {}",
                 others.join(", which uses ")
             )
         }
-        [] => "a definition is defined by itself".to_owned(),
+        [] => String::new(),
     }
 }
 
@@ -294,6 +294,14 @@ impl Error {
     ) -> Box<Self> {
         self.suggestion = Some(Suggestion { span, replacement: replacement.into() });
         self
+    }
+
+    /// The same error with a replacement for `span`, if there is one.
+    pub(crate) fn suggest_any(self: Box<Self>, span: Span, meant: Option<String>) -> Box<Self> {
+        match meant {
+            Some(meant) => self.suggest(span, meant),
+            None => self,
+        }
     }
 
     /// One line that says what is wrong.

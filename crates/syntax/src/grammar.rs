@@ -1,9 +1,26 @@
 //! The grammar, compiled in.
 
-pub(crate) use rules::{Rule, Zeroset};
+use crate::diagnose::diagnose;
+use crate::error::Fallible;
+use crate::scan::Piece;
+use pest::Parser as _;
+use pest::error::InputLocation;
+pub(crate) use rules::Rule;
 
 /// A recognised part of a statement.
 pub(crate) type Pair<'i> = pest::iterators::Pair<'i, Rule>;
+
+/// Parts of a statement that are still to be read.
+pub(crate) type Pairs<'i> = pest::iterators::Pairs<'i, Rule>;
+
+/// Recognises a statement of `text`.
+pub(crate) fn recognise<'i>(text: &str, piece: &'i Piece, rule: Rule) -> Fallible<Pair<'i>> {
+    let mut pairs = rules::Zeroset::parse(rule, &piece.symbols).map_err(|refusal| {
+        let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = refusal.location;
+        diagnose(text, piece, rule, piece.index(at))
+    })?;
+    Ok(pairs.next().expect("a statement is one pair"))
+}
 
 /// A module of its own, because the generated items carry no documentation.
 #[allow(missing_docs, clippy::pedantic)]

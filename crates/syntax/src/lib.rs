@@ -1,9 +1,11 @@
-//! The language of zeroset: from text to an expression graph, with diagnostics that point at the place.
+//! The language of zeroset: from text to an expression graph, with diagnostics that point at the
+//! place.
 //!
-//! A text passes through these stages, each a module: `scan` bounds its size and splits it into statements;
-//! `grammar` recognises each; `build` and `run` make trees in which every name is resolved; `lower` puts
-//! definitions in and writes the graph. [`read`] runs them all. Nothing here simplifies, evaluates a picture,
-//! prints or reads files.
+//! A text passes through these stages, each a module: `scan` bounds its size, brings every spelling
+//! to one symbol (`spelling` has the table) and splits it into statements; `grammar` recognises
+//! each; `build` and `run` make trees in which every name is resolved; `lower` expands definitions
+//! and writes the graph. [`read`] runs them all. Nothing here evaluates a picture, prints or reads
+//! files.
 //!
 //! ```
 //! use zeroset_syntax::{Options, read};
@@ -41,11 +43,12 @@ mod unknown;
 
 pub use constant::constant;
 pub use document::{
-    Document, Kind, Options, Parameter, ParameterKind, Surface, parse, read, read_bytes,
+    Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse, read, read_bytes,
 };
 pub use error::{Error, ErrorKind, Errors, Origin, Suggestion};
 pub use limits::Limits;
 pub use note::{Note, NoteKind};
-pub use scene::{Color, Domain, View};
+pub use scene::{ConstantRange, DomainLine, SrgbColor, ViewLine};
 pub use scope::language_names;
 pub use span::Span;
+pub use spelling::PRESETS;

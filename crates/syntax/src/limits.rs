@@ -9,7 +9,7 @@ pub struct Limits {
     pub symbols: usize,
     /// Brackets, powers, signs and function arguments inside one another.
     pub depth: usize,
-    /// Nodes of the expression graph, definitions put in.
+    /// Nodes of the expression graph, with definitions expanded.
     pub nodes: usize,
     /// Surfaces that are drawn: each has code of its own.
     pub surfaces: usize,

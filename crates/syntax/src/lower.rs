@@ -1,10 +1,11 @@
-//! From trees to the expression graph: definitions put in, nothing simplified.
+//! From trees to the expression graph: definitions expanded, nothing simplified.
 //!
-//! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose sum is bounded
-//! here. Every expansion is remembered by its arguments, so repeated use costs nothing.
+//! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose
+//! sum is bounded here. Every expansion is remembered by its arguments, so repeated use costs
+//! nothing.
 
 use crate::ast::{
-    Definition, Expr, ExprKind, Function, NamedConstant, ProductSign, Relation, SumSign, Value,
+    Definition, Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign, Relation, SumSign,
 };
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
@@ -14,17 +15,18 @@ use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers of calls.
+/// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers
+/// of calls.
 const LEVELS: usize = 5;
 /// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
 const VISITS: usize = 16;
 
 /// What a defined name lowers to.
 #[derive(Clone, Debug)]
-pub(crate) enum Meaning<'a> {
+pub(crate) enum Binding<'a> {
     /// The parameter with this number.
     Parameter(u32),
-    /// A definition, put in where it is used.
+    /// A definition, expanded where it is used.
     Definition(&'a Definition),
 }
 
@@ -34,8 +36,9 @@ type Locals<'a> = [(&'a str, NodeId)];
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
-    names: FxHashMap<&'a str, Meaning<'a>>,
+    names: FxHashMap<&'a str, Binding<'a>>,
     time: Option<u32>,
+    is_constant: bool,
     limits: &'a Limits,
     expanded: FxHashMap<(Function, Vec<NodeId>), NodeId>,
     values: FxHashMap<&'a str, NodeId>,
@@ -47,14 +50,20 @@ pub(crate) struct Lowering<'a> {
 
 impl<'a> Lowering<'a> {
     pub(crate) fn new(
-        names: FxHashMap<&'a str, Meaning<'a>>,
+        names: FxHashMap<&'a str, Binding<'a>>,
         time: Option<u32>,
         limits: &'a Limits,
     ) -> Self {
+        Self { names, time, is_constant: false, ..Self::constant(limits) }
+    }
+
+    /// For an expression in which nothing may vary.
+    pub(crate) fn constant(limits: &'a Limits) -> Self {
         Self {
             graph: Graph::new(),
-            names,
-            time,
+            names: FxHashMap::default(),
+            time: None,
+            is_constant: true,
             limits,
             expanded: FxHashMap::default(),
             values: FxHashMap::default(),
@@ -69,7 +78,8 @@ impl<'a> Lowering<'a> {
         self.number(expr, &[])
     }
 
-    /// The function whose zeros are drawn for a plain formula or an equation; `None` for a condition.
+    /// The function whose zeros are drawn for a plain formula or an equation; `None` for a
+    /// condition.
     pub(crate) fn equation(&mut self, expr: &'a Expr) -> Fallible<Option<NodeId>> {
         match &expr.kind {
             ExprKind::Compare(left, rest) => match rest.as_slice() {
@@ -185,47 +195,40 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    fn named(&mut self, value: &Value, span: Span, locals: &Locals<'a>) -> Fallible<NodeId> {
+    fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<NodeId> {
+        let varies = || {
+            let name = value.name().to_owned();
+            Error::new(span, ErrorKind::NotConstant { name })
+        };
         match value {
-            Value::Coordinate(axis) => Ok(self.graph.variable(*axis)),
-            Value::Time => Ok(match self.time {
+            NamedValue::Coordinate(_) | NamedValue::Time if self.is_constant => Err(varies()),
+            NamedValue::Coordinate(axis) => Ok(self.graph.variable(*axis)),
+            NamedValue::Time => Ok(match self.time {
                 Some(number) => self.graph.parameter(number),
                 None => self.graph.integer(0),
             }),
-            Value::Constant(constant) => Ok(self.graph.constant(match constant {
+            NamedValue::Constant(constant) => Ok(self.graph.constant(match constant {
                 NamedConstant::Pi => Constant::pi(),
                 NamedConstant::Tau => Constant::tau(),
                 NamedConstant::E => Constant::e(),
                 NamedConstant::Phi => Constant::phi(),
             })),
-            Value::Local(name) => {
+            NamedValue::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);
-                let name = name.clone();
-                found
-                    .map(|(_, node)| *node)
-                    .ok_or_else(|| Error::new(span, ErrorKind::UnknownName { name, letter: None }))
+                found.map(|(_, node)| *node).ok_or_else(varies)
             }
-            Value::Defined(name) => {
+            NamedValue::Defined(name) => {
                 if let Some(node) = self.values.get(name.as_str()) {
                     return Ok(*node);
                 }
-                match self.names.get_key_value(name.as_str()) {
-                    Some((_, Meaning::Parameter(number))) => {
-                        let number = *number;
-                        Ok(self.graph.parameter(number))
-                    }
-                    Some((key, Meaning::Definition(definition))) => {
-                        let (key, definition) = (*key, *definition);
-                        let node =
-                            self.number(&definition.body, &[]).map_err(|e| at_use(e, span))?;
-                        self.values.insert(key, node);
-                        Ok(node)
-                    }
-                    None => {
-                        let name = name.clone();
-                        Err(Error::new(span, ErrorKind::UnknownName { name, letter: None }))
-                    }
-                }
+                let (name, binding) = self.names.get_key_value(name.as_str()).ok_or_else(varies)?;
+                let (name, definition) = match binding {
+                    Binding::Parameter(number) => return Ok(self.graph.parameter(*number)),
+                    Binding::Definition(definition) => (*name, *definition),
+                };
+                let node = self.number(&definition.body, &[]).map_err(|e| at_use(e, span))?;
+                self.values.insert(name, node);
+                Ok(node)
             }
         }
     }
@@ -248,35 +251,38 @@ impl<'a> Lowering<'a> {
             }
             Function::Root => self.root(arguments[0], arguments[1], span),
             Function::Composed(index) => {
-                let key = (function.clone(), arguments);
-                if let Some(node) = self.expanded.get(&key) {
-                    return Ok(*node);
-                }
-                let composed = &zeroset_ops::COMPOSED[*index];
-                let names = composed.parameters.iter().copied();
-                let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
-                let node =
-                    self.number(prelude::body(*index), &locals).map_err(|e| at_use(e, span))?;
-                self.expanded.insert(key, node);
-                Ok(node)
+                let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
+                self.expand(function, arguments, names, prelude::body(*index), span)
             }
             Function::Defined(name) => {
-                let key = (function.clone(), arguments);
-                if let Some(node) = self.expanded.get(&key) {
-                    return Ok(*node);
-                }
-                let Some(Meaning::Definition(definition)) = self.names.get(name.as_str()) else {
+                let Some(Binding::Definition(definition)) = self.names.get(name.as_str()) else {
                     let name = name.clone();
-                    return Err(Error::new(span, ErrorKind::UnknownFunction { name }));
+                    return Err(Error::new(span, ErrorKind::NotConstant { name }));
                 };
                 let definition: &'a Definition = definition;
                 let names = definition.parameters.iter().flatten().map(|name| name.text.as_str());
-                let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
-                let node = self.number(&definition.body, &locals).map_err(|e| at_use(e, span))?;
-                self.expanded.insert(key, node);
-                Ok(node)
+                self.expand(function, arguments, names, &definition.body, span)
             }
         }
+    }
+
+    /// The body of a function with `names` replaced by its arguments.
+    fn expand(
+        &mut self,
+        function: &Function,
+        arguments: Vec<NodeId>,
+        names: impl Iterator<Item = &'a str>,
+        body: &'a Expr,
+        span: Span,
+    ) -> Fallible<NodeId> {
+        let key = (function.clone(), arguments);
+        if let Some(node) = self.expanded.get(&key) {
+            return Ok(*node);
+        }
+        let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
+        let node = self.number(body, &locals).map_err(|error| at_use(error, span))?;
+        self.expanded.insert(key, node);
+        Ok(node)
     }
 
     /// The n-th root of `radicand`: of negative numbers too where n is odd.

@@ -1,29 +1,30 @@
-//! Remarks on how a text was read, where a reader might have meant something else.
+//! Notes on how a text was read, where its writer might have meant something else.
 
 use crate::span::Span;
 
-/// Remarks on a document, at most.
+/// The most notes on a document.
 pub(crate) const MOST_NOTES: usize = 40;
 
-/// A remark, and the place it is about.
+/// A note, and the place it is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// The place to point at.
     pub span: Span,
-    /// What is remarked.
+    /// What it says.
     pub kind: NoteKind,
 }
 
-/// What is remarked.
+/// What a note says.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[allow(missing_docs)] // each message says what its variant means
 pub enum NoteKind {
-    #[error("read as `{read}`; the other reading is written `{other}`")]
+    #[error("read as `{read}`; for the other reading, write `{other}`")]
     ImplicitDivision { read: String, other: String },
-    #[error("read as `{read}`; the root is written `{root}`")]
+    #[error("read as `{read}`; for the root, write `{root}`")]
     DividedPower { read: String, root: String },
     #[error(
-        "`{name}^-1` is read as the inverse function `{inverse}`; the reciprocal is written `1/{name}(…)`"
+        "`{name}^-1` is read as the inverse function `{inverse}`; \
+         for the reciprocal, write `1/{name}(…)`"
     )]
     InverseFunction { name: String, inverse: String },
     #[error("`{name}` is read as the product `{product}`")]
@@ -31,12 +32,13 @@ pub enum NoteKind {
     #[error("`{name}` is {meaning}")]
     ConstantUsed { name: &'static str, meaning: &'static str },
     #[error(
-        "a power with the exponent {exponent} is for values >= 0; `{other}` takes negative ones as well"
+        "a power with exponent {exponent} is defined only for values >= 0; \
+         `{other}` accepts negative values too"
     )]
     OddRoot { exponent: String, other: String },
-    #[error("`{radical}` covers only the factor after it; brackets make it cover more")]
+    #[error("`{radical}` applies only to the factor after it; use brackets to cover more")]
     RadicalScope { radical: char },
-    #[error("`{name}` is defined again further down; that definition counts everywhere")]
+    #[error("`{name}` is defined again below; the last definition applies everywhere")]
     Redefined { name: String },
     #[error("`{name}` is defined and never used{}", did_you_mean(.meant.as_deref()))]
     Unused { name: String, meant: Option<String> },
@@ -47,15 +49,11 @@ pub enum NoteKind {
     #[error("`{name}` is built in, so this is drawn as an equation and defines nothing")]
     BuiltInOnTheLeft { name: String },
     #[error(
-        "`root(a, n)` is the n-th root of a; here n is `{index}`, which is not a fixed whole number"
-    )]
-    RootIndex { index: String },
-    #[error(
-        "the exponent `{exponent}` may be a whole number but is not known to be one: the power is for values >= 0; \
-         written in digits it takes negative ones as well"
+        "the exponent `{exponent}` may be a whole number but is not known to be one, \
+         so the power is defined only for values >= 0; write it in digits to allow negative values"
     )]
     NearInteger { exponent: String },
-    #[error("there is more to remark from here on, which is left out")]
+    #[error("further notes omitted")]
     More,
 }
 
@@ -64,7 +62,7 @@ fn did_you_mean(meant: Option<&str>) -> String {
 }
 
 impl Note {
-    /// One line that says what is remarked.
+    /// What it says, in one line.
     pub fn message(&self) -> String {
         self.kind.to_string()
     }

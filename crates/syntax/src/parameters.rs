@@ -1,26 +1,20 @@
 //! Which names are parameters, sliders and time, and what values they have.
 
 use crate::ast::Definition;
-use crate::constant;
+use crate::constant::{evaluate, evaluate_range, evaluate_text};
 use crate::document::{Parameter, ParameterKind, Reader};
 use crate::error::{Error, ErrorKind, Fallible, Origin};
 use crate::limits::Limits;
-use crate::lower::Meaning;
+use crate::lower::Binding;
 use crate::note::{Note, NoteKind};
-use crate::scan::in_name;
+use crate::scene::ConstantRange;
 use crate::scope::nearest;
 use crate::span::Span;
+use crate::spelling::is_definable;
 use crate::statement::{Built, is_plain_number};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
-
-/// A parameter before it has a number.
-struct Slider {
-    value: Constant,
-    range: Option<(Constant, Constant)>,
-    span: Option<Span>,
-}
 
 impl<'a> Reader<'a> {
     /// The values of the overrides, by name; errors are kept.
@@ -31,51 +25,12 @@ impl<'a> Reader<'a> {
     ) -> FxHashMap<&'a str, Constant> {
         let mut values = FxHashMap::default();
         for (name, value) in self.options.overrides {
-            let given = format!("{name}={value}");
-            let span = Span::new(0, name.len());
-            let defined = definitions.iter().find(|(d, _)| d.name.text == *name);
-            let is_name = name.starts_with(char::is_alphabetic) && name.chars().all(in_name);
-            let error = if !is_name || matches!(name.as_str(), "and" | "or" | "not" | "in") {
-                Some(ErrorKind::OverrideNotAName { name: name.clone() })
-            } else if matches!(name.as_str(), "x" | "y" | "z") {
-                Some(ErrorKind::OverrideCoordinate { name: name.clone() })
-            } else if defined.is_some_and(|(d, _)| d.parameters.is_some()) {
-                Some(ErrorKind::OverrideFunction { name: name.clone() })
-            } else if defined.is_none() && !used.contains(name.as_str()) {
-                Some(ErrorKind::UnknownOverride { name: name.clone() })
-            } else {
-                None
-            };
-            let result = match error {
-                Some(kind) => {
-                    let mut error = Error::new(span, kind);
-                    if matches!(error.kind, ErrorKind::UnknownOverride { .. }) {
-                        let known = definitions.iter().map(|(d, _)| d.name.text.as_str());
-                        let known = known.chain(used.iter().copied()).filter(|n| n != name);
-                        if let Some(meant) = nearest(name, known) {
-                            error = error.suggest(span, meant);
-                        }
-                    }
-                    Err(error)
-                }
-                None => {
-                    constant::evaluate_text(value, &self.options.limits).map_err(|mut error| {
-                        let shift = name.len() + 1;
-                        let moved = |span: Span| Span::new(span.start + shift, span.end + shift);
-                        error.span = moved(error.span);
-                        if let Some(suggestion) = &mut error.suggestion {
-                            suggestion.span = moved(suggestion.span);
-                        }
-                        error
-                    })
-                }
-            };
-            match result {
+            match override_value(name, value, definitions, used, &self.options.limits) {
                 Ok(value) => {
                     values.insert(name.as_str(), value);
                 }
                 Err(mut error) => {
-                    error.origin = Origin::Override(given);
+                    error.origin = Origin::Override(format!("{name}={value}"));
                     self.errors.push(*error);
                 }
             }
@@ -89,23 +44,19 @@ impl<'a> Reader<'a> {
         definitions: &[(&'d Definition, &Built)],
         overrides: &FxHashMap<&'d str, Constant>,
         drawings: &[&Built],
-    ) -> (FxHashMap<&'d str, Meaning<'d>>, Vec<Parameter>)
+    ) -> (FxHashMap<&'d str, Binding<'d>>, Vec<Parameter>)
     where
         'a: 'd,
     {
+        let time = self.options.time.and_then(Interval::point).map(Constant::enclosed);
         let mut names = FxHashMap::default();
         let mut parameters: Vec<Parameter> = Vec::new();
-        let mut add = |name: &str, kind, slider: Slider| {
+        let mut add = |name: &str, value, range, span| {
             let number = parameters.len() as u32;
-            parameters.push(Parameter {
-                name: name.to_owned(),
-                number,
-                value: slider.value,
-                range: slider.range,
-                kind,
-                span: slider.span,
-            });
-            number
+            let kind = if name == "t" { ParameterKind::Time } else { ParameterKind::Slider };
+            let name = name.to_owned();
+            parameters.push(Parameter { name, number, value, range, kind, span });
+            Binding::Parameter(number)
         };
         let mut time_set = false;
         for (definition, _) in definitions {
@@ -122,83 +73,107 @@ impl<'a> Reader<'a> {
                     let span = low.span.to(high.span);
                     self.errors.push(*Error::new(span, ErrorKind::RangeOutsideDefinition));
                 }
-                names.insert(name, Meaning::Definition(definition));
+                names.insert(name, Binding::Definition(definition));
                 continue;
             }
-            match slider(definition, given, &self.options.limits) {
-                Ok(mut slider) => {
-                    let kind = if is_time { ParameterKind::Time } else { ParameterKind::Slider };
-                    if let (true, Some(time)) =
-                        (is_time, self.options.time.and_then(Interval::point))
-                    {
-                        slider.value = Constant::enclosed(time);
-                    }
-                    time_set |= is_time;
-                    if let Some((low, high)) = &slider.range
-                        && (slider.value.bounds().hi < low.bounds().lo
-                            || high.bounds().hi < slider.value.bounds().lo)
-                    {
-                        let kind = NoteKind::OutsideRange { name: name.to_owned() };
-                        self.notes.push(Note { span: definition.name.span, kind });
-                    }
-                    let number = add(name, kind, slider);
-                    if !is_time {
-                        names.insert(name, Meaning::Parameter(number));
-                    }
+            let (mut value, range) = match slider(definition, given, &self.options.limits) {
+                Ok(slider) => slider,
+                Err(error) => {
+                    self.errors.push(*error);
+                    continue;
                 }
-                Err(error) => self.errors.push(*error),
+            };
+            let span = definition.name.span;
+            if let (true, Some(time)) = (is_time, &time) {
+                value = time.clone();
+            }
+            if range.as_ref().is_some_and(|range| is_outside(&value, range)) {
+                let kind = NoteKind::OutsideRange { name: name.to_owned() };
+                self.notes.push(Note { span, kind });
+            }
+            let parameter = add(name, value, range, Some(span));
+            if is_time {
+                time_set = true;
+            } else {
+                names.insert(name, parameter);
             }
         }
         for (name, _) in self.options.overrides {
             let name = name.as_str();
-            let Some(value) = overrides.get(name) else {
-                continue;
-            };
-            if name != "t" && !names.contains_key(name) {
-                let slider = Slider { value: value.clone(), range: None, span: None };
-                let number = add(name, ParameterKind::Slider, slider);
-                names.insert(name, Meaning::Parameter(number));
+            if let Some(value) = overrides.get(name)
+                && name != "t"
+                && !names.contains_key(name)
+            {
+                names.insert(name, add(name, value.clone(), None, None));
             }
         }
-        let uses_time = drawings.iter().any(|b| b.used.contains("t"))
-            || definitions.iter().any(|(_, b)| b.used.contains("t"));
-        if !time_set && (uses_time || overrides.contains_key("t")) {
-            let value = self
-                .options
-                .time
-                .and_then(Interval::point)
-                .map(Constant::enclosed)
-                .or_else(|| overrides.get("t").cloned())
-                .unwrap_or_else(|| Constant::integer(0));
-            let slider = Slider { value, range: None, span: None };
-            add("t", ParameterKind::Time, slider);
+        let mut built = drawings.iter().copied().chain(definitions.iter().map(|(_, built)| *built));
+        let given = overrides.get("t").cloned();
+        if !time_set && (given.is_some() || built.any(|built| built.used.contains("t"))) {
+            add("t", time.or(given).unwrap_or_else(|| Constant::integer(0)), None, None);
         }
         (names, parameters)
     }
 }
 
+/// The value that an override gives to `name`.
+fn override_value(
+    name: &str,
+    value: &str,
+    definitions: &[(&Definition, &Built)],
+    used: &FxHashSet<&str>,
+    limits: &Limits,
+) -> Fallible<Constant> {
+    let span = Span::new(0, name.len());
+    let defined = definitions.iter().find(|(definition, _)| definition.name.text == name);
+    let given = name.to_owned();
+    let kind = if !is_definable(name) {
+        ErrorKind::OverrideNotAName { name: given }
+    } else if matches!(name, "x" | "y" | "z") {
+        ErrorKind::OverrideCoordinate { name: given }
+    } else if defined.is_some_and(|(definition, _)| definition.parameters.is_some()) {
+        ErrorKind::OverrideFunction { name: given }
+    } else if defined.is_none() && !used.contains(name) {
+        let known = definitions.iter().map(|(definition, _)| definition.name.text.as_str());
+        let meant = nearest(name, known.chain(used.iter().copied()));
+        let error = Error::new(span, ErrorKind::UnknownOverride { name: given });
+        return Err(error.suggest_any(span, meant));
+    } else {
+        // The value stands behind the name and `=`.
+        let moved = |place: Span| Span::new(place.start + span.end + 1, place.end + span.end + 1);
+        return evaluate_text(value, limits).map_err(|mut error| {
+            error.span = moved(error.span);
+            if let Some(suggestion) = &mut error.suggestion {
+                suggestion.span = moved(suggestion.span);
+            }
+            error
+        });
+    };
+    Err(Error::new(span, kind))
+}
+
 /// The value and range of a slider's definition.
-fn slider(definition: &Definition, given: Option<Constant>, limits: &Limits) -> Fallible<Slider> {
+fn slider(
+    definition: &Definition,
+    given: Option<Constant>,
+    limits: &Limits,
+) -> Fallible<(Constant, Option<ConstantRange>)> {
     let is_given = given.is_some();
     let value = match given {
         Some(value) => value,
-        None => constant::evaluate(&definition.body, limits)?,
+        None => evaluate(&definition.body, limits)?,
     };
-    let range = match &definition.range {
-        None => None,
-        Some((low, high)) => {
-            let span = low.span.to(high.span);
-            let (low, high) = (constant::evaluate(low, limits)?, constant::evaluate(high, limits)?);
-            if low.bounds().lo >= high.bounds().hi {
-                return Err(Error::new(span, ErrorKind::EmptyRange));
-            }
-            let outside =
-                value.bounds().hi < low.bounds().lo || high.bounds().hi < value.bounds().lo;
-            if outside && !is_given {
-                return Err(Error::new(definition.body.span, ErrorKind::OutsideRange));
-            }
-            Some((low, high))
-        }
+    let Some((low, high)) = &definition.range else {
+        return Ok((value, None));
     };
-    Ok(Slider { value, range, span: Some(definition.name.span) })
+    let range = evaluate_range(low, high, low.span.to(high.span), limits)?;
+    if !is_given && is_outside(&value, &range) {
+        return Err(Error::new(definition.body.span, ErrorKind::OutsideRange));
+    }
+    Ok((value, Some(range)))
+}
+
+/// Whether a value certainly lies outside a range.
+fn is_outside(value: &Constant, (low, high): &ConstantRange) -> bool {
+    value.bounds().hi < low.bounds().lo || high.bounds().hi < value.bounds().lo
 }

@@ -2,30 +2,27 @@
 
 use crate::ast::{Expr, Name};
 use crate::build::Builder;
-use crate::grammar::{Rule, Zeroset};
 use crate::limits::Limits;
+use crate::scan::scan;
 use crate::scope::Scope;
 use crate::span::Span;
-use pest::Parser as _;
 use std::sync::LazyLock;
 use zeroset_ops::COMPOSED;
 
 static BODIES: LazyLock<Vec<Expr>> = LazyLock::new(|| {
     let scope = Scope::prelude();
     let limits = Limits::default();
-    COMPOSED
-        .iter()
-        .map(|composed| {
-            let name = |text: &&str| Name { text: (*text).to_owned(), span: Span::default() };
-            let locals: Vec<Name> = composed.parameters.iter().map(name).collect();
-            let mut builder = Builder::new(composed.body, 0, &scope, &locals, &limits);
-            let body = Zeroset::parse(Rule::line, composed.body)
-                .ok()
-                .and_then(|pairs| pairs.flatten().find(|pair| pair.as_rule() == Rule::expression))
-                .and_then(|pair| builder.value(pair).ok());
-            body.unwrap_or_else(|| panic!("the body of `{}` must parse", composed.name))
-        })
-        .collect()
+    let bodies = COMPOSED.iter().map(|composed| {
+        let name = |text: &&str| Name { text: (*text).to_owned(), span: Span::default() };
+        let locals: Vec<Name> = composed.parameters.iter().map(name).collect();
+        let pieces = scan(composed.body, &limits).unwrap_or_default();
+        let body = pieces.first().map(|piece| {
+            Builder::new(composed.body, piece, &scope, &locals, &limits).only_expression()
+        });
+        let body = body.and_then(Result::ok);
+        body.unwrap_or_else(|| panic!("the body of `{}` must parse", composed.name))
+    });
+    bodies.collect()
 });
 
 /// The body of the composed function at `index` of [`COMPOSED`].

@@ -3,12 +3,13 @@
 //! Parsing what is printed gives an equal tree; a property test holds this module to it.
 
 use crate::ast::{
-    Definition, Expr, ExprKind, Function, ProductSign, Relation, Statement, SumSign, Value,
+    Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, Statement, SumSign,
 };
-use crate::statement::SETTINGS;
+use crate::spelling::{in_name, symbol};
 use std::fmt;
 
-/// How tightly a printed expression holds together; a looser one inside a tighter place needs brackets.
+/// How tightly a printed expression holds together; a looser one inside a tighter place needs
+/// brackets.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Tightness {
     Or,
@@ -156,7 +157,7 @@ impl fmt::Display for Statement {
 /// Whether a left side has the form of what a definition names.
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
-        ExprKind::Name(value) => !matches!(value, Value::Coordinate(_)),
+        ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
         ExprKind::Call(Function::Defined(_), arguments) => {
             arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
         }
@@ -164,15 +165,16 @@ fn may_be_defined(left: &Expr) -> bool {
     }
 }
 
-/// Writes what is drawn. A value that is named as a setting is in brackets where the line would be read as that setting.
+/// Writes what is drawn. A value that is named as a setting is in brackets where the line would be
+/// read as that setting.
 fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
     let text = expr.to_string();
-    let keyword = SETTINGS.iter().find_map(|name| Some((name, text.strip_prefix(name)?)));
-    let is_setting =
-        |rest: &str| rest.is_empty() || rest.starts_with(" + ") || rest.starts_with(" - ");
-    match keyword {
-        Some((name, rest)) if is_setting(rest) => write!(f, "({name}){rest}"),
-        _ => f.write_str(&text),
+    let (word, rest) = text.split_at(text.find(|c| !in_name(c)).unwrap_or(text.len()));
+    let is_keyword = matches!(symbol(word), Some('d' | 'v' | 'c'));
+    if is_keyword && (rest.is_empty() || rest.starts_with(" + ") || rest.starts_with(" - ")) {
+        write!(f, "({word}){rest}")
+    } else {
+        f.write_str(&text)
     }
 }
 

@@ -5,14 +5,15 @@ use crate::note::Note;
 use crate::span::Span;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-/// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the terminal.
+/// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the
+/// terminal.
 const WIDTH: usize = 100;
 /// Bytes kept after the start of what is pointed at, where a line is very long.
 const CONTEXT: usize = 400;
 
 impl Errors {
-    /// All errors as text with carets. `source_name` is the file's name, if there is one; `text` is what was read.
-    /// Without `color` the result is plain text.
+    /// All errors as text with carets. `source_name` is the file's name, if there is one; `text` is
+    /// what was read. Without `color` the result is plain text.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let rendered: Vec<String> =
             self.iter().map(|error| error.render(source_name, text, color)).collect();
@@ -27,19 +28,17 @@ impl Error {
             Origin::Document => (source_name, text),
             Origin::Override(given) => (Some("-D"), given.as_str()),
         };
-        let window = Window::around(text, self.span);
+        let excerpt = Excerpt::around(text, self.span);
         let message = self.message();
-        let label = self.label();
-        let mut annotation = AnnotationKind::Primary.span(window.span(self.span));
-        if let Some(label) = &label {
-            annotation = annotation.label(label.as_str());
+        let mut annotation = AnnotationKind::Primary.span(excerpt.span(self.span));
+        if let Some(label) = self.label() {
+            annotation = annotation.label(label);
         }
         let mut group = Level::ERROR
             .primary_title(message.as_str())
-            .element(window.snippet(source_name).annotation(annotation));
-        let reason = self.reason();
-        if let Some(reason) = &reason {
-            group = group.element(Level::NOTE.message(reason.as_str()));
+            .element(excerpt.snippet(source_name).annotation(annotation));
+        if let Some(reason) = self.reason() {
+            group = group.element(Level::NOTE.message(reason));
         }
         let help = self.help(text);
         if let Some(help) = &help {
@@ -52,12 +51,12 @@ impl Error {
 impl Note {
     /// This note as text with a caret, without a line break at the end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
-        let window = Window::around(text, self.span);
+        let excerpt = Excerpt::around(text, self.span);
         let message = self.message();
-        let annotation = AnnotationKind::Primary.span(window.span(self.span));
+        let annotation = AnnotationKind::Primary.span(excerpt.span(self.span));
         let group: Group<'_> = Level::NOTE
             .primary_title(message.as_str())
-            .element(window.snippet(source_name).annotation(annotation));
+            .element(excerpt.snippet(source_name).annotation(annotation));
         renderer(color).render(&[group])
     }
 }
@@ -67,15 +66,15 @@ fn renderer(color: bool) -> Renderer {
     renderer.term_width(WIDTH)
 }
 
-/// The part of a text that is shown: whole lines, or less of the last where it is very long. It starts with a line,
-/// because columns are counted from its start.
-struct Window<'a> {
+/// The part of a text that is shown: whole lines, or less of the last where it is very long. It
+/// starts with a line, because columns are counted from its start.
+struct Excerpt<'a> {
     shown: &'a str,
     start: usize,
     line: usize,
 }
 
-impl<'a> Window<'a> {
+impl<'a> Excerpt<'a> {
     fn around(text: &'a str, span: Span) -> Self {
         let place = span.start.min(text.len());
         let line = 1 + text[..place].matches('\n').count();

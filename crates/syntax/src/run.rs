@@ -1,32 +1,32 @@
 //! Runs: factors side by side without signs, where names decide what is a call and what a product.
 //!
-//! A run is flattened to a row of items and read from left to right. Only here `f(x)` and `x(y + 1)` differ,
+//! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
-use crate::ast::{Expr, ExprKind, Function, ProductSign, SumSign, Value};
-use crate::build::{Builder, number_only, product_of, sign};
+use crate::ast::{Expr, ExprKind, Function, NamedValue, ProductSign};
+use crate::build::{Builder, Signs, number_only, product_of, root_text};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::grammar::{Pair, Rule};
+use crate::grammar::{Pair, Pairs, Rule};
 use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
-use crate::spelling::{decimal, plain_name, superscript, vulgar};
+use crate::spelling::{decimal, plain_name, superscript_digit, vulgar};
 use std::collections::VecDeque;
 use zeroset_ops::Op;
 
 /// A piece of a run.
 pub(crate) enum Item<'i> {
-    Number(String, Span),
-    Value(Value, Span),
+    /// A number or a named value.
+    Leaf(Expr),
     Function(Callee, Span),
     /// Round or square brackets.
     Group(Pair<'i>),
     /// Anything that is one factor whatever surrounds it: braces, bars, `\frac`, `\sqrt{}`.
     Closed(Pair<'i>),
     /// `^`, and the signs of the exponent that follows.
-    Caret(Vec<(SumSign, Span)>, Span),
-    /// A superscript number, with its sign.
-    Superscript(String, Span),
+    Caret(Signs, Span),
+    /// The number that superscript digits stand for.
+    Superscript(Expr),
     /// `√` or `∛`.
     Radical(char, Span),
 }
@@ -35,13 +35,12 @@ pub(crate) enum Item<'i> {
 pub(crate) type Items<'i> = VecDeque<Item<'i>>;
 
 impl Builder<'_> {
-    /// The factors of a run.
-    pub(crate) fn run(&mut self, pair: Pair<'_>) -> Fallible<Vec<Expr>> {
+    /// The factors of the run that comes next.
+    pub(crate) fn run(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Vec<Expr>> {
         let mut items = Items::new();
-        for power in pair.into_inner() {
-            for child in power.into_inner() {
-                self.flatten(child, &mut items)?;
-            }
+        while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() != Rule::operator) {
+            pairs.next();
+            self.item(pair, &mut items)?;
         }
         let mut factors = Vec::new();
         while !items.is_empty() {
@@ -50,55 +49,43 @@ impl Builder<'_> {
         Ok(factors)
     }
 
-    fn flatten<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
+    #[inline(never)] // not a part of the recursion, so not of its stack frames
+    fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
         let span = self.span(&pair);
-        match pair.as_rule() {
-            Rule::exponent => {
-                let mut signs = Vec::new();
-                let mut caret = None;
-                for child in pair.into_inner() {
-                    match child.as_rule() {
-                        Rule::caret => caret = Some(self.span(&child)),
-                        Rule::sign => signs.push((sign(&child), self.span(&child))),
-                        _ => {
-                            if let Some(span) = caret.take() {
-                                items.push_back(Item::Caret(std::mem::take(&mut signs), span));
-                            }
-                            self.flatten(child, items)?;
-                        }
-                    }
-                }
-            }
+        let typed = self.typed(&pair);
+        items.push_back(match pair.as_rule() {
+            Rule::name => return self.name(typed, span, items),
+            Rule::number => Item::Leaf(number(decimal(typed), span)),
             Rule::superscript => {
-                items.push_back(Item::Superscript(superscript(pair.as_str()), span));
+                let digits = number(typed.chars().filter_map(superscript_digit).collect(), span);
+                Item::Superscript(if typed.starts_with('⁻') {
+                    digits.negated(span)
+                } else {
+                    digits
+                })
             }
-            Rule::radical => {
-                let radical = pair.as_str().chars().next().unwrap_or('√');
-                items.push_back(Item::Radical(radical, span));
-            }
-            Rule::number => items.push_back(Item::Number(decimal(pair.as_str()), span)),
-            Rule::name => self.name(pair.as_str(), span, items)?,
+            Rule::caret => Item::Caret(self.signs(&mut pair.into_inner()), span),
+            Rule::radical => Item::Radical(typed.chars().next().unwrap_or('√'), span),
+            Rule::group => Item::Group(pair),
             Rule::vulgar => {
                 // `2½` is five halves to some and one to others.
-                if let Some(Item::Number(_, before)) = items.back() {
-                    return Err(Error::new(before.to(span), ErrorKind::NumberAfterNumber));
+                if let Some(Item::Leaf(before)) = items.back()
+                    && before.number().is_some()
+                {
+                    return Err(Error::new(before.span.to(span), ErrorKind::NumberAfterNumber));
                 }
-                items.push_back(Item::Closed(pair));
+                Item::Closed(pair)
             }
-            Rule::group => items.push_back(Item::Group(pair)),
-            _ => items.push_back(Item::Closed(pair)),
-        }
+            _ => Item::Closed(pair),
+        });
         Ok(())
     }
 
-    /// The items that a name stands for: usually one.
+    /// Adds the items that a name stands for: usually one.
     fn name(&mut self, typed: &str, span: Span, items: &mut Items<'_>) -> Fallible<()> {
         let name = plain_name(typed);
         match self.scope.meaning(&name, self.locals) {
-            Meaning::Value(value) => {
-                self.use_value(&value, span);
-                items.push_back(Item::Value(value, span));
-            }
+            Meaning::Value(value) => items.push_back(self.leaf(value, span)),
             Meaning::Function(callee) => {
                 if let Callee::Defined(name, _) = &callee {
                     self.used.insert(name.clone());
@@ -109,12 +96,12 @@ impl Builder<'_> {
                 let letters: Vec<String> = name.chars().map(String::from).collect();
                 let mut at = span.start;
                 for letter in &letters {
-                    // A LaTeX command or subscript is never split, so every letter is where it was typed.
+                    // A LaTeX command or subscript is never split, so every letter is where it was
+                    // typed.
                     let place = Span::new(at, at + letter.len());
                     at = place.end;
                     if let Meaning::Value(value) = self.scope.meaning(letter, self.locals) {
-                        self.use_value(&value, place);
-                        items.push_back(Item::Value(value, place));
+                        items.push_back(self.leaf(value, place));
                     }
                 }
                 let product = letters.join("*");
@@ -125,25 +112,23 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn use_value(&mut self, value: &Value, span: Span) {
-        match value {
-            Value::Defined(name) => {
+    fn leaf(&mut self, value: NamedValue, span: Span) -> Item<'static> {
+        match &value {
+            NamedValue::Defined(name) => {
                 self.used.insert(name.clone());
             }
-            Value::Constant(constant) => {
-                let meaning = match constant.name() {
-                    "tau" => "2*pi = 6.2831853…",
-                    "phi" => "the golden ratio, (1 + sqrt(5))/2 = 1.6180339…",
-                    _ => return,
-                };
-                let kind = NoteKind::ConstantUsed { name: constant.name(), meaning };
-                self.note(span, kind);
-            }
-            Value::Time => {
+            NamedValue::Time => {
                 self.used.insert("t".to_owned());
             }
-            Value::Coordinate(_) | Value::Local(_) => {}
+            NamedValue::Constant(constant) => {
+                if let Some(meaning) = constant.meaning() {
+                    let name = constant.name();
+                    self.note(span, NoteKind::ConstantUsed { name, meaning });
+                }
+            }
+            NamedValue::Coordinate(_) | NamedValue::Local(_) => {}
         }
+        Item::Leaf(Expr::new(ExprKind::Name(value), span))
     }
 
     /// Reads one factor with its exponents onto the end of `factors`.
@@ -152,62 +137,57 @@ impl Builder<'_> {
         items: &mut Items<'_>,
         factors: &mut Vec<Expr>,
     ) -> Fallible<()> {
-        if let (Some(Item::Number(_, span)), Some(before)) = (items.front(), factors.last()) {
+        if let (Some(Item::Leaf(next)), Some(before)) = (items.front(), factors.last())
+            && next.number().is_some()
+        {
             let (kind, sign) = match before.kind {
                 ExprKind::Number(_) => (ErrorKind::NumberAfterNumber, "*"),
                 // It has its exponent already.
                 ExprKind::Power(..) => (ErrorKind::NumberAfterFactor, "*"),
                 _ => (ErrorKind::NumberAfterFactor, "^"),
             };
-            let place = before.span.to(*span);
-            let between = Span::new(before.span.end, span.start);
-            return Err(Error::new(place, kind).suggest(between, sign));
+            let between = Span::new(before.span.end, next.span.start);
+            return Err(Error::new(before.span.to(next.span), kind).suggest(between, sign));
         }
-        match items.front() {
-            // Braces after a factor look like a restriction; read as a product they would hide a mistake.
-            Some(Item::Closed(pair)) if pair.as_rule() == Rule::braces && !factors.is_empty() => {
-                let span = self.span(pair);
-                return Err(Error::new(span, ErrorKind::RestrictionNotCondition));
-            }
-            _ => {}
+        // Braces after a factor look like a restriction; read as a product they would hide a
+        // mistake.
+        if let Some(Item::Closed(pair)) = items.front()
+            && pair.as_rule() == Rule::braces
+            && !factors.is_empty()
+        {
+            return Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition));
         }
-        let factor = self.power(items)?;
-        factors.push(factor);
+        factors.push(self.power(items)?);
         Ok(())
     }
 
-    /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is above it.
+    /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is
+    /// above it.
     pub(crate) fn power(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
         let base = self.primary(items)?;
-        self.exponents(base, items)
+        match items.front() {
+            Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
+            _ => Ok(base),
+        }
     }
 
-    pub(crate) fn exponents(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
-        let depth = self.depth;
-        let mut chain: Vec<(Vec<(SumSign, Span)>, Expr)> = vec![(Vec::new(), base)];
-        loop {
-            let levels: usize = 1 + chain.last().map_or(0, |(signs, _)| signs.len());
-            match items.pop_front() {
+    #[inline(never)] // keeps the stack frames of nested factors without exponents small
+    fn exponents(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+        let mut levels = 0;
+        let mut chain: Vec<(Signs, Expr)> = vec![(Signs::new(), base)];
+        while let Some(Item::Caret(..) | Item::Superscript(_)) = items.front() {
+            levels += 1 + chain.last().map_or(0, |(signs, _)| signs.len());
+            chain.push(match items.pop_front() {
                 Some(Item::Caret(signs, span)) => {
-                    self.room(span, levels)?;
-                    self.depth += levels;
-                    let operand = self.primary(items);
-                    chain.push((signs, operand?));
+                    (signs, self.deeper(span, levels, |b| b.primary(items))?)
                 }
-                Some(Item::Superscript(text, span)) => {
-                    self.room(span, levels)?;
-                    self.depth += levels;
-                    chain.push((Vec::new(), superscript_number(&text, span)));
+                Some(Item::Superscript(number)) => {
+                    self.room(number.span, levels)?;
+                    (Signs::new(), number)
                 }
-                other => {
-                    if let Some(item) = other {
-                        items.push_front(item);
-                    }
-                    break;
-                }
-            }
+                _ => break,
+            });
         }
-        self.depth = depth;
         let (mut signs, mut expr) = chain.pop().expect("a chain starts with its base");
         while let Some((signs_below, base)) = chain.pop() {
             let exponent = self.signed(&signs, |_| Ok(expr))?;
@@ -221,7 +201,7 @@ impl Builder<'_> {
         Ok(expr)
     }
 
-    /// Remarks on `x^(1/3)`, which is for x ≥ 0 though the root exists for all x.
+    /// Notes that `x^(1/3)` is defined only for x ≥ 0, though the root exists for all x.
     fn odd_root(&mut self, base: &Expr, exponent: &Expr) {
         let ExprKind::Product(top, rest) = &exponent.kind else {
             return;
@@ -229,149 +209,128 @@ impl Builder<'_> {
         let [(ProductSign::Over, bottom)] = rest.as_slice() else {
             return;
         };
-        let whole = |expr: &Expr| expr.number().and_then(|text| text.parse::<u32>().ok());
-        let (Some(top), Some(bottom)) = (whole(top), whole(bottom)) else {
+        let (Some(top), Some(bottom)) = (top.whole_number(), bottom.whole_number()) else {
             return;
         };
-        if base.number().is_some() || bottom % 2 == 0 || top % bottom.max(1) == 0 {
+        if base.number().is_some() || bottom % 2 == 0 || top % bottom == 0 {
             return;
         }
-        let base = base.to_string();
-        let base = if base.chars().count() > 24 { "…".to_owned() } else { base };
-        let root =
-            if bottom == 3 { format!("cbrt({base})") } else { format!("root({base}, {bottom})") };
+        let root = root_text(base, bottom);
         let other = if top == 1 { root } else { format!("{root}^{top}") };
         let kind = NoteKind::OddRoot { exponent: format!("{top}/{bottom}"), other };
         self.note(exponent.span, kind);
     }
 
     pub(crate) fn primary(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
-        match items.pop_front() {
-            Some(Item::Number(text, span)) => Ok(Expr::new(ExprKind::Number(text), span)),
-            Some(Item::Value(value, span)) => self.not_a_call(value, span, items),
-            Some(Item::Function(callee, span)) => {
-                self.nested(span, |b| b.application(&callee, span, items))
+        match items.pop_front().expect("the grammar ends no run with a sign") {
+            Item::Leaf(expr) => self.not_a_call(expr, items.front()),
+            Item::Function(callee, span) => {
+                self.deeper(span, 1, |b| b.application(&callee, span, items))
             }
-            Some(Item::Group(pair)) => self.group(pair),
-            Some(Item::Closed(pair)) => self.closed(pair),
-            Some(Item::Radical(radical, span)) => self.nested(span, |b| {
+            Item::Group(pair) => self.group(pair),
+            Item::Closed(pair) => {
+                let span = self.span(&pair);
+                self.deeper(span, 1, |b| b.closed(pair, span))
+            }
+            Item::Radical(radical, span) => self.deeper(span, 1, |b| {
                 let inner = b.power(items)?;
                 number_only(&inner)?;
-                if matches!(
-                    items.front(),
-                    Some(
-                        Item::Number(..)
-                            | Item::Value(..)
-                            | Item::Group(_)
-                            | Item::Function(..)
-                            | Item::Closed(_)
-                    )
-                ) {
-                    b.note(span.to(inner.span), NoteKind::RadicalScope { radical });
+                let place = span.to(inner.span);
+                if let Some(Item::Leaf(_) | Item::Group(_) | Item::Function(..) | Item::Closed(_)) =
+                    items.front()
+                {
+                    b.note(place, NoteKind::RadicalScope { radical });
                 }
                 let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };
-                let place = span.to(inner.span);
-                Ok(Expr::new(ExprKind::Call(Function::Native(op), vec![inner]), place))
+                Ok(native(op, inner, place))
             }),
-            Some(Item::Caret(_, span) | Item::Superscript(_, span)) => {
+            Item::Caret(_, span) | Item::Superscript(Expr { span, .. }) => {
                 let sign = "^".to_owned();
                 Err(Error::new(span, ErrorKind::MissingBefore { sign }))
             }
-            None => Err(Error::new(Span::at(self.base), ErrorKind::Empty)),
         }
     }
 
-    /// A value; brackets after it multiply, unless they hold several arguments.
-    fn not_a_call(&mut self, value: Value, span: Span, items: &Items<'_>) -> Fallible<Expr> {
-        if let Some(Item::Group(pair)) = items.front() {
-            let count = pair.clone().into_inner().flat_map(Pair::into_inner).count();
-            if count != 1 {
-                let name = value.name().to_owned();
-                let place = span.to(self.span(pair));
-                return Err(Error::new(place, ErrorKind::NotAFunction { name }));
-            }
+    /// A number or a value; brackets after a value multiply, unless they hold several arguments.
+    fn not_a_call(&mut self, expr: Expr, next: Option<&Item<'_>>) -> Fallible<Expr> {
+        if let (ExprKind::Name(value), Some(Item::Group(pair))) = (&expr.kind, next)
+            && pair.clone().into_inner().count() != 1
+        {
+            let name = value.name().to_owned();
+            let place = expr.span.to(self.span(pair));
+            return Err(Error::new(place, ErrorKind::NotAFunction { name }));
         }
-        Ok(Expr::new(ExprKind::Name(value), span))
+        Ok(expr)
     }
 
     /// Round or square brackets around one expression.
     fn group(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         let is_square = pair.as_str().starts_with('[');
-        let mut inner = pair.into_inner().flat_map(Pair::into_inner);
-        match (inner.next(), inner.next()) {
+        let mut inner = pair.into_inner();
+        let kind = match (inner.next(), inner.next()) {
             (Some(only), None) => {
-                let mut expr = self.expression(only)?;
-                expr.span = span;
-                Ok(expr)
+                return self.expression(only).map(|expr| Expr::new(expr.kind, span));
             }
-            (None, _) => Err(Error::new(span, ErrorKind::EmptyBrackets)),
-            (Some(_), Some(_)) if is_square => Err(Error::new(span, ErrorKind::Vector)),
-            (Some(_), Some(_)) => Err(Error::new(span, ErrorKind::Tuple)),
-        }
+            (None, _) => ErrorKind::EmptyBrackets,
+            _ if is_square => ErrorKind::Vector,
+            _ => ErrorKind::Tuple,
+        };
+        Err(Error::new(span, kind))
     }
 
     /// Braces, bars, brackets that round, a fraction or a root.
-    pub(crate) fn closed(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let span = self.span(&pair);
-        self.nested(span, |b| match pair.as_rule() {
-            Rule::bars => {
-                let inner = pair.into_inner().next().expect("bars hold an expression");
-                let inner = b.value(inner)?;
-                Ok(Expr::new(ExprKind::Call(Function::Native(Op::Abs), vec![inner]), span))
+    pub(crate) fn closed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        let rule = pair.as_rule();
+        let first = pair.as_str().chars().next();
+        let typed = self.typed(&pair);
+        let mut inner = pair.into_inner();
+        match rule {
+            Rule::enclosed => {
+                let op = match first {
+                    Some('⌊') => Op::Floor,
+                    Some('⌈') => Op::Ceil,
+                    _ => Op::Abs,
+                };
+                let inner = self.value(inner.next().expect("bars hold an expression"))?;
+                Ok(native(op, inner, span))
             }
             Rule::fraction => {
-                let mut parts = Vec::new();
-                for child in pair.into_inner() {
-                    let part = match child.as_rule() {
-                        Rule::braces => b.closed(child)?,
-                        Rule::digit => number(child.as_str().to_owned(), b.span(&child)),
-                        _ => continue,
-                    };
-                    parts.push((ProductSign::Over, part));
-                }
-                Ok(product_of(parts, span))
+                let parts: Fallible<_> = inner.map(|part| self.part(part)).collect();
+                product_of(parts?).map(|quotient| Expr::new(quotient.kind, span))
             }
             Rule::vulgar => {
-                let parts = pair.as_str().chars().next().and_then(vulgar);
-                let (above, below) = parts.expect("the grammar knows no others");
+                let digits = typed.chars().next().and_then(vulgar);
+                let digits = digits.expect("the scanner knows no others");
                 let part = |digit: char| (ProductSign::Over, number(digit.to_string(), span));
-                Ok(product_of(vec![part(above), part(below)], span))
+                product_of(digits.map(part).to_vec())
             }
-            Rule::floored | Rule::ceiled => {
-                let op = if pair.as_rule() == Rule::floored { Op::Floor } else { Op::Ceil };
-                let mut inner = pair.into_inner().filter(|p| p.as_rule() == Rule::expression);
-                let inner = inner.next().expect("these brackets hold an expression");
-                let inner = b.value(inner)?;
-                Ok(Expr::new(ExprKind::Call(Function::Native(op), vec![inner]), span))
+            Rule::root => {
+                let first = inner.next().expect("a root has braces");
+                let Some(radicand) = inner.next() else {
+                    let (_, radicand) = self.part(first)?;
+                    return Ok(native(Op::Sqrt, radicand, span));
+                };
+                let index = self.value(first.into_inner().next().expect("an index"))?;
+                let (_, radicand) = self.part(radicand)?;
+                Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
             }
-            Rule::root => b.latex_root(pair, span),
             _ => {
-                let inner = pair.into_inner().next().expect("braces hold a sum");
-                let expr = b.sum(inner)?;
+                let expr = self.sum(inner.next().expect("braces hold a sum"))?;
                 number_only(&expr)?;
                 Ok(expr)
             }
-        })
+        }
     }
 
-    fn latex_root(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        let mut index = None;
-        let mut radicand = None;
-        for child in pair.into_inner() {
-            if child.as_rule() == Rule::index {
-                let inner = child.into_inner().next().expect("an index holds an expression");
-                index = Some(self.value(inner)?);
-            } else {
-                radicand = Some(self.closed(child)?);
-            }
-        }
-        let radicand = radicand.expect("a root has braces");
-        let (function, arguments) = match index {
-            Some(index) => (Function::Root, vec![radicand, index]),
-            None => (Function::Native(Op::Sqrt), vec![radicand]),
+    /// A part of a fraction, or what is below a root: one digit, or braces.
+    fn part(&mut self, pair: Pair<'_>) -> Fallible<(ProductSign, Expr)> {
+        let span = self.span(&pair);
+        let part = match pair.as_rule() {
+            Rule::digit => number(self.typed(&pair).to_owned(), span),
+            _ => self.deeper(span, 1, |b| b.closed(pair, span))?,
         };
-        Ok(Expr::new(ExprKind::Call(function, arguments), span))
+        Ok((ProductSign::Over, part))
     }
 }
 
@@ -379,11 +338,6 @@ fn number(digits: String, span: Span) -> Expr {
     Expr::new(ExprKind::Number(digits), span)
 }
 
-/// The number that superscript digits stand for.
-pub(crate) fn superscript_number(text: &str, span: Span) -> Expr {
-    let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), span);
-    match text.strip_prefix('-') {
-        Some(digits) => Expr::new(ExprKind::Negate(Box::new(number(digits))), span),
-        None => number(text),
-    }
+fn native(op: Op, argument: Expr, span: Span) -> Expr {
+    Expr::new(ExprKind::Call(Function::Native(op), vec![argument]), span)
 }

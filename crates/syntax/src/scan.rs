@@ -1,380 +1,297 @@
-//! A first, flat look at a text: tokens, their number, brackets and bars, and where statements end.
+//! A first, flat look at a text: its symbols, their number, brackets and bars, and where statements
+//! end.
 //!
-//! It runs in one pass without recursion, so that no later stage meets text that is too long or too deep. It does
-//! not know the grammar: a token is only what can be told from its own characters.
+//! It runs in one pass without recursion, so that no later stage meets text that is too long or too
+//! deep. It does not know the grammar: a symbol is what can be told from its own characters, but
+//! for the parts of `\frac` and the hexadecimal color behind `color`.
 
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
 use crate::span::Span;
-use crate::spelling::vulgar;
+use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, symbol, vulgar};
 
-/// What a token is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TokenKind {
-    Number,
-    Word,
-    /// A LaTeX command.
-    Command,
-    /// An operator, a relation or a comma.
-    Sign,
-    /// An opening bracket.
-    Open(char),
-    /// A closing bracket.
-    Close(char),
-    Bar,
-    /// Ends a statement outside brackets.
-    Break,
-    /// Has no meaning in the language.
-    Unknown(char),
-}
-
-/// A token and where it stands.
+/// A symbol and where it stands.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Token {
-    pub kind: TokenKind,
+    /// What the grammar knows it by: see `spelling::symbol`, and the grammar for what has no fixed
+    /// spelling. `?` has no meaning in the language.
+    pub symbol: char,
     pub span: Span,
+    /// Its offset in [`Piece::symbols`].
+    at: usize,
 }
 
-/// The tokens of one statement.
+/// One statement.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
+    /// Never empty.
     pub tokens: Vec<Token>,
+    /// The symbols of all tokens: what the grammar reads.
+    pub symbols: String,
     pub span: Span,
 }
 
-/// Splits `text` into statements, and checks length, depth, characters and brackets.
+impl Piece {
+    fn new(mut tokens: Vec<Token>) -> Fallible<Self> {
+        pair_bars(&mut tokens)?;
+        let mut symbols = String::with_capacity(tokens.len());
+        for token in &mut tokens {
+            token.at = symbols.len();
+            symbols.push(token.symbol);
+        }
+        let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
+        Ok(Self { tokens, symbols, span })
+    }
+
+    /// The index of the token at an offset in the symbols.
+    pub(crate) fn index(&self, offset: usize) -> usize {
+        self.tokens.partition_point(|token| token.at < offset)
+    }
+}
+
+/// Splits `text` into statements, and checks length, depth and brackets.
 pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
     if text.len() > limits.bytes {
         let kind = ErrorKind::TooLong { bytes: text.len(), limit: limits.bytes };
         return Err(Error::new(Span::at(0), kind));
     }
-    let tokens = tokens(text, limits.symbols)?;
-    let breaks = brackets(&tokens, limits.depth)?;
     let mut pieces = Vec::new();
-    let mut start = 0;
-    for end in breaks.into_iter().chain([tokens.len()]) {
-        let tokens = &tokens[start..end];
-        start = end + 1;
-        let (Some(first), Some(last)) = (tokens.first(), tokens.last()) else {
+    let mut tokens: Vec<Token> = Vec::new();
+    // The open brackets, by their indices in `tokens`.
+    let mut open: Vec<usize> = Vec::new();
+    // Whether a part of a fraction is next, which is one digit or stands in braces.
+    let mut is_part = false;
+    let mut count = 0;
+    let mut end = 0;
+    while end < text.len() {
+        let is_color = matches!(tokens.as_slice(), [Token { symbol: 'c', .. }]);
+        let (symbol, length) = lex(&text[end..], is_part, is_color);
+        let span = Span::new(end, end + length);
+        end = span.end;
+        if symbol == ' ' {
             continue;
-        };
-        let tokens: Vec<Token> = tokens
-            .iter()
-            .filter(|token| token.kind != TokenKind::Break || &text[token.span.range()] == ";")
-            .copied()
-            .collect();
-        bars(text, &tokens)?;
-        pieces.push(Piece { span: first.span.to(last.span), tokens });
+        }
+        count += 1;
+        if count > limits.symbols {
+            return Err(Error::new(span, ErrorKind::TooManySymbols { limit: limits.symbols }));
+        }
+        let mut first = tokens.len();
+        match symbol {
+            '\n' | ';' if open.is_empty() => {
+                if !tokens.is_empty() {
+                    pieces.push(Piece::new(std::mem::take(&mut tokens))?);
+                }
+                continue;
+            }
+            '\n' => continue,
+            _ if closer(symbol).is_some() => {
+                if open.len() >= limits.depth {
+                    return Err(Error::new(span, ErrorKind::TooDeep { limit: limits.depth }));
+                }
+                open.push(tokens.len());
+            }
+            _ if is_closer(symbol) => {
+                first = close(symbol, span, open.pop().map(|index| (index, tokens[index])))?;
+            }
+            _ => {}
+        }
+        let follows_fraction = first > 0 && tokens[first - 1].symbol == 'F';
+        is_part = symbol == 'F' || (matches!(symbol, '1' | '}') && follows_fraction);
+        tokens.push(Token { symbol, span, at: 0 });
+    }
+    if let Some(index) = open.first() {
+        return Err(unclosed(text, &tokens[*index..], open.len() == 1));
+    }
+    if !tokens.is_empty() {
+        pieces.push(Piece::new(tokens)?);
     }
     Ok(pieces)
 }
 
-/// Whether `character` may stand in a name after its first letter.
-pub(crate) fn in_name(character: char) -> bool {
-    character.is_alphabetic() || character.is_ascii_digit() || character == '_'
-}
-
-fn tokens(text: &str, limit: usize) -> Fallible<Vec<Token>> {
-    let mut tokens: Vec<Token> = Vec::new();
-    let mut at = 0;
-    while let Some(character) = text[at..].chars().next() {
-        let rest = &text[at..];
-        let (kind, length) = match character {
-            '\n' | '\r' | ';' => (Some(TokenKind::Break), 1),
-            ' ' | '\t' | '\u{A0}' | '\u{2009}' | '\u{202F}' | '\u{3000}' | '\u{2062}'
-            | '\u{FEFF}' => (None, character.len_utf8()),
-            '#' => comment(rest, statement_start(&tokens).map(|t| &text[t.span.range()])),
-            '0'..='9' | '.' => number(rest),
-            '\\' => command(rest),
-            '(' | '[' | '{' | '⌊' | '⌈' => {
-                (Some(TokenKind::Open(character)), character.len_utf8())
-            }
-            ')' | ']' | '}' | '⌋' | '⌉' => {
-                (Some(TokenKind::Close(character)), character.len_utf8())
-            }
-            _ if vulgar(character).is_some() => (Some(TokenKind::Number), character.len_utf8()),
-            '|' => (Some(TokenKind::Bar), 1),
-            _ if character.is_alphabetic() => {
-                let end = rest.find(|c| !in_name(c)).unwrap_or(rest.len());
-                (Some(TokenKind::Word), end)
-            }
-            _ => sign(rest, character),
-        };
-        if let Some(kind) = kind {
-            let span = Span::new(at, at + length);
-            if tokens.len() >= limit {
-                return Err(Error::new(span, ErrorKind::TooManySymbols { limit }));
-            }
-            tokens.push(Token { kind, span });
-        }
-        at += length;
-    }
-    Ok(tokens)
-}
-
-/// The first token of the statement that `tokens` ends in.
-fn statement_start(tokens: &[Token]) -> Option<&Token> {
-    let after = tokens
-        .iter()
-        .rposition(|token| token.kind == TokenKind::Break)
-        .map_or(0, |index| index + 1);
-    // A color stands right after its keyword, so only a statement of one token matters.
-    match &tokens[after..] {
-        [only] => Some(only),
-        _ => None,
-    }
-}
-
-/// A comment, or the value of a `color` line.
-fn comment(rest: &str, keyword: Option<&str>) -> (Option<TokenKind>, usize) {
-    let is_color = matches!(keyword, Some("color" | "colour"));
-    let digits = rest[1..].find(|c: char| !c.is_ascii_hexdigit()).unwrap_or(rest.len() - 1);
-    if is_color && digits > 0 {
-        return (Some(TokenKind::Word), 1 + digits);
-    }
-    (None, rest.find('\n').unwrap_or(rest.len()))
-}
-
-fn number(rest: &str) -> (Option<TokenKind>, usize) {
-    let bytes = rest.as_bytes();
-    let digits = |from: usize| {
-        bytes[from..]
-            .iter()
-            .position(|b| !b.is_ascii_digit())
-            .map_or(bytes.len(), |length| from + length)
+/// The index of the bracket that `symbol` at `span` closes.
+fn close(symbol: char, span: Span, opened: Option<(usize, Token)>) -> Fallible<usize> {
+    let Some((index, open)) = opened else {
+        let kind = ErrorKind::Unopened { close: symbol };
+        return Err(Error::new(span, kind).suggest(span, ""));
     };
-    let whole = digits(0);
-    let mut end = whole;
-    if bytes.get(end) == Some(&b'.') {
-        end = digits(end + 1);
+    match closer(open.symbol) {
+        Some(meant) if meant != symbol => {
+            let kind = ErrorKind::Mismatched { open: open.symbol, close: symbol };
+            Err(Error::new(open.span.to(span), kind).suggest(span, meant))
+        }
+        _ => Ok(index),
+    }
+}
+
+/// The error for a bracket that is never closed, the first of `tokens`.
+fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
+    let Token { symbol, span, .. } = tokens[0];
+    let error = Error::new(span, ErrorKind::Unclosed { open: symbol });
+    // Where one bracket is missing, the end of its line is a fair guess.
+    let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
+    let line = tokens.iter().take_while(|token| token.symbol != ';' && token.span.start < line);
+    match (line.last(), closer(symbol)) {
+        (Some(last), Some(close)) if is_only => error.suggest(Span::at(last.span.end), close),
+        _ => error,
+    }
+}
+
+/// The symbol that `rest` starts with, and its length; a blank for what has no meaning.
+fn lex(rest: &str, is_part: bool, is_color: bool) -> (char, usize) {
+    let Some(character) = rest.chars().next() else {
+        return (' ', 0);
+    };
+    let length = character.len_utf8();
+    match character {
+        '#' => {
+            let digits = prefix(&rest[1..], |c| c.is_ascii_hexdigit());
+            match digits {
+                1.. if is_color => ('#', 1 + digits),
+                _ => (' ', rest.find('\n').unwrap_or(rest.len())),
+            }
+        }
+        '0'..='9' if is_part => ('1', 1),
+        '0'..='9' | '.' => number(rest),
+        '\\' => command(rest),
+        _ if vulgar(character).is_some() => ('½', length),
+        _ if character.is_alphabetic() => name(rest, prefix(rest, in_name)),
+        '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {
+            let sign = if matches!(character, '⁻' | '⁺') { length } else { 0 };
+            match prefix(&rest[sign..], |c| superscript_digit(c).is_some()) {
+                0 => ('?', length),
+                digits => ('²', sign + digits),
+            }
+        }
+        _ => {
+            // Some of two characters begin with one that has a meaning of its own.
+            let two = rest.char_indices().nth(2).map_or(rest.len(), |(at, _)| at);
+            let found =
+                [two, length].into_iter().find_map(|end| Some((symbol(&rest[..end])?, end)));
+            found.unwrap_or(('?', length))
+        }
+    }
+}
+
+/// The length of what `text` starts with, as far as its characters are `accepted`.
+fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
+    text.find(|c| !accepted(c)).unwrap_or(text.len())
+}
+
+fn number(rest: &str) -> (char, usize) {
+    let digits = |text: &str| prefix(text, |c| c.is_ascii_digit());
+    let mut end = digits(rest);
+    if let Some(decimals) = rest[end..].strip_prefix('.') {
+        end += 1 + digits(decimals);
         if end == 1 {
-            return (Some(TokenKind::Unknown('.')), 1);
+            return ('?', 1);
         }
     }
-    if matches!(bytes.get(end), Some(b'e' | b'E')) {
-        let mut from = end + 1;
-        if matches!(bytes.get(from), Some(b'+' | b'-')) {
-            from += 1;
-        } else if rest.is_char_boundary(from) && rest[from..].starts_with('−') {
-            from += '−'.len_utf8();
-        }
-        let exponent = digits(from.min(bytes.len()));
-        if exponent > from {
-            end = exponent;
+    if let Some(exponent) = rest[end..].strip_prefix(['e', 'E']) {
+        let exponent = exponent.strip_prefix(['+', '-', '−']).unwrap_or(exponent);
+        if digits(exponent) > 0 {
+            end = rest.len() - exponent.len() + digits(exponent);
         }
     }
-    (Some(TokenKind::Number), end)
+    ('0', end)
 }
 
-fn command(rest: &str) -> (Option<TokenKind>, usize) {
-    let letters = rest[1..].find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len() - 1);
-    match &rest[1..=letters] {
-        "" if rest[1..].starts_with([',', ';', ':', '!', ' ']) => (None, 2),
-        "" => (Some(TokenKind::Unknown('\\')), 1),
-        "left" | "right" | "bigl" | "bigr" | "big" | "quad" | "qquad" | "displaystyle" => {
-            (None, 1 + letters)
+/// A name whose letters end at `end`, with its subscript.
+fn name(rest: &str, end: usize) -> (char, usize) {
+    if let Some(fixed) = symbol(&rest[..end]) {
+        return (fixed, end);
+    }
+    // The underscore of a subscript is a letter elsewhere.
+    let base = rest[..end].strip_suffix('_').map_or(end, str::len);
+    match rest[base..].strip_prefix('_') {
+        Some(subscript) if subscript.starts_with('{') => {
+            ('a', base + braced(subscript).map_or(0, |length| 1 + length))
         }
-        "lfloor" => (Some(TokenKind::Open('⌊')), 1 + letters),
-        "rfloor" => (Some(TokenKind::Close('⌋')), 1 + letters),
-        "lceil" => (Some(TokenKind::Open('⌈')), 1 + letters),
-        "rceil" => (Some(TokenKind::Close('⌉')), 1 + letters),
-        _ => (Some(TokenKind::Command), 1 + letters),
+        _ => ('a', end),
     }
 }
 
-/// Signs of the language, longest first where one begins another.
-const SIGNS: &[&str] = &[
-    "**", "<=", ">=", "==", ":=", "!=", "&&", "+", "-", "*", "/", "^", "=", "<", ">", ",", "·",
-    "×", "⋅", "∙", "÷", "−", "≤", "≥", "⩽", "⩾", "≠", "∧", "∨", "¬", "∈", "√", "∛",
-];
-
-fn sign(rest: &str, character: char) -> (Option<TokenKind>, usize) {
-    if "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺".contains(character) {
-        let end = rest.find(|c| !"⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺".contains(c)).unwrap_or(rest.len());
-        return (Some(TokenKind::Sign), end);
+fn command(rest: &str) -> (char, usize) {
+    let end = 1 + prefix(&rest[1..], |c| c.is_ascii_alphabetic());
+    if end == 1 {
+        let two = 1 + rest[1..].chars().next().map_or(0, char::len_utf8);
+        return symbol(&rest[..two]).map_or(('?', 1), |blank| (blank, two));
     }
-    match SIGNS.iter().find(|sign| rest.starts_with(**sign)) {
-        Some(sign) => (Some(TokenKind::Sign), sign.len()),
-        None => (Some(TokenKind::Unknown(character)), character.len_utf8()),
-    }
-}
-
-/// Pairs the brackets; returns the indices of the breaks that lie outside them.
-fn brackets(tokens: &[Token], limit: usize) -> Fallible<Vec<usize>> {
-    let mut open: Vec<(char, Span)> = Vec::new();
-    let mut breaks = Vec::new();
-    for (index, token) in tokens.iter().enumerate() {
-        match token.kind {
-            TokenKind::Open(bracket) => {
-                if open.len() >= limit {
-                    return Err(Error::new(token.span, ErrorKind::TooDeep { limit }));
-                }
-                open.push((bracket, token.span));
-            }
-            TokenKind::Close(close) => {
-                let Some((bracket, span)) = open.pop() else {
-                    return Err(Error::new(token.span, ErrorKind::Unopened { close })
-                        .suggest(token.span, ""));
-                };
-                if close != closer(bracket) {
-                    let kind = ErrorKind::Mismatched { open: bracket, close };
-                    return Err(
-                        Error::new(span.to(token.span), kind).suggest(token.span, closer(bracket))
-                    );
-                }
-            }
-            TokenKind::Break if open.is_empty() => breaks.push(index),
-            TokenKind::Break
-            | TokenKind::Number
-            | TokenKind::Word
-            | TokenKind::Command
-            | TokenKind::Sign
-            | TokenKind::Bar
-            | TokenKind::Unknown(_) => {}
+    match name(rest, end) {
+        ('T', end) => {
+            let is_name =
+                rest[end..].starts_with('{') && rest[end + 1..].starts_with(char::is_alphabetic);
+            ('a', end + braced(&rest[end..]).filter(|_| is_name).unwrap_or(0))
         }
-    }
-    match open.first() {
-        Some(&(bracket, span)) => {
-            let kind = ErrorKind::Unclosed { open: bracket };
-            let error = Error::new(span, kind);
-            // Where one bracket is missing, the end of its line is a fair guess.
-            let behind = tokens.partition_point(|token| token.span.start < span.end);
-            let line = tokens[behind..].iter().take_while(|token| token.kind != TokenKind::Break);
-            let end = line.last().map_or(span.end, |token| token.span.end);
-            Err(if open.len() == 1 { error.suggest(Span::at(end), closer(bracket)) } else { error })
-        }
-        None => Ok(breaks),
+        found => found,
     }
 }
 
-fn closer(open: char) -> char {
-    match open {
-        '(' => ')',
-        '[' => ']',
-        '⌊' => '⌋',
-        '⌈' => '⌉',
-        _ => '}',
-    }
+/// The length of a name or a number in braces, if `rest` starts with one.
+fn braced(rest: &str) -> Option<usize> {
+    let inner = rest.strip_prefix('{')?;
+    let length = prefix(inner, in_name);
+    (length > 0 && inner[length..].starts_with('}')).then_some(length + 2)
 }
 
-/// Whether an operand can end with this token.
-fn ends_operand(text: &str, token: &Token) -> bool {
-    match token.kind {
-        TokenKind::Number | TokenKind::Close(_) => true,
-        TokenKind::Word | TokenKind::Command => !is_operator_word(&text[token.span.range()]),
-        TokenKind::Sign => text[token.span.range()].starts_with(|c| "⁰¹²³⁴⁵⁶⁷⁸⁹".contains(c)),
-        TokenKind::Open(_) | TokenKind::Bar | TokenKind::Break | TokenKind::Unknown(_) => false,
-    }
-}
-
-/// Whether an operand can begin with this token.
-fn begins_operand(text: &str, token: &Token) -> bool {
-    match token.kind {
-        TokenKind::Number | TokenKind::Open(_) => true,
-        TokenKind::Word | TokenKind::Command => {
-            let word = &text[token.span.range()];
-            word == "not" || !is_operator_word(word)
-        }
-        TokenKind::Sign => text[token.span.range()].starts_with(['√', '∛']),
-        TokenKind::Close(_) | TokenKind::Bar | TokenKind::Break | TokenKind::Unknown(_) => false,
-    }
-}
-
-/// Whether a word or a command is an operator rather than a name.
-pub(crate) fn is_operator_word(word: &str) -> bool {
-    const WORDS: &[&str] = &[
-        "and",
-        "or",
-        "not",
-        "in",
-        "\\cdot",
-        "\\times",
-        "\\div",
-        "\\le",
-        "\\leq",
-        "\\leqslant",
-        "\\ge",
-        "\\geq",
-        "\\geqslant",
-        "\\lt",
-        "\\gt",
-        "\\ne",
-        "\\neq",
-        "\\land",
-        "\\lor",
-        "\\lnot",
-        "\\neg",
-        "\\wedge",
-        "\\vee",
-        "\\in",
-    ];
-    WORDS.contains(&word)
-}
-
-/// Bars open and close in turn within each pair of brackets; whatever else they could mean is an error.
-fn bars(text: &str, tokens: &[Token]) -> Fallible<()> {
+/// Tells closing bars from opening ones. They open and close in turn within each pair of brackets;
+/// whatever else they could mean is an error.
+fn pair_bars(tokens: &mut [Token]) -> Fallible<()> {
+    #[derive(Default)]
     struct Level {
-        /// Where the open bar stands, and whether its pair could also be read otherwise.
+        /// The open bar.
         open: Option<Span>,
-        /// The last closed pair, if an operand followed it directly.
+        /// The opening bar of the last pair, if an operand followed the pair directly.
         loose: Option<Span>,
     }
-    let fresh = || Level { open: None, loose: None };
-    let count = tokens.iter().filter(|token| token.kind == TokenKind::Bar).count();
-    let mut levels = vec![fresh()];
-    for (index, token) in tokens.iter().enumerate() {
-        match token.kind {
-            TokenKind::Open(_) => levels.push(fresh()),
-            TokenKind::Close(_) => {
-                if let Some(span) = levels.pop().and_then(|level| level.open) {
-                    return Err(Error::new(span, ErrorKind::UnclosedBar));
-                }
-            }
-            TokenKind::Bar => {
-                let Some(level) = levels.last_mut() else {
-                    continue;
-                };
-                let before = index.checked_sub(1).map(|i| &tokens[i]);
-                let after = tokens.get(index + 1);
-                let operand_before = before.is_some_and(|t| ends_operand(text, t));
-                let operand_after = after.is_some_and(|t| begins_operand(text, t));
-                match level.open {
-                    None => {
-                        if let (true, Some(first)) = (operand_before, level.loose) {
-                            return Err(Error::new(first.to(token.span), ErrorKind::AmbiguousBars));
-                        }
-                        level.open = Some(token.span);
-                    }
-                    Some(open) => {
-                        let span = open.to(token.span);
-                        if !operand_before && before.is_some_and(|t| t.kind == TokenKind::Bar) {
-                            let kind = if count > 2 {
-                                ErrorKind::NestedBars
-                            } else {
-                                ErrorKind::EmptyBars
-                            };
-                            return Err(Error::new(span, kind));
-                        }
-                        if !operand_before && operand_after {
-                            return Err(Error::new(span, ErrorKind::NestedBars));
-                        }
-                        level.open = None;
-                        level.loose = operand_after.then_some(open);
-                    }
-                }
-            }
-            TokenKind::Number
-            | TokenKind::Word
-            | TokenKind::Command
-            | TokenKind::Sign
-            | TokenKind::Break
-            | TokenKind::Unknown(_) => {}
+    let count = tokens.iter().filter(|token| token.symbol == '|').count();
+    let mut levels = vec![Level::default()];
+    for index in 0..tokens.len() {
+        let Token { symbol, span, .. } = tokens[index];
+        if closer(symbol).is_some() {
+            levels.push(Level::default());
         }
+        if is_closer(symbol)
+            && let Some(span) = levels.pop().and_then(|level| level.open)
+        {
+            return Err(Error::new(span, ErrorKind::UnclosedBar));
+        }
+        let (Some(level), '|') = (levels.last_mut(), symbol) else {
+            continue;
+        };
+        let before = index.checked_sub(1).map_or(' ', |before| tokens[before].symbol);
+        let after = tokens.get(index + 1).map_or(' ', |after| after.symbol);
+        let Some(open) = level.open.take() else {
+            if let (true, Some(first)) = (ends_operand(before), level.loose) {
+                return Err(Error::new(first.to(span), ErrorKind::AmbiguousBars));
+            }
+            level.open = Some(span);
+            continue;
+        };
+        let is_empty = before == '|';
+        if is_empty || (!ends_operand(before) && begins_operand(after)) {
+            let kind =
+                if is_empty && count <= 2 { ErrorKind::EmptyBars } else { ErrorKind::NestedBars };
+            return Err(Error::new(open.to(span), kind));
+        }
+        level.loose = begins_operand(after).then_some(open);
+        tokens[index].symbol = '¦';
     }
     match levels.pop().and_then(|level| level.open) {
         Some(span) => Err(Error::new(span, ErrorKind::UnclosedBar)),
         None => Ok(()),
     }
+}
+
+/// Whether an operand can end with this symbol.
+fn ends_operand(symbol: char) -> bool {
+    matches!(symbol, '0' | '1' | '½' | '²') || is_name(symbol) || is_closer(symbol)
+}
+
+/// Whether an operand can begin with this symbol.
+fn begins_operand(symbol: char) -> bool {
+    matches!(symbol, '0' | '½' | 'F' | '√' | '∛' | '¬')
+        || is_name(symbol)
+        || closer(symbol).is_some()
 }
 
 #[cfg(test)]

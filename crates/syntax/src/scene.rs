@@ -1,30 +1,37 @@
-//! `domain`, `view` and `color` lines, as plain data: what they mean for a picture is not decided here.
+//! `domain`, `view` and `color` lines, as plain data: what they mean for a picture is not decided
+//! here.
 
+use crate::ast::Expr;
 use crate::build::Builder;
-use crate::constant;
+use crate::constant::{evaluate, evaluate_range};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::limits::Limits;
 use crate::scope::{Scope, nearest};
 use crate::span::Span;
-use crate::statement::{Line, LineKind};
-use zeroset_ir::{Axis, Constant};
+use crate::spelling::PRESETS;
+use crate::statement::Line;
+use zeroset_interval::Interval;
+use zeroset_ir::Constant;
+
+/// A range between two numbers, in world units.
+pub type ConstantRange = (Constant, Constant);
 
 /// Where to look for the surface.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // a document has one
-pub enum Domain {
+pub enum DomainLine {
     /// To be found by search.
     Auto,
     /// A range for each coordinate, in world units; `None` where the line leaves one out.
-    Box([Option<(Constant, Constant)>; 3]),
+    Box([Option<ConstantRange>; 3]),
 }
 
 /// Where to look from.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct View {
-    /// The name of a direction, one of those that the grammar lists.
-    pub preset: Option<String>,
+pub struct ViewLine {
+    /// A named direction, one of [`PRESETS`].
+    pub preset: Option<&'static str>,
     /// The eye, in world units.
     pub eye: Option<[Constant; 3]>,
     /// The point looked at, in world units.
@@ -39,12 +46,12 @@ pub struct View {
 
 /// A color, as sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Color {
+pub struct SrgbColor {
     /// Red, green, blue.
     pub rgb: [u8; 3],
 }
 
-impl Color {
+impl SrgbColor {
     /// The color with this name, in any case: one of those that a `color` line takes.
     pub fn named(name: &str) -> Option<Self> {
         let found = COLORS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
@@ -89,11 +96,11 @@ const COLORS: &[(&str, [u8; 3])] = &[
 
 /// What one line says.
 #[allow(clippy::large_enum_variant)] // taken apart at once
-pub(crate) enum Scene {
-    Domain(Domain),
-    View(View),
+pub(crate) enum SceneSetting {
+    Domain(DomainLine),
+    View(ViewLine),
     /// A color, and where its line stands.
-    Color(usize, Color),
+    Color(usize, SrgbColor),
 }
 
 /// Reads a `domain`, `view` or `color` line.
@@ -102,143 +109,87 @@ pub(crate) fn scene_line(
     line: Line<'_>,
     scope: &Scope,
     limits: &Limits,
-) -> Fallible<Scene> {
-    let start = line.span.start;
-    let mut reader = Reader { builder: Builder::new(text, start, scope, &[], limits), limits };
-    match line.kind {
-        LineKind::Domain => reader.domain(line.pair, line.span).map(Scene::Domain),
-        LineKind::View => reader.view(line.pair).map(Scene::View),
-        LineKind::Color | LineKind::Formula => {
-            reader.color(line.pair).map(|color| Scene::Color(start, color))
+) -> Fallible<SceneSetting> {
+    let mut builder = Builder::new(text, line.piece, scope, &[], limits);
+    match line.pair.as_rule() {
+        Rule::domain_line => builder.domain(line.pair).map(SceneSetting::Domain),
+        Rule::view_line => builder.view(line.pair).map(SceneSetting::View),
+        _ => {
+            let color = builder.color(line.pair)?;
+            Ok(SceneSetting::Color(line.piece.span.start, color))
         }
     }
 }
 
-struct Reader<'a> {
-    builder: Builder<'a>,
-    limits: &'a Limits,
-}
-
-impl Reader<'_> {
-    fn number(&mut self, pair: Pair<'_>) -> Fallible<Constant> {
-        let expr = self.builder.value(pair)?;
-        constant::evaluate(&expr, self.limits)
-    }
-
-    fn bounds(&mut self, pair: Pair<'_>) -> Fallible<(Constant, Constant)> {
-        let span = self.builder.span(&pair);
-        let mut ends = Vec::new();
-        for end in pair.into_inner() {
-            ends.push(self.number(end)?);
-        }
-        let [low, high] = <[Constant; 2]>::try_from(ends).expect("bounds hold two expressions");
-        ordered(low, high, span)
-    }
-
-    fn domain(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Domain> {
-        let mut axes: [Option<(Constant, Constant)>; 3] = [None, None, None];
-        for child in pair.into_inner() {
-            let place = self.builder.span(&child);
-            match child.as_rule() {
-                Rule::automatic => return Ok(Domain::Auto),
+impl Builder<'_> {
+    fn domain(&mut self, line: Pair<'_>) -> Fallible<DomainLine> {
+        let mut axes = [const { None }; 3];
+        let mut numbers = Vec::new();
+        for part in line.into_inner() {
+            let span = self.span(&part);
+            match part.as_rule() {
+                Rule::automatic => return Ok(DomainLine::Auto),
+                Rule::bounds => {
+                    let (low, high) = self.bounds(part)?;
+                    let bounds = evaluate_range(&low, &high, span, self.limits)?;
+                    return Ok(DomainLine::Box([0; 3].map(|_| Some(bounds.clone()))));
+                }
                 Rule::axis_range => {
-                    let mut inner = child.into_inner();
-                    let name = inner.next().map_or("x", |axis| axis.as_str());
-                    let axis = match name {
-                        "x" => Axis::X,
-                        "y" => Axis::Y,
-                        _ => Axis::Z,
-                    };
-                    let bounds =
-                        inner.find(|p| p.as_rule() == Rule::bounds).expect("an axis has bounds");
-                    let bounds = self.bounds(bounds)?;
-                    if axes[axis as usize].replace(bounds).is_some() {
-                        let axis = name.chars().next().unwrap_or('x');
-                        return Err(Error::new(place, ErrorKind::RepeatedAxis { axis }));
+                    let axis = part.as_str().chars().next().unwrap_or('x');
+                    let bounds = part.into_inner().last().expect("an axis has bounds");
+                    let place = self.span(&bounds);
+                    let (low, high) = self.bounds(bounds)?;
+                    let bounds = evaluate_range(&low, &high, place, self.limits)?;
+                    if axes[axis as usize - 'x' as usize].replace(bounds).is_some() {
+                        return Err(Error::new(span, ErrorKind::RepeatedAxis { axis }));
                     }
                 }
-                Rule::bounds => {
-                    let bounds = self.bounds(child)?;
-                    return Ok(Domain::Box([0; 3].map(|_| Some(bounds.clone()))));
-                }
-                Rule::arguments => return self.plain_domain(child, place),
+                Rule::expression => numbers.push(self.value(part)?),
                 _ => {}
             }
         }
-        if axes.iter().all(Option::is_none) {
-            return Err(Error::new(span, ErrorKind::BadDomain));
+        if let (Some(first), Some(last)) = (numbers.first(), numbers.last()) {
+            axes = plain_domain(&numbers, first.span.to(last.span), self.limits)?;
         }
-        Ok(Domain::Box(axes))
+        Ok(DomainLine::Box(axes))
     }
 
-    /// `domain 3` or six numbers.
-    fn plain_domain(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Domain> {
-        let mut numbers = Vec::new();
-        for argument in pair.into_inner() {
-            numbers.push(self.number(argument)?);
-        }
-        match numbers.as_slice() {
-            [half] => {
-                let low = half.exact().map_or_else(
-                    || {
-                        let bounds = half.bounds();
-                        let low = zeroset_interval::Interval::new(-bounds.hi, -bounds.lo);
-                        low.map_or_else(|| half.clone(), Constant::enclosed)
-                    },
-                    |value| Constant::rational(-value),
-                );
-                if half.bounds().lo <= 0.0 {
-                    return Err(Error::new(span, ErrorKind::EmptyDomain));
+    fn view(&mut self, line: Pair<'_>) -> Fallible<ViewLine> {
+        let mut view = ViewLine::default();
+        for part in line.into_inner() {
+            match part.as_rule() {
+                Rule::preset => {
+                    let typed = self.typed(&part);
+                    view.preset = PRESETS.into_iter().find(|name| *name == typed);
                 }
-                let bounds = ordered(low, half.clone(), span)?;
-                Ok(Domain::Box([0; 3].map(|_| Some(bounds.clone()))))
-            }
-            [x0, x1, y0, y1, z0, z1] => {
-                let axis = |low: &Constant, high: &Constant| {
-                    ordered(low.clone(), high.clone(), span).map(Some)
-                };
-                Ok(Domain::Box([axis(x0, x1)?, axis(y0, y1)?, axis(z0, z1)?]))
-            }
-            _ => Err(Error::new(span, ErrorKind::BadDomain)),
-        }
-    }
-
-    fn view(&mut self, pair: Pair<'_>) -> Fallible<View> {
-        let mut view = View::default();
-        for child in pair.into_inner() {
-            match child.as_rule() {
-                Rule::preset => view.preset = Some(child.as_str().to_owned()),
-                Rule::setting => self.setting(child, &mut view)?,
+                Rule::setting => self.setting(part, &mut view)?,
                 _ => {}
             }
         }
         Ok(view)
     }
 
-    fn setting(&mut self, pair: Pair<'_>, view: &mut View) -> Fallible<()> {
-        let span = self.builder.span(&pair);
+    fn setting(&mut self, pair: Pair<'_>, view: &mut ViewLine) -> Fallible<()> {
+        let span = self.span(&pair);
         let mut inner = pair.into_inner();
-        let key = inner.next().map_or("", |key| key.as_str());
-        let given = inner.next().expect("a setting has a value");
-        if given.as_rule() == Rule::signed_number {
-            let text = given.as_str().replace('−', "-");
-            let value = constant::evaluate_text(&text, self.limits)
-                .map_err(|error| Error::new(span, error.kind))?;
-            match key {
-                "fov" => view.fov = Some(value),
-                _ => view.ortho = Some(value),
+        let key = inner.next().expect("a setting has a key");
+        let name = self.typed(&key);
+        if key.as_rule() == Rule::number_key {
+            let mut number = self.term(&mut inner)?;
+            number.span = span;
+            let value = Some(evaluate(&number, self.limits)?);
+            match name {
+                "fov" => view.fov = value,
+                _ => view.ortho = value,
             }
             return Ok(());
         }
-        let mut numbers = Vec::new();
-        for argument in given.into_inner() {
-            numbers.push(self.number(argument)?);
-        }
-        let Ok(vector) = <[Constant; 3]>::try_from(numbers) else {
-            let key = key.to_owned();
+        let numbers = inner.map(|number| evaluate(&self.value(number)?, self.limits));
+        let Ok(vector) = <[Constant; 3]>::try_from(numbers.collect::<Fallible<Vec<_>>>()?) else {
+            let key = name.to_owned();
             return Err(Error::new(span, ErrorKind::BadVector { key }));
         };
-        match key {
+        match name {
             "eye" => view.eye = Some(vector),
             "target" => view.target = Some(vector),
             _ => view.up = Some(vector),
@@ -246,39 +197,51 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn color(&mut self, pair: Pair<'_>) -> Fallible<Color> {
-        let given = pair.into_inner().next().expect("a color line has a color");
-        let span = self.builder.span(&given);
-        let text = given.as_str();
-        if let Some(digits) = text.strip_prefix('#') {
-            return hexadecimal(digits).ok_or_else(|| Error::new(span, ErrorKind::BadColor));
-        }
-        let name = text.to_ascii_lowercase();
-        if let Some((_, rgb)) = COLORS.iter().find(|(known, _)| *known == name) {
-            return Ok(Color { rgb: *rgb });
-        }
-        let error = Error::new(span, ErrorKind::BadColor);
-        Err(match nearest(&name, COLORS.iter().map(|(known, _)| *known)) {
-            Some(meant) => error.suggest(span, meant),
-            None => error,
+    fn color(&self, line: Pair<'_>) -> Fallible<SrgbColor> {
+        let given = line.into_inner().next().expect("a color line has a color");
+        let span = self.span(&given);
+        let typed = self.typed(&given);
+        let color = match typed.strip_prefix('#') {
+            Some(digits) => hexadecimal(digits),
+            None => SrgbColor::named(typed),
+        };
+        color.ok_or_else(|| {
+            let meant = nearest(typed, COLORS.iter().map(|(known, _)| *known));
+            Error::new(span, ErrorKind::BadColor).suggest_any(span, meant)
         })
     }
 }
 
+/// `domain 3` or six numbers.
+fn plain_domain(
+    numbers: &[Expr],
+    span: Span,
+    limits: &Limits,
+) -> Fallible<[Option<ConstantRange>; 3]> {
+    let range = |low: &Expr, high: &Expr| evaluate_range(low, high, span, limits).map(Some);
+    match numbers {
+        [half] => {
+            let half = evaluate(half, limits)?;
+            if half.bounds().lo <= 0.0 {
+                return Err(Error::new(span, ErrorKind::EmptyDomain));
+            }
+            let Interval { lo, hi } = half.bounds();
+            let enclosed = || Constant::enclosed(Interval { lo: -hi, hi: -lo });
+            let opposite = half.exact().map_or_else(enclosed, |value| Constant::rational(-value));
+            Ok([0; 3].map(|_| Some((opposite.clone(), half.clone()))))
+        }
+        [x0, x1, y0, y1, z0, z1] => Ok([range(x0, x1)?, range(y0, y1)?, range(z0, z1)?]),
+        _ => Err(Error::new(span, ErrorKind::BadDomain)),
+    }
+}
+
 /// `rgb` or `rrggbb`.
-fn hexadecimal(digits: &str) -> Option<Color> {
+fn hexadecimal(digits: &str) -> Option<SrgbColor> {
     let value = u32::from_str_radix(digits, 16).ok()?;
     let rgb = match digits.len() {
         3 => [value >> 8, value >> 4, value].map(|digit| (digit & 15) as u8 * 17),
         6 => [value >> 16, value >> 8, value].map(|byte| (byte & 255) as u8),
         _ => return None,
     };
-    Some(Color { rgb })
-}
-
-fn ordered(low: Constant, high: Constant, span: Span) -> Fallible<(Constant, Constant)> {
-    if low.bounds().lo >= high.bounds().hi {
-        return Err(Error::new(span, ErrorKind::EmptyRange));
-    }
-    Ok((low, high))
+    Some(SrgbColor { rgb })
 }

@@ -1,14 +1,16 @@
-//! What a name means: parameters of the function at hand, then the document's names, then the language's own.
+//! What a name means: parameters of the function at hand, then the document's names, then the
+//! language's own.
 
-use crate::ast::{Function, Name, NamedConstant, Value};
+use crate::ast::{Function, Name, NamedConstant, NamedValue};
 use rustc_hash::FxHashMap;
 use zeroset_ir::Axis;
-use zeroset_ops::{COMPOSED, Notation, Op, TABLE, composed, names, natives};
+use zeroset_ops::{COMPOSED, Notation, Op, TABLE, names, natives};
 
 /// The names that statements can see.
 #[derive(Debug, Default)]
 pub(crate) struct Scope {
-    /// Names that the document or an override defines: the number of parameters, or `None` for a value.
+    /// Names that the document or an override defines: the number of parameters, or `None` for a
+    /// value.
     defined: FxHashMap<String, Option<usize>>,
     /// Whether internal operations may be called; only the language's own prelude may.
     internal: bool,
@@ -17,10 +19,12 @@ pub(crate) struct Scope {
 /// Longest name, in bytes, that is looked at letter by letter.
 const LONGEST_PRODUCT: usize = 64;
 
-/// Every name of the language, for completion: functions with their aliases, constants, coordinates and time.
+/// Every name of the language, for completion: functions with their aliases, constants, coordinates
+/// and time.
 ///
-/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is written as a whole
-/// number and odd, negative numbers have roots too; any other n is read as `a^(1/n)`, for a ≥ 0.
+/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
+/// written as a whole number and odd, negative numbers have roots too; any other n is read as
+/// `a^(1/n)`, for a ≥ 0.
 pub fn language_names() -> impl Iterator<Item = &'static str> {
     names()
         .chain(ROOT_NAMES.iter().copied())
@@ -32,7 +36,7 @@ pub fn language_names() -> impl Iterator<Item = &'static str> {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Meaning {
     /// A number.
-    Value(Value),
+    Value(NamedValue),
     /// Something that takes arguments.
     Function(Callee),
     /// A row of one-letter values, multiplied.
@@ -56,7 +60,8 @@ impl Scope {
         Self { internal: true, ..Self::default() }
     }
 
-    /// Defines a value (`None`) or a function of so many parameters; a later definition replaces an earlier one.
+    /// Defines a value (`None`) or a function of that many parameters; a later definition replaces
+    /// an earlier one.
     pub(crate) fn define(&mut self, name: &str, parameters: Option<usize>) {
         self.defined.insert(name.to_owned(), parameters);
     }
@@ -69,7 +74,7 @@ impl Scope {
         if let Some(Some(count)) = self.defined.get(name) {
             return Meaning::Function(Callee::Defined(name.to_owned(), *count));
         }
-        if !arities(name, self.internal).is_empty() {
+        if !forms(name, self.internal).is_empty() {
             return Meaning::Function(Callee::BuiltIn(name.to_owned()));
         }
         let mut buffer = [0; 4];
@@ -81,60 +86,39 @@ impl Scope {
         let lower = name.to_lowercase();
         if lower != name && lower.len() > 1 {
             if let Some(constant) = named_constant(&lower) {
-                return Meaning::Value(Value::Constant(constant));
+                return Meaning::Value(NamedValue::Constant(constant));
             }
-            if !arities(&lower, false).is_empty() {
+            if !forms(&lower, false).is_empty() {
                 return Meaning::Function(Callee::BuiltIn(lower));
             }
         }
         Meaning::Unknown
     }
 
-    fn value(&self, name: &str, locals: &[Name]) -> Option<Value> {
+    fn value(&self, name: &str, locals: &[Name]) -> Option<NamedValue> {
         if locals.iter().any(|local| local.text == name) {
-            return Some(Value::Local(name.to_owned()));
+            return Some(NamedValue::Local(name.to_owned()));
         }
         match (name, self.defined.get(name)) {
-            ("x", _) => Some(Value::Coordinate(Axis::X)),
-            ("y", _) => Some(Value::Coordinate(Axis::Y)),
-            ("z", _) => Some(Value::Coordinate(Axis::Z)),
-            ("t", _) => Some(Value::Time),
-            (_, Some(None)) => Some(Value::Defined(name.to_owned())),
+            ("x", _) => Some(NamedValue::Coordinate(Axis::X)),
+            ("y", _) => Some(NamedValue::Coordinate(Axis::Y)),
+            ("z", _) => Some(NamedValue::Coordinate(Axis::Z)),
+            ("t", _) => Some(NamedValue::Time),
+            (_, Some(None)) => Some(NamedValue::Defined(name.to_owned())),
             (_, Some(Some(_))) => None,
-            (_, None) => named_constant(name).map(Value::Constant),
+            (_, None) => named_constant(name).map(NamedValue::Constant),
         }
     }
 
-    /// The numbers of arguments that a function takes.
-    pub(crate) fn counts(&self, callee: &Callee) -> Arities {
+    /// The ways to call a function.
+    pub(crate) fn forms(&self, callee: &Callee) -> Forms {
         match callee {
-            Callee::Defined(_, count) => Arities { counts: vec![*count], or_more: false },
-            Callee::BuiltIn(name) => arities(name, self.internal),
-        }
-    }
-
-    /// The function that `callee` is for `count` arguments.
-    pub(crate) fn function(&self, callee: &Callee, count: usize) -> Option<Function> {
-        let name = match callee {
-            Callee::Defined(name, expected) => {
-                return (*expected == count).then(|| Function::Defined(name.clone()));
+            Callee::Defined(name, count) => {
+                let function = Function::Defined(name.clone());
+                Forms(vec![Form { function, count: *count, or_more: false }])
             }
-            Callee::BuiltIn(name) => name,
-        };
-        if !self.counts(callee).accept(count) {
-            return None;
+            Callee::BuiltIn(name) => forms(name, self.internal),
         }
-        if is_root(name) {
-            return Some(Function::Root);
-        }
-        let mut natives = operations(name, self.internal);
-        if let Some(op) = natives.find(|op| op.arity() == count || is_variadic(*op)) {
-            return Some(Function::Native(op));
-        }
-        let index = COMPOSED
-            .iter()
-            .position(|f| is_called(f.name, f.aliases, name) && f.parameters.len() == count);
-        Some(index.map_or(Function::Length, Function::Composed))
     }
 
     /// The known name most like `name`, if any is near.
@@ -156,10 +140,11 @@ impl Scope {
     }
 }
 
-/// The candidate most like `name`: few edits for its length, then the nearest in length, so that a swapped pair of
-/// letters counts before a lost one, then the first in the alphabet.
+/// The candidate most like `name`: few edits for its length, then the nearest in length, so that a
+/// swapped pair of letters counts before a lost one, then the first in the alphabet.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    // Comparing costs the product of the lengths, so names that no candidate can be near are not compared.
+    // Comparing costs the product of the lengths, so names that no candidate can be near are not
+    // compared.
     const LONGEST: usize = 24;
     if name.len() > LONGEST {
         return None;
@@ -186,36 +171,41 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
         .map(|(_, _, candidate)| candidate.to_owned())
 }
 
-/// The numbers of arguments that a function takes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Arities {
-    counts: Vec<usize>,
+/// A function with the number of its arguments.
+struct Form {
+    function: Function,
+    count: usize,
     or_more: bool,
 }
 
-impl Arities {
+/// The ways to call a function, by number of arguments.
+pub(crate) struct Forms(Vec<Form>);
+
+impl Forms {
     fn is_empty(&self) -> bool {
-        self.counts.is_empty()
+        self.0.is_empty()
     }
 
-    /// Whether `count` arguments are accepted.
-    pub(crate) fn accept(&self, count: usize) -> bool {
-        self.counts.contains(&count) || (self.or_more && self.counts.iter().all(|c| *c < count))
+    /// The function for `count` arguments, if it takes that many.
+    pub(crate) fn function(&self, count: usize) -> Option<Function> {
+        let exact = self.0.iter().find(|form| form.count == count);
+        let form = exact.or_else(|| self.0.iter().find(|form| form.or_more && form.count < count));
+        form.map(|form| form.function.clone())
     }
 
     /// The smallest number of arguments.
     pub(crate) fn least(&self) -> usize {
-        self.counts.iter().copied().min().unwrap_or(0)
+        self.0.first().map_or(0, |form| form.count)
     }
 }
 
-impl std::fmt::Display for Arities {
+impl std::fmt::Display for Forms {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if self.or_more {
+        if self.0.iter().any(|form| form.or_more) {
             return write!(f, "{} or more arguments", self.least());
         }
-        let counts: Vec<String> = self.counts.iter().map(ToString::to_string).collect();
-        let plural = if self.counts == [1] { "" } else { "s" };
+        let counts: Vec<String> = self.0.iter().map(|form| form.count.to_string()).collect();
+        let plural = if counts == ["1"] { "" } else { "s" };
         write!(f, "{} argument{plural}", counts.join(" or "))
     }
 }
@@ -223,37 +213,35 @@ impl std::fmt::Display for Arities {
 /// Names of the n-th root; `root` needs a whole number and so is neither native nor composed.
 pub(crate) const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
 
-fn is_root(name: &str) -> bool {
-    ROOT_NAMES.contains(&name)
-}
-
-fn is_called(own: &str, aliases: &[&str], name: &str) -> bool {
-    own == name || aliases.contains(&name)
-}
-
-/// The native operations called `name`, one per arity.
-fn operations(name: &str, internal: bool) -> impl Iterator<Item = Op> {
-    let own = TABLE
-        .iter()
-        .filter(move |row| internal && row.notation == Notation::Internal && row.name == name);
-    natives(name).chain(own).map(|row| row.op)
-}
-
 /// Whether an operation of two operands may be called with more, folding from the left.
 pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
 }
 
-fn arities(name: &str, internal: bool) -> Arities {
-    if is_root(name) {
-        return Arities { counts: vec![2], or_more: false };
+/// The ways to call the function of the language called `name`; none if there is no such function.
+fn forms(name: &str, internal: bool) -> Forms {
+    let form = |function, count| Form { function, count, or_more: false };
+    let own = TABLE
+        .iter()
+        .filter(|row| internal && row.notation == Notation::Internal && row.name == name);
+    let native = natives(name).chain(own).map(|row| Form {
+        or_more: is_variadic(row.op),
+        ..form(Function::Native(row.op), row.op.arity())
+    });
+    let composed = COMPOSED.iter().enumerate();
+    let composed = composed.filter(|(_, f)| f.name == name || f.aliases.contains(&name));
+    let mut forms: Vec<Form> = native.collect();
+    for (index, composed) in composed {
+        forms.push(form(Function::Composed(index), composed.parameters.len()));
+        if composed.name == "hypot" {
+            forms.push(Form { function: Function::Length, count: 4, or_more: true });
+        }
     }
-    let mut counts: Vec<usize> = operations(name, internal).map(Op::arity).collect();
-    counts.extend(composed(name).map(|f| f.parameters.len()));
-    counts.sort_unstable();
-    let or_more =
-        operations(name, internal).any(is_variadic) || composed(name).any(|f| f.name == "hypot");
-    Arities { counts, or_more }
+    if ROOT_NAMES.contains(&name) {
+        forms.push(form(Function::Root, 2));
+    }
+    forms.sort_by_key(|form| form.count);
+    Forms(forms)
 }
 
 /// The constant of the language called `name`.

@@ -1,34 +1,122 @@
-//! The many spellings of a number or a name, brought to one. Knows characters only, not meanings.
+//! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
-/// Superscript digits as plain ones; a plus sign is dropped.
-pub(crate) fn superscript(text: &str) -> String {
-    text.chars()
-        .filter_map(|c| match c {
-            '⁻' => Some('-'),
-            '⁺' => None,
-            _ => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..='9').find(|(s, _)| *s == c).map(|(_, d)| d),
-        })
-        .collect()
+/// Directions that a `view` line can name.
+pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
+
+/// The symbol of a fixed spelling: the character that the grammar knows it by. A blank only
+/// separates, a line break ends a statement.
+///
+/// This is the only list of the words, operators and LaTeX names of the language.
+pub(crate) fn symbol(spelling: &str) -> Option<char> {
+    Some(match spelling {
+        " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
+        // In print these set spaces and the sizes of brackets; they mean nothing here.
+        | r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle"
+        | r"\left" | r"\right" | r"\bigl" | r"\bigr" | r"\big" => ' ',
+        "\n" | "\r" => '\n',
+        ";" => ';',
+        "," => ',',
+        "+" => '+',
+        "-" | "−" => '-',
+        "*" | "·" | "×" | "⋅" | "∙" | r"\cdot" | r"\times" => '*',
+        "/" | "÷" | r"\div" => '/',
+        "^" | "**" => '^',
+        "√" => '√',
+        "∛" => '∛',
+        "=" | "==" | ":=" => '=',
+        "!=" | "≠" | r"\ne" | r"\neq" => '≠',
+        "<" | r"\lt" => '<',
+        "<=" | "≤" | "⩽" | r"\le" | r"\leq" | r"\leqslant" => '≤',
+        ">" | r"\gt" => '>',
+        ">=" | "≥" | "⩾" | r"\ge" | r"\geq" | r"\geqslant" => '≥',
+        "and" | "&&" | "∧" | r"\land" | r"\wedge" => '∧',
+        "or" | "∨" | r"\lor" | r"\vee" => '∨',
+        "not" | "¬" | r"\lnot" | r"\neg" => '¬',
+        "in" | "∈" | r"\in" => '∈',
+        "(" => '(',
+        ")" => ')',
+        "[" => '[',
+        "]" => ']',
+        "{" => '{',
+        "}" => '}',
+        "⌊" | r"\lfloor" => '⌊',
+        "⌋" | r"\rfloor" => '⌋',
+        "⌈" | r"\lceil" => '⌈',
+        "⌉" | r"\rceil" => '⌉',
+        "|" => '|',
+        r"\frac" | r"\dfrac" | r"\tfrac" => 'F',
+        r"\sqrt" => 'R',
+        // A name in upright letters follows in braces.
+        r"\operatorname" | r"\mathrm" | r"\mathit" | r"\text" => 'T',
+        "x" => 'x',
+        "y" => 'y',
+        "z" => 'z',
+        "domain" => 'd',
+        "view" => 'v',
+        "color" | "colour" => 'c',
+        "auto" => 'u',
+        "eye" | "target" | "up" => 'k',
+        "fov" | "ortho" => 'n',
+        name if PRESETS.contains(&name) => 'p',
+        _ => return None,
+    })
+}
+
+/// Whether a symbol stands for a name.
+pub(crate) fn is_name(symbol: char) -> bool {
+    symbol.is_ascii_lowercase() || symbol == 'R'
+}
+
+/// Whether a symbol is an operator, a relation or a comma.
+pub(crate) fn is_operator(symbol: char) -> bool {
+    "+-*/^²√∛,=≠<≤>≥∧∨¬∈".contains(symbol)
+}
+
+/// The bracket that closes `open`.
+pub(crate) fn closer(open: char) -> Option<char> {
+    "([{⌊⌈".chars().zip(")]}⌋⌉".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
+}
+
+/// Whether a symbol is a closing bracket.
+pub(crate) fn is_closer(symbol: char) -> bool {
+    ")]}⌋⌉".contains(symbol)
+}
+
+/// Whether `character` may stand in a name after its first letter.
+pub(crate) fn in_name(character: char) -> bool {
+    character.is_alphabetic() || character.is_ascii_digit() || character == '_'
+}
+
+/// Whether `text` can be defined: a name that is no operator.
+pub(crate) fn is_definable(text: &str) -> bool {
+    text.starts_with(char::is_alphabetic)
+        && text.chars().all(in_name)
+        && symbol(text).is_none_or(is_name)
+}
+
+/// The value of a superscript digit.
+pub(crate) fn superscript_digit(character: char) -> Option<char> {
+    "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..='9').find(|(s, _)| *s == character).map(|(_, digit)| digit)
 }
 
 /// Numerator and denominator of a fraction that is one character.
-pub(crate) fn vulgar(character: char) -> Option<(char, char)> {
+pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
     Some(match character {
-        '½' => ('1', '2'),
-        '⅓' => ('1', '3'),
-        '⅔' => ('2', '3'),
-        '¼' => ('1', '4'),
-        '¾' => ('3', '4'),
-        '⅕' => ('1', '5'),
-        '⅖' => ('2', '5'),
-        '⅗' => ('3', '5'),
-        '⅘' => ('4', '5'),
-        '⅙' => ('1', '6'),
-        '⅚' => ('5', '6'),
-        '⅛' => ('1', '8'),
-        '⅜' => ('3', '8'),
-        '⅝' => ('5', '8'),
-        '⅞' => ('7', '8'),
+        '½' => ['1', '2'],
+        '⅓' => ['1', '3'],
+        '⅔' => ['2', '3'],
+        '¼' => ['1', '4'],
+        '¾' => ['3', '4'],
+        '⅕' => ['1', '5'],
+        '⅖' => ['2', '5'],
+        '⅗' => ['3', '5'],
+        '⅘' => ['4', '5'],
+        '⅙' => ['1', '6'],
+        '⅚' => ['5', '6'],
+        '⅛' => ['1', '8'],
+        '⅜' => ['3', '8'],
+        '⅝' => ['5', '8'],
+        '⅞' => ['7', '8'],
         _ => return None,
     })
 }
@@ -52,12 +140,56 @@ pub(crate) fn decimal(typed: &str) -> String {
     number
 }
 
-/// A name without LaTeX around it: `\sin` as `sin`, `\operatorname{foo}` as `foo`, `x_{12}` as `x_12`.
+/// A name without LaTeX around it: `\sin` as `sin`, `\operatorname{foo}` as `foo`, `x_{12}` as
+/// `x_12`.
 pub(crate) fn plain_name(typed: &str) -> String {
-    let text = typed.strip_prefix('\\').unwrap_or(typed);
-    let text = match text.split_once('{') {
-        Some(("operatorname" | "mathrm" | "mathit" | "text", inner)) => inner,
-        _ => text,
-    };
-    text.chars().filter(|c| !matches!(c, '{' | '}')).collect()
+    let text = typed.strip_prefix('\\').unwrap_or(typed).trim_end_matches('}');
+    match text.split_once('{') {
+        Some((name, subscript)) if name.ends_with('_') => format!("{name}{subscript}"),
+        Some((_, inner)) => inner.to_owned(),
+        None => text.to_owned(),
+    }
+}
+
+/// A name for a message: cut where it is long.
+pub(crate) fn short_name(name: &str) -> String {
+    short(name, 40, 40)
+}
+
+/// A formula for a message: left out where it is long, since a part of it would mislead.
+pub(crate) fn short_formula(formula: &str) -> String {
+    short(formula, 24, 0)
+}
+
+/// `text`, or its first `kept` characters where it is longer than `longest`.
+fn short(text: &str, longest: usize, kept: usize) -> String {
+    if text.chars().nth(longest).is_none() {
+        return text.to_owned();
+    }
+    text.chars().take(kept).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Symbols of what has no fixed spelling.
+    const OTHERS: &str = "01½²#¦";
+
+    #[test]
+    fn the_grammar_knows_symbols_only() {
+        let grammar = include_str!("../../../grammar/zeroset.pest");
+        let rules = grammar.lines().filter(|line| !line.starts_with("//"));
+        let literals: Vec<&str> =
+            rules.flat_map(|line| line.split(['"', '\'']).skip(1).step_by(2)).collect();
+        assert!(literals.len() > 60, "{}", literals.len());
+        for literal in literals {
+            let mut characters = literal.chars();
+            let (Some(only), None) = (characters.next(), characters.next()) else {
+                panic!("`{literal}` is not a symbol");
+            };
+            let is_class = OTHERS.contains(only) || only.is_ascii_alphabetic();
+            assert!(is_class || symbol(literal) == Some(only), "`{literal}` stands for another");
+        }
+    }
 }

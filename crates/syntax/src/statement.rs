@@ -2,38 +2,24 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Name, Relation, Statement};
 use crate::build::{Builder, relation};
-use crate::diagnose::diagnose;
-use crate::error::{Error, ErrorKind, Fallible, MOST};
-use crate::grammar::{Pair, Rule, Zeroset};
+use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
+use crate::grammar::{Pair, Rule, recognise};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
-use crate::scan::{Piece, TokenKind, is_operator_word, scan};
+use crate::scan::Piece;
 use crate::scope::{Meaning, Scope};
 use crate::span::Span;
-use crate::spelling::plain_name;
-use pest::Parser as _;
+use crate::spelling::{is_definable, plain_name};
 use rustc_hash::FxHashSet;
-
-/// The words that begin a line which is no formula.
-pub(crate) const SETTINGS: [&str; 4] = ["domain", "view", "color", "colour"];
 
 /// Each use of a name looks through the parameters, so their number is bounded.
 const MOST_PARAMETERS: usize = 64;
 
-/// What the first words of a statement make of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LineKind {
-    Formula,
-    Domain,
-    View,
-    Color,
-}
-
 /// A statement that the grammar has recognised.
 pub(crate) struct Line<'i> {
-    pub kind: LineKind,
+    pub piece: &'i Piece,
+    /// Its rule tells what the statement is.
     pub pair: Pair<'i>,
-    pub span: Span,
     pub head: Option<Head>,
 }
 
@@ -52,60 +38,41 @@ pub(crate) struct Built {
     pub used: FxHashSet<String>,
 }
 
-/// Splits `text` and recognises each statement.
-pub(crate) fn lines<'i>(text: &'i str, limits: &Limits) -> Result<Vec<Line<'i>>, Vec<Error>> {
-    let pieces = scan(text, limits).map_err(|error| vec![*error])?;
+/// Recognises each statement of `text`.
+pub(crate) fn lines<'i>(text: &str, pieces: &'i [Piece]) -> Result<Vec<Line<'i>>, Errors> {
     if pieces.is_empty() {
-        return Err(vec![*Error::new(Span::at(text.len()), ErrorKind::Empty)]);
+        return Err(Error::new(Span::at(text.len()), ErrorKind::Empty).into());
     }
     let mut lines = Vec::new();
     let mut errors = Vec::new();
-    for piece in &pieces {
-        match line(text, piece) {
-            Ok(line) => lines.push(line),
+    for piece in pieces {
+        match recognise(text, piece, rule(piece)) {
+            Ok(pair) => lines.push(Line { head: head(text, piece, &pair), piece, pair }),
             Err(error) => errors.push(*error),
         }
         if errors.len() >= MOST {
             break;
         }
     }
-    if errors.is_empty() { Ok(lines) } else { Err(errors) }
+    if errors.is_empty() { Ok(lines) } else { Err(Errors::new(errors)) }
 }
 
-fn line<'i>(text: &'i str, piece: &Piece) -> Fallible<Line<'i>> {
-    let kind = line_kind(text, piece);
-    let rule = match kind {
-        LineKind::Formula => Rule::line,
-        LineKind::Domain => Rule::domain_line,
-        LineKind::View => Rule::view_line,
-        LineKind::Color => Rule::color_line,
-    };
-    let source = &text[piece.span.range()];
-    let mut pairs =
-        Zeroset::parse(rule, source).map_err(|error| diagnose(text, piece, kind, &error))?;
-    let pair = pairs.next().expect("a statement is one pair");
-    let head = if kind == LineKind::Formula { head(&pair, piece.span.start) } else { None };
-    Ok(Line { kind, pair, span: piece.span, head })
-}
-
-fn line_kind(text: &str, piece: &Piece) -> LineKind {
-    let token = |index: usize| piece.tokens.get(index);
-    let kind = match token(0).map(|first| &text[first.span.range()]) {
-        Some("domain") => LineKind::Domain,
-        Some("view") => LineKind::View,
-        Some("color" | "colour") => LineKind::Color,
-        _ => return LineKind::Formula,
+/// What the first symbols of a statement make of it.
+fn rule(piece: &Piece) -> Rule {
+    let mut symbols = piece.symbols.chars();
+    let rule = match symbols.next() {
+        Some('d') => Rule::domain_line,
+        Some('v') => Rule::view_line,
+        Some('c') => Rule::color_line,
+        _ => return Rule::line,
     };
     // `view = 3` and `view(x) = …` are definitions like any other.
-    let Some(second) = token(1) else {
-        return kind;
-    };
-    let sign = &text[second.span.range()];
-    let is_operator = second.kind == TokenKind::Sign && !matches!(sign, "-" | "+" | "−");
-    if is_operator || (second.kind == TokenKind::Open('(') && kind != LineKind::Domain) {
-        LineKind::Formula
-    } else {
-        kind
+    match symbols.next() {
+        Some('(') if rule != Rule::domain_line => Rule::line,
+        Some('*' | '/' | '^' | '²' | ',' | '=' | '≠' | '<' | '≤' | '>' | '≥' | '∧' | '∨' | '∈') => {
+            Rule::line
+        }
+        _ => rule,
     }
 }
 
@@ -116,53 +83,36 @@ fn only(pair: Pair<'_>, rule: Rule) -> Option<Pair<'_>> {
     (inner.next().is_none() && first.as_rule() == rule).then_some(first)
 }
 
-/// The powers of a sum that is a single run.
-fn single_run(sum: Pair<'_>) -> Option<Vec<Pair<'_>>> {
-    let run = only(only(sum, Rule::product)?, Rule::run)?;
-    Some(run.into_inner().collect())
-}
-
-fn name_of(power: Pair<'_>, base: usize) -> Option<Name> {
-    let pair = only(power, Rule::name)?;
-    let span = pair.as_span();
-    Some(Name {
-        text: plain_name(pair.as_str()),
-        span: Span::new(base + span.start(), base + span.end()),
-    })
-}
-
 /// The left side of a statement, if it has the form of a definition; `==` states and never defines.
-fn head(line: &Pair<'_>, base: usize) -> Option<Head> {
+fn head(text: &str, piece: &Piece, line: &Pair<'_>) -> Option<Head> {
+    let typed = |pair: &Pair<'_>| piece.tokens[piece.index(pair.as_span().start())].span;
+    let name = |pair: Pair<'_>| {
+        let span = typed(&pair);
+        let is_name = pair.as_rule() == Rule::name;
+        is_name.then(|| Name { text: plain_name(&text[span.range()]), span })
+    };
     let expression = line.clone().into_inner().find(|p| p.as_rule() == Rule::expression)?;
-    let negation = only(only(expression, Rule::conjunction)?, Rule::negation)?;
-    let mut chain = only(negation, Rule::chain)?.into_inner();
-    let left = chain.next()?;
-    let sign = chain.next()?;
-    if relation(&sign) != Relation::Equal || sign.as_str().trim() == "==" {
+    let mut sides = expression.into_inner();
+    if sides.clone().any(|part| matches!(part.as_rule(), Rule::not | Rule::joint)) {
         return None;
     }
-    let mut powers = single_run(left)?.into_iter();
-    let name = name_of(powers.next()?, base)?;
-    let parameters = match powers.next() {
+    let mut left = sides.next()?.into_inner();
+    let sign = sides.next()?;
+    if relation(&sign) != Relation::Equal || &text[typed(&sign).range()] == "==" {
+        return None;
+    }
+    let defined = name(left.next()?)?;
+    let parameters = match left.next() {
         None => None,
-        Some(group) => {
-            let arguments = only(only(group, Rule::group)?, Rule::arguments)?;
-            let mut parameters = Vec::new();
-            for argument in arguments.into_inner() {
-                let sum = only(argument, Rule::conjunction)
-                    .and_then(|p| only(p, Rule::negation))
-                    .and_then(|p| only(p, Rule::chain))
-                    .and_then(|p| only(p, Rule::sum))?;
-                let mut powers = single_run(sum)?.into_iter();
-                parameters.push(name_of(powers.next()?, base)?);
-                if powers.next().is_some() {
-                    return None;
-                }
-            }
-            Some(parameters)
+        Some(group) if group.as_rule() == Rule::group => {
+            let arguments = group.into_inner();
+            let names =
+                arguments.map(|argument| name(only(only(argument, Rule::sum)?, Rule::name)?));
+            Some(names.collect::<Option<Vec<Name>>>().filter(|names| !names.is_empty())?)
         }
+        Some(_) => return None,
     };
-    powers.next().is_none().then_some(Head { name, parameters })
+    left.next().is_none().then_some(Head { name: defined, parameters })
 }
 
 /// Decides for every line with a head whether it defines; those that do not lose their head.
@@ -196,7 +146,8 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
     }
 }
 
-/// Whether the left side could define anything: coordinates, and names made of them only, are drawn.
+/// Whether the left side could define anything: coordinates, and names made of them only, are
+/// drawn.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {
@@ -205,60 +156,51 @@ fn may_define(head: &Head) -> bool {
     !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
 }
 
-/// Whether the left side is a call of a function of the language, with as many arguments as that takes.
+/// Whether the left side is a call of a function of the language, with as many arguments as that
+/// takes.
 fn is_built_in(head: &Head) -> bool {
-    let Some(parameters) = &head.parameters else {
-        return false;
-    };
-    accepts(&head.name.text, parameters.len()) == Some(true)
+    accepts(head) == Some(true)
 }
 
-/// Whether the left side is a call of a function of the language on coordinates, but not on as many as it takes:
-/// an equation with a slip rather than a definition, whose parameters would hide the coordinates.
+/// Whether the left side is a call of a function of the language on coordinates, but not on as many
+/// as it takes: an equation with a slip rather than a definition, whose parameters would hide the
+/// coordinates.
 fn is_miscounted(head: &Head) -> bool {
-    let Some(parameters) = &head.parameters else {
-        return false;
-    };
-    let are_coordinates = parameters.iter().all(|p| matches!(p.text.as_str(), "x" | "y" | "z"));
-    are_coordinates && accepts(&head.name.text, parameters.len()) == Some(false)
+    let mut parameters = head.parameters.iter().flatten();
+    parameters.all(|p| matches!(p.text.as_str(), "x" | "y" | "z")) && accepts(head) == Some(false)
 }
 
-/// Whether the function of the language called `name` takes `count` arguments; `None` if there is none.
-fn accepts(name: &str, count: usize) -> Option<bool> {
-    match Scope::default().meaning(name, &[]) {
-        Meaning::Function(callee) => Some(Scope::default().counts(&callee).accept(count)),
+/// Whether the function of the language called `head` takes that many arguments; `None` if there is
+/// none, or nothing is called.
+fn accepts(head: &Head) -> Option<bool> {
+    let count = head.parameters.as_ref()?.len();
+    match Scope::default().meaning(&head.name.text, &[]) {
+        Meaning::Function(callee) => {
+            Some(Scope::default().forms(&callee).function(count).is_some())
+        }
         Meaning::Value(_) | Meaning::Product | Meaning::Unknown => None,
     }
 }
 
 /// Builds the trees of one line.
 pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) -> Fallible<Built> {
-    let locals: &[Name] = match &line.head {
-        Some(head) => head.parameters.as_deref().unwrap_or_default(),
-        None => &[],
-    };
-    let mut builder = Builder::new(text, line.span.start, scope, locals, limits);
-    let mut expression = None;
+    let locals = line.head.as_ref().and_then(|head| head.parameters.as_deref());
+    let mut builder = Builder::new(text, line.piece, scope, locals.unwrap_or_default(), limits);
+    let mut parts = line.pair.into_inner();
+    let expression = parts.next().expect("a line has an expression");
     let mut range = None;
     let mut restrictions = Vec::new();
     let mut braces = None;
-    for child in line.pair.into_inner() {
-        match child.as_rule() {
-            Rule::expression => expression = Some(child),
+    for part in parts {
+        let span = builder.span(&part);
+        match part.as_rule() {
             Rule::range => {
-                let span = builder.span(&child);
-                let mut ends = Vec::new();
-                for bounds in child.into_inner().filter(|p| p.as_rule() == Rule::bounds) {
-                    for end in bounds.into_inner() {
-                        ends.push(builder.value(end)?);
-                    }
-                }
-                let mut ends = ends.into_iter();
-                range = ends.next().zip(ends.next()).map(|ends| (ends, span));
+                let bounds = part.into_inner().next().expect("a range has bounds");
+                range = Some((builder.bounds(bounds)?, span));
             }
             Rule::restriction => {
-                braces = Some(builder.span(&child));
-                for condition in child.into_inner().flat_map(Pair::into_inner) {
+                braces = Some(span);
+                for condition in part.into_inner() {
                     let condition = builder.expression(condition)?;
                     if !condition.is_condition() {
                         return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition));
@@ -269,25 +211,29 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
             _ => {}
         }
     }
-    let expression = expression.expect("a line has an expression");
     let statement = if let Some(head) = &line.head {
         if let Some(span) = braces {
             return Err(Error::new(span, ErrorKind::RestrictedDefinition));
         }
-        let definition = define(&mut builder, head, expression)?;
-        Statement::Define(Definition { range: range.map(|(ends, _)| ends), ..definition })
+        let range = range.map(|(ends, _)| ends);
+        Statement::Define(define(&mut builder, head, expression, range)?)
     } else {
         if let Some((_, span)) = range {
             return Err(Error::new(span, ErrorKind::RangeOutsideDefinition));
         }
-        let expr = builder.expression(expression)?;
-        Statement::Draw { expr, restrictions }
+        Statement::Draw { expr: builder.expression(expression)?, restrictions }
     };
-    Ok(Built { statement, span: line.span, notes: builder.notes, used: builder.used })
+    let Builder { notes, used, .. } = builder;
+    Ok(Built { statement, span: line.piece.span, notes, used })
 }
 
 /// The definition `head = …`, whose left side is not built, for it names what does not exist yet.
-fn define(builder: &mut Builder<'_>, head: &Head, expression: Pair<'_>) -> Fallible<Definition> {
+fn define(
+    builder: &mut Builder<'_>,
+    head: &Head,
+    expression: Pair<'_>,
+    range: Option<(Expr, Expr)>,
+) -> Fallible<Definition> {
     let name = &head.name;
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MOST_PARAMETERS {
@@ -305,36 +251,28 @@ fn define(builder: &mut Builder<'_>, head: &Head, expression: Pair<'_>) -> Falli
     // `domain(x) = …` is a domain line with a slip.
     let is_keyword = head.parameters.is_some() && name.text == "domain";
     // LaTeX can spell names that cannot be written otherwise.
-    let reserved = |name: &&Name| is_operator_word(&name.text);
-    let word = std::iter::once(name).chain(parameters).find(reserved);
+    let word = std::iter::once(name).chain(parameters).find(|name| !is_definable(&name.text));
     if let Some(name) = (is_function || is_keyword).then_some(name).or(word) {
         let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
         return Err(Error::new(name.span, kind));
     }
     let span = builder.span(&expression);
-    let sides: Vec<Pair<'_>> = expression
-        .into_inner()
-        .flat_map(Pair::into_inner)
-        .flat_map(Pair::into_inner)
-        .flat_map(Pair::into_inner)
-        .collect();
-    let [_, _, body, more @ ..] = sides.as_slice() else {
-        return Err(Error::new(span, ErrorKind::Empty));
-    };
-    if let Some(second) = more.first() {
-        let place = builder.span(second);
-        return Err(if relation(second) == Relation::Equal {
+    let mut sides = expression.into_inner().skip(2);
+    let body = sides.next().expect("a definition has a right side");
+    if let Some(second) = sides.next() {
+        let place = builder.span(&second);
+        return Err(if relation(&second) == Relation::Equal {
             Error::new(place, ErrorKind::SeveralEquals)
         } else {
-            let end = more.last().map_or(place, |last| builder.span(last));
-            Error::new(builder.span(body).to(end), ErrorKind::DefinitionIsCondition)
+            let end = sides.last().map_or(place, |last| builder.span(&last));
+            Error::new(builder.span(&body).to(end), ErrorKind::DefinitionIsCondition)
         });
     }
-    let body = builder.nested(span, |b| b.sum(body.clone()))?;
+    let body = builder.deeper(span, 1, |b| b.sum(body))?;
     if body.is_condition() {
         return Err(Error::new(body.span, ErrorKind::DefinitionIsCondition));
     }
-    Ok(Definition { name: name.clone(), parameters: head.parameters.clone(), body, range: None })
+    Ok(Definition { name: name.clone(), parameters: head.parameters.clone(), body, range })
 }
 
 /// Whether an expression is a number with or without a sign: the right side of a slider.

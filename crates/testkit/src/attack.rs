@@ -13,11 +13,11 @@ const LENGTH: std::ops::Range<usize> = 4..256;
 /// Simpler inputs tried after a failure.
 const SHRINKING: u32 = 500;
 
-/// Tries a property on each file of a directory, then on random bytes, and adds up what it compared.
+/// Tries a property on each file of a directory, then on random bytes, and adds up what it
+/// compared.
 ///
-/// # Panics
-/// If the property fails: on the first such file, or on bytes that were made as simple as possible. If the directory cannot
-/// be read.
+/// # Panics If the property fails: on the first such file, or on bytes that were made as simple as
+/// possible. If the directory cannot be read.
 pub fn attack(
     property: &dyn Fn(&[u8]) -> Result<Tally, Failure>,
     seeds: &Path,

@@ -8,7 +8,7 @@ use crate::random::{
 };
 use crate::{Place, reproduce_in};
 use std::fmt;
-use zeroset_eval::{Assumptions, BoxPacket, LANES, Real};
+use zeroset_eval::{Assumptions, Boxes, Real};
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, NodeId};
 
@@ -104,19 +104,11 @@ impl fmt::Display for Assumed<'_> {
     }
 }
 
-/// Boxes as kernels read them, four to a packet; lanes without one hold the last box again.
-pub fn pack_boxes<T: Real>(regions: &[[[T; 2]; 3]]) -> Vec<BoxPacket<T>> {
-    let pack = |regions: &[[[T; 2]; 3]]| {
-        let mut packet = BoxPacket::default();
-        for lane in 0..LANES {
-            for (axis, [lo, hi]) in regions[lane.min(regions.len() - 1)].into_iter().enumerate() {
-                packet.neg_lo[axis][lane] = -lo;
-                packet.hi[axis][lane] = hi;
-            }
-        }
-        packet
-    };
-    regions.chunks(LANES).map(pack).collect()
+/// Boxes as kernels read them.
+pub fn pack_boxes<T: Real>(regions: &[[[T; 2]; 3]]) -> Vec<Boxes<T>> {
+    let exact = |[lo, hi]: [T; 2]| Interval { lo: lo.into(), hi: hi.into() };
+    let regions: Vec<_> = regions.iter().map(|region| region.map(exact)).collect();
+    Boxes::around(&regions)
 }
 
 #[cfg(test)]
@@ -152,15 +144,5 @@ mod tests {
             }
         }
         assert!(whole > 500 && inside > 5000 && entire > 3000, "{whole} {inside} {entire}");
-    }
-
-    #[test]
-    fn lanes_left_over_repeat_the_last_box() {
-        let region = |x: f32| [[x, x + 1.0], [0.0, 0.0], [-1.0, 2.0]];
-        let packets =
-            pack_boxes(&[region(0.0), region(1.0), region(2.0), region(3.0), region(4.0)]);
-        assert_eq!(packets.len(), 2);
-        assert_eq!(packets[0].neg_lo[0], [0.0, -1.0, -2.0, -3.0]);
-        assert_eq!(packets[1].hi[0], [5.0; 4]);
     }
 }

@@ -1,7 +1,9 @@
-//! The certified tracer: where on a ray a function first vanishes, proven with the oracle's arithmetic alone.
+//! The certified tracer: where on a ray a function first vanishes, proven with the oracle's
+//! arithmetic alone.
 //!
-//! It exists to contradict the traversers, so it shares no code with them, with kernels or with software intervals, and
-//! it is slow. It knows no pictures and no cameras: a ray is a real line, given by floats that count as exact.
+//! It exists to contradict the traversers, so it shares no code with them, with kernels or with
+//! software intervals, and it is slow. It knows no pictures and no cameras: a ray is a real line,
+//! given by floats that count as exact.
 
 mod line;
 mod search;
@@ -12,14 +14,15 @@ pub use line::{Along, Line};
 use search::Search;
 use zeroset_ir::{Constant, Graph, NodeId};
 
-/// What is certain of a function on the part of a line inside a box. Distances are multiples of the line's direction.
+/// What is certain of a function on the part of a line inside a box. Distances are multiples of the
+/// line's direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
-    /// The pieces before the first certain crossing of which nothing could be decided, in order and apart. The function
-    /// has no zero before the first of them, nor between them.
+    /// The pieces before the first certain crossing of which nothing could be decided, in order and
+    /// apart. The function has no zero before the first of them, nor between them.
     pub unresolved: Vec<Unresolved>,
-    /// The first certain crossing; `None` if there is none, and then the function has no zero after the last unresolved
-    /// piece either.
+    /// The first certain crossing; `None` if there is none, and then the function has no zero after
+    /// the last unresolved piece either.
     pub crossing: Option<Crossing>,
     /// How often the function was evaluated.
     pub evaluations: u32,
@@ -38,7 +41,8 @@ impl Certificate {
     }
 }
 
-/// Two distances between which the function is continuous and changes its sign, so that it has a zero there.
+/// Two distances between which the function is continuous and changes its sign, so that it has a
+/// zero there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The function is not 0 here and has no zero between here and the last unresolved piece.
@@ -65,14 +69,16 @@ pub struct Unresolved {
 pub struct Entry {
     /// Bounds of the distance.
     pub distance: (f64, f64),
-    /// Whether the function is below 0 there, where that is certain; a function without a value is not.
+    /// Whether the function is below 0 there, where that is certain; a function without a value is
+    /// not.
     pub below: Option<bool>,
 }
 
 /// Why a piece of a ray could not be decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Reason {
-    /// The function has the same sign on both sides: it touches zero, or nearly does, or crosses it twice.
+    /// The function has the same sign on both sides: it touches zero, or nearly does, or crosses it
+    /// twice.
     Touching,
     /// It may jump.
     Jump,
@@ -100,13 +106,14 @@ impl Function {
         Self(Along::new(graph, root, parameters))
     }
 
-    /// What is certain on `line`, from its origin on and inside the box `region` (per axis, its lower and upper end),
-    /// within about `budget` evaluations.
+    /// What is certain on `line`, from its origin on and inside the box `region` (per axis, its
+    /// lower and upper end), within about `budget` evaluations.
     pub fn trace(&self, line: &Line, region: &[[f64; 2]; 3], budget: u32) -> Certificate {
         Search::new(&self.0, line, budget).run(line.clip(region))
     }
 
-    /// Where `line` certainly comes into `region` from outside; `None` if it starts inside, misses it or may do so.
+    /// Where `line` certainly comes into `region` from outside; `None` if it starts inside, misses
+    /// it or may do so.
     pub fn entry(&self, line: &Line, region: &[[f64; 2]; 3]) -> Option<Entry> {
         let clip = line.clip(region)?;
         let [near, far] = [clip.outer[0], clip.inner[0]];

@@ -3,8 +3,8 @@
 //! It exists to contradict the evaluators, so it shares no arithmetic with them: every operation is
 //! done in round-to-nearest `f64` (elementary functions by CORE-MATH, which rounds correctly) and
 //! widened by one unit in the last place unless it is known to be exact. `f32`, derivatives and
-//! simplified graphs are deliberately unknown here. Over boxes its bounds are those of plain interval arithmetic, so
-//! what it says of a box is true but may be wide.
+//! simplified graphs are deliberately unknown here. Over boxes its bounds are those of plain
+//! interval arithmetic, so what it says of a box is true but may be wide.
 
 #[cfg(test)]
 mod box_tests;
@@ -82,8 +82,8 @@ impl Claim {
 /// What is certain of a function over a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxClaim {
-    /// Bounds on all values that the function has there; [`Defined::Yes`] if it is defined throughout,
-    /// [`Defined::No`] if nowhere.
+    /// Bounds on all values that the function has there; [`Defined::Yes`] if it is defined
+    /// throughout, [`Defined::No`] if nowhere.
     pub values: Claim,
     /// Whether it is certainly defined and continuous throughout.
     pub continuous: bool,
@@ -142,8 +142,9 @@ impl<'a> Oracle<'a> {
         self.roots.iter().map(|id| claims[id.index()]).collect()
     }
 
-    /// What is certain over the box with these ranges of x, y and z, one claim per root. `parameters` are as for
-    /// [`Oracle::at`]; a range whose bounds are not in order stands for all reals.
+    /// What is certain over the box with these ranges of x, y and z, one claim per root.
+    /// `parameters` are as for [`Oracle::at`]; a range whose bounds are not in order stands for all
+    /// reals.
     pub fn over(&self, ranges: [(f64, f64); 3], parameters: &[(f64, f64)]) -> Vec<BoxClaim> {
         let claims = self.claims(ranges.map(|(lo, hi)| Span::new(lo, hi)), parameters);
         let mut continuous: Vec<bool> = Vec::with_capacity(claims.len());

@@ -1,7 +1,8 @@
 //! Random inputs that are more often unpleasant than not.
 //!
-//! Everything is drawn from an [`Rng`] by integer arithmetic and exact scaling, so a seed, or a fuzzer's
-//! bytes, give the same inputs on every platform. What is done with them is not known here.
+//! Everything is drawn from an [`Rng`] by integer arithmetic and exact scaling, so a seed, or a
+//! fuzzer's bytes, give the same inputs on every platform. What is done with them is not known
+//! here.
 
 mod graphs;
 mod places;

@@ -168,7 +168,7 @@ impl Document {
     }
 
     fn constant(&mut self, value: &Constant) -> NodeId {
-        if value.exact().is_none() && !value.is_named() {
+        if let Constant::Enclosed(_) = value {
             let bounds = value.bounds();
             let range = format!("[{}, {}]", hexadecimal(bounds.lo), hexadecimal(bounds.hi));
             self.notes.insert(format!("a constant lies in {range}"));

@@ -1,17 +1,18 @@
 //! One suite for every evaluator: each row of the table over adversarial inputs, and random graphs.
 //!
-//! An evaluator plugs in as a function that makes a kernel out of a graph. Nothing is assumed of how
-//! it works; what it says is held against the [oracle](crate::Oracle).
+//! An evaluator plugs in as a function that makes a kernel out of a graph. Nothing is assumed of
+//! how it works; what it says is held against the [oracle](crate::Oracle).
 
 mod cases;
 mod gradient;
 mod interval;
 mod point;
 mod rewrite;
+mod slopes;
 mod subjects;
 
 use std::fmt;
-use zeroset_eval::{GradientKernel, IntervalKernel, PointKernel};
+use zeroset_eval::Kernel;
 use zeroset_ir::{Graph, NodeId};
 
 pub use cases::{MakeCase, check_interval_case, check_interval_cases};
@@ -20,13 +21,10 @@ pub use interval::{check_interval_graphs, check_interval_ops};
 pub use point::check_points;
 pub(crate) use rewrite::contradiction;
 pub use rewrite::{Rewrite, check_rewrite};
+pub use slopes::{check_slopes, check_slopes_of_ops};
 
-/// Makes an interval kernel for a graph without parameters.
-pub type MakeInterval<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn IntervalKernel<T>>;
-/// Makes a point kernel for a graph without parameters.
-pub type MakePoint<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn PointKernel<T>>;
-/// Makes a gradient kernel for a graph without parameters.
-pub type MakeGradient<'a, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn GradientKernel<T>>;
+/// Makes a kernel for a graph without parameters.
+pub type Make<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, T>>;
 
 /// How much a passing check has looked at: a test should ask for a minimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,26 +1,40 @@
-//! Where a picture is taken from, and the ray of each pixel.
+//! Where a picture is taken from: the camera, and what a ray is.
 //!
 //! A camera knows nothing of the surface, of pixels' contents, or of how rays are grouped.
 
-use crate::frame::Frame;
+use crate::grid::RayGrid;
 use glam::DVec3;
 use thiserror::Error;
 
-/// A half line from `origin` along `direction`, in world coordinates.
+/// A half line: the points `origin + t · direction` for t ≥ 0, in world coordinates.
 ///
-/// Both are exactly the `f64` numbers stored: a proof about a pixel is a proof about this line.
+/// It is *defined* by the `f64` numbers stored here, exactly. Every proof about a pixel, every cap,
+/// normal, shadow and coordinate is about this one real line; how far it may be from the line that
+/// the camera asks for is said at [`Camera`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where the ray starts: the eye, or a point of the eye's plane in an orthographic picture.
+    /// Where t is 0: the eye, or a point of the eye's plane in an orthographic picture.
     pub origin: DVec3,
-    /// Where it goes: of length 1 up to rounding.
+    /// The way from t to t + 1, of any length but 0.
     pub direction: DVec3,
 }
 
 impl Ray {
-    /// The point at `distance` along the ray, rounded to nearest.
-    pub fn at(&self, distance: f64) -> DVec3 {
-        self.origin + self.direction * distance
+    /// The point at `t`, rounded to nearest.
+    #[inline]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+
+    /// The distance of the point at `t` from the origin in world units: t times the direction's
+    /// length.
+    pub fn distance(&self, t: f64) -> f64 {
+        t * self.direction.length()
+    }
+
+    /// The t of the point at a distance in world units: the inverse of [`Ray::distance`].
+    pub fn parameter(&self, distance: f64) -> f64 {
+        distance / self.direction.length()
     }
 }
 
@@ -29,23 +43,40 @@ impl Ray {
 pub enum Projection {
     /// Rays start at the eye and spread.
     Perspective {
-        /// The angle between the picture's lowest and highest edge, in degrees, within (0, 180).
+        /// The angle between the picture's lowest and highest edge, in degrees, at least 1e-7 and
+        /// below 180.
         fov: f64,
     },
     /// Rays are parallel and start on the plane through the eye.
     Orthographic {
-        /// The height of the picture in world units, above 0.
+        /// The height of the picture in world units, within 1e-300 and 1e100.
         height: f64,
     },
 }
 
 /// A point of view. The eye may lie anywhere, inside the domain too.
+///
+/// The rays of a picture are those of real geometry for the floats given here, up to rounding: each
+/// direction is within 2⁻⁴⁹ radians of the ideal one, perspective rays start at the eye exactly,
+/// and from the eye's plane to the target's parallel rays are within 2⁻²⁰ of the picture's height
+/// of where they should be. In perspective, 2⁻⁴⁹ radians are 2⁻²⁰ of the narrowest field of view. A
+/// camera for which `f64` cannot do this is refused, so the rays of a picture with fewer than 10⁵
+/// rows are all different.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,
     target: DVec3,
     up: DVec3,
     projection: Projection,
+    pub(crate) basis: Basis,
+}
+
+/// The picture's axes, each of length 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Basis {
+    pub forward: DVec3,
+    pub right: DVec3,
+    pub up: DVec3,
 }
 
 /// Why a camera cannot exist.
@@ -60,26 +91,48 @@ pub enum CameraError {
     /// There is no way to tell the picture's upper edge.
     #[error("the up vector is zero or points along the view, so the picture has no upper edge")]
     UpAlongView,
-    /// The field of view leaves no picture.
-    #[error("the field of view is {0} degrees; it must be above 0 and below 180")]
+    /// The field of view leaves no picture, or rays would coincide.
+    #[error("the field of view is {0} degrees; it must be at least 1e-7 and below 180")]
     FieldOfView(f64),
     /// The height leaves no picture.
-    #[error("the orthographic height is {0}; it must be above 0 and finite")]
+    #[error("the orthographic height is {0:?}; it must be from 1e-300 to 1e100")]
     Height(f64),
+    /// Parallel rays this close would coincide, or miss the pixels that they are meant for.
+    #[error(
+        "the orthographic height is {height:?}, too little for an eye and a target this far away: 64-bit floats can \
+         tell the rays apart from a height of about {least:.1e} on"
+    )]
+    RaysCoincide {
+        /// The height asked for.
+        height: f64,
+        /// The least height that would do, about.
+        least: f64,
+    },
 }
 
-/// Below this sine between view and `up`, the picture's horizontal would be made of rounding errors.
+/// Below this sine between view and `up`, `up` says too little about the picture's upper edge to
+/// mean it.
 const LEAST_SINE: f64 = 1e-9;
 
 /// Coordinates beyond this magnitude leave no room for their squares.
 const LARGEST: f64 = 1e100;
 
+/// Narrower fields of view have rows that differ by less than what rounding does to a direction.
+const LEAST_FOV: f64 = 1e-7;
+
+/// Lower heights leave no room for the fractions of a pixel among normal floats.
+const LEAST_HEIGHT: f64 = 1e-300;
+
+/// What rounding may move a parallel ray by, as a share of the picture's height: about a millionth.
+const LARGEST_DRIFT: f64 = 1.0 / 1_048_576.0; // 2^-20
+
 impl Camera {
     /// A camera at `eye` that looks at `target`, with `up` as near to upright as the view allows.
     ///
     /// # Errors
-    /// If a coordinate is not within ±1e100, eye and target coincide, `up` does not determine a direction across the view,
-    /// or the projection's parameter is out of range.
+    /// If a coordinate is not within ±1e100, eye and target coincide, `up` does not determine a
+    /// direction across the view, the projection's parameter is out of range, or parallel rays
+    /// would be too close together for `f64`.
     pub fn new(
         eye: DVec3,
         target: DVec3,
@@ -91,21 +144,26 @@ impl Camera {
                 return Err(CameraError::NotFinite(name));
             }
         }
-        let forward = (target - eye).try_normalize().ok_or(CameraError::EyeIsTarget)?;
-        let sine = up.try_normalize().map_or(0.0, |up| forward.cross(up).length());
-        if sine < LEAST_SINE {
-            return Err(CameraError::UpAlongView);
+        if eye == target {
+            return Err(CameraError::EyeIsTarget);
         }
+        let basis = Basis::new(eye, target, up).ok_or(CameraError::UpAlongView)?;
         match projection {
-            Projection::Perspective { fov } if !(fov > 0.0 && fov < 180.0) => {
+            Projection::Perspective { fov } if !(LEAST_FOV..180.0).contains(&fov) => {
                 return Err(CameraError::FieldOfView(fov));
             }
-            Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
-                return Err(CameraError::Height(height));
+            Projection::Orthographic { height } => {
+                if !(LEAST_HEIGHT..=LARGEST).contains(&height) {
+                    return Err(CameraError::Height(height));
+                }
+                let least = basis.drift(eye, target) / LARGEST_DRIFT;
+                if height < least {
+                    return Err(CameraError::RaysCoincide { height, least });
+                }
             }
-            Projection::Perspective { .. } | Projection::Orthographic { .. } => {}
+            Projection::Perspective { .. } => {}
         }
-        Ok(Self { eye, target, up, projection })
+        Ok(Self { eye, target, up, projection, basis })
     }
 
     /// Where the picture is taken from.
@@ -129,19 +187,62 @@ impl Camera {
     }
 
     /// The rays of a picture of `width` × `height` pixels.
-    pub fn frame(&self, width: usize, height: usize) -> Frame {
-        Frame::new(self, width, height)
+    pub fn rays(&self, width: usize, height: usize) -> RayGrid {
+        RayGrid::new(self, width, height)
+    }
+}
+
+impl Basis {
+    /// The axes of a view, each within some units in the last place of the real ones; `None` if
+    /// `up` points along it.
+    fn new(eye: DVec3, target: DVec3, up: DVec3) -> Option<Self> {
+        // The way is high + low exactly. What follows only depends on directions, so all is first
+        // brought near 1.
+        let low = DVec3::from_array([0, 1, 2].map(|axis| difference(target[axis], eye[axis]).1));
+        let high = target - eye;
+        let (scale, up) = (towards_one(high), up * towards_one(up));
+        let (high, low) = (high * scale, low * scale);
+        // (high + low) × up. The two products of a component nearly cancel where `up` is along the
+        // view, so they are taken exactly; as the sine is at least LEAST_SINE, what is rounded here
+        // is beyond the result's last place.
+        let component = |i: usize, j: usize| {
+            let (one, other) = (high[i] * up[j], high[j] * up[i]);
+            let rests = high[i].mul_add(up[j], -one) - high[j].mul_add(up[i], -other);
+            let (main, rest) = difference(one, other);
+            main + (rest + (rests + (low[i] * up[j] - low[j] * up[i])))
+        };
+        let across = DVec3::new(component(1, 2), component(2, 0), component(0, 1));
+        let sine = across.length() / (high.length() * up.length());
+        // Without an `up` the sine is not a number.
+        (sine >= LEAST_SINE).then(|| {
+            let (forward, right) = (high.normalize(), across.normalize());
+            Self { forward, right, up: right.cross(forward) }
+        })
     }
 
-    /// The ray through the centre of the pixel in column `i` and row `j`; row 0 is on top.
-    ///
-    /// With `forward` the direction of view, `right = forward × up` and `up' = right × forward`, all of length 1, its
-    /// direction is `forward + (2(i+½)/width − 1)·s·(width/height)·right + (1 − 2(j+½)/height)·s·up'`, normalised, where
-    /// `s` is the tangent of half the vertical field of view. In an orthographic picture the same two offsets, with `s`
-    /// half the height, move the origin instead. A whole picture is better taken from [`Camera::frame`].
-    pub fn ray(&self, i: usize, j: usize, width: usize, height: usize) -> Ray {
-        self.frame(width, height).ray(i, j)
+    /// A bound of how far rounding moves a parallel ray aside, from the eye's plane to the
+    /// target's: a unit in the last place of its origin, and two of its direction. Moves along the
+    /// ray do not count, so that a view along an axis is exact from anywhere.
+    fn drift(&self, eye: DVec3, target: DVec3) -> f64 {
+        let DVec3 { x, y, z } = self.forward;
+        let aside = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));
+        (eye.abs() + 2.0 * (target - eye).abs()).dot(aside) * f64::EPSILON
     }
+}
+
+/// a − b as a float and what that lacks: their sum is exact (Knuth's `TwoSum`) where nothing
+/// overflows.
+fn difference(a: f64, b: f64) -> (f64, f64) {
+    let main = a - b;
+    let taken = main - a;
+    (main, (a - (main - taken)) - (b + taken))
+}
+
+/// The power of two that brings a vector's largest component between ½ and 1, or between 2⁻⁵² and 1
+/// if it is subnormal.
+fn towards_one(vector: DVec3) -> f64 {
+    let exponent = vector.abs().max_element().to_bits() >> 52;
+    f64::from_bits((2045 - exponent) << 52)
 }
 
 #[cfg(test)]
@@ -172,8 +273,8 @@ mod tests {
         let a = (2.0 * (i + 0.5) / width - 1.0) * s * (width / height);
         let b = (1.0 - 2.0 * (j + 0.5) / height) * s;
         let expected = norm([0, 1, 2].map(|k| forward[k] + a * right[k] + b * up[k]));
-        let ray = camera(FOV_40).ray(5, 11, 64, 48);
-        assert!((ray.direction - DVec3::from(expected)).length() < 1e-15);
+        let ray = camera(FOV_40).rays(64, 48).ray(5, 11);
+        assert!((ray.direction.normalize() - DVec3::from(expected)).length() < 1e-15);
         assert_eq!(ray.origin, DVec3::new(4.0, 3.0, 6.0));
     }
 
@@ -181,14 +282,14 @@ mod tests {
     fn row_0_is_on_top_and_column_0_on_the_left() {
         let camera =
             Camera::new(DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z, FOV_40).expect("valid");
-        let corner = camera.ray(0, 0, 8, 8).direction;
+        let corner = camera.rays(8, 8).ray(0, 0).direction;
         assert!(corner.x < 0.0 && corner.z > 0.0 && corner.y > 0.0);
     }
 
     #[test]
     fn orthographic_rays_are_parallel_and_span_the_height() {
         let camera = camera(Projection::Orthographic { height: 3.0 });
-        let (top, bottom) = (camera.ray(2, 0, 4, 6), camera.ray(2, 5, 4, 6));
+        let (top, bottom) = (camera.rays(4, 6).ray(2, 0), camera.rays(4, 6).ray(2, 5));
         assert_eq!(top.direction, bottom.direction);
         // Six rows of half a unit: the outer centres are 2.5 apart.
         assert!(((top.origin - bottom.origin).length() - 2.5).abs() < 1e-14);
@@ -202,13 +303,20 @@ mod tests {
         assert_eq!(new(eye, DVec3::Z, FOV_40), Err(CameraError::UpAlongView));
         assert_eq!(new(eye, DVec3::ZERO, FOV_40), Err(CameraError::UpAlongView));
         assert_eq!(new(eye * f64::NAN, DVec3::Y, FOV_40), Err(CameraError::NotFinite("eye")));
-        for fov in [0.0, -1.0, 180.0, f64::INFINITY] {
+        for fov in [0.0, -1.0, 9e-8, 180.0, f64::INFINITY] {
             let projection = Projection::Perspective { fov };
             assert_eq!(new(eye, DVec3::Y, projection), Err(CameraError::FieldOfView(fov)));
         }
         let nan = Projection::Perspective { fov: f64::NAN };
         assert!(matches!(new(eye, DVec3::Y, nan), Err(CameraError::FieldOfView(_))));
-        let flat = Projection::Orthographic { height: 0.0 };
-        assert_eq!(new(eye, DVec3::Y, flat), Err(CameraError::Height(0.0)));
+        for height in [0.0, -1.0, 1e-301, 2e100, f64::INFINITY] {
+            let projection = Projection::Orthographic { height };
+            assert_eq!(new(eye, DVec3::Y, projection), Err(CameraError::Height(height)));
+        }
+        let parallel = Projection::Orthographic { height: 3.0 };
+        let refused = new(DVec3::splat(1e30), DVec3::Y, parallel);
+        assert!(matches!(refused, Err(CameraError::RaysCoincide { height: 3.0, .. })));
+        // Along an axis nothing is lost: only the way to the eye is rounded.
+        assert!(new(DVec3::X * 4e38, DVec3::Y, parallel).is_ok());
     }
 }

@@ -4,10 +4,10 @@ use std::sync::OnceLock;
 
 /// A colour in linear light: amounts of red, green and blue of the sRGB primaries, 1 at full.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Colour(pub [f32; 3]);
+pub struct LinearRgb(pub [f32; 3]);
 
-/// The table of codes has one entry more. It is over the square root of the amount, which the code nearly follows:
-/// neighbouring entries differ by less than a tenth of a code.
+/// The table of codes has one entry more. It is over the square root of the amount, which the code
+/// nearly follows: neighbouring entries differ by less than a tenth of a code.
 const LAST_CODE: usize = 4095;
 
 /// The nearest sRGB byte of an amount within [0, 1].
@@ -17,7 +17,7 @@ fn encode(value: f32) -> u8 {
     (255.0 * encoded).round() as u8
 }
 
-impl Colour {
+impl LinearRgb {
     /// The colour that sRGB encodes with these bytes (IEC 61966-2-1).
     pub fn from_srgb(bytes: [u8; 3]) -> Self {
         Self(bytes.map(|byte| {
@@ -26,7 +26,8 @@ impl Colour {
         }))
     }
 
-    /// The sRGB bytes, each within 0.55 of the exact code; amounts outside [0, 1] are clamped, NaN is black.
+    /// The sRGB bytes, each within 0.55 of the exact code; amounts outside [0, 1] are clamped, NaN
+    /// is black.
     pub fn to_srgb(self) -> [u8; 3] {
         static CODES: OnceLock<Vec<u8>> = OnceLock::new();
         let codes = CODES.get_or_init(|| {
@@ -70,24 +71,24 @@ mod tests {
     #[test]
     fn every_byte_survives_the_way_to_light_and_back() {
         for byte in 0..=255 {
-            assert_eq!(Colour::from_srgb([byte; 3]).to_srgb(), [byte; 3]);
+            assert_eq!(LinearRgb::from_srgb([byte; 3]).to_srgb(), [byte; 3]);
         }
         for n in 0..=10_000 {
             let value = n as f32 / 10_000.0;
-            let [code, ..] = Colour([value; 3]).to_srgb();
+            let [code, ..] = LinearRgb([value; 3]).to_srgb();
             assert!(code.abs_diff(encode(value)) <= 1, "{value}");
         }
         // Half of the light is much brighter than half of the code.
-        assert_eq!(Colour([0.5; 3]).to_srgb(), [188; 3]);
-        assert_eq!(Colour([f32::NAN, -1.0, 2.0]).to_srgb(), [0, 0, 255]);
+        assert_eq!(LinearRgb([0.5; 3]).to_srgb(), [188; 3]);
+        assert_eq!(LinearRgb([f32::NAN, -1.0, 2.0]).to_srgb(), [0, 0, 255]);
     }
 
     #[test]
     fn hexadecimal_colours_are_read() {
-        assert_eq!(Colour::from_hex("#ff8000").map(Colour::to_srgb), Some([255, 128, 0]));
-        assert_eq!(Colour::from_hex("FF8000").map(Colour::to_srgb), Some([255, 128, 0]));
+        assert_eq!(LinearRgb::from_hex("#ff8000").map(LinearRgb::to_srgb), Some([255, 128, 0]));
+        assert_eq!(LinearRgb::from_hex("FF8000").map(LinearRgb::to_srgb), Some([255, 128, 0]));
         for text in ["", "#fff", "#ff80000", "+f8000", "red", "#ff80é"] {
-            assert_eq!(Colour::from_hex(text), None, "{text}");
+            assert_eq!(LinearRgb::from_hex(text), None, "{text}");
         }
     }
 }

@@ -1,5 +1,7 @@
 //! What is known of each pixel before it has a colour.
 
+use crate::method::Found;
+
 /// What is proven of the ray through a pixel's centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
@@ -33,14 +35,16 @@ pub struct GBuffer {
     pub height: usize,
     /// What is proven.
     pub status: Vec<Status>,
-    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first undecided segment;
-    /// infinite for a miss. As precise as the kernel: where that computes in `f32`, so are these.
+    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first
+    /// undecided segment; infinite for a miss, but the status alone says what is one. Over kernels
+    /// of `f32` it is known to some 24 bits.
     pub distance: Vec<f64>,
     /// Distance of the point that is painted; infinite where the background shows.
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
     pub surface: Vec<u16>,
-    /// Unit normal of what is painted, towards f > 0; zero where unknown or where the background shows.
+    /// Unit normal of what is painted, towards f > 0; zero where unknown or where the background
+    /// shows.
     pub normal: Vec<[f32; 3]>,
     /// Whether the painted point lies on a face of the region that cuts a solid open.
     pub cap: Vec<bool>,
@@ -49,7 +53,8 @@ pub struct GBuffer {
 }
 
 impl GBuffer {
-    /// A picture of the given size in which every pixel is a miss, for the surface with this number.
+    /// A picture of the given size in which every pixel is a miss, for the surface with this
+    /// number.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let pixels = width * height;
         Self {
@@ -63,6 +68,13 @@ impl GBuffer {
             cap: vec![false; pixels],
             shadow: vec![false; pixels],
         }
+    }
+
+    /// Writes what became of a pixel's ray, distances in world units.
+    pub(crate) fn set(&mut self, pixel: usize, found: &Found) {
+        self.status[pixel] = found.status;
+        self.distance[pixel] = found.distance;
+        self.drawn[pixel] = found.drawn;
     }
 
     /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and the nearer painted
@@ -121,7 +133,8 @@ mod tests {
 
     #[test]
     fn the_nearer_claim_and_the_nearer_paint_win_apart() {
-        // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint is the hit's.
+        // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint
+        // is the hit's.
         let mut buffer = pixel(Status::Hit, 5.0, 5.0, 0);
         buffer.merge(&pixel(Status::Undecided, 3.0, f64::INFINITY, 1));
         assert_eq!((buffer.status[0], buffer.distance[0]), (Status::Undecided, 3.0));

@@ -1,77 +1,46 @@
-//! The traverser of Knoll, Hijazi, Hansen, Wald and Hagen (UUSCI-2007-002): packets march through slabs of their
+//! The method of Knoll, Hijazi, Hansen, Wald and Hagen (UUSCI-2007-002): packets of 2×2 rays march through slabs of their
 //! dominant axis, halving those in which the function may vanish, down to a fixed depth.
 //!
 //! It proves misses only. Where a slab of the last depth may hold a root it is drawn as one; nothing says that it does,
 //! so such pixels are undecided.
 
-use crate::frame::Frame;
-use crate::gbuffer::{GBuffer, Status};
-use crate::packet::{Packet, Segment};
+use crate::gbuffer::Status;
+use crate::method::{Found, Method, MethodOption, Options, Precision, Segment, Start, Tracer};
+use crate::packet::{Packet, RAYS};
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::slab::{Pair, Slab};
 use crate::work::Work;
-use glam::DVec3;
-use rayon::prelude::*;
-use zeroset_eval::IntervalKernel;
+use zeroset_eval::{Boxes, FindZeros, Kernel, KernelError, Surface, Zeros};
 
-/// Largest depth over kernels of `f32`.
-pub const MAX_DEPTH: u32 = <f32 as Scalar>::MAX_DEPTH;
-/// Largest depth over kernels of `f64`.
-pub const MAX_DEPTH_F64: u32 = <f64 as Scalar>::MAX_DEPTH;
+pub(crate) const METHOD: Method = Method {
+    name: "knoll",
+    help: "packets of rays in slabs of the dominant axis (Knoll et al. 2007); proves misses only",
+    reads: &[MethodOption::Precision, MethodOption::Depth],
+    prepare,
+};
 
 /// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only deeper pictures can
 /// reach it. A packet that hits a surface well needs 2 per level; one whose slabs stay undecided would need 2 to the depth.
 pub const STEPS: u64 = 1 << 14;
 
-/// How the traverser works.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Knoll {
-    /// Slabs are halved this many times, within [1, [`Scalar::MAX_DEPTH`]]: the last are 2^−depth of the region's extent.
-    /// Rays that are not through after [`STEPS`] end in the slab that was looked at last, as if it were of the last depth;
-    /// what is behind it stays unknown.
-    pub depth: u32,
-    /// Rays in a packet.
-    pub width: PacketWidth,
-    /// Whether a slab of the last depth in which the function is unbounded is passed over: an asymptote rather than a
-    /// root. Its pixel then is undecided, but not drawn there.
-    pub suppress_asymptotes: bool,
+fn prepare<'a>(
+    surface: &'a dyn Surface,
+    region: &'a Region,
+    options: &Options,
+) -> Result<Box<dyn Tracer + 'a>, KernelError> {
+    Ok(match options.precision {
+        Precision::F32 => Box::new(Knoll::<f32>::new(surface, region, options)?),
+        Precision::F64 => Box::new(Knoll::<f64>::new(surface, region, options)?),
+    })
 }
 
-impl Default for Knoll {
-    fn default() -> Self {
-        Self { depth: 10, width: PacketWidth::Four, suppress_asymptotes: true }
-    }
-}
-
-/// The number of rays that advance together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PacketWidth {
-    /// 2×2 pixels, as in the paper.
-    Four,
-    /// 4×2 pixels.
-    Eight,
-    /// 4×4 pixels.
-    Sixteen,
-}
-
-/// Pixels on the side of a tile: the unit of work that threads share and that may be cancelled.
-const TILE: usize = 32;
-
-/// Where rays start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Start {
-    /// The first slab in which the function may vanish counts.
-    Anywhere,
-    /// On a surface, which does not count: slabs do only after an empty one.
-    OnSurface,
-}
-
-/// What became of one ray, as distances from its origin.
-#[derive(Clone, Copy, Debug, Default)]
-struct Found {
-    drawn: Option<f64>,
-    suppressed: Option<f64>,
+struct Knoll<'a, T: Scalar> {
+    kernel: &'a dyn Kernel<FindZeros, T>,
+    region: &'a Region,
+    /// The level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. Rays that are not through after
+    /// [`STEPS`] end in the slab that was looked at last, as if it were of this level; what is behind it stays unknown.
+    last: u32,
+    suppress_asymptotes: bool,
 }
 
 /// What became of one ray, as shares of its packet's extent.
@@ -83,206 +52,120 @@ struct Outcome<T> {
     suppressed: Option<T>,
 }
 
-impl Knoll {
-    /// Traces a picture. `advance` is told how many pixels were finished since it was last called, and ends the work
-    /// early by returning `false`; pixels not reached are then left as misses.
-    pub fn trace<K: IntervalKernel<T> + ?Sized, T: Scalar>(
-        self,
-        frame: &Frame,
-        region: &Region,
-        kernel: &K,
-        advance: &(dyn Fn(usize) -> bool + Sync),
-    ) -> (GBuffer, Work) {
-        match self.width {
-            PacketWidth::Four => self.picture::<K, T, 1>(frame, region, kernel, advance),
-            PacketWidth::Eight => self.picture::<K, T, 2>(frame, region, kernel, advance),
-            PacketWidth::Sixteen => self.picture::<K, T, 4>(frame, region, kernel, advance),
-        }
-    }
+/// What is known of one slab. Rays are bits: those that asked, those on which the function may vanish there, and those on
+/// which no finite bounds of it are known. Bytes, so that all levels' are quickly cleared.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slab {
+    active: u8,
+    vanishing: u8,
+    unbounded: u8,
+}
 
-    fn picture<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
-        self,
-        frame: &Frame,
-        region: &Region,
-        kernel: &K,
-        advance: &(dyn Fn(usize) -> bool + Sync),
-    ) -> (GBuffer, Work) {
-        let (width, height) = (frame.width(), frame.height());
-        let mut buffer = GBuffer::new(width, height, 0);
-        let mut work = Work::default();
-        let across = width.div_ceil(TILE);
-        let tiles: Vec<(Vec<Pixel>, Work)> = (0..across * height.div_ceil(TILE))
-            .into_par_iter()
-            .map(|tile| {
-                if !advance(0) {
-                    return Default::default();
-                }
-                let (left, top) = (TILE * (tile % across), TILE * (tile / across));
-                let done = self.tile::<K, T, GROUPS>(frame, region, kernel, left, top);
-                advance((width - left).min(TILE) * (height - top).min(TILE));
-                done
-            })
-            .collect();
-        for (pixels, done) in tiles {
-            work += done;
-            for Pixel { index, status, distance, drawn } in pixels {
-                buffer.status[index] = status;
-                buffer.distance[index] = distance;
-                buffer.drawn[index] = drawn;
-            }
-        }
-        (buffer, work)
-    }
+/// All rays of a packet.
+const ALL: u8 = (1 << RAYS) - 1;
 
-    fn tile<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
-        self,
-        frame: &Frame,
-        region: &Region,
-        kernel: &K,
-        left: usize,
-        top: usize,
-    ) -> (Vec<Pixel>, Work) {
-        let (width, height) = (frame.width(), frame.height());
-        // A packet's extent in pixels: 2×2, 4×2 or 4×4.
-        let (columns, rows) = (if GROUPS == 1 { 2 } else { 4 }, if GROUPS == 4 { 4 } else { 2 });
-        let mut pixels = Vec::with_capacity(TILE * TILE);
-        let mut work = Work::default();
-        let unset = Segment { origin: DVec3::ZERO, direction: DVec3::Z, to: f64::INFINITY };
-        let mut segments = [[unset; 4]; GROUPS];
-        for y in (top..(top + TILE).min(height)).step_by(rows) {
-            for x in (left..(left + TILE).min(width)).step_by(columns) {
-                // Rays beyond the picture's edge repeat its last ones.
-                let place = |group: usize, lane: usize| {
-                    let i = x + 2 * (group % 2) + lane % 2;
-                    let j = y + 2 * (group / 2) + lane / 2;
-                    (i.min(width - 1), j.min(height - 1))
-                };
-                for (group, segments) in segments.iter_mut().enumerate() {
-                    for (lane, segment) in segments.iter_mut().enumerate() {
-                        let (i, j) = place(group, lane);
-                        (segment.origin, segment.direction) = frame.line(i, j);
-                    }
-                }
-                let outcomes = self.rays(&segments, region, kernel, Start::Anywhere, &mut work);
-                for (group, outcomes) in outcomes.iter().enumerate() {
-                    for (lane, outcome) in outcomes.iter().enumerate() {
-                        let (i, j) = place(group, lane);
-                        pixels.extend(outcome.pixel(j * width + i));
-                    }
-                }
-            }
-        }
-        (pixels, work)
-    }
-
-    /// Follows rays, together if they advance together and otherwise one by one.
-    fn rays<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
-        self,
-        segments: &[[Segment; 4]; GROUPS],
-        region: &Region,
-        kernel: &K,
-        start: Start,
-        work: &mut Work,
-    ) -> [[Found; 4]; GROUPS] {
-        if let Some(packet) = Packet::new(segments, region) {
-            let outcomes = self.packet(&packet, kernel, start, work);
-            let mut found = [[Found::default(); 4]; GROUPS];
-            for group in 0..GROUPS {
-                for lane in 0..4 {
-                    let segment = &segments[group][lane];
-                    let at = |share| packet.distance(share, group, lane, segment);
-                    let Outcome { drawn, suppressed } = outcomes[group][lane];
-                    found[group][lane] =
-                        Found { drawn: drawn.map(at), suppressed: suppressed.map(at) };
-                }
-            }
-            return found;
-        }
-        // One by one: a packet of one ray, four times, always advances together. Were it not so (a direction that is
-        // not a number), nothing would be known of the ray.
-        let unknown = Found { drawn: None, suppressed: Some(0.0) };
-        segments.map(|group| {
-            group.map(|one| match Packet::<T, 1>::new(&[[one; 4]], region) {
-                Some(_) => self.rays(&[[one; 4]], region, kernel, start, work)[0][0],
-                None => unknown,
-            })
+impl<'a, T: Scalar> Knoll<'a, T> {
+    fn new(
+        surface: &'a dyn Surface,
+        region: &'a Region,
+        options: &Options,
+    ) -> Result<Self, KernelError> {
+        Ok(Self {
+            kernel: T::kernels(surface).zeros()?,
+            region,
+            last: options.depth.clamp(1, T::MAX_DEPTH) - 1,
+            suppress_asymptotes: options.suppress_asymptotes,
         })
     }
+}
 
-    fn packet<K: IntervalKernel<T> + ?Sized, T: Scalar, const GROUPS: usize>(
-        self,
-        packet: &Packet<T, GROUPS>,
-        kernel: &K,
+impl<T: Scalar> Tracer for Knoll<'_, T> {
+    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
+        let (mut boxes, mut packet) = (Boxes::default(), Packet::new(self.region));
+        for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
+            // The last packet repeats its last ray.
+            let last = rays.len() - 1;
+            let four = [&rays[0], &rays[last.min(1)], &rays[last.min(2)], &rays[last]];
+            if packet.take(&four, self.region) {
+                let outcomes = self.packet(&packet, &mut boxes, start, work);
+                for (lane, (found, ray)) in found.iter_mut().zip(rays).enumerate() {
+                    *found = outcomes[lane].found(&packet, lane, ray);
+                }
+                continue;
+            }
+            // One by one: a packet of one ray, four times, always advances together. Were it not so (a direction that is
+            // not a number), nothing would be known of the ray.
+            for (found, ray) in found.iter_mut().zip(rays) {
+                *found = if packet.take(&[ray; RAYS], self.region) {
+                    self.packet(&packet, &mut boxes, start, work)[0].found(&packet, 0, ray)
+                } else {
+                    Found { status: Status::Undecided, distance: 0.0, ..Found::MISS }
+                };
+            }
+        }
+    }
+}
+
+impl<T: Scalar> Knoll<'_, T> {
+    fn packet(
+        &self,
+        packet: &Packet<T>,
+        boxes: &mut Boxes<T>,
         start: Start,
         work: &mut Work,
-    ) -> [[Outcome<T>; 4]; GROUPS] {
-        let mut outcomes = [[Outcome::default(); 4]; GROUPS];
-        let mut alive: [u32; GROUPS] =
-            std::array::from_fn(|group| !packet.groups[group].outside() & 0b1111);
+    ) -> [Outcome<T>; RAYS] {
+        let mut outcomes = [Outcome { drawn: None, suppressed: None }; RAYS];
+        let mut alive = !packet.outside() & ALL;
         let mut leaving = match start {
-            Start::Anywhere => [0; GROUPS],
+            Start::Anywhere => 0,
             Start::OnSurface => alive,
         };
-        let mut pair = Pair::default();
         // What was found in the second half of the slab being searched, per level.
-        let mut second = [Slab::<GROUPS>::default(); MAX_DEPTH_F64 as usize];
-        let last = self.depth - 1;
+        let mut second = [Slab::default(); <f64 as Scalar>::MAX_DEPTH as usize];
         let mut done = Work::default();
         // Slab `index` of 2^(level + 1) spans τ from index · 2^−(level + 1) to the next: exact.
         let (mut level, mut index) = (0_u32, 0_u64);
         loop {
             let size = T::halved(level + 1);
             let from = T::integer(index) * size;
-            let mut slab = if index % 2 == 0 {
+            let mut slab = if index.is_multiple_of(2) {
                 // Both halves of a slab in one call: the second is nearly always needed, and the two overlap in the
                 // processor (two calls would take 1.6 times as long on the sphere).
-                if !pair.prepare(packet, &alive, from, size) && packet.all_left(&alive, from) {
+                let Some([first, other]) = self.halves(packet, boxes, alive, from, size, &mut done)
+                else {
                     break;
-                }
-                let [first, other] = pair.enclose(kernel, &mut done);
+                };
                 second[level as usize] = other;
                 first
             } else {
                 second[level as usize]
             };
             if start == Start::OnSurface {
-                // Until a lane has come through an empty slab, it is still at the surface that it started from.
-                for (leaving, (asked, found)) in
-                    leaving.iter_mut().zip(slab.active.iter().zip(&slab.vanishing))
-                {
-                    *leaving &= !(asked & !found);
-                }
+                // Until a ray has come through an empty slab, it is still at the surface that it started from.
+                leaving &= !(slab.active & !slab.vanishing);
             }
-            let mut vanishing = 0;
-            for (found, alive) in slab.vanishing.iter_mut().zip(&alive) {
-                *found &= alive;
-                vanishing |= *found;
-            }
-            let is_last = done.interval_calls >= STEPS;
-            if vanishing != 0 {
-                if level < last && !is_last {
+            slab.vanishing &= alive;
+            let is_last = done.interval.calls >= STEPS;
+            if slab.vanishing != 0 {
+                if level < self.last && !is_last {
                     level += 1;
                     index *= 2;
                     continue;
                 }
-                for group in 0..GROUPS {
-                    slab.vanishing[group] &= !leaving[group];
-                    alive[group] &= !self.record(&slab, group, from, &mut outcomes[group]);
-                }
-                if alive.iter().all(|&lanes| lanes == 0) && !is_last {
+                slab.vanishing &= !leaving;
+                alive &= !self.record(slab, from, &mut outcomes);
+                if alive == 0 && !is_last {
                     break;
                 }
             }
             if is_last {
                 // What is behind this slab stays unknown; what was found in front of it does not change by that.
                 let behind = from + size;
-                for (group, outcomes) in outcomes.iter_mut().enumerate() {
-                    let left = alive[group] & packet.groups[group].meets(behind, T::integer(2));
-                    done.given_up += u64::from((left | slab.vanishing[group]).count_ones());
-                    for (lane, outcome) in outcomes.iter_mut().enumerate() {
-                        if left >> lane & 1 == 1 {
-                            outcome.suppressed.get_or_insert(behind);
-                        }
+                let left = alive & packet.meets(behind, T::integer(2));
+                done.given_up += u64::from((left | slab.vanishing).count_ones());
+                for (lane, outcome) in outcomes.iter_mut().enumerate() {
+                    if left >> lane & 1 == 1 {
+                        outcome.suppressed.get_or_insert(behind);
                     }
                 }
                 break;
@@ -300,104 +183,75 @@ impl Knoll {
         outcomes
     }
 
-    /// Notes a slab of the last depth in which lanes of a group may vanish; returns the lanes that are drawn there.
-    fn record<T: Scalar, const GROUPS: usize>(
-        self,
-        slab: &Slab<GROUPS>,
-        group: usize,
+    /// Asks about the slabs of this size from τ = `from` on and after it; `None` if no ray has anything left to ask from
+    /// there on.
+    #[inline]
+    fn halves(
+        &self,
+        packet: &Packet<T>,
+        boxes: &mut Boxes<T>,
+        alive: u8,
         from: T,
-        outcomes: &mut [Outcome<T>; 4],
-    ) -> u32 {
-        let mut drawn = slab.vanishing[group];
+        size: T,
+        work: &mut Work,
+    ) -> Option<[Slab; 2]> {
+        let planes = [from, from + size, from + T::integer(2) * size]; // exact
+        let active = [
+            alive & packet.meets(planes[0], planes[1]),
+            alive & packet.meets(planes[1], planes[2]),
+        ];
+        if active == [0, 0] {
+            let all_left = alive & packet.meets(from, T::integer(2)) == 0;
+            return (!all_left).then(Default::default);
+        }
+        // Where only the second asks, its rays have the first lanes.
+        let mut skipped = 0;
+        if active[1] == 0 {
+            packet.boxes([planes[0], planes[1]], boxes);
+        } else if active[0] == 0 {
+            packet.boxes([planes[1], planes[2]], boxes);
+            skipped = RAYS;
+        } else {
+            packet.boxes(planes, boxes);
+        }
+        let mut zeros = Zeros::default();
+        self.kernel.ask(boxes, &mut zeros);
+        work.interval.called(active[0].count_ones() + active[1].count_ones());
+        let (possible, unbounded) = (zeros.possible << skipped, zeros.unbounded << skipped);
+        let slab = |active, half: usize| Slab {
+            active,
+            vanishing: (possible >> (RAYS * half)) as u8 & active,
+            unbounded: (unbounded >> (RAYS * half)) as u8 & active,
+        };
+        Some([slab(active[0], 0), slab(active[1], 1)])
+    }
+
+    /// Notes a slab of the last depth in which rays may meet a zero; returns those that are drawn there.
+    fn record(&self, slab: Slab, from: T, outcomes: &mut [Outcome<T>; RAYS]) -> u8 {
+        let mut drawn = slab.vanishing;
         if self.suppress_asymptotes {
-            drawn &= !slab.unbounded[group];
+            drawn &= !slab.unbounded;
         }
         for (lane, outcome) in outcomes.iter_mut().enumerate() {
             if drawn >> lane & 1 == 1 {
                 outcome.drawn = Some(from);
-            } else if slab.vanishing[group] >> lane & 1 == 1 {
+            } else if slab.vanishing >> lane & 1 == 1 {
                 outcome.suppressed.get_or_insert(from);
             }
         }
         drawn
     }
+}
 
-    /// Finds which painted points of `buffer` do not see the light, at this traverser's depth. A ray starts
-    /// `offset` away from its point (in world units), and what it meets before it is clear of that surface does not
-    /// count: otherwise a surface would shade itself wherever enclosures are wide.
-    ///
-    /// `wanted` is asked before each tile, and ends the work early by returning `false`.
-    #[allow(clippy::too_many_arguments)] // what a ray needs, and no two of it belong together
-    pub fn shadows<K: IntervalKernel<T> + ?Sized, T: Scalar>(
-        self,
-        buffer: &mut GBuffer,
-        frame: &Frame,
-        region: &Region,
-        kernel: &K,
-        light: &crate::light::Light,
-        offset: f64,
-        wanted: &(dyn Fn() -> bool + Sync),
-    ) -> Work {
-        let painted: Vec<usize> =
-            (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
-        let parts: Vec<(Vec<(usize, bool)>, Work)> = painted
-            .par_chunks(TILE * TILE)
-            .map(|pixels| {
-                let mut work = Work::default();
-                let mut found = Vec::with_capacity(pixels.len());
-                if !wanted() {
-                    return (found, work);
-                }
-                for four in pixels.chunks(4) {
-                    let segment = |lane: usize| {
-                        let pixel = four[lane.min(four.len() - 1)];
-                        let ray = frame.ray_of(pixel);
-                        let point = ray.at(buffer.drawn[pixel]);
-                        let (way, distance) = light.towards(point);
-                        // Off the surface on the side of the eye, then along the light.
-                        let origin = point - ray.direction * offset + way * offset;
-                        Segment { origin, direction: way, to: distance }
-                    };
-                    let segments = [std::array::from_fn(segment)];
-                    let [outcomes] =
-                        self.rays(&segments, region, kernel, Start::OnSurface, &mut work);
-                    let hidden = outcomes.map(|outcome| outcome.drawn.is_some());
-                    found.extend(four.iter().copied().zip(hidden));
-                }
-                (found, work)
-            })
-            .collect();
-        let mut work = Work::default();
-        for (found, done) in parts {
-            work += done;
-            for (pixel, hidden) in found {
-                buffer.shadow[pixel] = hidden;
-            }
+impl<T: Scalar> Outcome<T> {
+    fn found(&self, packet: &Packet<T>, lane: usize, ray: &Segment) -> Found {
+        if self.drawn.is_none() && self.suppressed.is_none() {
+            return Found::MISS;
         }
-        work
-    }
-}
-
-impl<T> Default for Outcome<T> {
-    fn default() -> Self {
-        Self { drawn: None, suppressed: None }
-    }
-}
-
-/// A pixel that is not a miss.
-struct Pixel {
-    index: usize,
-    status: Status,
-    distance: f64,
-    drawn: f64,
-}
-
-impl Found {
-    /// The pixel that this makes, or `None` for a miss.
-    fn pixel(&self, index: usize) -> Option<Pixel> {
-        let drawn = self.drawn.unwrap_or(f64::INFINITY);
-        let distance = self.suppressed.unwrap_or(f64::INFINITY).min(drawn);
-        let status = Status::Undecided;
-        distance.is_finite().then_some(Pixel { index, status, distance, drawn })
+        let at = |share: Option<T>| {
+            share.map_or(f64::INFINITY, |share| packet.distance(share, lane, ray))
+        };
+        let drawn = at(self.drawn);
+        Found { status: Status::Undecided, distance: at(self.suppressed).min(drawn), drawn }
     }
 }

@@ -7,30 +7,35 @@
 
 mod camera;
 mod colour;
-mod frame;
+mod driver;
 mod gbuffer;
+mod grid;
 mod knoll;
 mod light;
+mod method;
 mod normal;
 mod packet;
 mod region;
 mod region_caps;
 mod scalar;
 mod shade;
-mod slab;
 mod view;
 mod work;
 
 pub use camera::{Camera, CameraError, Projection, Ray};
-pub use colour::Colour;
-pub use frame::Frame;
+pub use colour::LinearRgb;
+pub use driver::Driver;
 pub use gbuffer::{GBuffer, PixelCounts, Status};
-pub use knoll::{Knoll, MAX_DEPTH, MAX_DEPTH_F64, PacketWidth, STEPS};
+pub use grid::RayGrid;
+pub use knoll::STEPS;
 pub use light::Light;
+pub use method::{
+    Found, METHODS, Method, MethodOption, Options, Precision, Segment, Start, Tracer,
+};
 pub use normal::{NormalSource, normals};
 pub use region::{HalfSpace, Region, RegionError};
 pub use region_caps::cap;
 pub use scalar::Scalar;
 pub use shade::{Appearance, SurfaceColours, UndecidedStyle, shade};
-pub use view::View;
-pub use work::Work;
+pub use view::StandardView;
+pub use work::{Count, Work};

@@ -1,7 +1,6 @@
 //! The one light of a picture.
 
-use crate::camera::Ray;
-use crate::frame::Frame;
+use crate::grid::RayGrid;
 use glam::DVec3;
 
 /// Where light comes from, beside the ambient.
@@ -15,15 +14,15 @@ pub enum Light {
 
 impl Light {
     /// A distant light above and to the left of the camera, which moves with it.
-    pub fn above_left(frame: &Frame) -> Self {
-        // Some 50 degrees off the view and more above than beside it: in the default view of a cube, its three visible
-        // faces then differ clearly, the top the brightest.
-        let towards = -frame.forward() + 1.1 * frame.up() - 0.35 * frame.right();
+    pub fn above_left(rays: &RayGrid) -> Self {
+        // Some 50 degrees off the view and more above than beside it: in the default view of a
+        // cube, its three visible faces then differ clearly, the top the brightest.
+        let towards = -rays.forward() + 1.1 * rays.up() - 0.35 * rays.right();
         Self::Directional(towards.normalize())
     }
 
-    /// The way from `point` to the light: a unit vector and the distance, infinite for a distant light. At the light
-    /// itself the vector is zero.
+    /// The way from `point` to the light: a unit vector and the distance, infinite for a distant
+    /// light. At the light itself the vector is zero.
     pub fn towards(&self, point: DVec3) -> (DVec3, f64) {
         match self {
             Self::Directional(direction) => (*direction, f64::INFINITY),
@@ -32,12 +31,6 @@ impl Light {
                 (way.normalize_or_zero(), way.length())
             }
         }
-    }
-
-    /// The ray from `point` to the light and the distance at which it arrives, or `None` at the light itself.
-    pub fn shadow_ray(&self, point: DVec3) -> Option<(Ray, f64)> {
-        let (direction, distance) = self.towards(point);
-        (direction != DVec3::ZERO).then_some((Ray { origin: point, direction }, distance))
     }
 }
 
@@ -51,7 +44,7 @@ mod tests {
         let eye = DVec3::new(0.0, -5.0, 0.0);
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
-        let (direction, distance) = Light::above_left(&camera.frame(2, 2)).towards(DVec3::ZERO);
+        let (direction, distance) = Light::above_left(&camera.rays(2, 2)).towards(DVec3::ZERO);
         assert!(direction.x < 0.0 && direction.y < 0.0 && direction.z > 0.0);
         assert!((direction.length() - 1.0).abs() < 1e-12 && distance == f64::INFINITY);
     }
@@ -60,6 +53,6 @@ mod tests {
     fn a_positional_light_is_approached() {
         let light = Light::Positional(DVec3::new(0.0, 0.0, 4.0));
         assert_eq!(light.towards(DVec3::Z), (DVec3::Z, 3.0));
-        assert!(light.shadow_ray(DVec3::new(0.0, 0.0, 4.0)).is_none());
+        assert_eq!(light.towards(DVec3::new(0.0, 0.0, 4.0)), (DVec3::ZERO, 0.0));
     }
 }

@@ -1,24 +1,25 @@
 //! Normals of painted points, asked for after the traversal and only where something is painted.
 //!
-//! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the function's domain) is
-//! replaced by that a little farther along the ray, then by central differences over growing steps, and at last by the
-//! direction to the eye, so that a picture never holds a NaN.
+//! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the
+//! function's domain) is replaced by that a little farther along the ray, then by central
+//! differences over growing steps, and at last by the direction to the eye, so that a picture never
+//! holds a NaN.
 
-use crate::frame::Frame;
+use crate::camera::Ray;
 use crate::gbuffer::GBuffer;
+use crate::grid::RayGrid;
+use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
-use zeroset_eval::{
-    GradientKernel, GradientPacket, LANES, PointKernel, PointPacket, Real, ValuePacket,
-};
+use zeroset_eval::{Kernel, LANES, Points, Real, Sample, SampleGradient};
 
 /// Which kernel answers for normals.
 #[derive(Clone, Copy)]
 pub enum NormalSource<'a, T: Real = f32> {
     /// The exact derivative, rounded.
-    Gradient(&'a (dyn GradientKernel<T> + 'a)),
+    Gradient(&'a (dyn Kernel<SampleGradient, T> + 'a)),
     /// Differences of the values one step to either side on each axis, as in Knoll et al. 2007.
-    Central(&'a (dyn PointKernel<T> + 'a)),
+    Central(&'a (dyn Kernel<Sample, T> + 'a)),
 }
 
 /// Points per call of a kernel: enough to hide the call, few enough to share out among threads.
@@ -30,79 +31,95 @@ const STEP_GROWTH: f64 = 8.0;
 /// How many step lengths are tried.
 const STEPS: u32 = 3;
 
-/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint the near end of the
-/// segment that holds a root, and there the function may not yet be defined.
+/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint
+/// the near end of the segment that holds a root, and there the function may not yet be defined.
 const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
-/// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of central differences in
-/// world units; a thousandth of the region's extent serves.
+/// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of
+/// central differences in world units; a thousandth of the region's extent serves. Returns what was
+/// asked of the kernel.
 pub fn normals<T: Real>(
     buffer: &mut GBuffer,
-    frame: &Frame,
+    rays: &RayGrid,
     source: NormalSource<'_, T>,
     step: f64,
-) {
+) -> Work {
     let pixels: Vec<usize> = (0..buffer.drawn.len())
         .filter(|&pixel| buffer.is_drawn(pixel) && buffer.normal[pixel] == [0.0; 3])
         .collect();
-    let found: Vec<Vec<[f32; 3]>> = pixels
+    let found: Vec<(Vec<[f32; 3]>, Work)> = pixels
         .par_chunks(BATCH)
         .map(|batch| {
             let seen: Vec<Seen> = batch
                 .iter()
                 .map(|&pixel| {
-                    let ray = frame.ray_of(pixel);
-                    Seen { point: ray.at(buffer.drawn[pixel]), direction: ray.direction }
+                    let ray = rays.ray_of(pixel);
+                    let t = ray.parameter(buffer.drawn[pixel]);
+                    Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
                 })
                 .collect();
-            source.of_batch(&seen, step)
+            let mut work = Work::default();
+            (source.of_batch(&seen, step, &mut work), work)
         })
         .collect();
-    for (pixel, normal) in pixels.into_iter().zip(found.into_iter().flatten()) {
-        buffer.normal[pixel] = normal;
+    let mut work = Work::default();
+    let mut pixels = pixels.into_iter();
+    for (normals, part) in found {
+        work += part;
+        for (pixel, normal) in pixels.by_ref().zip(normals) {
+            buffer.normal[pixel] = normal;
+        }
     }
+    work
 }
 
-/// A painted point and the direction in which it is seen.
+/// What is left of a ray behind the point that it paints, and the t that makes one step.
 struct Seen {
-    point: DVec3,
-    direction: DVec3,
+    ray: Ray,
+    step: f64,
 }
 
 impl<T: Real> NormalSource<'_, T> {
-    fn of_batch(&self, seen: &[Seen], step: f64) -> Vec<[f32; 3]> {
-        let points: Vec<DVec3> = seen.iter().map(|seen| seen.point).collect();
+    fn of_batch(&self, seen: &[Seen], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
+        let points: Vec<DVec3> = seen.iter().map(|seen| seen.ray.origin).collect();
         let mut normals = vec![None; points.len()];
         if let Self::Gradient(kernel) = self {
             for ahead in AHEAD {
-                let point = |k: usize| points[k] + seen[k].direction * (ahead * step);
-                fill(&mut normals, |open| gradients(*kernel, open.iter().map(|&k| point(k))));
+                let point = |k: usize| seen[k].ray.at(ahead * seen[k].step);
+                fill(&mut normals, |open| gradients(*kernel, open.iter().map(|&k| point(k)), work));
             }
         }
         let mut reach = step;
         for _ in 0..STEPS {
             let point = |k: usize| points[k];
-            fill(&mut normals, |open| self.differences(open.iter().map(|&k| point(k)), reach));
+            fill(&mut normals, |open| {
+                self.differences(open.iter().map(|&k| point(k)), reach, work)
+            });
             reach *= STEP_GROWTH;
         }
-        let before: Vec<DVec3> = seen.iter().map(|s| s.point - s.direction * step).collect();
+        let before: Vec<DVec3> = seen.iter().map(|seen| seen.ray.at(-seen.step)).collect();
         let unresolved = normals.iter().any(Option::is_none);
-        let values = if unresolved { self.sample(&before) } else { Vec::new() };
+        let values = if unresolved { self.sample(&before, work) } else { Vec::new() };
         normals
             .into_iter()
             .enumerate()
             .map(|(k, normal)| {
                 normal.unwrap_or_else(|| {
-                    let towards_eye = -seen[k].direction.as_vec3();
+                    let towards_eye = -seen[k].ray.direction.normalize().as_vec3();
                     (if values[k] < T::default() { -towards_eye } else { towards_eye }).to_array()
                 })
             })
             .collect()
     }
 
-    /// Twice the step times the gradient, by differences; one-sided where the function is undefined on the other side,
-    /// and 0 where it is on both.
-    fn differences(&self, points: impl Iterator<Item = DVec3>, step: f64) -> Vec<DVec3> {
+    /// Twice the step times the gradient, by differences; one-sided where the function is undefined
+    /// on the other side, and 0 where it is on both.
+    fn differences(
+        &self,
+        points: impl Iterator<Item = DVec3>,
+        step: f64,
+        work: &mut Work,
+    ) -> Vec<DVec3> {
         // Seven samples per point: itself, then a pair for each axis.
         let stencil: Vec<DVec3> = points
             .flat_map(|p| {
@@ -119,7 +136,7 @@ impl<T: Real> NormalSource<'_, T> {
                 _ => 0.0,
             }
         };
-        self.sample(&stencil)
+        self.sample(&stencil, work)
             .chunks_exact(7)
             .map(|v| {
                 DVec3::new(
@@ -131,20 +148,19 @@ impl<T: Real> NormalSource<'_, T> {
             .collect()
     }
 
-    fn sample(&self, points: &[DVec3]) -> Vec<T> {
-        let packets = packed(points);
-        let values: Vec<_> = match self {
-            Self::Gradient(kernel) => {
-                let mut out = vec![GradientPacket::default(); packets.len()];
-                kernel.gradient(&packets, &mut out);
-                out.iter().flat_map(|packet| packet.value).collect()
-            }
-            Self::Central(kernel) => {
-                let mut out = vec![ValuePacket::default(); packets.len()];
-                kernel.sample(&packets, &mut out);
-                out.iter().flat_map(|packet| packet.value).collect()
-            }
+    fn sample(&self, points: &[DVec3], work: &mut Work) -> Vec<T> {
+        let batches = batches(points);
+        let (values, count): (Vec<_>, _) = match self {
+            Self::Gradient(kernel) => (
+                kernel.ask_all(&batches).iter().flat_map(|out| *out.value).collect(),
+                &mut work.gradient,
+            ),
+            Self::Central(kernel) => (
+                kernel.ask_all(&batches).iter().flat_map(|out| *out.value).collect(),
+                &mut work.point,
+            ),
         };
+        batches.iter().for_each(|batch| count.called(batch.count));
         values
     }
 }
@@ -160,13 +176,14 @@ fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<
 }
 
 fn gradients<T: Real>(
-    kernel: &dyn GradientKernel<T>,
+    kernel: &dyn Kernel<SampleGradient, T>,
     points: impl Iterator<Item = DVec3>,
+    work: &mut Work,
 ) -> Vec<DVec3> {
     let points: Vec<DVec3> = points.collect();
-    let packets = packed(&points);
-    let mut out = vec![GradientPacket::default(); packets.len()];
-    kernel.gradient(&packets, &mut out);
+    let batches = batches(&points);
+    batches.iter().for_each(|batch| work.gradient.called(batch.count));
+    let out = kernel.ask_all(&batches);
     (0..points.len())
         .map(|k| axes(|axis| out[k / LANES].gradient[axis][k % LANES].into()))
         .collect()
@@ -176,21 +193,15 @@ fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
     DVec3::new(component(0), component(1), component(2))
 }
 
-/// Points in packets; the last packet repeats its last point.
-fn packed<T: Real>(points: &[DVec3]) -> Vec<PointPacket<T>> {
-    points
-        .chunks(LANES)
-        .map(|chunk| PointPacket {
-            at: [0, 1, 2].map(|axis| {
-                std::array::from_fn(|lane| T::nearest(chunk[lane.min(chunk.len() - 1)][axis]))
-            }),
-        })
-        .collect()
+fn batches<T: Real>(points: &[DVec3]) -> Vec<Points<T>> {
+    let points: Vec<[f64; 3]> = points.iter().map(|point| point.to_array()).collect();
+    Points::near(&points)
 }
 
 /// The vector at length 1, or `None` if it has no direction.
 fn unit(vector: DVec3) -> Option<[f32; 3]> {
-    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the direction.
+    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the
+    // direction.
     let largest = vector.abs().max_element();
     if !vector.is_finite() || largest == 0.0 {
         return None;
@@ -202,33 +213,37 @@ fn unit(vector: DVec3) -> Option<[f32; 3]> {
 mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
+    use zeroset_eval::{Gradients, Values};
 
     /// A function of a point with values and, optionally, gradients.
     struct Plain<F, G>(F, G);
 
-    impl<F: Fn([f32; 3]) -> f32 + Sync, G: Sync> PointKernel for Plain<F, G> {
-        fn sample(&self, points: &[PointPacket], out: &mut [ValuePacket]) {
-            for (point, out) in points.iter().zip(out) {
-                for lane in 0..LANES {
-                    out.value[lane] = self.0(point.at.map(|axis| axis[lane]));
-                }
+    fn at(points: &Points, lane: usize) -> [f32; 3] {
+        [0, 1, 2].map(|axis| points.at[axis][lane])
+    }
+
+    impl<F, G> Kernel<Sample> for Plain<F, G>
+    where
+        F: Fn([f32; 3]) -> f32 + Send + Sync,
+        G: Send + Sync,
+    {
+        fn ask(&self, points: &Points, out: &mut Values) {
+            for lane in 0..LANES {
+                out.value[lane] = self.0(at(points, lane));
             }
         }
     }
 
-    impl<F, G> GradientKernel for Plain<F, G>
+    impl<F, G> Kernel<SampleGradient> for Plain<F, G>
     where
-        F: Fn([f32; 3]) -> f32 + Sync,
-        G: Fn([f32; 3]) -> [f32; 3] + Sync,
+        F: Fn([f32; 3]) -> f32 + Send + Sync,
+        G: Fn([f32; 3]) -> [f32; 3] + Send + Sync,
     {
-        fn gradient(&self, points: &[PointPacket], out: &mut [GradientPacket]) {
-            for (point, out) in points.iter().zip(out) {
-                for lane in 0..LANES {
-                    let at = point.at.map(|axis| axis[lane]);
-                    out.value[lane] = self.0(at);
-                    for (axis, slope) in self.1(at).into_iter().enumerate() {
-                        out.gradient[axis][lane] = slope;
-                    }
+        fn ask(&self, points: &Points, out: &mut Gradients) {
+            for lane in 0..LANES {
+                out.value[lane] = self.0(at(points, lane));
+                for (axis, slope) in self.1(at(points, lane)).into_iter().enumerate() {
+                    out.gradient[axis][lane] = slope;
                 }
             }
         }
@@ -240,7 +255,7 @@ mod tests {
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let mut buffer = GBuffer::new(1, 1, 0);
         buffer.drawn[0] = 4.0;
-        normals(&mut buffer, &camera.expect("valid").frame(1, 1), source, 1e-3);
+        normals(&mut buffer, &camera.expect("valid").rays(1, 1), source, 1e-3);
         buffer.normal[0]
     }
 

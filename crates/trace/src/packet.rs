@@ -4,28 +4,27 @@
 //! given by its share τ of that extent, from 0 where rays enter to 1 where they leave, so one τ is one plane for all
 //! rays of the packet. Everything here is in the kernel's floats with explicit slack, and encloses the exact rays.
 
+use crate::camera::Ray;
+use crate::method::Segment;
 use crate::region::Region;
 use crate::scalar::{Four, Scalar};
 use glam::DVec3;
-use zeroset_eval::BoxPacket;
+use zeroset_eval::Boxes;
 
-/// A part of a line: the points `origin + t · direction` for t from 0 to `to`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Segment {
-    pub origin: DVec3,
-    /// Any length but 0.
-    pub direction: DVec3,
-    /// May be infinite.
-    pub to: f64,
-}
+/// Rays in a packet.
+pub(crate) const RAYS: usize = 4;
 
-/// Rays in groups of four lanes, and what they share.
+/// Four rays, and what they share.
 #[derive(Clone, Debug)]
-pub(crate) struct Packet<T: Scalar, const GROUPS: usize> {
+pub(crate) struct Packet<T: Scalar> {
     planes: Planes,
     /// Per axis, the region's bounds as (−lo, hi), rounded outward, in all lanes.
     bounds: [[T::Four; 2]; 3],
-    pub groups: [Group<T>; GROUPS],
+    /// By axis.
+    sides: [Side<T::Four>; 3],
+    /// A ray is within the region only between these τ.
+    enter: T::Four,
+    leave: T::Four,
 }
 
 /// The planes τ = 0 and τ = 1.
@@ -36,16 +35,6 @@ struct Planes {
     extent: f64,
     /// 1 / `extent`.
     inverse: f64,
-}
-
-/// Four rays.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Group<T: Scalar> {
-    /// By axis.
-    sides: [Side<T::Four>; 3],
-    /// The ray is within the region only between these τ.
-    pub enter: T::Four,
-    pub leave: T::Four,
 }
 
 /// One coordinate of four rays: within `slack` of `start + τ · extent`.
@@ -74,87 +63,81 @@ fn fastest_axis(direction: DVec3) -> usize {
     }
 }
 
-impl<T: Scalar, const GROUPS: usize> Packet<T, GROUPS> {
-    /// The packet of these rays, four to a group, advancing on the first one's fastest axis. `None` if the rays do not
-    /// all advance together: they then need packets of their own.
+impl<T: Scalar> Packet<T> {
+    /// A packet through `region`, without rays.
+    pub fn new(region: &Region) -> Self {
+        let zero = T::Four::default();
+        let bound = |end: f64| T::Four::splat(T::above(end));
+        Self {
+            planes: Planes { k: 0, start: 0.0, extent: 0.0, inverse: 0.0 },
+            bounds: [0, 1, 2].map(|k| [bound(-region.low()[k]), bound(region.high()[k])]),
+            sides: [Side { start: zero, extent: zero, slack: zero }; 3],
+            enter: zero,
+            leave: zero,
+        }
+    }
+
+    /// Takes these rays, advancing on the first one's fastest axis. Returns whether they all advance together: otherwise
+    /// they need packets of their own.
     #[inline]
-    pub fn new(segments: &[[Segment; 4]; GROUPS], region: &Region) -> Option<Self> {
-        let first = segments[0][0].direction;
+    pub fn take(&mut self, segments: &[&Segment; RAYS], region: &Region) -> bool {
+        let first = segments[0].ray.direction;
         let k = fastest_axis(first);
         let forward = first[k] > 0.0;
-        for segment in segments.iter().flatten() {
-            let d = segment.direction;
-            // So put that a direction which is not a number is refused as well.
+        for segment in segments {
+            let d = segment.ray.direction;
+            // Written so that NaN directions are rejected too.
             let fast = d[k].abs() >= LEAST_SHARE * d.abs().max_element();
             if !fast || (d[k] > 0.0) != forward {
-                return None;
+                return false;
             }
         }
         let (low, high) = (region.low()[k], region.high()[k]);
         let (start, end) = if forward { (low, high) } else { (high, low) };
-        let planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
-        let mut bounds = [[T::Four::default(); 2]; 3];
-        for (axis, bounds) in bounds.iter_mut().enumerate() {
-            bounds[0] = T::Four::splat(T::above(-region.low()[axis]));
-            bounds[1] = T::Four::splat(T::above(region.high()[axis]));
-        }
-        let mut packet = Self { planes, bounds, groups: [Group::default(); GROUPS] };
-        for (group, segments) in packet.groups.iter_mut().zip(segments) {
-            group.follow(segments, &planes, &bounds, region);
-        }
-        Some(packet)
+        self.planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
+        self.place(segments, region);
+        true
     }
 
     /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the region if that is
-    /// farther; rounded to nearest in `T`.
-    pub fn distance(&self, share: T, group: usize, lane: usize, segment: &Segment) -> f64 {
+    /// farther; as a value of t.
+    pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
         let Planes { k, start, extent, .. } = self.planes;
-        let share = share.into().max(self.groups[group].enter.to_array()[lane].into());
+        let share = share.into().max(self.enter.to_array()[lane].into());
         let plane = start + share * extent;
-        let steps = (plane - segment.origin[k]) / segment.direction[k];
-        T::nearest((steps * segment.direction.length()).max(0.0)).into()
+        ((plane - segment.ray.origin[k]) / segment.ray.direction[k]).max(0.0)
     }
 
-    /// Whether none of the `alive` rays has a part of the region from τ = `from` on.
-    pub fn all_left(&self, alive: &[u32; GROUPS], from: T) -> bool {
-        let mut lanes = self.groups.iter().zip(alive);
-        lanes.all(|(group, alive)| alive & group.meets(from, T::integer(2)) == 0)
-    }
-
-    /// Boxes around the rays between each two of three planes in order, clipped to the region.
+    /// Boxes around the rays between each two of some planes in order, clipped to the region: those of the first two planes
+    /// in the first lanes, and so on.
     #[inline]
-    pub fn boxes(&self, planes: [T; 3], out: &mut [[BoxPacket<T>; GROUPS]; 2]) {
-        for (g, group) in self.groups.iter().enumerate() {
-            for axis in 0..3 {
-                let side = &group.sides[axis];
-                let [neg_lo, hi] = self.bounds[axis];
-                let at = planes.map(|plane| side.at(plane));
-                for half in 0..2 {
-                    let (a, b) = (at[half], at[half + 1]);
-                    let out = &mut out[half][g];
-                    out.neg_lo[axis] = (side.slack - a.min(b)).min(neg_lo).to_array();
-                    out.hi[axis] = (side.slack + a.max(b)).min(hi).to_array();
-                }
+    pub fn boxes<const PLANES: usize>(&self, planes: [T; PLANES], out: &mut Boxes<T>) {
+        out.count = (RAYS * (PLANES - 1)) as u32;
+        for axis in 0..3 {
+            let side = &self.sides[axis];
+            let [neg_lo, hi] = self.bounds[axis];
+            let mut a = side.at(planes[0]);
+            for (slab, &plane) in planes[1..].iter().enumerate() {
+                let b = side.at(plane);
+                let lower = (side.slack - a.min(b)).min(neg_lo).to_array();
+                let upper = (side.slack + a.max(b)).min(hi).to_array();
+                let lanes = RAYS * slab..RAYS * (slab + 1);
+                out.neg_lo[axis][lanes.clone()].copy_from_slice(&lower);
+                out.hi[axis][lanes].copy_from_slice(&upper);
+                a = b;
             }
         }
     }
-}
 
-impl<T: Scalar> Group<T> {
+    /// Finds where the rays are.
     #[inline]
-    fn follow(
-        &mut self,
-        segments: &[Segment; 4],
-        planes: &Planes,
-        bounds: &[[T::Four; 2]; 3],
-        region: &Region,
-    ) {
-        let Planes { k, start, extent, inverse } = *planes;
+    fn place(&mut self, segments: &[&Segment; RAYS], region: &Region) {
+        let Planes { k, start, extent, inverse } = self.planes;
         // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way from there to τ = 1.
         let (mut from, mut to) = ([T::integer(0); 4], [T::integer(1); 4]);
         let (mut t0, mut dt) = ([0.0_f64; 4], [0.0_f64; 4]);
         for (lane, segment) in segments.iter().enumerate() {
-            let (origin, direction) = (segment.origin[k], segment.direction[k]);
+            let (origin, direction) = (segment.ray.origin[k], segment.ray.direction[k]);
             let first = start - origin;
             let per_k = 1.0 / direction;
             (t0[lane], dt[lane]) = (first * per_k, extent * per_k);
@@ -171,7 +154,7 @@ impl<T: Scalar> Group<T> {
         for axis in 0..3 {
             let [mut starts, mut extents, mut reach] = [[T::integer(0); 4]; 3];
             for lane in 0..4 {
-                let Segment { origin, direction, .. } = &segments[lane];
+                let Ray { origin, direction } = segments[lane].ray;
                 let step = t0[lane] * direction[axis];
                 starts[lane] = T::nearest(origin[axis] + step);
                 extents[lane] = T::nearest(dt[lane] * direction[axis]);
@@ -182,7 +165,7 @@ impl<T: Scalar> Group<T> {
             let slack = size + (T::Four::from_array(reach) + T::Four::splat(T::LEAST_NORMAL));
             self.sides[axis] = Side { start, extent, slack };
             if axis != k {
-                let [neg_lo, hi] = bounds[axis];
+                let [neg_lo, hi] = self.bounds[axis];
                 self.cut(start + (slack + neg_lo), extent);
                 self.cut((slack + hi) - start, -extent);
             }
@@ -192,17 +175,18 @@ impl<T: Scalar> Group<T> {
 
     /// Keeps only τ in the region's half-space.
     #[inline]
-    fn clip(&mut self, segments: &[Segment; 4], t0: &[f64; 4], dt: &[f64; 4], region: &Region) {
+    fn clip(&mut self, segments: &[&Segment; RAYS], t0: &[f64; 4], dt: &[f64; 4], region: &Region) {
         let Some(half) = region.clip() else { return };
         // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0. Both are sums of terms that may cancel; each
         // takes at most eight operations of half a unit in the last place of `f64`.
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
         let [mut room, mut change, mut terms] = [[T::integer(0); 4]; 3];
-        for (lane, Segment { origin, direction, .. }) in segments.iter().enumerate() {
-            let at = *origin + t0[lane] * *direction;
+        for (lane, segment) in segments.iter().enumerate() {
+            let Ray { origin, direction } = segment.ray;
+            let at = origin + t0[lane] * direction;
             room[lane] = T::nearest((half.offset - half.normal.dot(at)) * scale);
-            change[lane] = T::nearest(-half.normal.dot(*direction) * dt[lane] * scale);
+            change[lane] = T::nearest(-half.normal.dot(direction) * dt[lane] * scale);
             let moved = size.dot(direction.abs()) * dt[lane].abs();
             terms[lane] = T::nearest((size.dot(at.abs()) + half.offset.abs() + moved) * scale);
         }
@@ -225,21 +209,22 @@ impl<T: Scalar> Group<T> {
         let never = change.equal(zero) & room.less(zero);
         let enter = T::Four::select(rising, crossing - slack, self.enter);
         let leave = T::Four::select(falling, crossing + slack, self.leave);
-        self.enter = self.enter.max(enter);
+        // What is not a number comes first, so that it gives way: of an overflow nothing is concluded.
+        self.enter = enter.max(self.enter);
         let nowhere = T::Four::splat(-T::integer(1));
-        self.leave = T::Four::select(never, nowhere, self.leave.min(leave));
+        self.leave = T::Four::select(never, nowhere, leave.min(self.leave));
     }
 
     /// The lanes whose part inside the region meets the planes from `from` to `to`, as bits.
     #[inline]
-    pub fn meets(&self, from: T, to: T) -> u32 {
+    pub fn meets(&self, from: T, to: T) -> u8 {
         let begun = self.enter.at_most(T::Four::splat(to));
-        T::Four::bits(begun & T::Four::splat(from).at_most(self.leave))
+        T::Four::bits(begun & T::Four::splat(from).at_most(self.leave)) as u8
     }
 
     /// The lanes that have no part inside the region, as bits.
-    pub fn outside(&self) -> u32 {
-        T::Four::bits(self.leave.less(self.enter))
+    pub fn outside(&self) -> u8 {
+        T::Four::bits(self.leave.less(self.enter)) as u8
     }
 }
 

@@ -1,14 +1,15 @@
-//! The part of space in which a surface is looked for: a box, and optionally a half-space that cuts it.
+//! The part of space in which a surface is looked for: a box, and optionally a half-space that cuts
+//! it.
 //!
-//! Every bound here is rounded away from the region, so that no part of a ray inside it is ever lost. Nothing is known
-//! of functions or pixels.
+//! Every bound here is rounded away from the region, so that no part of a ray inside it is ever
+//! lost. Nothing is known of functions or pixels.
 
 use crate::camera::Ray;
 use glam::DVec3;
 use thiserror::Error;
 
-/// Coordinates beyond this magnitude leave no room for squares in `f32` kernels. It holds for `f64` too, so that a domain
-/// does not depend on the precision.
+/// Coordinates beyond this magnitude leave no room for squares in `f32` kernels. It holds for `f64`
+/// too, so that a domain does not depend on the precision.
 const LARGEST_COORDINATE: f64 = 1e18;
 
 /// The points `p` with `normal · p ≤ offset`.
@@ -65,8 +66,8 @@ pub enum RegionError {
 /// Where a ray comes into a region from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Entry {
-    /// Bounds on the distance at which the ray crosses the face.
-    pub distance: (f64, f64),
+    /// Bounds on the t at which the ray crosses the face.
+    pub t: (f64, f64),
     /// The face's unit normal, out of the region.
     pub normal: DVec3,
     /// Whether the ray certainly meets the region, rounding aside.
@@ -77,7 +78,8 @@ impl Region {
     /// The box between two corners.
     ///
     /// # Errors
-    /// If a coordinate of `low` is not below that of `high`, or exceeds 1e18 in magnitude, or is NaN.
+    /// If a coordinate of `low` is not below that of `high`, or exceeds 1e18 in magnitude, or is
+    /// NaN.
     pub fn new(low: DVec3, high: DVec3) -> Result<Self, RegionError> {
         for (axis, (low, high)) in
             ['x', 'y', 'z'].into_iter().zip(low.to_array().into_iter().zip(high.to_array()))
@@ -127,8 +129,8 @@ impl Region {
         (self.high - self.low).max_element() / 2.0
     }
 
-    /// Bounds on the distances along `ray` that lie inside the region, rounded outward and never negative: no point of
-    /// the ray inside is left out. `None` if there is none.
+    /// Bounds on the t ≥ 0 whose points of `ray` lie inside the region, rounded outward: no point
+    /// of the ray inside is left out. `None` if there is none.
     pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
         for axis in 0..3 {
@@ -138,8 +140,8 @@ impl Region {
         }
         if let Some(clip) = &self.clip {
             let (room, slope) = clip.relation(ray);
-            // Kept are the distances t with t·slope ≤ room, for some slope and room within their bounds; as t ≥ 0,
-            // the smallest slope and the largest room keep the most.
+            // Kept are the t with t·slope ≤ room, for some slope and room within their bounds; as t
+            // ≥ 0, the smallest slope and the largest room keep the most.
             let (slope, room) = (slope.0, room.1);
             if slope > 0.0 {
                 far = far.min(up(room / slope));
@@ -181,10 +183,11 @@ impl Region {
         }
         self.span(ray)?;
         let normal = normal?;
-        Some(Entry { distance: near, normal, certain: near.1 <= far })
+        Some(Entry { t: near, normal, certain: near.1 <= far })
     }
 
-    /// Bounds on the distances at which the ray enters and leaves the slab of one axis, or `None` if it runs outside.
+    /// Bounds on the t at which the ray enters and leaves the slab of one axis, or `None` if it
+    /// runs outside.
     fn slab(&self, ray: &Ray, axis: usize) -> Option<((f64, f64), (f64, f64))> {
         let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
         let (low, high) = (self.low[axis], self.high[axis]);
@@ -195,8 +198,8 @@ impl Region {
         }
         let (first, last) = if direction > 0.0 { (low, high) } else { (high, low) };
         let at = |bound: f64| {
-            let distance = (bound - origin) / direction;
-            (down(distance), up(distance))
+            let t = (bound - origin) / direction;
+            (down(t), up(t))
         };
         Some((at(first), at(last)))
     }
@@ -206,8 +209,8 @@ impl HalfSpace {
     /// Bounds on `offset − normal · origin` and on `normal · direction`.
     fn relation(&self, ray: &Ray) -> ((f64, f64), (f64, f64)) {
         let bounds = |value: f64, magnitude: f64| {
-            // Six operations of at most half an ulp each on terms below `magnitude`; 16 leaves room for the rounding of
-            // `magnitude` itself, and the last term is for underflow.
+            // Six operations of at most half an ulp each on terms below `magnitude`; 16 leaves room
+            // for the rounding of `magnitude` itself, and the last term is for underflow.
             let error = 16.0 * (f64::EPSILON / 2.0) * magnitude + f64::MIN_POSITIVE;
             ((value - error).next_down(), (value + error).next_up())
         };
@@ -219,7 +222,8 @@ impl HalfSpace {
     }
 }
 
-/// A lower bound of a quotient of a difference, given its value rounded to nearest twice: at most two ulps away.
+/// A lower bound of a quotient of a difference, given its value rounded to nearest twice: at most
+/// two ulps away.
 fn down(value: f64) -> f64 {
     value.next_down().next_down().next_down()
 }
@@ -248,7 +252,7 @@ mod tests {
         assert!(near < 2.0 && 2.0 - near < 1e-14 && far > 4.0 && far - 4.0 < 1e-14);
         let entry = cube().entry(&along).expect("from outside");
         assert!(entry.certain && entry.normal == DVec3::NEG_X);
-        assert!(entry.distance.0 < 2.0 && entry.distance.1 > 2.0);
+        assert!(entry.t.0 < 2.0 && entry.t.1 > 2.0);
         assert_eq!(cube().span(&ray([-3.0, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
         assert_eq!(cube().span(&ray([-3.0, 1.5, 0.0], [1.0, 0.0, 0.0])), None);
     }
@@ -284,7 +288,8 @@ mod tests {
 
     #[test]
     fn no_point_inside_is_lost() {
-        // Points of the region on exactly representable rays: small integers over powers of two make o + t·d exact.
+        // Points of the region on exactly representable rays: small integers over powers of two
+        // make o + t·d exact.
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         println!("seed {state:#x}");
         let mut random = |range: i64| {

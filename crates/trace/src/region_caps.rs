@@ -1,16 +1,18 @@
 //! Caps: where the region's faces cut a solid open.
 //!
-//! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region already inside it.
+//! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region
+//! already inside it.
 
 use crate::camera::Ray;
-use crate::frame::Frame;
 use crate::gbuffer::{GBuffer, Status};
+use crate::grid::RayGrid;
 use crate::region::{Entry, Region};
+use crate::work::Work;
 use rayon::prelude::*;
-use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES, Real};
-use zeroset_interval::Facts;
+use zeroset_eval::{Boxes, Enclose, Kernel, LANES, Real};
+use zeroset_interval::{Facts, Interval};
 
-/// Rays per call of the kernel.
+/// Rays that one thread takes at a time.
 const BATCH: usize = 256;
 
 /// What the solid does at the point where a ray enters the region.
@@ -23,22 +25,27 @@ enum Inside {
 
 /// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates what is proven: an
 /// entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is undefined changes nothing, and any other
-/// makes its pixel undecided from there on. A ray that starts inside the region enters nowhere.
+/// makes its pixel undecided from there on. A ray that starts inside the region enters nowhere. Returns what was asked of the
+/// kernel.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
-    frame: &Frame,
+    rays: &RayGrid,
     region: &Region,
-    kernel: &dyn IntervalKernel<T>,
-) {
+    kernel: &dyn Kernel<Enclose, T>,
+) -> Work {
     let entries: Vec<(usize, Entry)> = (0..buffer.status.len())
-        .filter_map(|pixel| Some((pixel, region.entry(&frame.ray_of(pixel))?)))
+        .filter_map(|pixel| Some((pixel, region.entry(&rays.ray_of(pixel))?)))
         .collect();
     let verdicts: Vec<Inside> = entries
         .par_chunks(BATCH)
-        .flat_map_iter(|batch| judge(batch, frame, region, kernel))
+        .flat_map_iter(|batch| judge(batch, rays, region, kernel))
         .collect();
+    let mut work = Work::default();
+    for batch in entries.chunks(LANES) {
+        work.interval.called(batch.len() as u32);
+    }
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
-        let distance = T::nearest(entry.distance.0).into();
+        let distance = rays.ray_of(pixel).distance(entry.t.0);
         match inside {
             Inside::No => continue,
             Inside::Unknown => {
@@ -55,39 +62,33 @@ pub fn cap<T: Real>(
         buffer.normal[pixel] = entry.normal.as_vec3().to_array();
         buffer.cap[pixel] = true;
     }
+    work
 }
 
 fn judge<T: Real>(
     batch: &[(usize, Entry)],
-    frame: &Frame,
+    rays: &RayGrid,
     region: &Region,
-    kernel: &dyn IntervalKernel<T>,
+    kernel: &dyn Kernel<Enclose, T>,
 ) -> Vec<Inside> {
-    let boxes: Vec<BoxPacket<T>> = batch
-        .chunks(LANES)
-        .map(|chunk| {
-            let mut packet = BoxPacket::default();
-            for lane in 0..LANES {
-                let (pixel, entry) = &chunk[lane.min(chunk.len() - 1)];
-                let ray = frame.ray_of(*pixel);
-                for axis in 0..3 {
-                    let (low, high) = enclosed(&ray, entry, region, axis);
-                    packet.neg_lo[axis][lane] = T::above(-low);
-                    packet.hi[axis][lane] = T::above(high);
-                }
-            }
-            packet
+    let boxes: Vec<[Interval; 3]> = batch
+        .iter()
+        .map(|(pixel, entry)| {
+            let ray = rays.ray_of(*pixel);
+            [0, 1, 2].map(|axis| {
+                let (lo, hi) = enclosed(&ray, entry, region, axis);
+                Interval { lo, hi }
+            })
         })
         .collect();
-    let mut out = vec![EnclosurePacket::default(); boxes.len()];
-    kernel.enclose(&boxes, &mut out);
+    let out = kernel.ask_all(&Boxes::around(&boxes));
     (0..batch.len())
         .map(|k| {
-            let (packet, lane) = (&out[k / LANES], k % LANES);
-            let (facts, zero) = (packet.facts(lane), T::default());
-            if facts.has(Facts::NOWHERE) || packet.neg_lo[lane] < zero {
+            let (out, lane) = (&out[k / LANES], k % LANES);
+            let (facts, zero) = (out.facts(lane), T::default());
+            if facts.has(Facts::NOWHERE) || out.neg_lo[lane] < zero {
                 Inside::No
-            } else if facts.has(Facts::DEFINED) && packet.hi[lane] < zero {
+            } else if facts.has(Facts::DEFINED) && out.hi[lane] < zero {
                 Inside::Yes
             } else {
                 Inside::Unknown
@@ -99,12 +100,13 @@ fn judge<T: Real>(
 /// Bounds on one coordinate of the point where the ray enters, which lies in the box.
 fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64) {
     let (origin, slope) = (ray.origin[axis], ray.direction[axis]);
-    let ends = [entry.distance.0, entry.distance.1].map(|t| slope * t);
+    let ends = [slope * entry.t.0, slope * entry.t.1];
     let low = (origin + ends[0].min(ends[1]).next_down()).next_down();
     let high = (origin + ends[0].max(ends[1]).next_up()).next_up();
     // Clamped on both sides, so that the two stay in order even if rounding put the point outside.
-    let clamp = |x: f64| x.clamp(region.low()[axis], region.high()[axis]);
-    (clamp(low), clamp(high))
+    // What is not a number, because an end overflowed, becomes the region's own end.
+    let (least, most) = (region.low()[axis], region.high()[axis]);
+    (low.max(least).min(most), high.min(most).max(least))
 }
 
 #[cfg(test)]
@@ -113,28 +115,27 @@ mod tests {
     use crate::camera::{Camera, Projection};
     use crate::region::HalfSpace;
     use glam::DVec3;
+    use zeroset_eval::Enclosures;
 
     /// The half-space x ≤ 0.25, as the function x − 0.25.
     struct LeftHalf;
 
-    impl IntervalKernel for LeftHalf {
-        fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
-            for (b, out) in boxes.iter().zip(out) {
-                for lane in 0..LANES {
-                    out.neg_lo[lane] = b.neg_lo[0][lane] + 0.25;
-                    out.hi[lane] = b.hi[0][lane] - 0.25;
-                    out.facts[lane] = Facts::TOTAL.bits();
-                }
+    impl Kernel<Enclose> for LeftHalf {
+        fn ask(&self, boxes: &Boxes, out: &mut Enclosures) {
+            for lane in 0..LANES {
+                out.neg_lo[lane] = boxes.neg_lo[0][lane] + 0.25;
+                out.hi[lane] = boxes.hi[0][lane] - 0.25;
             }
+            (out.defined, out.continuous) = (u16::MAX, u16::MAX);
         }
     }
 
     fn picture(region: &Region) -> GBuffer {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
-        let frame = camera.expect("valid").frame(8, 8);
+        let rays = camera.expect("valid").rays(8, 8);
         let mut buffer = GBuffer::new(8, 8, 0);
-        cap(&mut buffer, &frame, region, &LeftHalf);
+        cap(&mut buffer, &rays, region, &LeftHalf);
         buffer
     }
 

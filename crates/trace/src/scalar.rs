@@ -123,13 +123,22 @@ macro_rules! four {
             fn abs(self) -> Self {
                 Self::abs(self)
             }
+            // One instruction on x86-64, which gives the second operand for NaN. Those of AArch64 hand NaN on.
             #[inline]
             fn min(self, other: Self) -> Self {
-                Self::min(self, other)
+                if cfg!(target_arch = "x86_64") {
+                    Self::min(self, other)
+                } else {
+                    Self::select(self.cmplt(other), self, other)
+                }
             }
             #[inline]
             fn max(self, other: Self) -> Self {
-                Self::max(self, other)
+                if cfg!(target_arch = "x86_64") {
+                    Self::max(self, other)
+                } else {
+                    Self::select(other.cmplt(self), self, other)
+                }
             }
             #[inline]
             fn less(self, other: Self) -> $mask {

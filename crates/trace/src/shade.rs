@@ -1,8 +1,8 @@
 //! From a G-buffer to colours: deferred shading, which asks nothing of the function.
 
-use crate::colour::Colour;
-use crate::frame::Frame;
+use crate::colour::LinearRgb;
 use crate::gbuffer::{GBuffer, Status};
+use crate::grid::RayGrid;
 use crate::light::Light;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -11,9 +11,9 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceColours {
     /// Of the side on which f > 0.
-    pub positive: Colour,
+    pub positive: LinearRgb,
     /// Of the side on which f < 0, and of a solid's cut faces.
-    pub negative: Colour,
+    pub negative: LinearRgb,
 }
 
 /// How an undecided pixel is told from a hit.
@@ -36,7 +36,7 @@ pub struct Appearance {
     /// Colours by surface number; further surfaces start over. Empty: the default pairs.
     pub surfaces: Vec<SurfaceColours>,
     /// Shown where nothing is painted.
-    pub background: Colour,
+    pub background: LinearRgb,
     /// Share of the light that comes from everywhere, within [0, 1].
     pub ambient: f32,
     /// Where the rest comes from.
@@ -46,8 +46,8 @@ pub struct Appearance {
 }
 
 impl SurfaceColours {
-    /// Pairs for surfaces without colours of their own: the first warm and cool, told apart in every common form of
-    /// colour blindness (Okabe and Ito, "Color Universal Design", 2008).
+    /// Pairs for surfaces without colours of their own: the first warm and cool, told apart in
+    /// every common form of colour blindness (Okabe and Ito, "Color Universal Design", 2008).
     pub fn default_for(surface: usize) -> Self {
         const PAIRS: [[[u8; 3]; 2]; 4] = [
             [[230, 159, 0], [0, 114, 178]],   // orange, blue
@@ -55,7 +55,7 @@ impl SurfaceColours {
             [[213, 94, 0], [0, 158, 115]],    // vermilion, bluish green
             [[204, 121, 167], [92, 92, 104]], // reddish purple, grey
         ];
-        let [positive, negative] = PAIRS[surface % PAIRS.len()].map(Colour::from_srgb);
+        let [positive, negative] = PAIRS[surface % PAIRS.len()].map(LinearRgb::from_srgb);
         Self { positive, negative }
     }
 }
@@ -65,7 +65,7 @@ impl Appearance {
     pub fn new(light: Light) -> Self {
         Self {
             surfaces: Vec::new(),
-            background: Colour::from_srgb([244, 244, 246]),
+            background: LinearRgb::from_srgb([244, 244, 246]),
             ambient: 0.3,
             light,
             undecided: UndecidedStyle::default(),
@@ -90,20 +90,20 @@ const HATCH_PERIOD: usize = 6;
 const HATCH_WIDTH: usize = 2;
 
 /// Marks undecided pixels under [`UndecidedStyle::Tint`]: no hue of the default pairs.
-const TINT: Colour = Colour([0.6, 0.0, 0.6]);
+const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 
 /// The picture as rows of sRGB bytes, red, green, blue, from the top left.
 ///
-/// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f > 0 or f < 0, decides
-/// the colour. In shadow only the ambient share is left.
-pub fn shade(buffer: &GBuffer, frame: &Frame, appearance: &Appearance) -> Vec<u8> {
+/// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
+/// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
+pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
     let background = appearance.background.to_srgb();
     let mut bytes = vec![0; 3 * buffer.status.len()];
     bytes.par_chunks_mut((3 * buffer.width).max(1)).enumerate().for_each(|(row, line)| {
         for (column, out) in line.chunks_exact_mut(3).enumerate() {
             let pixel = row * buffer.width + column;
-            let colour = pixel_colour(buffer, frame, appearance, pixel, (column, row));
-            out.copy_from_slice(&colour.map_or(background, Colour::to_srgb));
+            let colour = pixel_colour(buffer, rays, appearance, pixel, (column, row));
+            out.copy_from_slice(&colour.map_or(background, LinearRgb::to_srgb));
         }
     });
     bytes
@@ -112,24 +112,24 @@ pub fn shade(buffer: &GBuffer, frame: &Frame, appearance: &Appearance) -> Vec<u8
 /// The colour of what is painted in a pixel, or `None` for the background.
 fn pixel_colour(
     buffer: &GBuffer,
-    frame: &Frame,
+    rays: &RayGrid,
     appearance: &Appearance,
     pixel: usize,
     (column, row): (usize, usize),
-) -> Option<Colour> {
+) -> Option<LinearRgb> {
     let undecided = buffer.status[pixel] == Status::Undecided;
     if !buffer.is_drawn(pixel) || (undecided && appearance.undecided == UndecidedStyle::Miss) {
         return None;
     }
-    let ray = frame.ray(column, row);
-    let to_eye = -ray.direction.as_vec3();
+    let ray = rays.ray(column, row);
+    let to_eye = -ray.direction.normalize().as_vec3();
     let towards_positive = Vec3::from(buffer.normal[pixel]);
     let facing = towards_positive.dot(to_eye);
     let colours = appearance.colours(usize::from(buffer.surface[pixel]));
     let base = if facing < 0.0 || buffer.cap[pixel] { colours.negative } else { colours.positive };
     let normal = if facing < 0.0 { -towards_positive } else { towards_positive };
 
-    let point = ray.at(buffer.drawn[pixel]);
+    let point = ray.at(ray.parameter(buffer.drawn[pixel]));
     let to_light = appearance.light.towards(point).0.as_vec3();
     let (mut direct, mut highlight) = (0.0, 0.0);
     if !buffer.shadow[pixel] {
@@ -160,14 +160,14 @@ mod tests {
     use glam::DVec3;
 
     /// One pixel painted at distance 4 on the way along +y from (0, −5, 0).
-    fn painted(normal: [f32; 3]) -> (GBuffer, Frame) {
+    fn painted(normal: [f32; 3]) -> (GBuffer, RayGrid) {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let mut buffer = GBuffer::new(1, 1, 0);
         buffer.status[0] = Status::Hit;
         buffer.drawn[0] = 4.0;
         buffer.normal[0] = normal;
-        (buffer, camera.expect("valid").frame(1, 1))
+        (buffer, camera.expect("valid").rays(1, 1))
     }
 
     fn headlight() -> Appearance {
@@ -176,29 +176,29 @@ mod tests {
 
     #[test]
     fn the_side_that_is_seen_decides_the_colour() {
-        let (buffer, frame) = painted([0.0, -1.0, 0.0]);
-        let warm = shade(&buffer, &frame, &headlight());
+        let (buffer, rays) = painted([0.0, -1.0, 0.0]);
+        let warm = shade(&buffer, &rays, &headlight());
         assert!(warm[0] > warm[2], "{warm:?}");
-        let (buffer, frame) = painted([0.0, 1.0, 0.0]);
-        let cool = shade(&buffer, &frame, &headlight());
+        let (buffer, rays) = painted([0.0, 1.0, 0.0]);
+        let cool = shade(&buffer, &rays, &headlight());
         assert!(cool[0] < cool[2], "{cool:?}");
     }
 
     #[test]
     fn shadow_leaves_the_ambient_share() {
-        let (mut buffer, frame) = painted([0.0, -1.0, 0.0]);
-        let lit = shade(&buffer, &frame, &headlight());
+        let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
+        let lit = shade(&buffer, &rays, &headlight());
         buffer.shadow[0] = true;
-        let dark = shade(&buffer, &frame, &headlight());
+        let dark = shade(&buffer, &rays, &headlight());
         assert!(dark[0] < lit[0] && dark[0] > 0);
     }
 
     #[test]
     fn undecided_pixels_are_marked_as_asked() {
-        let (mut buffer, frame) = painted([0.0, -1.0, 0.0]);
-        let hit = shade(&buffer, &frame, &headlight());
+        let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
+        let hit = shade(&buffer, &rays, &headlight());
         buffer.status[0] = Status::Undecided;
-        let with = |undecided| shade(&buffer, &frame, &Appearance { undecided, ..headlight() });
+        let with = |undecided| shade(&buffer, &rays, &Appearance { undecided, ..headlight() });
         assert_eq!(with(UndecidedStyle::Shade), hit);
         assert!(with(UndecidedStyle::Hatch)[0] < hit[0]);
         assert_ne!(with(UndecidedStyle::Tint), hit);
@@ -207,9 +207,9 @@ mod tests {
 
     #[test]
     fn a_cut_face_has_the_inner_colour() {
-        let (mut buffer, frame) = painted([0.0, -1.0, 0.0]);
+        let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
         buffer.cap[0] = true;
-        let cut = shade(&buffer, &frame, &headlight());
+        let cut = shade(&buffer, &rays, &headlight());
         assert!(cut[0] < cut[2], "{cut:?}");
     }
 }

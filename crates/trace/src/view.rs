@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// A point of view that needs no coordinates: z is up, and `Front` looks along +y.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum View {
+pub enum StandardView {
     /// From the right, the front and above: the default.
     #[default]
     Iso,
@@ -27,7 +27,7 @@ pub enum View {
 /// The eye of the default view, relative to the box's centre, in half extents.
 const ISO_EYE: DVec3 = DVec3::new(2.0, -3.0, 1.5);
 
-impl View {
+impl StandardView {
     /// Every view with its name.
     pub const ALL: [(&'static str, Self); 7] = [
         ("iso", Self::Iso),
@@ -61,8 +61,9 @@ impl View {
         }
     }
 
-    /// The camera that shows the box of `region` from this side, at a fixed multiple of half its largest extent. With
-    /// [`View::FOV`] the six sides show all of a cube; the default view shows all but the tips of some corners.
+    /// The camera that shows the box of `region` from this side, at a fixed multiple of half its
+    /// largest extent. With [`StandardView::FOV`] the six sides show all of a cube; the default
+    /// view shows all but the tips of some corners.
     ///
     /// # Errors
     /// If `projection` is out of range.
@@ -77,40 +78,42 @@ impl View {
 mod tests {
     use super::*;
 
-    fn looks_along(view: View) -> DVec3 {
+    fn looks_along(view: StandardView) -> DVec3 {
         let region = Region::new(DVec3::splat(-1.0), DVec3::new(3.0, 1.0, 1.0)).expect("valid");
-        let camera =
-            view.camera(&region, Projection::Perspective { fov: View::FOV }).expect("valid");
+        let camera = view
+            .camera(&region, Projection::Perspective { fov: StandardView::FOV })
+            .expect("valid");
         assert_eq!(camera.target(), DVec3::X);
-        camera.frame(2, 2).forward()
+        camera.rays(2, 2).forward()
     }
 
     #[test]
     fn views_look_where_their_names_say() {
-        assert_eq!(looks_along(View::Front), DVec3::Y);
-        assert_eq!(looks_along(View::Back), DVec3::NEG_Y);
-        assert_eq!(looks_along(View::Left), DVec3::X);
-        assert_eq!(looks_along(View::Right), DVec3::NEG_X);
-        assert_eq!(looks_along(View::Top), DVec3::NEG_Z);
-        assert_eq!(looks_along(View::Bottom), DVec3::Z);
-        let iso = looks_along(View::Iso);
+        assert_eq!(looks_along(StandardView::Front), DVec3::Y);
+        assert_eq!(looks_along(StandardView::Back), DVec3::NEG_Y);
+        assert_eq!(looks_along(StandardView::Left), DVec3::X);
+        assert_eq!(looks_along(StandardView::Right), DVec3::NEG_X);
+        assert_eq!(looks_along(StandardView::Top), DVec3::NEG_Z);
+        assert_eq!(looks_along(StandardView::Bottom), DVec3::Z);
+        let iso = looks_along(StandardView::Iso);
         assert!(iso.x < 0.0 && iso.y > 0.0 && iso.z < 0.0);
     }
 
     #[test]
     fn the_six_sides_show_the_whole_cube() {
         let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("valid");
-        for (name, view) in View::ALL.into_iter().filter(|view| view.1 != View::Iso) {
-            let camera =
-                view.camera(&region, Projection::Perspective { fov: View::FOV }).expect("valid");
-            let frame = camera.frame(32, 32);
+        for (name, view) in StandardView::ALL.into_iter().filter(|view| view.1 != StandardView::Iso)
+        {
+            let camera = view
+                .camera(&region, Projection::Perspective { fov: StandardView::FOV })
+                .expect("valid");
+            let rays = camera.rays(32, 32);
             for corner in 0..8 {
                 let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
                 let to = DVec3::new(sign(0), sign(1), sign(2)) - camera.eye();
-                let depth = to.dot(frame.forward());
-                let reach = depth * (View::FOV / 2.0).to_radians().tan();
-                let inside =
-                    to.dot(frame.up()).abs() < reach && to.dot(frame.right()).abs() < reach;
+                let depth = to.dot(rays.forward());
+                let reach = depth * (StandardView::FOV / 2.0).to_radians().tan();
+                let inside = to.dot(rays.up()).abs() < reach && to.dot(rays.right()).abs() < reach;
                 assert!(inside, "{name} loses corner {corner}");
             }
         }
@@ -118,7 +121,7 @@ mod tests {
 
     #[test]
     fn names_are_found() {
-        assert_eq!(View::named("top"), Some(View::Top));
-        assert_eq!(View::named("Top"), None);
+        assert_eq!(StandardView::named("top"), Some(StandardView::Top));
+        assert_eq!(StandardView::named("Top"), None);
     }
 }

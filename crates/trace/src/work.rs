@@ -1,22 +1,50 @@
-//! How much a traversal asked of kernels.
+//! How much a picture asked of kernels.
 
 use std::ops::AddAssign;
 
-/// Counts of kernel calls and of the lanes in them that were wanted.
+/// Calls of one kind of kernel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// How often it was called.
+    pub calls: u64,
+    /// How many of the lanes it computed were wanted.
+    pub lanes: u64,
+}
+
+/// Calls of kernels by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Calls of the interval kernel.
-    pub interval_calls: u64,
-    /// Lanes of those calls whose ray was still looking for a root there.
-    pub interval_lanes: u64,
+    /// Questions about boxes.
+    pub interval: Count,
+    /// Values at points.
+    pub point: Count,
+    /// Values and gradients at points.
+    pub gradient: Count,
     /// Rays that were given up: their packet had used up its steps.
     pub given_up: u64,
 }
 
+impl Count {
+    /// Counts one call with so many lanes that were wanted.
+    #[inline]
+    pub fn called(&mut self, lanes: u32) {
+        self.calls += 1;
+        self.lanes += u64::from(lanes);
+    }
+}
+
+impl AddAssign for Count {
+    fn add_assign(&mut self, other: Self) {
+        self.calls += other.calls;
+        self.lanes += other.lanes;
+    }
+}
+
 impl AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
-        self.interval_calls += other.interval_calls;
-        self.interval_lanes += other.interval_lanes;
+        self.interval += other.interval;
+        self.point += other.point;
+        self.gradient += other.gradient;
         self.given_up += other.given_up;
     }
 }

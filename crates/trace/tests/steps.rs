@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
-use zeroset_eval::{BoxPacket, EnclosurePacket, IntervalKernel, LANES};
-use zeroset_interval::Facts;
-use zeroset_trace::{Camera, Frame, GBuffer, Knoll, Projection, Region, STEPS, Status, Work};
+use zeroset_eval::{Asked, Boxes, FindZeros, Kernel, Kernels, Surface, Zeros};
+use zeroset_trace::{
+    Camera, Driver, GBuffer, Method, Options, Precision, Projection, RayGrid, Region, STEPS,
+    Status, Work,
+};
 
 /// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than `finest`; above, it is 0.
 struct Stubborn {
@@ -19,18 +21,27 @@ impl Stubborn {
     }
 }
 
-impl IntervalKernel for Stubborn {
-    fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
+impl Kernel<FindZeros> for Stubborn {
+    fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
         self.calls.fetch_add(1, Ordering::Relaxed);
-        for (packet, out) in boxes.iter().zip(out) {
-            for lane in 0..LANES {
-                let (low, high) = (-packet.neg_lo[2][lane], packet.hi[2][lane]);
-                let empty = high < self.top && high - low <= self.finest;
-                out.neg_lo[lane] = if empty { -1.0 } else { 1.0 };
-                out.hi[lane] = 1.0;
-                out.facts[lane] = Facts::TOTAL.bits();
-            }
+        *zeros = Zeros::default();
+        for lane in 0..boxes.count as usize {
+            let (low, high) = (-boxes.neg_lo[2][lane], boxes.hi[2][lane]);
+            let empty = high < self.top && high - low <= self.finest;
+            zeros.possible |= u16::from(!empty) << lane;
         }
+    }
+}
+
+impl Kernels<f32> for Stubborn {
+    fn zeros(&self) -> Asked<'_, FindZeros, f32> {
+        Ok(self)
+    }
+}
+
+impl Surface for Stubborn {
+    fn single(&self) -> &dyn Kernels<f32> {
+        self
     }
 }
 
@@ -39,16 +50,18 @@ const SIZE: usize = 4;
 const PACKETS: u64 = (SIZE * SIZE / 4) as u64;
 
 /// Looks up along z.
-fn frame() -> Frame {
+fn frame() -> RayGrid {
     let parallel = Projection::Orthographic { height: 1.0 };
     let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
-    camera.expect("valid").frame(SIZE, SIZE)
+    camera.expect("valid").rays(SIZE, SIZE)
 }
 
 fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    let knoll = Knoll { depth, ..Knoll::default() };
-    knoll.trace::<_, f32>(&frame(), &region, kernel, &|_| true)
+    let options = Options { precision: Precision::F32, depth, suppress_asymptotes: true };
+    let knoll = Method::named("knoll").expect("a row");
+    let tracer = knoll.prepare(kernel, &region, &options).expect("a kernel");
+    Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true }.picture()
 }
 
 #[test]
@@ -56,8 +69,8 @@ fn steps_are_bounded_whatever_the_depth() {
     for depth in [17, 20] {
         let kernel = Stubborn::new(2.0, 2.1e-5);
         let (buffer, work) = trace(&kernel, depth);
-        assert!(work.interval_calls <= PACKETS * STEPS, "{depth}: {work:?}");
-        assert_eq!(kernel.calls.into_inner(), work.interval_calls);
+        assert!(work.interval.calls <= PACKETS * STEPS, "{depth}: {work:?}");
+        assert_eq!(kernel.calls.into_inner(), work.interval.calls);
         assert_eq!(work.given_up, (SIZE * SIZE) as u64);
         for pixel in 0..SIZE * SIZE {
             assert_eq!(buffer.status[pixel], Status::Undecided);
@@ -74,7 +87,7 @@ fn a_way_that_is_proven_empty_within_the_steps_is_a_miss() {
     let kernel = Stubborn::new(2.0, 1.7e-4);
     let (buffer, work) = trace(&kernel, 20);
     assert_eq!(work.given_up, 0);
-    assert!(work.interval_calls > PACKETS * STEPS / 4, "the test must need many: {work:?}");
+    assert!(work.interval.calls > PACKETS * STEPS / 4, "the test must need many: {work:?}");
     assert!(buffer.status.iter().all(|status| *status == Status::Miss));
 }
 
@@ -84,4 +97,31 @@ fn what_lies_in_front_is_found_as_before() {
     let (buffer, work) = trace(&kernel, 20);
     assert_eq!(work.given_up, 0);
     assert!((0..SIZE * SIZE).all(|pixel| (buffer.drawn[pixel] - 4.125).abs() < 1e-3));
+}
+
+#[test]
+fn depths_out_of_range_are_brought_within() {
+    let (shallow, deep) = (Stubborn::new(-0.875, 2.1e-5), Stubborn::new(-0.875, 2.1e-5));
+    let (buffer, work) = trace(&shallow, 0);
+    assert_eq!((buffer, work), trace(&Stubborn::new(-0.875, 2.1e-5), 1));
+    // Beyond 2^24 slabs, not every index is an f32: ends would no longer meet.
+    let (buffer, work) = trace(&deep, 41);
+    assert_eq!((buffer, work), trace(&Stubborn::new(-0.875, 2.1e-5), 20));
+}
+
+#[test]
+fn pixels_traced_anew_are_as_in_the_whole_picture() {
+    let kernel = Stubborn::new(-0.875, 2.1e-5);
+    let (whole, _) = trace(&kernel, 12);
+    let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
+    let options = Options { precision: Precision::F32, depth: 12, suppress_asymptotes: true };
+    let tracer = <&Method>::default().prepare(&kernel, &region, &options).expect("a kernel");
+    let mut buffer = GBuffer::new(SIZE, SIZE, 0);
+    let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true };
+    driver.pixels(&[3, 9, 10], &mut buffer);
+    for pixel in 0..SIZE * SIZE {
+        let expected =
+            if [3, 9, 10].contains(&pixel) { whole.distance[pixel] } else { f64::INFINITY };
+        assert_eq!(buffer.distance[pixel], expected, "{pixel}");
+    }
 }

@@ -2,12 +2,13 @@
 
 use super::Rule;
 use crate::bounds::Interval;
+use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Fact, Operand, Sign};
 use crate::machine::Machine;
-use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
-    /// The given bounds with the facts of two operands combined: nowhere if either is, else only what both claim.
+    /// The given bounds with the facts of two operands combined: nowhere if either is, else only
+    /// what both claim.
     pub(super) fn combine(
         &mut self,
         neg_lo: M::V,
@@ -25,8 +26,8 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// An enclosure with the facts of one more operation: the lanes where it is defined at no point, and those
-    /// where it is defined and continuous at every point.
+    /// An enclosure with the facts of one more operation: the lanes where it is defined at no
+    /// point, and those where it is defined and continuous at every point.
     pub(super) fn restrict(
         &mut self,
         value: Enclosure<M::V>,
@@ -93,7 +94,8 @@ impl<M: Machine> Rule<'_, M> {
             }
             (Sign::Nonneg, _) if a.range.singleton().is_some() => self.product_nonneg(a, b, guard),
             (Sign::Nonneg, Sign::Nonneg) => {
-                // Lower ends are finite, so only hi·hi can be 0·∞. A constant comes first, and its negation is free.
+                // Lower ends are finite, so only hi·hi can be 0·∞. A constant comes first, and its
+                // negation is free.
                 let low = self.m.neg(a.value.neg_lo);
                 let neg_lo = self.m.mul(b.value.neg_lo, low);
                 let hi = self.m.mul(a.value.hi, b.value.hi);
@@ -137,8 +139,8 @@ impl<M: Machine> Rule<'_, M> {
             let hi = [(a.hi, b.hi), (a_lo, b.hi), (a.neg_lo, b.neg_lo), (a_neg_hi, b.neg_lo)];
             return (self.largest_product(neg_lo), self.largest_product(hi));
         }
-        // Each end of b meets its extreme at the end of a that its sign picks: four products instead of eight, as
-        // each is rounded up only where it counts (8 % on Barth's sextic).
+        // Each end of b meets its extreme at the end of a that its sign picks: four products
+        // instead of eight, as each is rounded up only where it counts (8 % on Barth's sextic).
         let mut largest = |at_hi: [M::V; 2], at_lo: [M::V; 2]| {
             let by_hi = self.m.select_signed(b.hi, at_hi[0], at_hi[1]);
             let by_lo = self.m.select_signed(b.neg_lo, at_lo[0], at_lo[1]);
@@ -150,8 +152,9 @@ impl<M: Machine> Rule<'_, M> {
         (neg_lo, hi)
     }
 
-    /// The largest of four products. A NaN among the last three is dropped by `max`: the extreme it stands for,
-    /// 0, is also reached by the product with the other end. One in the first is closed to +∞.
+    /// The largest of four products. A NaN among the last three is dropped by `max`: the extreme it
+    /// stands for, 0, is also reached by the product with the other end. One in the first is closed
+    /// to +∞.
     fn largest_product(&mut self, pairs: [(M::V, M::V); 4]) -> M::V {
         let [first, rest @ ..] = pairs.map(|(a, b)| self.m.mul(a, b));
         let largest = rest.into_iter().fold(first, |acc, p| self.m.max(p, acc));
@@ -159,18 +162,18 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// A divisor, on one side of 0 where it reaches to both.
-    pub(super) fn divisor(&mut self, b: &Operand<M::V>, part: Part) -> Operand<M::V> {
-        if part == Part::Whole {
+    pub(super) fn divisor(&mut self, b: &Operand<M::V>, branch: Branch) -> Operand<M::V> {
+        if branch == Branch::Whole {
             return *b;
         }
         let zero = self.zero();
         let least = self.m.min(b.value.neg_lo, b.value.hi);
         let straddles = self.gt(least, zero);
         let mut value = b.value;
-        match part {
-            Part::Low => value.hi = self.m.select(straddles, zero, value.hi),
-            Part::Rest => value.neg_lo = self.m.select(straddles, zero, value.neg_lo),
-            Part::Whole | Part::Middle | Part::High => {}
+        match branch {
+            Branch::Low => value.hi = self.m.select(straddles, zero, value.hi),
+            Branch::Rest => value.neg_lo = self.m.select(straddles, zero, value.neg_lo),
+            Branch::Whole | Branch::Middle | Branch::High => {}
         }
         Operand { value, ..*b }
     }
@@ -221,7 +224,8 @@ impl<M: Machine> Rule<'_, M> {
     fn quotient(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let zero = self.zero();
         let infinity = self.infinity();
-        // Where b reaches further below 0 than above, negate both; then b ≥ 0 unless it straddles 0.
+        // Where b reaches further below 0 than above, negate both; then b ≥ 0 unless it straddles
+        // 0.
         let flip = self.m.lt(b.value.hi, b.value.neg_lo);
         let (an, ah, bn, bh) = (a.value.neg_lo, a.value.hi, b.value.neg_lo, b.value.hi);
         let x_neg_lo = self.m.select(flip, ah, an);
@@ -236,8 +240,8 @@ impl<M: Machine> Rule<'_, M> {
             let nonzero = self.gt(largest, zero);
             straddles = self.m.and(straddles, nonzero);
         }
-        // b = [0, 0] is nowhere defined; dividing by a little more keeps the bounds in order, and within those over
-        // any larger box, as later steps assume.
+        // b = [0, 0] is nowhere defined; dividing by a little more keeps the bounds in order, and
+        // within those over any larger box, as later steps assume.
         let least = self.least_positive();
         let y_hi = self.m.max(y_hi, least);
         let neg_lo_by = self.far_divisor(x_neg_lo, y_lo, y_hi);

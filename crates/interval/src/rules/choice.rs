@@ -1,9 +1,9 @@
 //! Minimum, maximum, selection and restriction.
 
 use super::Rule;
+use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::Machine;
-use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
     pub(super) fn min(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
@@ -18,22 +18,22 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// b where a < 0, c where a ≥ 0, their hull where both occur, but for a part.
+    /// b where a < 0, c where a ≥ 0, their hull where both occur, but for a branch.
     pub(super) fn select_negative(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
         c: &Operand<M::V>,
-        part: Part,
+        branch: Branch,
     ) -> Enclosure<M::V> {
         let zero = self.zero();
         let mut negative = self.m.lt(a.value.hi, zero);
         let mut nonneg = self.m.le(a.value.neg_lo, zero);
-        match part {
-            Part::Whole | Part::Middle => {}
+        match branch {
+            Branch::Whole | Branch::Middle => {}
             // Where both occur, as if only one did.
-            Part::Low => negative = self.not(nonneg),
-            Part::Rest | Part::High => nonneg = self.not(negative),
+            Branch::Low => negative = self.not(nonneg),
+            Branch::Rest | Branch::High => nonneg = self.not(negative),
         }
         let (b, c) = (&b.value, &c.value);
         let pick = |rule: &mut Self, b: M::V, c: M::V, both: M::V| {
@@ -66,21 +66,22 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// a where it is defined, else b; their hull where a is defined in a part of the box, but for a part.
+    /// a where it is defined, else b; their hull where a is defined in a part of the box, but for a
+    /// branch.
     pub(super) fn otherwise(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
-        part: Part,
+        branch: Branch,
     ) -> Enclosure<M::V> {
         let (a, b) = (&a.value, &b.value);
         let only_a = a.defined.mask(self.m, self.format);
         let only_b = a.nowhere.mask(self.m, self.format);
         let pick = |rule: &mut Self, a: M::V, b: M::V| {
-            let both = match part {
-                Part::Whole | Part::Middle => rule.m.max(a, b),
-                Part::Low => a,
-                Part::Rest | Part::High => b,
+            let both = match branch {
+                Branch::Whole | Branch::Middle => rule.m.max(a, b),
+                Branch::Low => a,
+                Branch::Rest | Branch::High => b,
             };
             let rest = rule.m.select(only_b, b, both);
             rule.m.select(only_a, a, rest)

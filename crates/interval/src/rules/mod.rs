@@ -1,7 +1,7 @@
 //! The interval rule of every operation, written once over [`Machine`].
 //!
-//! A rule may assume what [`Operand::range`] states, and only that; it is then sound for every box. Where an operand
-//! may be infinite, rules close each bound so that no NaN leaves them.
+//! A rule may assume what [`Operand::range`] states, and only that; it is then sound for every box.
+//! Where an operand may be infinite, rules close each bound so that no NaN leaves them.
 
 mod arithmetic;
 mod choice;
@@ -9,14 +9,14 @@ mod elementary;
 mod power;
 mod step;
 
+pub(crate) use elementary::approximator::{Approximator, by_halves};
+pub(crate) use elementary::double_double::Approximation;
 pub(crate) use elementary::logarithm::Base;
-pub(crate) use elementary::sum::Near;
-pub(crate) use elementary::trigonometric::ANGLE_LIMIT;
-pub(crate) use elementary::wide::{Text, by_halves};
+pub(crate) use elementary::trigonometric::HalfPi;
 
+use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::{Format, Machine};
-use crate::part::Part;
 use zeroset_ops::Op;
 
 /// Encloses `op` over lanes of operands, all in `format`.
@@ -29,23 +29,25 @@ pub fn enclose<M: Machine>(
     op: Op,
     operands: &[Operand<M::V>],
 ) -> Enclosure<M::V> {
-    enclose_part(m, format, op, operands, Part::Whole)
+    enclose_branch(m, format, op, operands, Branch::Whole)
 }
 
-/// Encloses `op` over one of the parts into which it splits its operands' boxes: all points of that part where the
-/// operation is defined have their values within. Nothing may be concluded of other points.
+/// Encloses `op` over one of the branches into which it splits its operands' boxes: all points of
+/// that branch where the operation is defined have their values within. Nothing may be concluded of
+/// other points.
 ///
-/// In lanes where the operation is continuous throughout the box there is nothing to split, and every part is the whole.
-/// An operation that does not split boxes in the way asked for encloses all of the box.
+/// In lanes where the operation is continuous throughout the box there is nothing to split, and
+/// every branch is the whole. An operation that does not split boxes in the way asked for encloses
+/// all of the box.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
-pub fn enclose_part<M: Machine>(
+pub fn enclose_branch<M: Machine>(
     m: &mut M,
     format: Format,
     op: Op,
     operands: &[Operand<M::V>],
-    part: Part,
+    branch: Branch,
 ) -> Enclosure<M::V> {
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
@@ -53,12 +55,12 @@ pub fn enclose_part<M: Machine>(
     match op {
         Op::Neg => a.negated().value,
         Op::Abs => rule.abs(a),
-        Op::Sign => rule.sign(a, part),
-        Op::Floor => rule.floor(a, part),
-        Op::Ceil => rule.ceil(a, part),
-        Op::Round => rule.round(a, part),
-        Op::Trunc => rule.trunc(a, part),
-        Op::Fract => rule.fract(a, part),
+        Op::Sign => rule.sign(a, branch),
+        Op::Floor => rule.floor(a, branch),
+        Op::Ceil => rule.ceil(a, branch),
+        Op::Round => rule.round(a, branch),
+        Op::Trunc => rule.trunc(a, branch),
+        Op::Fract => rule.fract(a, branch),
         Op::Sqr => rule.sqr(a),
         Op::Sqrt => rule.sqrt(a),
         Op::Cbrt => rule.cbrt(a),
@@ -82,16 +84,16 @@ pub fn enclose_part<M: Machine>(
         Op::Sub => rule.add(a, &operands[1].negated()),
         Op::Mul => rule.mul(a, &operands[1]),
         Op::Div => {
-            let divisor = rule.divisor(&operands[1], part);
+            let divisor = rule.divisor(&operands[1], branch);
             rule.div(a, &divisor)
         }
-        Op::Pow => rule.pow(a, &operands[1], part),
-        Op::Mod => rule.modulo(a, &operands[1], part),
-        Op::Atan2 => rule.atan2(a, &operands[1], part),
+        Op::Pow => rule.pow(a, &operands[1], branch),
+        Op::Mod => rule.modulo(a, &operands[1], branch),
+        Op::Atan2 => rule.atan2(a, &operands[1], branch),
         Op::Min => rule.min(a, &operands[1]),
         Op::Max => rule.max(a, &operands[1]),
-        Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], part),
-        Op::Otherwise => rule.otherwise(a, &operands[1], part),
+        Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], branch),
+        Op::Otherwise => rule.otherwise(a, &operands[1], branch),
         Op::WhereNonneg => rule.where_nonneg(a, &operands[1]),
         Op::WherePositive => rule.where_positive(a, &operands[1]),
         Op::WhereNonzero => rule.where_nonzero(a, &operands[1]),
@@ -107,7 +109,7 @@ pub fn enclose_twins<M: Machine>(
     a: &Operand<M::V>,
 ) -> Option<[Enclosure<M::V>; 2]> {
     let mut rule = Rule { m, format };
-    if !matches!(op, Op::Sin | Op::Cos) || !rule.is_near(a.range) {
+    if op.row().twin.is_none() || !rule.is_near(a.range) {
         return None;
     }
     let [sin, cos] = rule.near_waves(a);
@@ -157,5 +159,16 @@ impl<M: Machine> Rule<'_, M> {
     fn lo(&mut self, a: &Enclosure<M::V>) -> M::V {
         let zero = self.zero();
         self.m.sub(zero, a.neg_lo)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use zeroset_ops::{Op, TABLE};
+
+    #[test]
+    fn sine_and_cosine_are_the_only_twins() {
+        let twins = TABLE.iter().filter_map(|row| Some((row.op, row.twin?)));
+        assert_eq!(twins.collect::<Vec<_>>(), [(Op::Sin, Op::Cos), (Op::Cos, Op::Sin)]);
     }
 }

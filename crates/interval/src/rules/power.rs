@@ -1,12 +1,12 @@
 //! Squares, roots and powers.
 
 use super::Rule;
+use super::elementary::approximator::by_halves;
 use super::elementary::logarithm::Base;
-use super::elementary::wide::by_halves;
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Exponent, Fact, Operand, Sign};
+use crate::branch::Branch;
+use crate::enclosure::{Enclosure, Exponent, Operand, Sign};
 use crate::machine::{Format, Machine};
-use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
     pub(super) fn sqr(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -44,21 +44,16 @@ impl<M: Machine> Rule<'_, M> {
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
-        part: Part,
+        branch: Branch,
     ) -> Enclosure<M::V> {
         let value = match b.exponent {
             Exponent::Real => return self.real_power(a, b),
             Exponent::Integer(n) if n < 0 => {
-                let base = self.divisor(a, part);
+                let base = self.divisor(a, branch);
                 self.reciprocal_power(&base, n.unsigned_abs())
             }
             Exponent::Integer(n) => self.integer_power(a, n.unsigned_abs()),
-            Exponent::LargeInteger => {
-                let infinity = self.infinity();
-                let unknown = Fact::False;
-                let (defined, continuous) = (unknown, unknown);
-                Enclosure { neg_lo: infinity, hi: infinity, defined, continuous, ..a.value }
-            }
+            Exponent::LargeInteger { odd } => self.large_power(a, b, odd),
         };
         // A constant exponent may stand for an expression that is not defined.
         self.with_facts_of(&Operand::new(value, Interval::ENTIRE), b)
@@ -93,6 +88,29 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
+    /// aⁿ for |n| ≥ 2³¹: |a|ⁿ, which is a·|a|ⁿ⁻¹ for odd n.
+    fn large_power(&mut self, a: &Operand<M::V>, n: &Operand<M::V>, odd: bool) -> Enclosure<M::V> {
+        let range = Interval { lo: 0.0, hi: a.range.magnitude() };
+        let magnitude = Operand::new(self.abs(a), range);
+        let mut exponent = Operand::new(n.value, Interval::ENTIRE);
+        if odd {
+            let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+            exponent.value.neg_lo = self.m.add(n.value.neg_lo, one);
+            exponent.value.hi = self.m.add(n.value.hi, minus_one);
+        }
+        let (neg_lo, hi) = self.real_power_ends(&magnitude, &exponent);
+        let mut value = Enclosure { neg_lo, hi, ..a.value };
+        if odd {
+            let range = Interval { lo: 0.0, hi: f64::INFINITY };
+            value = self.mul(a, &Operand::new(value, range));
+        }
+        if n.range.lo > 0.0 {
+            return value;
+        }
+        let (nowhere, throughout) = self.nonzero(a);
+        self.restrict(value, nowhere, throughout)
+    }
+
     /// 1/aⁿ.
     fn reciprocal_power(&mut self, a: &Operand<M::V>, n: u32) -> Enclosure<M::V> {
         let value = self.integer_power(a, n);
@@ -106,8 +124,8 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo: quotient.neg_lo, hi: quotient.hi, ..facts }
     }
 
-    /// (−lo, hi) of the n-th power, n ≥ 1, of a nonnegative pair, by squaring. Lower ends stay finite and upper ends
-    /// of powers of one number are all 0 or all not, so no product is 0·∞.
+    /// (−lo, hi) of the n-th power, n ≥ 1, of a nonnegative pair, by squaring. Lower ends stay
+    /// finite and upper ends of powers of one number are all 0 or all not, so no product is 0·∞.
     fn power_nonneg(&mut self, neg_lo: M::V, hi: M::V, n: u32) -> (M::V, M::V) {
         let mut result: Option<(M::V, M::V)> = None;
         let mut square = (neg_lo, hi);
@@ -136,8 +154,8 @@ impl<M: Machine> Rule<'_, M> {
         let negated = self.m.neg(magnitude);
         let (neg_lo, hi) = self.power_nonneg(negated, magnitude, n - 1);
         let lo = self.m.neg(neg_lo);
-        // a times the enclosure of |a|ⁿ⁻¹: the larger product, whichever sign a has. lo is finite; hi = ∞ only for
-        // a ≠ 0.
+        // a times the enclosure of |a|ⁿ⁻¹: the larger product, whichever sign a has. lo is finite;
+        // hi = ∞ only for a ≠ 0.
         let far = self.m.mul(a, hi);
         let near = self.m.mul(a, lo);
         self.m.max(far, near)
@@ -165,8 +183,8 @@ impl<M: Machine> Rule<'_, M> {
 
     /// (−lo, hi) of a power whose base may be positive, in `f64` whatever the format.
     fn real_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
-        // Where the base reaches 0, its ends are raised to the least positive number for the logarithm, and the
-        // result is corrected below.
+        // Where the base reaches 0, its ends are raised to the least positive number for the
+        // logarithm, and the result is corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);
         let bounded = a.range.hi < f64::INFINITY;
         // Of the smallest and the largest f32.
@@ -178,21 +196,21 @@ impl<M: Machine> Rule<'_, M> {
             base_hi
         };
         let ends = [base_lo, base_hi, b.value.neg_lo, b.value.hi];
-        let [mut neg_lo, mut hi] = by_halves(self.m, self.format, ends, |text, ends| {
-            if text.target == Format::F64 {
-                return text.power([ends[0], ends[1]], [ends[2], ends[3]]);
+        let [mut neg_lo, mut hi] = by_halves(self.m, self.format, ends, |approx, ends| {
+            if approx.target == Format::F64 {
+                return approx.power([ends[0], ends[1]], [ends[2], ends[3]]);
             }
-            let (at_lo, at_hi) = (text.ln(ends[0], Base::E), text.ln(ends[1], Base::E));
-            let (neg_lo, mut hi) = (text.negated_lower(&at_lo), text.upper(&at_hi));
+            let (at_lo, at_hi) = (approx.ln(ends[0], Base::E), approx.ln(ends[1], Base::E));
+            let (neg_lo, mut hi) = (approx.negated_lower(&at_lo), approx.upper(&at_hi));
             if !bounded {
-                let infinity = text.m.number(Format::F64, f64::INFINITY);
-                let unbounded = text.m.eq(ends[1], infinity);
-                hi = text.m.select(unbounded, infinity, hi);
+                let infinity = approx.m.number(Format::F64, f64::INFINITY);
+                let unbounded = approx.m.eq(ends[1], infinity);
+                hi = approx.m.select(unbounded, infinity, hi);
             }
             let ln = Operand::new(Enclosure::total(neg_lo, hi), ln_range);
             let b = Operand::new(Enclosure::total(ends[2], ends[3]), b.range);
-            let exponent = Rule { m: text.m, format: Format::F64 }.mul(&b, &ln);
-            text.exp([exponent.neg_lo, exponent.hi])
+            let exponent = Rule { m: approx.m, format: Format::F64 }.mul(&b, &ln);
+            approx.exp([exponent.neg_lo, exponent.hi])
         });
         let zero = self.zero();
         if self.format == Format::F64 && !bounded {
@@ -208,8 +226,8 @@ impl<M: Machine> Rule<'_, M> {
             neg_lo = self.m.select(vanishes, neg_lo_zero, neg_lo);
         }
         if a.range.lo <= 0.0 {
-            // 0^b is 0 for b > 0. Next to 0, powers grow without bound for b < 0, and are between 0 and those of the
-            // least positive base for b ≥ 0.
+            // 0^b is 0 for b > 0. Next to 0, powers grow without bound for b < 0, and are between 0
+            // and those of the least positive base for b ≥ 0.
             let from_zero = self.m.le(zero, a.value.neg_lo);
             let some_positive = self.gt(b.value.hi, zero);
             let starts = self.m.and(from_zero, some_positive);
@@ -219,12 +237,57 @@ impl<M: Machine> Rule<'_, M> {
             let grows = self.m.and(from_zero, some_negative);
             let infinity = self.infinity();
             hi = self.m.select(grows, infinity, hi);
-            // A base of 0 alone. Where it has no power at all, the bounds stay within those over any larger
-            // box that holds positive bases.
+            // A base of 0 alone. Where it has no power at all, the bounds stay within those over
+            // any larger box that holds positive bases.
             let no_positive = self.m.le(a.value.hi, zero);
             let only_zero = self.m.and(no_positive, some_positive);
             hi = self.m.select(only_zero, zero, hi);
         }
         (neg_lo, hi)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Decorated, Exponent, Facts, Interval, fold};
+    use zeroset_ops::Op;
+
+    /// A power with an exponent beyond `i32`, over [lo, hi].
+    fn power(lo: f64, hi: f64, n: i64) -> ([f64; 2], Facts) {
+        let bounds = Interval::point(n as f64).expect("finite");
+        let exponent = Exponent::LargeInteger { odd: n % 2 != 0 };
+        let base = Decorated::from((Interval::new(lo, hi).expect("in order"), Facts::TOTAL));
+        let n = Decorated { bounds, facts: Facts::TOTAL, exponent };
+        let (bounds, facts) = fold(Op::Pow, &[base, n]);
+        ([bounds.lo, bounds.hi], facts)
+    }
+
+    #[test]
+    fn large_integer_powers_are_bounded() {
+        let even = 1 << 31;
+        let ([lo, hi], facts) = power(-1.0, 1.0, even);
+        assert!(lo == 0.0 && (1.0..1.0 + 1e-15).contains(&hi) && facts == Facts::TOTAL);
+        let ([lo, hi], facts) = power(-1.0, 1.0, even + 1);
+        assert!((lo + 1.0).abs() < 1e-15 && (hi - 1.0).abs() < 1e-15 && facts == Facts::TOTAL);
+        let ([lo, hi], _) = power(1.0, 1.0, -even);
+        assert!(lo <= 1.0 && 1.0 <= hi && hi - lo < 1e-15, "{lo} {hi}");
+        assert_eq!(power(-2.0, -2.0, even + 1).0, [f64::NEG_INFINITY, -f64::MAX]);
+        assert_eq!(power(-0.5, 0.5, even).0, [0.0, f64::from_bits(1)]);
+        // (1 + 2⁻⁵²)^2³¹ = exp(2⁻²¹ − …)
+        let near = 1.0 + f64::EPSILON;
+        let [lo, hi] = power(near, near, even).0;
+        let value = 1.0 + 2_f64.powi(-21) + 2_f64.powi(-43);
+        assert!(lo <= value && value <= hi && hi - lo < 1e-15, "{lo} {hi}");
+    }
+
+    #[test]
+    fn large_negative_powers_have_a_pole() {
+        let n = -(1_i64 << 40);
+        assert_eq!(power(0.0, 0.0, n).1, Facts::NOWHERE);
+        assert_eq!(power(-1.0, 1.0, n).1, Facts::NONE);
+        assert_eq!(power(0.5, 0.5, n), ([f64::MAX, f64::INFINITY], Facts::TOTAL));
+        assert_eq!(power(-0.5, -0.5, n + 1).0, [f64::NEG_INFINITY, -0.5 * f64::MAX]);
+        let ([lo, hi], _) = power(-1.0, 1.0, n + 1);
+        assert_eq!([lo, hi], [f64::NEG_INFINITY, f64::INFINITY]);
     }
 }

@@ -2,14 +2,21 @@
 
 use super::Rule;
 use crate::bounds::Interval;
+use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::Machine;
-use crate::part::Part;
 
 impl<M: Machine> Rule<'_, M> {
-    /// Bounds of an integer-valued function over a part of the box, continuous where it takes one value there.
-    fn steps(&mut self, a: &Operand<M::V>, neg_lo: M::V, hi: M::V, part: Part) -> Enclosure<M::V> {
-        let (neg_lo, hi) = self.part_of_steps(neg_lo, hi, part);
+    /// Bounds of an integer-valued function over a branch, continuous where it takes one
+    /// value there.
+    fn steps(
+        &mut self,
+        a: &Operand<M::V>,
+        neg_lo: M::V,
+        hi: M::V,
+        branch: Branch,
+    ) -> Enclosure<M::V> {
+        let (neg_lo, hi) = self.branch_of_steps(neg_lo, hi, branch);
         // lo = hi, as −(−lo) = hi; ∞ − ∞ is NaN and claims nothing.
         let lo = self.m.neg(neg_lo);
         let one_value = self.m.eq(lo, hi);
@@ -17,8 +24,9 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, continuous, ..a.value }
     }
 
-    /// The integers within bounds that belong to a part; one of them at least, also where none does.
-    fn part_of_steps(&mut self, neg_lo: M::V, hi: M::V, part: Part) -> (M::V, M::V) {
+    /// The integers within bounds that belong to a branch; one of them at least, also where none
+    /// does.
+    fn branch_of_steps(&mut self, neg_lo: M::V, hi: M::V, branch: Branch) -> (M::V, M::V) {
         let (infinity, minus_one) = (self.infinity(), self.number(-1.0));
         let neg_hi = self.m.neg(hi);
         let lowest = |rule: &mut Self| {
@@ -27,57 +35,58 @@ impl<M: Machine> Rule<'_, M> {
             let is_bounded = rule.m.lt(neg_lo, infinity);
             rule.m.select(is_bounded, lo, hi)
         };
-        // Large integers are not changed by one more, rounded outward; so the rest then is the whole.
+        // Large integers are not changed by one more, rounded outward; so the rest then is the
+        // whole.
         let second = |rule: &mut Self| {
             let second = rule.m.add(neg_lo, minus_one);
             rule.m.max(second, neg_hi)
         };
-        match part {
-            Part::Whole => (neg_lo, hi),
-            Part::Low => (neg_lo, lowest(self)),
-            Part::Rest => (second(self), hi),
-            Part::Middle => {
+        match branch {
+            Branch::Whole => (neg_lo, hi),
+            Branch::Low => (neg_lo, lowest(self)),
+            Branch::Rest => (second(self), hi),
+            Branch::Middle => {
                 let neg_lo = second(self);
                 let last_but_one = self.m.add(hi, minus_one);
                 let lo = self.m.neg(neg_lo);
                 // Between two neighbours there is no integer, and the upper one stands in.
                 (neg_lo, self.m.max(last_but_one, lo))
             }
-            Part::High => {
+            Branch::High => {
                 let is_bounded = self.m.lt(hi, infinity);
                 (self.m.select(is_bounded, neg_hi, neg_lo), hi)
             }
         }
     }
 
-    pub(super) fn floor(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
+    pub(super) fn floor(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
         let neg_lo = self.m.ceil(a.value.neg_lo);
         let hi = self.m.floor(a.value.hi);
-        self.steps(a, neg_lo, hi, part)
+        self.steps(a, neg_lo, hi, branch)
     }
 
-    pub(super) fn ceil(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
+    pub(super) fn ceil(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
         let neg_lo = self.m.floor(a.value.neg_lo);
         let hi = self.m.ceil(a.value.hi);
-        self.steps(a, neg_lo, hi, part)
+        self.steps(a, neg_lo, hi, branch)
     }
 
-    pub(super) fn round(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
+    pub(super) fn round(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
         let neg_lo = self.m.nearest(a.value.neg_lo);
         let hi = self.m.nearest(a.value.hi);
-        self.steps(a, neg_lo, hi, part)
+        self.steps(a, neg_lo, hi, branch)
     }
 
-    pub(super) fn trunc(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
+    pub(super) fn trunc(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
         let neg_lo = self.m.trunc(a.value.neg_lo);
         let hi = self.m.trunc(a.value.hi);
-        self.steps(a, neg_lo, hi, part)
+        self.steps(a, neg_lo, hi, branch)
     }
 
-    pub(super) fn sign(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
+    pub(super) fn sign(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
         let neg_lo = self.sign_of(a.value.neg_lo);
         let hi = self.sign_of(a.value.hi);
-        self.steps(a, neg_lo, hi, part)
+        self.steps(a, neg_lo, hi, branch)
     }
 
     /// −1, 0 or 1.
@@ -90,15 +99,15 @@ impl<M: Machine> Rule<'_, M> {
         self.m.or(up, down)
     }
 
-    pub(super) fn fract(&mut self, a: &Operand<M::V>, part: Part) -> Enclosure<M::V> {
+    pub(super) fn fract(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
         let (zero, one) = (self.zero(), self.number(1.0));
-        let floor = self.floor(a, part);
+        let floor = self.floor(a, branch);
         let floor_lo = self.m.neg(floor.neg_lo);
         let one_cell = self.m.eq(floor_lo, floor.hi);
         let mut neg_lo = self.m.add(a.value.neg_lo, floor.hi);
         let mut hi = self.m.sub(a.value.hi, floor.hi);
-        if part != Part::Whole {
-            // A part's cell may be one of several in the box.
+        if branch != Branch::Whole {
+            // A branch's cell may be one of several in the box.
             neg_lo = self.m.min(neg_lo, zero);
             hi = self.m.min(hi, one);
         }
@@ -112,23 +121,25 @@ impl<M: Machine> Rule<'_, M> {
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
-        part: Part,
+        branch: Branch,
     ) -> Enclosure<M::V> {
         let entire = Interval::ENTIRE;
         let quotient = Operand::new(self.div(a, b), entire);
-        let cells = Operand::new(self.floor(&quotient, part), entire);
+        let cells = Operand::new(self.floor(&quotient, branch), entire);
         // Whole cells; unbounded range, so the product is guarded.
         let multiple = Operand::new(self.mul(b, &cells), entire);
         let direct = self.add(a, &multiple.negated());
-        // Where the quotient is finite, the direct bounds and [min(0, b), max(0, b)] both hold: take the tighter.
-        // Their intersection is never empty where the function is defined somewhere.
+        // Where the quotient is finite, the direct bounds and [min(0, b), max(0, b)] both hold:
+        // take the tighter. Their intersection is never empty where the function is defined
+        // somewhere.
         let zero = self.zero();
         let within_neg_lo = self.m.max(b.value.neg_lo, zero);
         let within_hi = self.m.max(b.value.hi, zero);
         let neg_lo = self.m.min(direct.neg_lo, within_neg_lo);
         let hi = self.m.min(direct.hi, within_hi);
-        // A part's cell that is there by rounding only has no point, and a lane that is nowhere defined no value: what
-        // comes next may rely on their bounds, too, to be in order and within those over larger boxes.
+        // A branch's cell that is there by rounding only has no point, and a lane that is nowhere
+        // defined no value: what comes next may rely on their bounds, too, to be in order and
+        // within those over larger boxes.
         let (least, most) = (self.m.neg(within_neg_lo), self.m.neg(within_hi));
         let neg_lo = self.m.max(neg_lo, most);
         let hi = self.m.max(hi, least);

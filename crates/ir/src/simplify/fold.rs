@@ -3,13 +3,13 @@
 use crate::compact::{compact, copy_node, place};
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
-use zeroset_interval::{Facts, Value};
+use zeroset_interval::{Decorated, Facts};
 
 /// Replaces each expression of constants, where it is defined and bounded, by its enclosure.
 pub(super) fn fold(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
     let mut folded = Graph::new();
     let mut places = vec![None; graph.len()];
-    let mut values: Vec<Option<Value>> = vec![None; graph.len()];
+    let mut values: Vec<Option<Decorated>> = vec![None; graph.len()];
     for (id, node) in graph.iter() {
         let value = match node {
             Node::Variable(_) | Node::Parameter(_) => None,
@@ -22,7 +22,7 @@ pub(super) fn fold(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
         };
         values[id.index()] = value;
         let constant = match (node, value) {
-            (Node::Apply(..), Some(Value { bounds, facts, .. })) => (facts.has(Facts::DEFINED)
+            (Node::Apply(..), Some(Decorated { bounds, facts, .. })) => (facts.has(Facts::DEFINED)
                 && bounds.is_bounded())
             .then(|| folded.constant(Constant::enclosed(bounds))),
             (Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..), _) => {

@@ -1,8 +1,8 @@
 //! Functions of one operand, choices and restrictions.
 
 use super::Rewriter;
+use super::form::{Condition, Form, Product};
 use super::numbers;
-use super::value::{Condition, Product, Value};
 use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -11,11 +11,11 @@ use zeroset_ops::{Class, Domain, Law, Op, Parity, Restriction};
 
 impl Rewriter<'_> {
     /// A function of one operand.
-    pub(super) fn function(&mut self, op: Op, operand: Value) -> Value {
+    pub(super) fn function(&mut self, op: Op, operand: Form) -> Form {
         let mut operand = self.product(operand);
         let conditions = std::mem::take(&mut operand.conditions);
         if let Some(value) = operand.as_number().and_then(|number| numbers::function(op, number)) {
-            return Value::Product(Product { conditions, ..Product::number(value) });
+            return Form::Product(Product { conditions, ..Product::number(value) });
         }
         let mut outer = BigRational::one();
         if operand.coefficient.is_negative() {
@@ -28,10 +28,10 @@ impl Rewriter<'_> {
                 Parity::Neither => {}
             }
         }
-        if op == Op::Abs || op == Op::Sign {
+        if let Class::Function(law @ (Law::Magnitude | Law::Sign)) = op.row().class {
             // The size of the coefficient moves out of abs and does not matter to sign.
             let size = std::mem::replace(&mut operand.coefficient, BigRational::one());
-            if op == Op::Abs {
+            if law == Law::Magnitude {
                 outer *= size;
             }
         }
@@ -40,10 +40,10 @@ impl Rewriter<'_> {
         result.conditions.extend(conditions);
         if let Some(coefficient) = numbers::moderate(&result.coefficient * &outer) {
             result.coefficient = coefficient;
-            Value::Product(result)
+            Form::Product(result)
         } else {
             let product = self.times(result, Product::number(outer));
-            Value::Product(product)
+            Form::Product(product)
         }
     }
 
@@ -67,7 +67,7 @@ impl Rewriter<'_> {
             }
             Law::SquareRoot => {
                 if let Some(&[u]) = self.operands(a, Op::Sqr) {
-                    let magnitude = self.function(Op::Abs, Value::Node(u));
+                    let magnitude = self.function(Op::Abs, Form::Node(u));
                     return self.product(magnitude);
                 }
             }
@@ -127,36 +127,36 @@ impl Rewriter<'_> {
     }
 
     /// `mod(a, b)`
-    pub(super) fn modulo(&mut self, first: Value, second: Value) -> Value {
+    pub(super) fn modulo(&mut self, first: Form, second: Form) -> Form {
         let first = self.product(first);
         let second = self.product(second);
         if let (Some(a), Some(b)) = (first.as_number(), second.as_number())
             && !b.is_zero()
             && let Some(value) = numbers::moderate(a - b * (a / b).floor())
         {
-            return Value::Product(Product::number(value));
+            return Form::Product(Product::number(value));
         }
-        let a = self.node_of(Value::Product(first));
-        let b = self.node_of(Value::Product(second));
-        Value::Node(self.node(Op::Mod, &[a, b]))
+        let a = self.node_of(Form::Product(first));
+        let b = self.node_of(Form::Product(second));
+        Form::Node(self.node(Op::Mod, &[a, b]))
     }
 
     /// `op(a, b)` for min or max.
-    pub(super) fn extremum(&mut self, op: Op, first: Value, second: Value) -> Value {
+    pub(super) fn extremum(&mut self, op: Op, first: Form, second: Form) -> Form {
         let smallest = op == Op::Min;
         let first = self.product(first);
         let second = self.product(second);
         if let (Some(a), Some(b)) = (first.as_number(), second.as_number()) {
             let value = if smallest { a.min(b) } else { a.max(b) };
-            return Value::Product(Product::number(value.clone()));
+            return Form::Product(Product::number(value.clone()));
         }
-        let mut a = self.node_of(Value::Product(first));
-        let mut b = self.node_of(Value::Product(second));
+        let mut a = self.node_of(Form::Product(first));
+        let mut b = self.node_of(Form::Product(second));
         if a > b {
             std::mem::swap(&mut a, &mut b);
         }
-        if a == b && !self.known(a).opaque {
-            return Value::Node(a);
+        if a == b {
+            return Form::Node(a);
         }
         let (low, high) = (self.known(a).range, self.known(b).range);
         let below = low.hi <= high.lo;
@@ -164,13 +164,13 @@ impl Rewriter<'_> {
             let (chosen, other) = if below == smallest { (a, b) } else { (b, a) };
             let mut result = self.product_of_node(chosen);
             self.require(&mut result.conditions, Condition::Defined(other));
-            return Value::Product(result);
+            return Form::Product(result);
         }
-        Value::Node(self.node(op, &[a, b]))
+        Form::Node(self.node(op, &[a, b]))
     }
 
     /// `select_negative(a, b, c)`: branches stay apart, with their own conditions.
-    pub(super) fn choice(&mut self, mut operands: Vec<Value>) -> Value {
+    pub(super) fn choice(&mut self, mut operands: Vec<Form>) -> Form {
         let third = operands.remove(2);
         let second = operands.remove(1);
         let mut condition = self.product(operands.remove(0));
@@ -181,31 +181,31 @@ impl Rewriter<'_> {
         let b = self.node_of(second);
         let c = self.node_of(third);
         let range = self.known(a).range;
-        let chosen = if range.hi < 0.0 || (b == c && !self.known(b).opaque) {
+        let chosen = if range.hi < 0.0 || b == c {
             b
         } else if range.lo >= 0.0 {
             c
         } else {
             let node = self.node(Op::SelectNegative, &[a, b, c]);
-            return Value::Product(Product { conditions, ..Product::power(node, 1) });
+            return Form::Product(Product { conditions, ..Product::power(node, 1) });
         };
         let mut result = self.product_of_node(chosen);
         result.conditions.extend(conditions);
         self.require(&mut result.conditions, Condition::Defined(a));
-        Value::Product(result)
+        Form::Product(result)
     }
 
     /// `otherwise(a, b)`: where a is defined stays with a, and so do its conditions.
-    pub(super) fn fallback(&mut self, first: Value, second: Value) -> Value {
+    pub(super) fn fallback(&mut self, first: Form, second: Form) -> Form {
         let a = self.node_of(first);
         let b = self.node_of(second);
         let facts = self.known(a).facts;
         if facts.has(Facts::DEFINED) {
-            Value::Node(a)
+            Form::Node(a)
         } else if facts.has(Facts::NOWHERE) {
-            Value::Node(b)
+            Form::Node(b)
         } else {
-            Value::Node(self.node(Op::Otherwise, &[a, b]))
+            Form::Node(self.node(Op::Otherwise, &[a, b]))
         }
     }
 
@@ -213,8 +213,8 @@ impl Rewriter<'_> {
     pub(super) fn restriction(
         &mut self,
         restriction: Restriction,
-        mut operands: Vec<Value>,
-    ) -> Value {
+        mut operands: Vec<Form>,
+    ) -> Form {
         let mut other = self.product(operands.remove(1));
         let mut result = self.product(operands.remove(0));
         result.conditions.append(&mut other.conditions);
@@ -222,6 +222,6 @@ impl Rewriter<'_> {
         other.coefficient = other.coefficient.signum();
         let node = self.emit_product(&other);
         self.require(&mut result.conditions, Condition::of(restriction, node));
-        Value::Product(result)
+        Form::Product(result)
     }
 }

@@ -1,19 +1,19 @@
 //! Rewriting a graph into a shorter one whose enclosures are tighter.
 //!
-//! One loop over the old nodes. Each becomes a [`Value`]: a node of the new graph, or a sum or product
-//! still being collected. An operand that only one node uses is handed over as it stands and so merges with that
-//! node; one that several use becomes a node first and stays shared. Products are never expanded: a factored form
-//! encloses better. Numbers stay exact, and constants like √5 symbolic, until [`fold`] encloses them at the end;
-//! so what cancels, cancels exactly.
+//! One loop over the old nodes. Each becomes a [`Form`]: a node of the new graph, or a sum or
+//! product still being collected. An operand that only one node uses is handed over as it stands
+//! and so merges with that node; one that several use becomes a node first and stays shared.
+//! Products are never expanded: a factored form encloses better. Numbers stay exact, and constants
+//! like √5 symbolic, until [`fold`] encloses them at the end; so what cancels, cancels exactly.
 
 mod fold;
+mod form;
 mod functions;
 mod numbers;
 mod powers;
 mod products;
 mod ranges;
 mod sums;
-mod value;
 
 #[cfg(test)]
 mod tests;
@@ -22,17 +22,17 @@ use crate::compact::compact;
 use crate::constant::Constant;
 use crate::error::{IrError, NODE_LIMIT};
 use crate::graph::{Graph, Node, NodeId};
+use form::{Condition, Form, Product, Sum};
 use num_rational::BigRational;
 use num_traits::One;
 use ranges::{Known, Rank};
 use rustc_hash::FxHashMap;
-use value::{Condition, Product, Sum, Value};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ops::{Class, Op};
 
-/// A graph that holds only what `roots` need, with the same values and the same domains of definition at every
-/// real point of `domain`, whatever values the parameters take within `parameters`. Constant expressions are
-/// enclosed; [`rewrite`] leaves them symbolic.
+/// A graph that holds only what `roots` need, with the same values and the same domains of
+/// definition at every real point of `domain`, whatever values the parameters take within
+/// `parameters`. Constant expressions are enclosed; [`rewrite`] leaves them symbolic.
 ///
 /// A parameter beyond the end of `parameters` may have any value.
 ///
@@ -60,8 +60,8 @@ pub fn simplify(
     Ok(fold::fold(&graph, &roots))
 }
 
-/// [`simplify`] without its last step: expressions of constants remain, so that a later rewriting, of derivatives
-/// for one, still knows which of them are equal.
+/// [`simplify`] without its last step: expressions of constants remain, so that a later rewriting,
+/// of derivatives for one, still knows which of them are equal.
 ///
 /// # Errors
 /// If the roots need more than [`NODE_LIMIT`] nodes, before or after.
@@ -90,23 +90,22 @@ pub fn rewrite(
         known: Vec::new(),
         sums: FxHashMap::default(),
         products: FxHashMap::default(),
-        users: FxHashMap::default(),
         domain,
         parameters,
     };
-    let mut values: Vec<Option<Value>> = vec![None; graph.len()];
-    // Whether an old node holds no coordinate and no parameter, however it simplifies: only then may an exponent
-    // count as a constant.
+    let mut values: Vec<Option<Form>> = vec![None; graph.len()];
+    // Whether an old node holds no coordinate and no parameter, however it simplifies: only then
+    // may an exponent count as a constant.
     let mut fixed = vec![false; graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
-            Node::Variable(axis) => Value::Node(rewriter.leaf(&Node::Variable(*axis))),
-            Node::Parameter(number) => Value::Node(rewriter.leaf(&Node::Parameter(*number))),
+            Node::Variable(axis) => Form::Node(rewriter.leaf(&Node::Variable(*axis))),
+            Node::Parameter(number) => Form::Node(rewriter.leaf(&Node::Parameter(*number))),
             Node::Constant(constant) => {
                 fixed[id.index()] = true;
                 match constant.exact() {
-                    Some(number) => Value::Product(Product::number(number.clone())),
-                    None => Value::Node(rewriter.leaf(node)),
+                    Some(number) => Form::Product(Product::number(number.clone())),
+                    None => Form::Node(rewriter.leaf(node)),
                 }
             }
             Node::Apply(op, operands) => {
@@ -115,11 +114,11 @@ pub fn rewrite(
                 let operands = operands
                     .iter()
                     .map(|operand| match &values[operand.index()] {
-                        Some(Value::Node(node)) => Value::Node(*node),
-                        Some(Value::Product(product)) if product.factors.is_empty() => {
-                            Value::Product(product.clone())
+                        Some(Form::Node(node)) => Form::Node(*node),
+                        Some(Form::Product(product)) if product.factors.is_empty() => {
+                            Form::Product(product.clone())
                         }
-                        Some(Value::Sum(_) | Value::Product(_)) | None => values[operand.index()]
+                        Some(Form::Sum(_) | Form::Product(_)) | None => values[operand.index()]
                             .take()
                             .unwrap_or_else(|| unreachable!("one user")),
                     })
@@ -127,9 +126,9 @@ pub fn rewrite(
                 rewriter.apply(*op, operands, fixed_exponent)
             }
         };
-        let is_number = matches!(&value, Value::Product(p) if p.as_number().is_some());
+        let is_number = matches!(&value, Form::Product(p) if p.as_number().is_some());
         values[id.index()] = Some(if uses[id.index()] > 1 && !is_number {
-            Value::Node(rewriter.node_of(value))
+            Form::Node(rewriter.node_of(value))
         } else {
             value
         });
@@ -160,8 +159,6 @@ struct Rewriter<'a> {
     sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
     /// The factors of nodes that are products or powers.
     products: FxHashMap<NodeId, Product>,
-    /// Sums without a constant, by each of their terms.
-    users: FxHashMap<NodeId, Vec<NodeId>>,
     domain: &'a [Interval; 3],
     parameters: &'a [Interval],
 }
@@ -172,24 +169,23 @@ impl Rewriter<'_> {
     }
 
     fn leaf(&mut self, node: &Node) -> NodeId {
-        let (id, range, rank, opaque) = match node {
+        let (id, range, rank) = match node {
             Node::Variable(axis) => {
                 let range = self.domain[*axis as usize];
-                (self.graph.variable(*axis), range, Rank::Varying, false)
+                (self.graph.variable(*axis), range, Rank::Varying)
             }
             Node::Parameter(number) => {
                 let range = self.parameters.get(*number as usize);
                 let range = range.copied().unwrap_or(Interval::ENTIRE);
-                (self.graph.parameter(*number), range, Rank::Uniform, false)
+                (self.graph.parameter(*number), range, Rank::Uniform)
             }
             Node::Constant(constant) => {
-                let opaque = constant.exact().is_none() && !constant.is_named();
                 let range = constant.bounds();
-                (self.graph.constant(constant.clone()), range, Rank::Constant, opaque)
+                (self.graph.constant(constant.clone()), range, Rank::Constant)
             }
             Node::Apply(..) => unreachable!("not a leaf"),
         };
-        self.note(id, Known { range, facts: Facts::TOTAL, rank, opaque });
+        self.note(id, Known { range, facts: Facts::TOTAL, rank });
         id
     }
 
@@ -200,8 +196,7 @@ impl Rewriter<'_> {
     fn node(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
         let id = self.graph.apply(op, operands);
         if id.index() == self.known.len() {
-            let each = || operands.iter().map(|id| self.known(*id));
-            let enclosed: Vec<zeroset_interval::Value> = operands
+            let enclosed: Vec<zeroset_interval::Decorated> = operands
                 .iter()
                 .map(|&id| {
                     let exponent = match self.graph.node(id) {
@@ -211,13 +206,17 @@ impl Rewriter<'_> {
                         }
                     };
                     let known = self.known(id);
-                    zeroset_interval::Value { bounds: known.range, facts: known.facts, exponent }
+                    zeroset_interval::Decorated {
+                        bounds: known.range,
+                        facts: known.facts,
+                        exponent,
+                    }
                 })
                 .collect();
             let (range, facts) = zeroset_interval::fold(op, &enclosed);
-            let rank = each().map(|known| known.rank).max().unwrap_or(Rank::Constant);
-            let opaque = each().any(|known| known.opaque);
-            self.note(id, Known { range, facts, rank, opaque });
+            let rank =
+                operands.iter().map(|id| self.known(*id).rank).max().unwrap_or(Rank::Constant);
+            self.note(id, Known { range, facts, rank });
         }
         id
     }
@@ -245,10 +244,10 @@ impl Rewriter<'_> {
     }
 
     /// A value as a node, coefficient and conditions included.
-    fn node_of(&mut self, value: Value) -> NodeId {
+    fn node_of(&mut self, value: Form) -> NodeId {
         match value {
-            Value::Node(id) => id,
-            Value::Sum(_) | Value::Product(_) => {
+            Form::Node(id) => id,
+            Form::Sum(_) | Form::Product(_) => {
                 let mut product = self.product(value);
                 let conditions = std::mem::take(&mut product.conditions);
                 let node = self.emit_product(&product);
@@ -291,17 +290,17 @@ impl Rewriter<'_> {
         }
     }
 
-    fn apply(&mut self, op: Op, mut operands: Vec<Value>, fixed_exponent: bool) -> Value {
+    fn apply(&mut self, op: Op, mut operands: Vec<Form>, fixed_exponent: bool) -> Form {
         match op.row().class {
             Class::Negation => match operands.remove(0) {
-                Value::Sum(mut sum) => {
+                Form::Sum(mut sum) => {
                     sum.negate();
-                    Value::Sum(sum)
+                    Form::Sum(sum)
                 }
-                value @ (Value::Node(_) | Value::Product(_)) => {
+                value @ (Form::Node(_) | Form::Product(_)) => {
                     let mut product = self.product(value);
                     product.coefficient = -product.coefficient;
-                    Value::Product(product)
+                    Form::Product(product)
                 }
             },
             Class::Sum => {
@@ -312,14 +311,14 @@ impl Rewriter<'_> {
                 if op == Op::Sub {
                     second.negate();
                 }
-                Value::Sum(first.plus(second))
+                Form::Sum(first.plus(second))
             }
             Class::Product => {
                 let second = operands.remove(1);
                 let first = operands.remove(0);
                 let first = self.loose_product(first);
                 let second = self.loose_product(second);
-                Value::Product(self.times(first, second))
+                Form::Product(self.times(first, second))
             }
             Class::Quotient => {
                 let second = operands.remove(1);
@@ -347,7 +346,7 @@ impl Rewriter<'_> {
             Class::FunctionOfTwo => {
                 let operands: Vec<NodeId> =
                     operands.into_iter().map(|value| self.node_of(value)).collect();
-                Value::Node(self.node(op, &operands))
+                Form::Node(self.node(op, &operands))
             }
             Class::Extremum => {
                 let second = operands.remove(1);
@@ -365,10 +364,10 @@ impl Rewriter<'_> {
     }
 
     /// A value as a sum.
-    fn sum(&mut self, value: Value) -> Sum {
+    fn sum(&mut self, value: Form) -> Sum {
         match value {
-            Value::Sum(sum) => sum,
-            Value::Node(_) | Value::Product(_) => {
+            Form::Sum(sum) => sum,
+            Form::Node(_) | Form::Product(_) => {
                 let mut product = self.product(value);
                 let mut sum = Sum::default();
                 sum.conditions = std::mem::take(&mut product.conditions);

@@ -1,9 +1,9 @@
 //! Powers: integer exponents join products, halves become square roots.
 
 use super::Rewriter;
+use super::form::{Condition, Factor, Form, Product};
 use super::numbers;
 use super::ranges::{Known, Rank};
-use super::value::{Condition, Factor, Product, Value};
 use crate::graph::NodeId;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive};
@@ -11,40 +11,41 @@ use zeroset_ops::Op;
 
 impl Rewriter<'_> {
     /// `base^n`
-    pub(super) fn integer_power(&mut self, base: Value, n: i64) -> Value {
+    pub(super) fn integer_power(&mut self, base: Form, n: i64) -> Form {
         let base = self.product(base);
         if n == 0 {
             let mut conditions = base.conditions;
             for factor in &base.factors {
                 self.require(&mut conditions, condition_of(factor));
             }
-            return Value::Product(Product { conditions, ..Product::number(BigRational::one()) });
+            return Form::Product(Product { conditions, ..Product::number(BigRational::one()) });
         }
         if let Some(power) = base.raised(n) {
-            return Value::Product(self.settle(power));
+            return Form::Product(self.settle(power));
         }
-        let base = self.node_of(Value::Product(base));
+        let base = self.node_of(Form::Product(base));
         let exponent = self.number(BigRational::from_integer(n.into()));
         let op = if n == 2 { Op::Sqr } else { Op::Pow };
         let operands = [base, exponent];
-        Value::Node(self.node(op, &operands[..op.arity()]))
+        Form::Node(self.node(op, &operands[..op.arity()]))
     }
 
-    /// `base^exponent`; `fixed` tells whether the exponent was written without coordinates and parameters.
-    pub(super) fn power(&mut self, base: Value, exponent: Value, fixed: bool) -> Value {
+    /// `base^exponent`; `fixed` tells whether the exponent was written without coordinates and
+    /// parameters.
+    pub(super) fn power(&mut self, base: Form, exponent: Form, fixed: bool) -> Form {
         let exponent = self.product(exponent);
         let number = exponent.factors.is_empty().then(|| exponent.coefficient.clone());
         let conditions = exponent.conditions.clone();
         let Some(number) = number else {
-            let exponent = self.node_of(Value::Product(exponent));
+            let exponent = self.node_of(Form::Product(exponent));
             let base = self.product(base);
             if base.as_number().is_some_and(One::is_one) {
                 let mut one = base;
                 self.require(&mut one.conditions, Condition::Defined(exponent));
-                return Value::Product(one);
+                return Form::Product(one);
             }
-            let base = self.node_of(Value::Product(base));
-            let power = Value::Node(self.node(Op::Pow, &[base, exponent]));
+            let base = self.node_of(Form::Product(base));
+            let power = Form::Node(self.node(Op::Pow, &[base, exponent]));
             let Known { rank, range, .. } = *self.known(exponent);
             if fixed || rank != Rank::Constant {
                 return power;
@@ -56,23 +57,24 @@ impl Rewriter<'_> {
             return self.exact_power(base, &number);
         }
         let base = self.node_of(base);
-        let product = self.product(Value::Node(base));
-        let power = self.exact_power(Value::Product(product), &number);
+        let product = self.product(Form::Node(base));
+        let power = self.exact_power(Form::Product(product), &number);
         let mut result = self.product(power);
         result.conditions.extend(conditions);
-        self.real_power(Value::Product(result), base, number.is_positive())
+        self.real_power(Form::Product(result), base, number.is_positive())
     }
 
-    /// A power whose exponent is constant, but was written with a variable that cancels: it counts as a real number, so
-    /// negative bases stay outside the domain even where its value is an integer.
-    fn real_power(&mut self, power: Value, base: NodeId, positive: bool) -> Value {
+    /// A power whose exponent is constant, but was written with a variable that cancels: it counts
+    /// as a real number, so negative bases stay outside the domain even where its value is an
+    /// integer.
+    fn real_power(&mut self, power: Form, base: NodeId, positive: bool) -> Form {
         let mut result = self.product(power);
         let bound = if positive { Condition::Nonneg(base) } else { Condition::Positive(base) };
         self.require(&mut result.conditions, bound);
-        Value::Product(result)
+        Form::Product(result)
     }
 
-    fn exact_power(&mut self, base: Value, exponent: &BigRational) -> Value {
+    fn exact_power(&mut self, base: Form, exponent: &BigRational) -> Form {
         if let Some(n) = exponent.is_integer().then(|| exponent.numer().to_i64()).flatten() {
             return self.integer_power(base, n);
         }
@@ -91,12 +93,12 @@ impl Rewriter<'_> {
             && let Some(root) = numbers::root(value, degree)
             && let Some(power) = numbers::power(&root, n)
         {
-            return Value::Product(Product::number(power));
+            return Form::Product(Product::number(power));
         }
-        let base = self.node_of(Value::Product(base));
+        let base = self.node_of(Form::Product(base));
         let exponent = self.number(exponent.clone());
         debug_assert_eq!(self.known(exponent).rank, Rank::Constant);
-        Value::Node(self.node(Op::Pow, &[base, exponent]))
+        Form::Node(self.node(Op::Pow, &[base, exponent]))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Collecting and emitting products: `c · Π baseᵢ^nᵢ`.
 
 use super::Rewriter;
+use super::form::{Condition, Factor, Form, Product};
 use super::numbers;
 use super::ranges::Rank;
-use super::value::{Condition, Factor, Product, Value};
 use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -16,12 +16,12 @@ const LIFTED: usize = 16;
 
 impl Rewriter<'_> {
     /// A value as a product with distinct bases.
-    pub(super) fn product(&mut self, value: Value) -> Product {
+    pub(super) fn product(&mut self, value: Form) -> Product {
         match value {
-            Value::Product(product) if product.loose => self.settle(product),
-            Value::Product(product) => product,
-            Value::Sum(sum) => self.settle_sum(sum),
-            Value::Node(id) => self.product_of_node(id),
+            Form::Product(product) if product.loose => self.settle(product),
+            Form::Product(product) => product,
+            Form::Sum(sum) => self.settle_sum(sum),
+            Form::Node(id) => self.product_of_node(id),
         }
     }
 
@@ -37,7 +37,8 @@ impl Rewriter<'_> {
         if let Some(number) = self.exact(id) {
             return Product { conditions, ..Product::number(number.clone()) };
         }
-        // A shared product stays one factor, so that it stays shared; a shared power shows its base.
+        // A shared product stays one factor, so that it stays shared; a shared power shows its
+        // base.
         match self.products.get(&id) {
             Some(product) if product.factors.len() == 1 => {
                 Product { conditions, ..product.clone() }
@@ -67,31 +68,30 @@ impl Rewriter<'_> {
     }
 
     /// A value as a product whose bases may still be merged.
-    pub(super) fn loose_product(&mut self, value: Value) -> Product {
+    pub(super) fn loose_product(&mut self, value: Form) -> Product {
         match value {
-            Value::Product(product) => product,
-            Value::Sum(_) | Value::Node(_) => self.product(value),
+            Form::Product(product) => product,
+            Form::Sum(_) | Form::Node(_) => self.product(value),
         }
     }
 
     /// `a / b`; left as written where `b` is the number 0.
-    pub(super) fn quotient(&mut self, a: Value, b: Value) -> Value {
+    pub(super) fn quotient(&mut self, a: Form, b: Form) -> Form {
         let a = self.loose_product(a);
         let b = self.product(b);
         if let Some(inverse) = b.raised(-1) {
-            return Value::Product(self.times(a, inverse));
+            return Form::Product(self.times(a, inverse));
         }
-        let a = self.node_of(Value::Product(a));
-        let b = self.node_of(Value::Product(b));
-        Value::Node(self.node(Op::Div, &[a, b]))
+        let a = self.node_of(Form::Product(a));
+        let b = self.node_of(Form::Product(b));
+        Form::Node(self.node(Op::Div, &[a, b]))
     }
 
     /// Merges equal bases and drops what exponents make needless, keeping the domain in conditions.
     pub(super) fn settle(&mut self, mut p: Product) -> Product {
         p.loose = false;
-        self.open_overlapping(&mut p);
         loop {
-            self.merge(&mut p);
+            Self::merge(&mut p);
             if !self.simplify_powers(&mut p) {
                 break;
             }
@@ -121,12 +121,12 @@ impl Rewriter<'_> {
         p
     }
 
-    fn merge(&self, p: &mut Product) {
+    fn merge(p: &mut Product) {
         p.factors.sort_unstable();
         let mut merged: Vec<Factor> = Vec::with_capacity(p.factors.len());
         for factor in p.factors.drain(..) {
             match merged.last_mut() {
-                Some(last) if last.base == factor.base && !self.known(factor.base).opaque => {
+                Some(last) if last.base == factor.base => {
                     last.nonzero |= factor.nonzero || last.exponent < 0 || factor.exponent < 0;
                     last.exponent += factor.exponent; // both far below 2^62
                 }
@@ -175,63 +175,14 @@ impl Rewriter<'_> {
         changed
     }
 
-    /// `u` where it is known to be ≥ 0: the restriction that says so does not narrow an enclosure, the maximum does.
+    /// `u` where it is known to be ≥ 0: the restriction that says so does not narrow an enclosure,
+    /// the maximum does.
     pub(super) fn nonneg_part(&mut self, u: NodeId) -> NodeId {
         if self.known(u).range.lo >= 0.0 {
             return u;
         }
         let zero = self.number(BigRational::zero());
         self.node(Op::Max, &[u.min(zero), u.max(zero)])
-    }
-
-    /// Replaces shared products by their factors where that lets bases merge.
-    fn open_overlapping(&self, p: &mut Product) {
-        let inner = |factor: &Factor| {
-            self.products.get(&factor.base).filter(|inner| {
-                inner.factors.first().is_some_and(|first| first.base != factor.base)
-                    && inner.conditions.is_empty()
-            })
-        };
-        if p.factors.len() < 2 || !p.factors.iter().any(|factor| inner(factor).is_some()) {
-            return;
-        }
-        let mut bases: Vec<NodeId> = p
-            .factors
-            .iter()
-            .flat_map(|factor| {
-                inner(factor)
-                    .into_iter()
-                    .flat_map(|inner| inner.factors.iter().map(|f| f.base))
-                    .chain(std::iter::once(factor.base))
-            })
-            .collect();
-        bases.sort_unstable();
-        let repeated = |base: NodeId| {
-            let at = bases.partition_point(|b| *b < base);
-            bases.get(at + 1) == Some(&base)
-        };
-        let mut opened = Vec::with_capacity(p.factors.len());
-        for factor in std::mem::take(&mut p.factors) {
-            let found = inner(&factor)
-                .filter(|inner| inner.factors.iter().any(|f| repeated(f.base)))
-                .and_then(|inner| inner.raised(factor.exponent))
-                .and_then(|inner| {
-                    Some((numbers::moderate(&inner.coefficient * &p.coefficient)?, inner))
-                });
-            match found {
-                Some((coefficient, inner)) => {
-                    p.coefficient = coefficient;
-                    opened.extend(
-                        inner
-                            .factors
-                            .into_iter()
-                            .map(|f| Factor { nonzero: f.nonzero || factor.nonzero, ..f }),
-                    );
-                }
-                None => opened.push(factor),
-            }
-        }
-        p.factors = opened;
     }
 
     /// The node of a settled product; its conditions are the caller's.
@@ -246,6 +197,7 @@ impl Rewriter<'_> {
             if p.coefficient.abs().is_one()
                 && let Some((constant, terms)) = self.sums.get(&base).cloned()
             {
+                // The opposite of a sum has the opposite terms: 7 operations of the gallery.
                 let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
                 return self.emit_sum(&-constant, &terms);
             }
@@ -266,18 +218,6 @@ impl Rewriter<'_> {
     }
 
     fn emit_factors(&mut self, p: &Product) -> NodeId {
-        if p.coefficient.is_negative()
-            && p.coefficient.abs().is_one()
-            && let Some(index) = self.difference_in(p)
-        {
-            // `−(a − b)·c = (b − a)·c`, without a negation.
-            let mut flipped = p.clone();
-            flipped.coefficient = BigRational::one();
-            let (constant, terms) = self.sums[&p.factors[index].base].clone();
-            let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
-            flipped.factors[index].base = self.emit_sum(&-constant, &terms);
-            return self.emit_factors(&flipped);
-        }
         let mut uniform = [None, None]; // above and below the line
         let mut varying = [Vec::new(), Vec::new()];
         for rank in [Rank::Constant, Rank::Uniform] {
@@ -335,7 +275,8 @@ impl Rewriter<'_> {
         self.node(Op::Div, &[above, b])
     }
 
-    /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight, and shorter.
+    /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight,
+    /// and shorter (4 operations of the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
         let common = powers.iter().fold(0, |gcd, (_, n)| greatest_common_divisor(gcd, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));

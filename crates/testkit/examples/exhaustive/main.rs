@@ -1,7 +1,9 @@
-//! Sweeps the native enclosures of functions of one variable over all finite floats and prints a table.
+//! Sweeps the native enclosures of functions of one variable over all finite floats and prints a
+//! table.
 //!
 //! `cargo run --release -p zeroset-testkit --example exhaustive` takes some minutes per function;
-//! `-- --stride 65537 sin cos` tries only floats whose bits are a multiple of 65537, for two functions.
+//! `-- --stride 65537 sin cos` tries only floats whose bits are a multiple of 65537, for two
+//! functions.
 
 mod sweep;
 
@@ -24,7 +26,7 @@ fn main() -> ExitCode {
         "",
         "floats",
         "violations",
-        "beyond 2^20",
+        "beyond 2^23",
         "unbounded",
         "too wide",
         "worst",

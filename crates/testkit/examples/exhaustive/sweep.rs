@@ -1,23 +1,23 @@
 //! Native enclosures of functions of one variable at every float, against correctly rounded values.
 //!
-//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding mode set to +∞,
-//! four floats a packet. What is true comes from `core-math` alone.
+//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding
+//! mode set to +∞, sixteen floats a batch. What is true comes from `core-math` alone.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
-use zeroset_eval::{Assumptions, Binding, BoxPacket, EnclosurePacket, IntervalKernel, LANES, Tape};
+use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Enclosures, Kernel, LANES, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{Axis, Graph};
-use zeroset_jit::NativeInterval;
+use zeroset_jit::Native;
 use zeroset_ops::Op;
 
-/// Packets per call of a kernel.
-const PACKETS: usize = 256;
 /// Floats that a thread takes at a time.
 const CHUNK: u64 = 1 << 16;
 /// Angles up to here are enclosed tightly; beyond, an enclosure is the function's range.
-const ANGLE_LIMIT: f32 = 1_048_576.0;
+const ANGLE_LIMIT: f32 = 8_388_608.0;
+/// Angles that never leave these bounds are reduced in fewer steps.
+const COMMON_LIMIT: f32 = 1_048_576.0;
 /// Sine and cosine have a text of their own for operands that never leave these bounds.
 const NEAR_LIMIT: f32 = 192.0;
 
@@ -49,7 +49,19 @@ pub fn functions() -> Vec<Function> {
     const REALS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
     const UNIT: [f64; 2] = [-1.0, 1.0];
     let all = |op, range, limit, truth| Function { op, truth, range, limit, within: None };
+    let wave = |op, range, truth, within| Function { within, ..all(op, range, ANGLE_LIMIT, truth) };
+    let sin = |x: f32| where_defined(true, core_math::sin(f64::from(x)), x == 0.0);
+    let cos = |x: f32| where_defined(true, core_math::cos(f64::from(x)), x == 0.0);
+    let tan = |x: f32| where_defined(true, core_math::tan(f64::from(x)), x == 0.0);
     vec![
+        wave(Op::Sin, UNIT, sin, None),
+        wave(Op::Sin, UNIT, sin, Some(COMMON_LIMIT)),
+        wave(Op::Sin, UNIT, sin, Some(NEAR_LIMIT)),
+        wave(Op::Cos, UNIT, cos, None),
+        wave(Op::Cos, UNIT, cos, Some(COMMON_LIMIT)),
+        wave(Op::Cos, UNIT, cos, Some(NEAR_LIMIT)),
+        wave(Op::Tan, REALS, tan, None),
+        wave(Op::Tan, REALS, tan, Some(COMMON_LIMIT)),
         all(Op::Sqrt, [0.0, f64::INFINITY], f32::MAX, |x| {
             let root = f64::from(x).sqrt();
             let is_exact = f64::from(root as f32) == root && root * root == f64::from(x);
@@ -62,7 +74,8 @@ pub fn functions() -> Vec<Function> {
             let is_exact = is_short && (root * root).mul_add(root, -f64::from(x)) == 0.0;
             where_defined(true, root, is_exact)
         }),
-        // A rational operand but 0 (1 for a logarithm) has an irrational value under these: Lindemann.
+        // A rational operand but 0 (1 for a logarithm) has an irrational value under these:
+        // Lindemann.
         all(Op::Exp, [0.0, f64::INFINITY], f32::MAX, |x| {
             where_defined(true, core_math::exp(f64::from(x)), x == 0.0)
         }),
@@ -80,27 +93,6 @@ pub fn functions() -> Vec<Function> {
             // 5¹⁰ is the last power of five with 24 bits.
             let is_power = (0..=10).any(|n| f64::from(x) == 10_f64.powi(n));
             where_defined(x > 0.0, value, is_power)
-        }),
-        all(Op::Sin, UNIT, ANGLE_LIMIT, |x| {
-            where_defined(true, core_math::sin(f64::from(x)), x == 0.0)
-        }),
-        all(Op::Cos, UNIT, ANGLE_LIMIT, |x| {
-            where_defined(true, core_math::cos(f64::from(x)), x == 0.0)
-        }),
-        Function {
-            within: Some(NEAR_LIMIT),
-            ..all(Op::Sin, UNIT, ANGLE_LIMIT, |x| {
-                where_defined(true, core_math::sin(f64::from(x)), x == 0.0)
-            })
-        },
-        Function {
-            within: Some(NEAR_LIMIT),
-            ..all(Op::Cos, UNIT, ANGLE_LIMIT, |x| {
-                where_defined(true, core_math::cos(f64::from(x)), x == 0.0)
-            })
-        },
-        all(Op::Tan, REALS, ANGLE_LIMIT, |x| {
-            where_defined(true, core_math::tan(f64::from(x)), x == 0.0)
         }),
         all(Op::Asin, REALS, f32::MAX, |x| {
             where_defined(x.abs() <= 1.0, core_math::asin(f64::from(x)), x == 0.0)
@@ -155,7 +147,8 @@ pub struct Report {
     pub unbounded: u64,
     /// The operand of smallest magnitude with such an enclosure.
     pub first_unbounded: Option<f32>,
-    /// Enclosures wider than the tightest by more ulps than the function's row allows, unbounded ones apart.
+    /// Enclosures wider than the tightest by more ulps than the function's row allows, unbounded
+    /// ones apart.
     pub wide: u64,
     /// The operand of smallest magnitude with such an enclosure.
     pub first_wide: Option<f32>,
@@ -212,7 +205,8 @@ impl Function {
         self.within.map_or(name.to_owned(), |limit| format!("{name}-{limit}"))
     }
 
-    /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`, on all processors.
+    /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`, on
+    /// all processors.
     ///
     /// # Panics
     /// If the processor is not supported or `stride` is 0.
@@ -225,7 +219,7 @@ impl Function {
             assumptions.domain = [Interval { lo: -f64::from(limit), hi: f64::from(limit) }; 3];
         }
         let tape = Tape::new(&graph, &[root], &assumptions);
-        let kernel = NativeInterval::compile(&tape, &Binding::empty()).expect("compiles");
+        let kernel = Native::new(tape, Binding::empty()).expect("compiles");
         let count = (1_u64 << 32).div_ceil(stride);
         let (next, total) = (AtomicU64::new(0), Mutex::new(Report::default()));
         let threads = thread::available_parallelism().map_or(1, usize::from);
@@ -250,23 +244,20 @@ impl Function {
 
     fn check(
         &self,
-        kernel: &dyn IntervalKernel,
+        kernel: &dyn Kernel<Enclose>,
         xs: impl Iterator<Item = f32>,
         report: &mut Report,
     ) {
         let xs: Vec<f32> = xs.filter(|x| x.abs() <= self.within.unwrap_or(f32::MAX)).collect();
-        let mut boxes = vec![BoxPacket::default(); PACKETS];
-        let mut out = vec![EnclosurePacket::default(); PACKETS];
-        for xs in xs.chunks(PACKETS * LANES) {
-            for (index, x) in xs.iter().enumerate() {
-                let (packet, lane) = (&mut boxes[index / LANES], index % LANES);
-                (packet.neg_lo[0][lane], packet.hi[0][lane]) = (-x, *x);
+        let (mut boxes, mut out) = (Boxes::default(), Enclosures::default());
+        for xs in xs.chunks(LANES) {
+            boxes.count = xs.len() as u32;
+            for (lane, x) in xs.iter().enumerate() {
+                (boxes.neg_lo[0][lane], boxes.hi[0][lane]) = (-x, *x);
             }
-            kernel.enclose(&boxes, &mut out);
-            for (index, &x) in xs.iter().enumerate() {
-                let (packet, lane) = (&out[index / LANES], index % LANES);
-                let (lo, hi) = (-packet.neg_lo[lane], packet.hi[lane]);
-                self.judge(x, lo, hi, Facts::from_bits(packet.facts[lane]), report);
+            kernel.ask(&boxes, &mut out);
+            for (lane, &x) in xs.iter().enumerate() {
+                self.judge(x, -out.neg_lo[lane], out.hi[lane], out.facts(lane), report);
             }
         }
     }

@@ -4,8 +4,8 @@ use super::line::{Along, Clip, Line};
 use super::{Certificate, Crossing, Reason, Unresolved};
 use crate::oracle::{BoxClaim, Defined, Oracle, Span};
 
-/// Pieces are not halved below this share of the ray's way through the box; those in which the function is smooth end
-/// where rounding hides what is going on, which is mostly earlier.
+/// Pieces are not halved below this share of the ray's way through the box; those in which the
+/// function is smooth end where rounding hides what is going on, which is mostly earlier.
 const SMALLEST: f64 = f64::from_bits((1023 - 44) << 52); // 2^-44
 
 /// More undecided pieces than this are one.
@@ -13,7 +13,8 @@ const MOST_UNRESOLVED: usize = 64;
 
 /// A Newton step that leaves more than this share of a piece is not worth its two remainders.
 const NEWTON_LEAVES: f64 = 0.5;
-/// By this share of its width a Newton step's result is widened, so that what is cut off can be proven empty.
+/// By this share of its width a Newton step's result is widened, so that what is cut off can be
+/// proven empty.
 const NEWTON_MARGIN: f64 = 0.125;
 
 /// What an evaluation says of a piece.
@@ -116,8 +117,8 @@ impl<'a> Search<'a> {
 
     /// Decides on neighbouring leaves, from the signs on either side.
     ///
-    /// At a common end of a leaf in which the function is defined and of a piece that has a sign, the function has a
-    /// value, and the value that sign.
+    /// At a common end of a leaf in which the function is defined and of a piece that has a sign,
+    /// the function has a value, and the value that sign.
     fn close(&mut self, cluster: Cluster, after: Option<Sign>, clip: &Clip) -> Option<Crossing> {
         let Cluster { near, far, before, reason } = cluster;
         let inside = clip.inner[0] <= near && far <= clip.inner[1];

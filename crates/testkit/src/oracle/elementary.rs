@@ -1,7 +1,8 @@
 //! Elementary functions over a small range of operands.
 //!
-//! A non-zero rational operand has an irrational value under exp, ln, sin, cos, tan, atan and the others of their kind
-//! (Lindemann), except for ln 1, so the exact cases named here are all there are.
+//! A non-zero rational operand has an irrational value under exp, ln, sin, cos, tan, atan and the
+//! others of their kind (Lindemann), except for ln 1, so the exact cases named here are all there
+//! are.
 
 use super::rounded::Rounded;
 use super::span::Span;
@@ -68,8 +69,8 @@ fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span
         _ => Rounded::inexact(f(x)),
     };
     let mut range = Span::hull(value(a.lo), value(a.hi));
-    // The slope has at most one zero here, so a change of its sign is the one extremum. A slope that
-    // is rounded correctly has the right sign, and is 0 only where it is exactly 0: at an end.
+    // The slope has at most one zero here, so a change of its sign is the one extremum. A slope
+    // that is rounded correctly has the right sign, and is 0 only where it is exactly 0: at an end.
     let (before, after) = (slope(a.lo), slope(a.hi));
     if before > 0.0 && after < 0.0 {
         range.hi = 1.0;
@@ -141,13 +142,15 @@ pub(super) fn atanh(a: Span) -> Span {
         .increasing(|x| Rounded::when(core_math::atanh(x), x == 0.0 || x.abs() == 1.0))
 }
 
-/// The angles of the points (x, y): every angle if they surround the origin or meet the cut from below.
+/// The angles of the points (x, y): every angle if they surround the origin or meet the cut from
+/// below.
 pub(super) fn atan2(y: Span, x: Span) -> Span {
     let everything = Span::new(-core::f64::consts::PI.next_up(), core::f64::consts::PI.next_up());
     if x.has_zero() && y.has_zero() || x.lo < 0.0 && y.lo < 0.0 && y.hi >= 0.0 {
         return everything;
     }
-    // No corner is the origin, and along each edge an angle is monotonic: the extremes are at corners.
+    // No corner is the origin, and along each edge an angle is monotonic: the extremes are at
+    // corners.
     let value = |y: f64, x: f64| {
         let (y, x) = (y + 0.0, x + 0.0);
         Rounded::when(core_math::atan2(y, x), y == 0.0 && x > 0.0)

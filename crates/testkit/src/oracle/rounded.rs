@@ -1,7 +1,7 @@
 //! Single operations of `f64` that know whether their result is exact.
 
-/// Below this magnitude the remainder of a product or quotient might underflow, and exactness is not
-/// claimed. Twice 53 bits below it there is still room above the smallest subnormal, 2⁻¹⁰⁷⁴.
+/// Below this magnitude the remainder of a product or quotient might underflow, and exactness is
+/// not claimed. Twice 53 bits below it there is still room above the smallest subnormal, 2⁻¹⁰⁷⁴.
 const REMAINDER_IS_SAFE: f64 = f64::from_bits((1023 - 900) << 52); // 2^-900
 
 /// A result of rounding to nearest (infinite if it overflowed).

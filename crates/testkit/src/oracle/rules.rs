@@ -74,8 +74,8 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     Claim::new(value, defined)
 }
 
-/// Whether `op` is certainly continuous where its value is `value`, given its operands' values and whether they are
-/// continuous. It is taken to be defined.
+/// Whether `op` is certainly continuous where its value is `value`, given its operands' values and
+/// whether they are continuous. It is taken to be defined.
 pub(super) fn is_continuous(
     op: Op,
     value: Claim,

@@ -46,7 +46,10 @@ impl Span {
     pub(crate) fn constant(value: &Constant) -> Self {
         match value {
             Constant::Exact(value) => rational(value),
-            Constant::Enclosed([lo, hi]) => Self::new(f64::from_bits(*lo), f64::from_bits(*hi)),
+            Constant::Named(_) | Constant::Enclosed(_) => {
+                let bounds = value.bounds();
+                Self::new(bounds.lo, bounds.hi)
+            }
         }
     }
 

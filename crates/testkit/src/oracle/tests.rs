@@ -431,7 +431,8 @@ fn powers_are_defined_as_the_table_says() {
     assert_eq!(at(0.0)[2].defined, No);
 }
 
-/// Every operation is undefined where an operand is, except the branch that is not chosen, and where another stands in.
+/// Every operation is undefined where an operand is, except the branch that is not chosen, and
+/// where another stands in.
 #[test]
 fn undefined_operands_spread() {
     for row in zeroset_ops::TABLE {

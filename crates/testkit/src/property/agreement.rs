@@ -4,31 +4,77 @@ use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Case, Ends, Place, Rng, minimise, pack_boxes};
 use std::fmt::Debug;
 use zeroset_eval::{
-    Assumptions, Binding, BoxPacket, EnclosurePacket, GradientKernel, GradientPacket,
-    IntervalKernel, LANES, PointKernel, PointPacket, Real, Reference, Tape, ValuePacket,
+    Assumptions, Binding, Boxes, Enclose, EncloseGradient, FindZeros, Input, Kernel, LANES, Lanes,
+    Output, Points, Question, Real, Reference, Sample, SampleGradient, Tape,
 };
-use zeroset_interval::Facts;
-use zeroset_ir::{Graph, NodeId, gradient, rewrite, simplify};
-use zeroset_jit::{NativeGradient, NativeInterval, NativePoint};
+use zeroset_ir::{gradient, rewrite, simplify};
+use zeroset_jit::Native;
+
+/// Compilation is superlinear, so that longer functions would take most of the time.
+const LONGEST: usize = 400;
 
 /// What kernels compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// Enclosures over boxes.
-    Intervals,
+    Bounds,
     /// Values at points.
-    Points,
+    Values,
     /// Values and derivatives at points.
     Gradients,
+    /// Where a function may vanish.
+    Zeros,
+    /// Where it may vanish, branch by branch. A function that does not jump is left out.
+    Branches,
+    /// Enclosures of function and derivatives over boxes.
+    GradientBounds,
 }
 
 impl Subject {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Intervals, Self::Points, Self::Gradients];
+    pub const ALL: [Self; 6] = [
+        Self::Bounds,
+        Self::Values,
+        Self::Gradients,
+        Self::Zeros,
+        Self::Branches,
+        Self::GradientBounds,
+    ];
+
+    /// Whether derivatives are computed.
+    pub fn is_differentiated(self) -> bool {
+        matches!(self, Self::Gradients | Self::GradientBounds)
+    }
+
+    /// The steps that compute this of a case: of its function as typed, or, if `simple`, made as
+    /// programs make them. `None` if they are too many, or there are none.
+    pub fn tape<T: Real>(self, simple: bool, case: &Case) -> Option<Tape<T>> {
+        let Assumptions { domain, parameters } = &case.assumptions;
+        let (mut graph, mut root) = (case.graph.clone(), case.root);
+        if simple {
+            let (simpler, roots) = rewrite(&graph, &[root], domain, parameters).ok()?;
+            (graph, root) = (simpler, roots[0]);
+        }
+        let mut roots = vec![root];
+        if self.is_differentiated() {
+            roots.extend(gradient(&mut graph, root));
+        }
+        if simple {
+            (graph, roots) = simplify(&graph, &roots, domain, parameters).ok()?;
+        }
+        if graph.reachable(&roots).iter().filter(|needed| **needed).count() >= LONGEST {
+            None
+        } else if self == Self::Branches {
+            Tape::branches(&graph, &roots, &case.assumptions)
+        } else {
+            Some(Tape::new(&graph, &roots, &case.assumptions))
+        }
+    }
 }
 
-/// Compares native code and reference in the precision `T` on `inputs` random inputs: of the function as typed, or as
-/// simplified if `simple`. A function that is too long is left out, and nothing compared.
+/// Compares native code and reference in the precision `T` on `inputs` random inputs: of the
+/// function as typed, or as simplified if `simple`. A function that is too long is left out, and
+/// nothing compared.
 ///
 /// # Errors
 /// The first input on which they differ, with a smaller case that still does.
@@ -42,163 +88,100 @@ pub fn agree<T: Adversarial>(
     rng: &mut Rng,
     inputs: usize,
 ) -> Result<Tally, Failure> {
+    let tape = |case: &Case| subject.tape::<T>(simple, case);
+    let (boxes, points) = (random_boxes, random_points);
     match subject {
-        Subject::Intervals => {
-            compare(case, simple, &random_boxes::<T>(case, rng, inputs), intervals)
+        Subject::Bounds => compare::<Enclose, T>(case, &tape, &batches(case, rng, inputs, boxes)),
+        Subject::Zeros | Subject::Branches => {
+            compare::<FindZeros, T>(case, &tape, &batches(case, rng, inputs, boxes))
         }
-        Subject::Points => compare(case, simple, &random_points::<T>(rng, inputs), points),
-        Subject::Gradients => compare(case, simple, &random_points::<T>(rng, inputs), gradients),
+        Subject::GradientBounds => {
+            compare::<EncloseGradient, T>(case, &tape, &batches(case, rng, inputs, boxes))
+        }
+        Subject::Values => compare::<Sample, T>(case, &tape, &batches(case, rng, inputs, points)),
+        Subject::Gradients => {
+            compare::<SampleGradient, T>(case, &tape, &batches(case, rng, inputs, points))
+        }
     }
 }
 
-/// Compilation is superlinear, so that longer functions would take most of the time.
-const LONGEST: usize = 400;
-
-/// The steps of a case's function, or of it and its derivatives.
-fn tape<T: Real>(case: &Case, simple: bool, derivatives: bool) -> Option<Tape<T>> {
-    let Assumptions { domain, parameters } = &case.assumptions;
-    let (mut graph, mut root) = (case.graph.clone(), case.root);
-    if simple {
-        let (simpler, roots) = rewrite(&graph, &[root], domain, parameters).ok()?;
-        (graph, root) = (simpler, roots[0]);
-    }
-    let mut roots = vec![root];
-    if derivatives {
-        roots.extend(gradient(&mut graph, root));
-    }
-    if simple {
-        (graph, roots) = simplify(&graph, &roots, domain, parameters).ok()?;
-    }
-    let is_short = |graph: &Graph, roots: &[NodeId]| {
-        graph.reachable(roots).iter().filter(|needed| **needed).count() < LONGEST
-    };
-    is_short(&graph, &roots).then(|| Tape::new(&graph, &roots, &case.assumptions))
-}
-
-/// Bindings are rarely undefined; enclosures inherit it.
-fn binding<T: Real>(case: &Case) -> Binding<T> {
-    let facts = match case.graph.len() % 16 {
-        0 => Facts::NONE,
-        1 => Facts::NOWHERE,
-        _ => Facts::TOTAL,
-    };
-    let values: Vec<_> = case.parameters.iter().map(|value| (*value, facts)).collect();
-    Binding::new(&values)
-}
-
-/// A kernel's four lanes of answers: four floats, exactly, and the bits of facts.
-trait Lanes: Default + Clone + Debug {
-    /// What the kernel computes in.
-    type Float: Real;
-    fn words(&self, lane: usize) -> ([f64; 4], u64);
-}
-
-impl<T: Real> Lanes for EnclosurePacket<T> {
-    type Float = T;
-
-    fn words(&self, lane: usize) -> ([f64; 4], u64) {
-        ([self.neg_lo[lane].into(), self.hi[lane].into(), 0.0, 0.0], self.facts[lane].into())
-    }
-}
-
-impl<T: Real> Lanes for ValuePacket<T> {
-    type Float = T;
-
-    fn words(&self, lane: usize) -> ([f64; 4], u64) {
-        ([self.value[lane].into(), 0.0, 0.0, 0.0], 0)
-    }
-}
-
-impl<T: Real> Lanes for GradientPacket<T> {
-    type Float = T;
-
-    fn words(&self, lane: usize) -> ([f64; 4], u64) {
-        let [x, y, z] = self.gradient.map(|lanes| lanes[lane].into());
-        ([self.value[lane].into(), x, y, z], 0)
-    }
-}
-
-fn same<O: Lanes>(a: &O, b: &O) -> bool {
-    (0..LANES).all(|lane| {
-        let ((a, a_facts), (b, b_facts)) = (a.words(lane), b.words(lane));
-        let floats = a.iter().zip(b).all(|(a, b)| *a == b || (a.is_nan() && b.is_nan()));
-        floats && a_facts == b_facts
-    })
-}
-
-/// Runs a case's native code and its reference over inputs; the flag says whether its graph is simplified first.
-type Both<I, O> = fn(&Case, bool, &[I]) -> Option<[Vec<O>; 2]>;
-
-fn intervals<T: Real>(
+/// Random batches with `inputs` lanes in use between them, often fewer than all of a batch.
+fn batches<I>(
     case: &Case,
-    simple: bool,
-    inputs: &[BoxPacket<T>],
-) -> Option<[Vec<EnclosurePacket<T>>; 2]> {
-    let (tape, binding) = (tape(case, simple, false)?, binding(case));
-    let mut out = [(); 2].map(|()| vec![EnclosurePacket::default(); inputs.len()]);
-    NativeInterval::compile(&tape, &binding).expect("compiles").enclose(inputs, &mut out[0]);
-    Reference::new(tape, binding).enclose(inputs, &mut out[1]);
-    Some(out)
+    rng: &mut Rng,
+    mut inputs: usize,
+    draw: fn(&Case, &mut Rng, usize) -> I,
+) -> Vec<I> {
+    let mut batches = Vec::new();
+    while inputs > 0 {
+        let count = if rng.bool() { LANES } else { rng.u32(1..=LANES as u32) as usize };
+        batches.push(draw(case, rng, count.min(inputs)));
+        inputs -= count.min(inputs);
+    }
+    batches
 }
 
-fn points<T: Real>(
-    case: &Case,
-    simple: bool,
-    inputs: &[PointPacket<T>],
-) -> Option<[Vec<ValuePacket<T>>; 2]> {
-    let (tape, binding) = (tape(case, simple, false)?, binding(case));
-    let mut out = [(); 2].map(|()| vec![ValuePacket::default(); inputs.len()]);
-    NativePoint::compile(&tape, &binding).expect("compiles").sample(inputs, &mut out[0]);
-    Reference::new(tape, binding).sample(inputs, &mut out[1]);
-    Some(out)
-}
-
-fn gradients<T: Real>(
-    case: &Case,
-    simple: bool,
-    inputs: &[PointPacket<T>],
-) -> Option<[Vec<GradientPacket<T>>; 2]> {
-    let (tape, binding) = (tape(case, simple, true)?, binding(case));
-    let mut out = [(); 2].map(|()| vec![GradientPacket::default(); inputs.len()]);
-    NativeGradient::compile(&tape, &binding).expect("compiles").gradient(inputs, &mut out[0]);
-    Reference::new(tape, binding).gradient(inputs, &mut out[1]);
-    Some(out)
-}
-
-fn random_boxes<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Vec<BoxPacket<T>> {
+fn random_boxes<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Boxes<T> {
     let regions: Vec<_> = (0..count).map(|_| case.random_box(rng)).collect();
-    pack_boxes(&regions)
+    pack_boxes(&regions).remove(0)
 }
 
 /// Samples assume nothing of the domain, so any point will do, infinite ones too.
-fn random_points<T: Adversarial>(rng: &mut Rng, count: usize) -> Vec<PointPacket<T>> {
-    let mut draw = |()| T::adversarial(rng, Ends::Infinite);
-    let packets = (0..count / LANES)
-        .map(|_| PointPacket { at: [[(); LANES]; 3].map(|lanes| lanes.map(&mut draw)) });
-    packets.collect()
+fn random_points<T: Adversarial>(_: &Case, rng: &mut Rng, count: usize) -> Points<T> {
+    let mut lanes = || Lanes([(); LANES].map(|()| T::adversarial(rng, Ends::Infinite)));
+    Points { at: [(); 3].map(|()| lanes()), count: count as u32 }
 }
 
-fn compare<I: Debug, O: Lanes>(
+/// Whether two answers are the same in the first `count` lanes.
+fn same<T: Real, B: Output<T>>(a: &B, b: &B, count: usize) -> bool {
+    let equal = |(a, b): (&T, &T)| a == b || ((*a).into().is_nan() && (*b).into().is_nan());
+    let quantities = (0..B::QUANTITIES)
+        .all(|number| a.quantity(number).iter().zip(&**b.quantity(number)).take(count).all(equal));
+    let unused = LANES - count;
+    let used = |batch: &B, number| batch.mask(number) << unused;
+    quantities && (0..B::MASKS).all(|number| used(a, number) == used(b, number))
+}
+
+/// The answers of native code and of the reference.
+fn both<Q: Question, T: Real>(
+    tape: Tape<T>,
     case: &Case,
-    simple: bool,
-    packets: &[I],
-    both: Both<I, O>,
-) -> Result<Tally, Failure> {
-    let Some([native, reference]) = both(case, simple, packets) else {
-        return Ok(Tally::default());
-    };
-    let compared = (packets.len() * LANES) as u64;
-    let mut pairs = native.iter().zip(&reference);
-    let Some(at) = pairs.position(|(a, b)| !same(a, b)) else {
+    inputs: &[Q::Input<T>],
+) -> [Vec<Q::Output<T>>; 2] {
+    let binding = Binding::new(&case.parameters);
+    let native = Native::<Q, T>::new(tape.clone(), binding.clone()).expect("compiles");
+    [native.ask_all(inputs), Reference::<Q, T>::new(tape, binding).ask_all(inputs)]
+}
+
+fn compare<Q: Question, T: Real>(
+    case: &Case,
+    tape: &dyn Fn(&Case) -> Option<Tape<T>>,
+    inputs: &[Q::Input<T>],
+) -> Result<Tally, Failure>
+where
+    Q::Input<T>: Debug,
+    Q::Output<T>: Debug,
+{
+    /// The first input on which they differ.
+    fn differing<Q: Question, T: Real>(
+        answers: &[Vec<Q::Output<T>>; 2],
+        inputs: &[Q::Input<T>],
+    ) -> Option<usize> {
+        let [native, reference] = answers;
+        let mut pairs = native.iter().zip(reference).zip(inputs);
+        pairs.position(|((a, b), input)| !same::<T, _>(a, b, input.count()))
+    }
+    let Some(steps) = tape(case) else { return Ok(Tally::default()) };
+    let compared = inputs.iter().map(|input| input.count() as u64).sum();
+    let Some(at) = differing::<Q, T>(&both::<Q, T>(steps, case, inputs), inputs) else {
         return Ok(Tally { compared, defined: compared });
     };
-    let packet = &packets[at..=at];
-    let mut differs = |case: &Case| {
-        both(case, simple, packet)
-            .is_some_and(|[native, reference]| !same(&native[0], &reference[0]))
-    };
+    let input = &inputs[at..=at];
+    let answers = |case: &Case| Some(both::<Q, T>(tape(case)?, case, input));
+    let mut differs =
+        |case: &Case| answers(case).is_some_and(|both| differing::<Q, T>(&both, input).is_some());
     let least = minimise(case, &mut differs);
-    let answers = both(&least, simple, packet);
-    let case = least.describe::<O::Float>(&Place::At([0.0; 3]));
-    Err(Failure::new(format!("{case}\n{packet:?}\n{answers:#?}")))
+    let answers = answers(&least);
+    let case = least.describe::<T>(&Place::At([0.0; 3]));
+    Err(Failure::new(format!("{}: {case}\n{input:?}\n{answers:#?}", Q::NAME)))
 }

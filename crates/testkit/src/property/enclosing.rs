@@ -2,29 +2,27 @@
 
 use crate::suite::{Failure, Tally, check_interval_case};
 use crate::{Adversarial, Case, Rng};
-use zeroset_eval::{Binding, IntervalKernel, Real, Tape};
-use zeroset_interval::Facts;
+use zeroset_eval::{Binding, Enclose, Kernel, Real, Tape};
 use zeroset_ir::{rewrite, simplify};
-use zeroset_jit::NativeInterval;
+use zeroset_jit::Native;
 
-/// Native code for a case, by the steps that lead from a document to a kernel: simplified over its domain, parameters
-/// bound. `None` if the graph is too large.
+/// Native code for a case, by the steps that lead from a document to a kernel: simplified over its
+/// domain, parameters bound. `None` if the graph is too large.
 ///
 /// # Panics
 /// If the code does not compile.
-pub fn native_interval<T: Real>(case: &Case) -> Option<Box<dyn IntervalKernel<T>>> {
+pub fn native_interval<T: Real>(case: &Case) -> Option<Box<dyn Kernel<Enclose, T>>> {
     let bounds = &case.assumptions;
     let (graph, roots) =
         rewrite(&case.graph, &[case.root], &bounds.domain, &bounds.parameters).ok()?;
     let (graph, roots) = simplify(&graph, &roots, &bounds.domain, &bounds.parameters).ok()?;
     let tape = Tape::new(&graph, &roots, bounds);
-    let values: Vec<_> = case.parameters.iter().map(|value| (*value, Facts::TOTAL)).collect();
-    let kernel = NativeInterval::compile(&tape, &Binding::new(&values)).expect("compiles");
-    Some(Box::new(kernel))
+    Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
 }
 
-/// Asks native code of a case about `boxes` random boxes: the oracle's enclosure at points of a box, of the unsimplified
-/// graph, must meet the code's enclosure of that box, and the code's claims must be true there.
+/// Asks native code of a case about `boxes` random boxes: the oracle's enclosure at points of a
+/// box, of the unsimplified graph, must meet the code's enclosure of that box, and the code's
+/// claims must be true there.
 ///
 /// # Errors
 /// The first contradiction, made smaller, with a line that reproduces it.

@@ -4,8 +4,8 @@ use super::scene::{Scene, describe};
 use crate::certified::{Certificate, Entry, Function, Line};
 use crate::suite::{Failure, Tally};
 
-/// What a picture says of one ray. Distances are multiples of the line's direction. A solid also has zeros where its
-/// inside meets the region's faces.
+/// What a picture says of one ray. Distances are multiples of the line's direction. A solid also
+/// has zeros where its inside meets the region's faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Claimed {
     /// There is no zero.
@@ -28,7 +28,8 @@ pub struct Pixel {
 /// Evaluations per ray: what takes more remains undecided.
 const BUDGET: u32 = 4000;
 
-/// Parts by which a distance may be off: by a few roundings of the floats in which it was computed.
+/// Parts by which a distance in world units, plus 1, may be off: by a few roundings of the floats
+/// in which it was computed.
 fn rounding(scene: &Scene) -> f64 {
     if scene.double { 1e-12 } else { 1e-6 }
 }
@@ -50,8 +51,8 @@ impl Certain {
     }
 }
 
-/// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds each claim against what
-/// is certain of that ray. `defined` counts rays with a certain crossing.
+/// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds
+/// each claim against what is certain of that ray. `defined` counts rays with a certain crossing.
 ///
 /// # Errors
 /// The first false claim.
@@ -66,21 +67,21 @@ pub fn picture(
         let certain = Certain::of(&function, scene, &pixel.line);
         tally.compared += 1;
         tally.defined += u64::from(certain.zeros.crossing.is_some());
-        let Some(what) = contradiction(scene, pixel.claimed, &certain) else { continue };
-        if is_stable(&function, scene, pixel) {
-            let (i, j) = (index % scene.size[0], index / scene.size[0]);
-            return Err(Failure::new(format!(
-                "{what}: {:?}, but {certain:?}\n{scene}\ncolumn {i}, row {j}: {}",
-                pixel.claimed,
-                describe(&pixel.line),
-            )));
-        }
+        let Some(what) = contradiction(scene, pixel, &certain) else { continue };
+        let (i, j) = (index % scene.size[0], index / scene.size[0]);
+        return Err(Failure::new(format!(
+            "{what}: {:?}, but {certain:?}\n{scene}\ncolumn {i}, row {j}: {}",
+            pixel.claimed,
+            describe(&pixel.line),
+        )));
     }
     Ok(tally)
 }
 
-fn contradiction(scene: &Scene, claimed: Claimed, certain: &Certain) -> Option<&'static str> {
-    let room = |distance: f64| rounding(scene) * (1.0 + distance);
+fn contradiction(scene: &Scene, pixel: &Pixel, certain: &Certain) -> Option<&'static str> {
+    let Pixel { line, claimed } = *pixel;
+    let unit = line.direction.iter().fold(0.0_f64, |length, part| length.hypot(*part)).recip();
+    let room = |distance: f64| rounding(scene) * (unit + distance);
     let passes = |at: f64, far: f64| at > far + room(far);
     if let Some(Entry { distance: (near, far), below: Some(true) }) = certain.face {
         return match claimed {
@@ -106,20 +107,4 @@ fn contradiction(scene: &Scene, claimed: Claimed, certain: &Certain) -> Option<&
         }
         Claimed::Miss | Claimed::Hit(_) | Claimed::Undecided(_) => None,
     }
-}
-
-/// Whether the claim is false of the neighbouring lines as well: a camera's directions are rounded, and the line that
-/// was followed may differ from the one that was told by a rounding of each number.
-fn is_stable(function: &Function, scene: &Scene, pixel: &Pixel) -> bool {
-    let moves = [f64::next_up, f64::next_down];
-    (0..8).all(|which| {
-        let mut line = pixel.line;
-        for (axis, value) in line.direction.iter_mut().enumerate() {
-            // A component that is 0 is so exactly.
-            if *value != 0.0 {
-                *value = moves[which >> axis & 1](*value);
-            }
-        }
-        contradiction(scene, pixel.claimed, &Certain::of(function, scene, &line)).is_some()
-    })
 }

@@ -17,8 +17,8 @@ const PRINTED: Limits = Limits {
     surfaces: 1000,
 };
 
-/// Reads `data`; renders what is said about it; prints the statements read and reads them again: the trees and the
-/// graph must be the same. `defined` counts the texts that were accepted.
+/// Reads `data`; renders what is said about it; prints the statements read and reads them again:
+/// the trees and the graph must be the same. `defined` counts the texts that were accepted.
 ///
 /// # Errors
 /// What differs, and the text.

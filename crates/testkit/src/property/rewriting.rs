@@ -2,7 +2,7 @@
 
 use crate::suite::{Failure, Tally, contradiction};
 use crate::{Case, Defined, Oracle, Place, Rng, minimise, pack_boxes};
-use zeroset_eval::{Binding, EnclosurePacket, IntervalKernel, Reference, Tape};
+use zeroset_eval::{Binding, Enclose, Kernel, Reference, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{Graph, IrError, Node, NodeId, display, rewrite, simplify};
 use zeroset_ops::Op;
@@ -37,8 +37,8 @@ impl Versions {
     }
 }
 
-/// Compares a case's function with what is left of it after rewriting and after simplifying, by the oracle at points of
-/// its domain, and by the reference evaluator over boxes.
+/// Compares a case's function with what is left of it after rewriting and after simplifying, by the
+/// oracle at points of its domain, and by the reference evaluator over boxes.
 ///
 /// # Errors
 /// The first contradiction, with a smaller case that still shows it.
@@ -96,17 +96,17 @@ fn at(case: &Case, point: [f64; 3], values: &[(f64, f64)]) -> Option<String> {
 
 /// What the reference evaluator finds over a box.
 fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
-    // Only folding tells whether such an exponent is an integer, so the graph as typed means less to the evaluator.
+    // Only folding tells whether such an exponent is an integer, so the graph as typed means less
+    // to the evaluator.
     if has_computed_exponent(&case.graph) {
         return None;
     }
     let versions = Versions::of(case)?;
-    let values: Vec<_> = case.parameters.iter().map(|value| (*value, Facts::TOTAL)).collect();
     let enclose = |(graph, root): &(Graph, NodeId)| {
         let tape = Tape::new(graph, &[*root], &case.assumptions);
-        let mut out = [EnclosurePacket::default()];
-        Reference::new(tape, Binding::new(&values)).enclose(&pack_boxes(&[*region]), &mut out);
-        (-out[0].neg_lo[0], out[0].hi[0], out[0].facts(0))
+        let kernel = Reference::<Enclose, _>::new(tape, Binding::new(&case.parameters));
+        let answer = &kernel.ask_all(&pack_boxes(&[*region]))[0];
+        (-answer.neg_lo[0], answer.hi[0], answer.facts(0))
     };
     let (was, is) = (enclose(&versions.typed), enclose(&versions.simplified));
     let defined = [was, is].map(|(.., facts)| facts.has(Facts::DEFINED));

@@ -26,8 +26,8 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// A formula that can be typed, mostly one that has a zero near some point of the region; `None` if what was drawn
-    /// cannot be typed.
+    /// A formula that can be typed, mostly one that has a zero near some point of the region;
+    /// `None` if what was drawn cannot be typed.
     ///
     /// # Panics
     /// If what was printed does not read.
@@ -205,7 +205,56 @@ impl Scene {
         let packet = [4, 8, 16][rng.u32(0..3) as usize];
         let double = rng.bool();
         let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };
-        Some(Self { formula, eye, target, up, fov, size, depth, packet, double })
+        let mut scene = Self { formula, eye, target, up, fov, size, depth, packet, double };
+        if rng.u32(0..4) == 1 {
+            scene.be_extreme(rng);
+        }
+        Some(scene)
+    }
+
+    /// Moves the camera to where floats are short of digits or of range, mostly so that it still
+    /// sees what it saw.
+    fn be_extreme(&mut self, rng: &mut Rng) {
+        let way = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
+        let power = |rng: &mut Rng, most: i32| 10_f64.powi(rng.i32(1..=most));
+        let Self { eye, target, up, fov, .. } = self;
+        match rng.u32(0..5) {
+            // Far away, along an axis or anywhere, with rays so close together that they meet the
+            // region.
+            0 => {
+                let (aim, distance) = (self.formula.aim, power(rng, 99));
+                let only = rng.u32(0..6) as usize;
+                let back = way(*target, *eye);
+                for axis in 0..3 {
+                    let moves = only > 2 || only == axis;
+                    eye[axis] = aim[axis] + if moves { back[axis] * distance } else { 0.0 };
+                }
+                *target = aim;
+                if let Ok(degrees) = fov {
+                    *degrees /= distance;
+                }
+            }
+            // The target next to the eye.
+            1 => {
+                let distance = power(rng, 300);
+                *eye = [0.0; 3];
+                *target = target.map(|part| part / distance);
+            }
+            // The upward direction along the view, but for a little.
+            2 => {
+                let share = power(rng, 12);
+                let way = way(*eye, *target);
+                *up = [0, 1, 2].map(|axis| way[axis] + up[axis] / share);
+            }
+            // Next to nothing, or half of space.
+            3 => *fov = Ok(180.0 / power(rng, 12)),
+            _ => {
+                *fov = match rng.bool() {
+                    true => Ok(180.0 - 1.0 / power(rng, 14)),
+                    false => Err(power(rng, 200) / power(rng, 200)),
+                }
+            }
+        }
     }
 }
 

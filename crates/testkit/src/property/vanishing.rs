@@ -4,8 +4,7 @@ use super::scene::{Formula, describe};
 use crate::certified::{Crossing, Line};
 use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Rng, pack_boxes};
-use zeroset_eval::{EnclosurePacket, IntervalKernel};
-use zeroset_interval::Facts;
+use zeroset_eval::{FindZeros, Kernel};
 
 /// Lines tried on each formula, and boxes around each crossing.
 const LINES: usize = 6;
@@ -15,10 +14,10 @@ const BOXES: usize = 4;
 const BUDGET: u32 = 2000;
 
 /// Makes the kernel that tells where a formula may vanish; `None` if it has no surface.
-pub type MakeZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn IntervalKernel<T>>>;
+pub type MakeZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
 
-/// Asks the kernel that `make` gives for a formula about boxes around certain zeros: it must not say that there is none.
-/// `defined` counts the boxes.
+/// Asks the kernel that `make` gives for a formula about boxes around certain zeros: it must not
+/// say that there is none. `defined` counts the boxes.
 ///
 /// # Errors
 /// The first zero denied.
@@ -41,16 +40,12 @@ pub fn vanish<T: Adversarial>(
         }
         let Some(kernel) = &kernel else { return Ok(tally) };
         let regions: Vec<_> = (0..BOXES).map(|_| around(formula, &line, &crossing, rng)).collect();
-        let mut out = [EnclosurePacket::<T>::default()];
-        kernel.enclose(&pack_boxes(&regions), &mut out);
+        let zeros = &kernel.ask_all(&pack_boxes(&regions))[0];
         for (lane, region) in regions.iter().enumerate() {
             tally.defined += 1;
-            let (low, high, facts): (T, T, Facts) =
-                (-out[0].neg_lo[lane], out[0].hi[lane], out[0].facts(lane));
-            if facts.has(Facts::NOWHERE) || low > T::default() || high < T::default() {
+            if zeros.possible >> lane & 1 == 0 {
                 return Err(Failure::new(format!(
-                    "a zero denied: [{low:?}, {high:?}] {facts:?} over {region:?}, but {crossing:?} on\n\
-                     {}\n{formula}",
+                    "a zero denied over {region:?}, but {crossing:?} on\n{}\n{formula}",
                     describe(&line)
                 )));
             }
@@ -59,8 +54,8 @@ pub fn vanish<T: Adversarial>(
     Ok(tally)
 }
 
-/// A box that holds the piece of the line between the ends of a crossing, which is inside the region; not further
-/// outside than a rounding.
+/// A box that holds the piece of the line between the ends of a crossing, which is inside the
+/// region; not further outside than a rounding.
 fn around<T: Adversarial>(
     formula: &Formula,
     line: &Line,

@@ -103,8 +103,8 @@ fn exponent(rng: &mut Rng, adversarial: bool) -> Constant {
 }
 
 /// A constant as one might type it: a small integer, a short decimal, a ratio, π, τ, e or φ. If
-/// `adversarial`, also huge and tiny decimals, `f32` at which something goes wrong, integers that no
-/// float holds, and numbers known only by their bounds.
+/// `adversarial`, also huge and tiny decimals, `f32` at which something goes wrong, integers that
+/// no float holds, and numbers known only by their bounds.
 pub fn random_constant(rng: &mut Rng, adversarial: bool) -> Constant {
     let decimal = |text: String| Constant::decimal(&text).unwrap_or_else(|| Constant::integer(0));
     let kinds = if adversarial { 12 } else { 6 };

@@ -22,8 +22,9 @@ impl Rng {
         Self { bytes: Vec::new(), tail: fastrand::Rng::with_seed(seed) }
     }
 
-    /// Choices made by `data`: each uses as few bytes as can tell the possibilities apart, so a changed byte changes
-    /// one choice. When none are left, choices follow from a seed, the first four bytes.
+    /// Choices made by `data`: each uses as few bytes as can tell the possibilities apart, so a
+    /// changed byte changes one choice. When none are left, choices follow from a seed, the first
+    /// four bytes.
     pub fn from_bytes(data: &[u8]) -> Self {
         let (seed, choices) = data.split_at(data.len().min(SEED_BYTES));
         let seed = seed.iter().fold(0, |seed, byte| seed << 8 | u64::from(*byte));

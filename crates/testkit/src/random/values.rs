@@ -16,8 +16,8 @@ pub enum Ends {
 /// A float type of which adversarial numbers can be drawn.
 pub trait Adversarial: Real {
     /// A number at which something tends to go wrong: ±0, subnormals, ±1, ±`MAX`, integers, half
-    /// integers, multiples of π/2 and the ends of what `exp` can represent, with their neighbours; and
-    /// plain numbers of every magnitude. Never NaN; infinite only if `ends` allows it.
+    /// integers, multiples of π/2 and the ends of what `exp` can represent, with their neighbours;
+    /// and plain numbers of every magnitude. Never NaN; infinite only if `ends` allows it.
     fn adversarial(rng: &mut Rng, ends: Ends) -> Self;
     /// Uniform in [0, 1), with as many bits as the format has.
     fn uniform(rng: &mut Rng) -> Self;
@@ -53,7 +53,8 @@ macro_rules! adversarial {
                         nudge(rng, Self::nearest(f64::from(integer)))
                     }
                     9 => {
-                        // About where the format loses its fractions, and where conversion to i32 overflows.
+                        // About where the format loses its fractions, and where conversion to i32
+                        // overflows.
                         let power = [$mantissa - 1, $mantissa, $mantissa + 1, 31, 32, 63];
                         let power = power[below(rng, 6)];
                         nudge(rng, Self::nearest(2f64.powi(power)))
@@ -62,8 +63,8 @@ macro_rules! adversarial {
                         let half = f64::from(rng.u32(0..=12)) + 0.5;
                         nudge(rng, Self::nearest(half))
                     }
-                    // exp underflows, leaves the normal numbers, or overflows there; source: logarithms of
-                    // MAX, MIN_POSITIVE and of half the least subnormal.
+                    // exp underflows, leaves the normal numbers, or overflows there; source:
+                    // logarithms of MAX, MIN_POSITIVE and of half the least subnormal.
                     11 => {
                         let edge = $edges[below(rng, 3)];
                         nudge(rng, edge)

@@ -6,10 +6,10 @@ use crate::{
     Adversarial, Case, Claim, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal,
     minimise, pack_boxes,
 };
-use zeroset_eval::{EnclosurePacket, IntervalKernel, LANES};
+use zeroset_eval::{Enclose, Kernel, LANES};
 
-/// Makes an interval kernel of a case, parameters bound; `None` leaves the case out.
-pub type MakeCase<'a, T = f32> = &'a dyn Fn(&Case) -> Option<Box<dyn IntervalKernel<T>>>;
+/// Makes a kernel of a case, parameters bound; `None` leaves the case out.
+pub type MakeCase<'a, Q, T = f32> = &'a dyn Fn(&Case) -> Option<Box<dyn Kernel<Q, T>>>;
 
 /// Boxes per kernel and points per box: enough that compiling is a small part of the work.
 const BOXES: usize = 64;
@@ -24,7 +24,7 @@ const POINTS: usize = 6;
 /// # Errors
 /// The first contradiction, made smaller, with a line that reproduces it.
 pub fn check_interval_cases<T: Adversarial>(
-    make: MakeCase<T>,
+    make: MakeCase<Enclose, T>,
     effort: Effort,
     options: &GraphOptions,
 ) -> Result<Tally, Failure> {
@@ -49,7 +49,7 @@ pub fn check_interval_cases<T: Adversarial>(
 /// # Errors
 /// The first contradiction, made smaller, with a line that reproduces it.
 pub fn check_interval_case<T: Adversarial>(
-    make: MakeCase<T>,
+    make: MakeCase<Enclose, T>,
     case: &Case,
     rng: &mut Rng,
     boxes: usize,
@@ -58,16 +58,14 @@ pub fn check_interval_case<T: Adversarial>(
 }
 
 fn check<T: Adversarial>(
-    make: MakeCase<T>,
+    make: MakeCase<Enclose, T>,
     case: &Case,
-    kernel: &dyn IntervalKernel<T>,
+    kernel: &dyn Kernel<Enclose, T>,
     rng: &mut Rng,
     boxes: usize,
 ) -> Result<Tally, Failure> {
     let regions: Vec<_> = (0..boxes).map(|_| case.random_box(rng)).collect();
-    let packets = pack_boxes(&regions);
-    let mut enclosures = vec![EnclosurePacket::default(); packets.len()];
-    kernel.enclose(&packets, &mut enclosures);
+    let enclosures = kernel.ask_all(&pack_boxes(&regions));
     let oracle = Oracle::new(&case.graph, &[case.root]);
     let mut tally = Tally::default();
     for (index, region) in regions.iter().enumerate() {
@@ -92,17 +90,14 @@ fn contradicts(answer: &Answer, claim: Claim) -> Option<&'static str> {
 
 /// The contradiction in a case as small as can be.
 fn explain<T: Adversarial>(
-    make: MakeCase<T>,
+    make: MakeCase<Enclose, T>,
     case: &Case,
     region: &[[T; 2]; 3],
     point: [f64; 3],
     values: &[(f64, f64)],
 ) -> Failure {
     let ask = |case: &Case| {
-        let packets = pack_boxes(&[*region]);
-        let mut out = vec![EnclosurePacket::default(); 1];
-        make(case)?.enclose(&packets, &mut out);
-        let answer = Answer::of(&out[0], 0);
+        let answer = Answer::of(&make(case)?.ask_all(&pack_boxes(&[*region]))[0], 0);
         let claim = Oracle::new(&case.graph, &[case.root]).at(point, values)[0];
         contradicts(&answer, claim).map(|what| format!("{what} {claim:?}: {answer:?}"))
     };

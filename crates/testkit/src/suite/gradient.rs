@@ -1,9 +1,9 @@
 //! Gradient kernels: their derivatives agree with the slope between two values of the oracle.
 
 use super::subjects::{Subject, subjects};
-use super::{Failure, MakeGradient, Tally};
+use super::{Failure, Make, Tally};
 use crate::{Defined, Oracle, Place, Rng, reproduce_in};
-use zeroset_eval::{GradientPacket, LANES, PointPacket, Real};
+use zeroset_eval::{LANES, Points, Real, SampleGradient};
 use zeroset_ops::Op;
 
 /// Half the distance over which slopes are measured. Squared, times a third derivative, it is what
@@ -18,7 +18,7 @@ const STEP: f64 = 1.0 / (1 << 17) as f64;
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
 pub fn check_gradients<T: Real>(
-    make: MakeGradient<T>,
+    make: Make<SampleGradient, T>,
     seed: u64,
     points: u32,
     relative: f64,
@@ -29,14 +29,7 @@ pub fn check_gradients<T: Real>(
         let places: Vec<[f64; 3]> = (0..points)
             .map(|_| [(); 3].map(|()| f64::from(rng.i32(-1 << 20..1 << 20)) / f64::from(1 << 18)))
             .collect();
-        let mut packets = vec![PointPacket::default(); places.len().div_ceil(LANES)];
-        for (index, place) in places.iter().enumerate() {
-            for (axis, value) in place.iter().enumerate() {
-                packets[index / LANES].at[axis][index % LANES] = T::nearest(*value); // exact
-            }
-        }
-        let mut out = vec![GradientPacket::default(); packets.len()];
-        make(&subject.graph, subject.root).gradient(&packets, &mut out);
+        let out = make(&subject.graph, subject.root).ask_all(&Points::near(&places)); // exact
         let oracle = Oracle::new(&subject.graph, &[subject.root]);
         for (index, place) in places.iter().enumerate() {
             let point = *place;
@@ -65,8 +58,8 @@ pub fn check_gradients<T: Real>(
     Ok(tally)
 }
 
-/// The value and the slope along `axis`, if the function is defined around `point`, known well, and straight
-/// enough that the slopes to either side agree.
+/// The value and the slope along `axis`, if the function is defined around `point`, known well, and
+/// straight enough that the slopes to either side agree.
 fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option<(f64, f64)> {
     let value = |offset: f64| {
         let mut at = point;

@@ -1,12 +1,12 @@
 //! Interval kernels: their bounds hold the oracle's values, and their facts are true.
 
 use super::subjects::subjects;
-use super::{Failure, MakeInterval, Tally};
+use super::{Failure, Make, Tally};
 use crate::{
     Adversarial, Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
     point_in_box, random_box, random_graph, reproduce_in,
 };
-use zeroset_eval::{EnclosurePacket, LANES, Real};
+use zeroset_eval::{Enclose, Enclosures, LANES, Real};
 use zeroset_interval::Facts;
 use zeroset_ir::{Graph, NodeId};
 
@@ -18,7 +18,7 @@ const POINTS: u32 = 4;
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
 pub fn check_interval_ops<T: Adversarial>(
-    make: MakeInterval<T>,
+    make: Make<Enclose, T>,
     seed: u64,
     boxes: u32,
 ) -> Result<Tally, Failure> {
@@ -37,7 +37,7 @@ pub fn check_interval_ops<T: Adversarial>(
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
 pub fn check_interval_graphs<T: Adversarial>(
-    make: MakeInterval<T>,
+    make: Make<Enclose, T>,
     seed: u64,
     options: &GraphOptions,
     graphs: u32,
@@ -59,16 +59,14 @@ fn seeded(failure: &Failure, seed: u64) -> Failure {
 }
 
 fn check<T: Adversarial>(
-    make: MakeInterval<T>,
+    make: Make<Enclose, T>,
     rng: &mut Rng,
     graph: &Graph,
     root: NodeId,
     boxes: u32,
 ) -> Result<Tally, Failure> {
     let regions: Vec<_> = (0..boxes).map(|_| random_box::<T>(rng, Ends::Infinite)).collect();
-    let packets = pack_boxes(&regions);
-    let mut enclosures = vec![EnclosurePacket::default(); packets.len()];
-    make(graph, root).enclose(&packets, &mut enclosures);
+    let enclosures = make(graph, root).ask_all(&pack_boxes(&regions));
     let oracle = Oracle::new(graph, &[root]);
     let mut tally = Tally::default();
     for (index, region) in regions.iter().enumerate() {
@@ -98,16 +96,14 @@ pub(super) struct Answer {
     lo: f64,
     hi: f64,
     facts: Facts,
-    bits: u64,
 }
 
 impl Answer {
-    pub(super) fn of<T: Real>(packet: &EnclosurePacket<T>, lane: usize) -> Self {
+    pub(super) fn of<T: Real>(answers: &Enclosures<T>, lane: usize) -> Self {
         Self {
-            lo: -packet.neg_lo[lane].into(),
-            hi: packet.hi[lane].into(),
-            facts: packet.facts(lane),
-            bits: packet.facts[lane].into(),
+            lo: -answers.neg_lo[lane].into(),
+            hi: answers.hi[lane].into(),
+            facts: answers.facts(lane),
         }
     }
 
@@ -121,8 +117,6 @@ impl Answer {
             Err("a bound is NaN")
         } else if self.lo == f64::INFINITY || self.hi == f64::NEG_INFINITY {
             Err("a bound lies beyond all reals")
-        } else if self.bits != u64::from(self.facts.bits()) {
-            Err("unknown fact bits")
         } else if nowhere && self.claims_defined() {
             Err("defined and nowhere defined")
         } else if !nowhere && self.lo > self.hi {

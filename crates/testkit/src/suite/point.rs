@@ -1,20 +1,22 @@
-//! Point kernels: NaN exactly where an operation is undefined, and values within a stated tolerance.
+//! Point kernels: NaN exactly where an operation is undefined, and values within a stated
+//! tolerance.
 
 use super::subjects::{Subject, subjects};
-use super::{Failure, MakePoint, Tally};
+use super::{Failure, Make, Tally};
 use crate::{Adversarial, Claim, Defined, Ends, Oracle, Place, Rng, reproduce_in};
-use zeroset_eval::{LANES, PointPacket, Real, ValuePacket};
+use zeroset_eval::{LANES, Points, Real, Sample};
 use zeroset_ops::Op;
 
 /// Checks every operation alone at `points` adversarial points, whose coordinates are operands.
 ///
 /// `tolerance` says how far a value may lie from the oracle's bounds, or `None` to leave the value
-/// of this operation at this point unchecked. A value beyond the largest number of `T` may be infinite.
+/// of this operation at this point unchecked. A value beyond the largest number of `T` may be
+/// infinite.
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
 pub fn check_points<T: Adversarial>(
-    make: MakePoint<T>,
+    make: Make<Sample, T>,
     seed: u64,
     points: u32,
     tolerance: &dyn Fn(Op, [f64; 3], Claim) -> Option<f64>,
@@ -22,20 +24,12 @@ pub fn check_points<T: Adversarial>(
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
     for subject in subjects().into_iter().filter(Subject::fits::<T>) {
-        let places: Vec<[T; 3]> =
-            (0..points).map(|_| [(); 3].map(|()| T::adversarial(&mut rng, Ends::Finite))).collect();
-        let mut packets = vec![PointPacket::default(); places.len().div_ceil(LANES)];
-        for (index, place) in places.iter().enumerate() {
-            for (axis, value) in place.iter().enumerate() {
-                packets[index / LANES].at[axis][index % LANES] = *value;
-            }
-        }
-        let mut values = vec![ValuePacket::default(); packets.len()];
-        make(&subject.graph, subject.root).sample(&packets, &mut values);
+        let mut draw = || T::adversarial(&mut rng, Ends::Finite).into();
+        let places: Vec<[f64; 3]> = (0..points).map(|_| [(); 3].map(|()| draw())).collect();
+        let values = make(&subject.graph, subject.root).ask_all(&Points::near(&places)); // exact
         let oracle = Oracle::new(&subject.graph, &[subject.root]);
-        for (index, place) in places.iter().enumerate() {
+        for (index, &point) in places.iter().enumerate() {
             let value = values[index / LANES].value[index % LANES];
-            let point = place.map(Into::into);
             let claim = oracle.at(point, &[])[0];
             tally.compared += 1;
             tally.defined += u64::from(claim.defined == Defined::Yes);

@@ -7,7 +7,8 @@ use crate::{
 };
 use zeroset_ir::{Graph, NodeId};
 
-/// Rewrites the function `root` over a box: per axis, its lower and upper end. `None` leaves it out.
+/// Rewrites the function `root` over a box: per axis, its lower and upper end. `None` leaves it
+/// out.
 pub type Rewrite<'a> = &'a dyn Fn(&Graph, NodeId, &[[f32; 2]; 3]) -> Option<(Graph, NodeId)>;
 
 /// Points tried on each graph.

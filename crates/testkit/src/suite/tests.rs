@@ -1,8 +1,11 @@
 //! The suite must accept an honest kernel and catch each kind of lie.
 
 use super::*;
-use crate::{Claim, Defined, GraphOptions, Oracle};
-use zeroset_eval::{BoxPacket, EnclosurePacket, GradientPacket, LANES, PointPacket, ValuePacket};
+use crate::{Case, Claim, Defined, GraphOptions, Oracle};
+use zeroset_eval::{
+    Boxes, Enclose, EncloseGradient, Enclosures, GradientEnclosures, Gradients, LANES, Lanes,
+    Points, Sample, SampleGradient, Values,
+};
 use zeroset_interval::Facts;
 use zeroset_ops::Op;
 
@@ -15,19 +18,22 @@ struct Same {
     facts: Facts,
 }
 
-impl IntervalKernel for Same {
-    fn enclose(&self, boxes: &[BoxPacket], out: &mut [EnclosurePacket]) {
-        for (_, packet) in boxes.iter().zip(out) {
-            packet.neg_lo = [-self.lo; LANES];
-            packet.hi = [self.hi; LANES];
-            packet.facts = [self.facts.bits(); LANES];
-        }
+impl Kernel<Enclose> for Same {
+    fn ask(&self, _: &Boxes, answers: &mut Enclosures) {
+        let mask = |fact| if self.facts.has(fact) { u16::MAX } else { 0 };
+        *answers = Enclosures {
+            neg_lo: Lanes::splat(-self.lo),
+            hi: Lanes::splat(self.hi),
+            nowhere: mask(Facts::NOWHERE),
+            defined: mask(Facts::DEFINED),
+            continuous: mask(Facts::CONTINUOUS),
+        };
     }
 }
 
 fn verdict(lo: f32, hi: f32, facts: Facts) -> Result<Tally, Failure> {
     let make =
-        |_: &Graph, _: NodeId| -> Box<dyn IntervalKernel> { Box::new(Same { lo, hi, facts }) };
+        |_: &Graph, _: NodeId| -> Box<dyn Kernel<Enclose>> { Box::new(Same { lo, hi, facts }) };
     check_interval_ops(&make, SEED, 64)?;
     check_interval_graphs(&make, SEED, &GraphOptions::default(), 100, 16)
 }
@@ -74,41 +80,37 @@ impl Sampler {
     }
 }
 
-fn point(packet: &PointPacket, lane: usize) -> [f64; 3] {
-    packet.at.map(|axis| f64::from(axis[lane]))
+fn point(points: &Points, lane: usize) -> [f64; 3] {
+    points.at.map(|axis| f64::from(axis[lane]))
 }
 
-impl PointKernel for Sampler {
-    fn sample(&self, points: &[PointPacket], out: &mut [ValuePacket]) {
-        for (packet, out) in points.iter().zip(out) {
-            for lane in 0..LANES {
-                out.value[lane] = self.at(point(packet, lane)) as f32;
-            }
+impl Kernel<Sample> for Sampler {
+    fn ask(&self, points: &Points, answers: &mut Values) {
+        for lane in 0..LANES {
+            answers.value[lane] = self.at(point(points, lane)) as f32;
         }
     }
 }
 
-impl GradientKernel for Sampler {
-    fn gradient(&self, points: &[PointPacket], out: &mut [GradientPacket]) {
-        for (packet, out) in points.iter().zip(out) {
-            for lane in 0..LANES {
-                let here = point(packet, lane);
-                out.value[lane] = self.at(here) as f32;
-                for axis in 0..3 {
-                    let step = 1.0 / 262_144.0; // less than the check uses, so that it sees no more kinks
-                    let (mut before, mut after) = (here, here);
-                    before[axis] -= step;
-                    after[axis] += step;
-                    let slope = (self.at(after) - self.at(before)) / (2.0 * step);
-                    out.gradient[axis][lane] = slope as f32;
-                }
+impl Kernel<SampleGradient> for Sampler {
+    fn ask(&self, points: &Points, answers: &mut Gradients) {
+        for lane in 0..LANES {
+            let here = point(points, lane);
+            answers.value[lane] = self.at(here) as f32;
+            for axis in 0..3 {
+                let step = 1.0 / 262_144.0; // less than the check uses, so that it sees no more kinks
+                let (mut before, mut after) = (here, here);
+                before[axis] -= step;
+                after[axis] += step;
+                let slope = (self.at(after) - self.at(before)) / (2.0 * step);
+                answers.gradient[axis][lane] = slope as f32;
             }
         }
     }
 }
 
 fn points(spoil: fn(f64) -> f64) -> Result<Tally, Failure> {
-    let make = |graph: &Graph, root: NodeId| -> Box<dyn PointKernel> {
+    let make = |graph: &Graph, root: NodeId| -> Box<dyn Kernel<Sample>> {
         let graph = graph.clone();
         Box::new(Sampler { graph, root, spoil })
     };
@@ -131,7 +133,7 @@ fn wrong_values_are_caught() {
         let failure = points(spoil).expect_err(reason).to_string();
         assert!(failure.contains(reason), "{failure}");
     }
-    let make = |_: &Graph, _: NodeId| -> Box<dyn PointKernel> { Box::new(Zero) };
+    let make = |_: &Graph, _: NodeId| -> Box<dyn Kernel<Sample>> { Box::new(Zero) };
     let failure = check_points(&make, SEED, 100, &|_, _, _| None).expect_err("zero everywhere");
     assert!(failure.to_string().contains("a value where there is none"));
 }
@@ -139,26 +141,71 @@ fn wrong_values_are_caught() {
 /// Is 0 everywhere, with no slope.
 struct Zero;
 
-impl PointKernel for Zero {
-    fn sample(&self, _: &[PointPacket], _: &mut [ValuePacket]) {}
+impl Kernel<Sample> for Zero {
+    fn ask(&self, _: &Points, _: &mut Values) {}
 }
 
-impl GradientKernel for Zero {
-    fn gradient(&self, _: &[PointPacket], _: &mut [GradientPacket]) {}
+impl Kernel<SampleGradient> for Zero {
+    fn ask(&self, _: &Points, _: &mut Gradients) {}
 }
 
 #[test]
 fn wrong_gradients_are_caught() {
-    let make = |graph: &Graph, root: NodeId| -> Box<dyn GradientKernel> {
+    let make = |graph: &Graph, root: NodeId| -> Box<dyn Kernel<SampleGradient>> {
         let graph = graph.clone();
         let spoil = |value| value;
         Box::new(Sampler { graph, root, spoil })
     };
     let tally = check_gradients(&make, SEED, 50, 1e-3).unwrap_or_else(|fail| panic!("{fail}"));
     assert!(tally.defined > 10_000, "{tally:?}");
-    let make = |_: &Graph, _: NodeId| -> Box<dyn GradientKernel> { Box::new(Zero) };
+    let make = |_: &Graph, _: NodeId| -> Box<dyn Kernel<SampleGradient>> { Box::new(Zero) };
     let failure = check_gradients(&make, SEED, 50, 1e-3).expect_err("no slope");
     assert!(failure.to_string().contains("derivative 0 is 0e0"), "{failure}");
+}
+
+/// Says the same of the gradient over every box.
+#[derive(Clone, Copy)]
+struct Slope {
+    range: [f32; 2],
+    lipschitz: bool,
+    differentiable: bool,
+}
+
+impl Kernel<EncloseGradient> for Slope {
+    fn ask(&self, _: &Boxes, answers: &mut GradientEnclosures) {
+        let [lo, hi] = self.range;
+        let mask = |claim| if claim { u16::MAX } else { 0 };
+        *answers = GradientEnclosures {
+            neg_lo: Lanes::splat(f32::INFINITY),
+            hi: Lanes::splat(f32::INFINITY),
+            gradient_neg_lo: [Lanes::splat(-lo); 3],
+            gradient_hi: [Lanes::splat(hi); 3],
+            lipschitz: mask(self.lipschitz),
+            differentiable: mask(self.differentiable),
+        };
+    }
+}
+
+#[test]
+fn lies_about_slopes_are_caught() {
+    const ANY: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
+    let verdict = |range, lipschitz, differentiable| {
+        let slope = Slope { range, lipschitz, differentiable };
+        let make = |_: &Case| -> Option<Box<dyn Kernel<EncloseGradient>>> { Some(Box::new(slope)) };
+        check_slopes_of_ops(&make, SEED, 32)
+    };
+    let tally = verdict([1.0, 0.0], false, false).expect("claims nothing");
+    assert!(tally.compared > 10_000 && tally.defined == 0, "{tally:?}");
+    for (range, lipschitz, differentiable, reason) in [
+        (ANY, false, true, "not Lipschitz continuous"),
+        (ANY, true, false, "where undefined"),
+        ([1.0, 0.0], true, false, "not in order"),
+        ([0.0, 0.0], true, false, "slopes allow"),
+        ([-1e30, -2.0], true, false, "slopes allow"),
+    ] {
+        let failure = verdict(range, lipschitz, differentiable).expect_err(reason).to_string();
+        assert!(failure.contains(reason) && failure.contains("{\"f\":"), "{failure}");
+    }
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn scene(random: &mut Random) -> (Region, [Segment; 4]) {
         let aim = target + half * random.vector(spread);
         let direction = (aim - origin) * random.scale(2);
         let to = if random.next().is_multiple_of(4) { 0.9 } else { f64::INFINITY };
-        Segment { origin, direction, to }
+        Segment { ray: Ray { origin, direction }, to }
     });
     (region, segments)
 }
@@ -89,10 +89,11 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     let mut refused = 0_u32;
     for _ in 0..3_000 {
         let (region, segments) = scene(&mut random);
-        let Some(packet) = Packet::<T, 1>::new(&[segments], &region) else {
+        let mut packet = Packet::<T>::new(&region);
+        if !packet.take(&segments.each_ref(), &region) {
             refused += 1;
             continue;
-        };
+        }
         let Planes { k, start, extent, .. } = packet.planes;
         for _ in 0..6 {
             let level = random.next() % u64::from(T::MAX_DEPTH - 4);
@@ -105,7 +106,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
             };
             let at = |i: u64| T::nearest(i as f64 / count as f64);
             let planes = [at(index), at(index + 1), at(index + 2)];
-            let mut boxes = [[BoxPacket::default(); 1]; 2];
+            let mut boxes = Boxes::default();
             packet.boxes(planes, &mut boxes);
             for half in 0..2 {
                 // A place within the slab: an end, or anywhere between.
@@ -123,9 +124,10 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                     // extent is the rounded end − start: a plane anywhere near stands for the same slab's contents as
                     // long as it lies between the exact end planes.
                     let plane = exact(start) + &share * exact(extent);
-                    let t = (&plane - exact(segment.origin[k])) / exact(segment.direction[k]);
+                    let t =
+                        (&plane - exact(segment.ray.origin[k])) / exact(segment.ray.direction[k]);
                     let point: [BigRational; 3] = std::array::from_fn(|axis| {
-                        exact(segment.origin[axis]) + &t * exact(segment.direction[axis])
+                        exact(segment.ray.origin[axis]) + &t * exact(segment.ray.direction[axis])
                     });
                     let reached =
                         t >= exact(0.0) && (segment.to.is_infinite() || t <= exact(segment.to));
@@ -133,15 +135,15 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                         continue;
                     }
                     checked += 1;
-                    let meets = packet.groups[0].meets(planes[half], planes[half + 1]);
+                    let meets = packet.meets(planes[half], planes[half + 1]);
                     assert!(
                         meets >> lane & 1 == 1,
                         "out of range: {segment:?} {region:?} {planes:?}"
                     );
-                    assert!(packet.groups[0].outside() >> lane & 1 == 0, "{segment:?}");
+                    assert!(packet.outside() >> lane & 1 == 0, "{segment:?}");
                     for (axis, point) in point.iter().enumerate() {
-                        let lo = exact(-boxes[half][0].neg_lo[axis][lane].into());
-                        let hi = exact(boxes[half][0].hi[axis][lane].into());
+                        let lo = exact(-boxes.neg_lo[axis][RAYS * half + lane].into());
+                        let hi = exact(boxes.hi[axis][RAYS * half + lane].into());
                         assert!(
                             lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
@@ -158,12 +160,52 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
 #[test]
 fn rays_that_do_not_advance_together_are_refused() {
     let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("a box");
-    let ray = |direction: DVec3| Segment { origin: DVec3::ZERO, direction, to: f64::INFINITY };
-    let packet = |other| {
-        Packet::<f32, 1>::new(&[[ray(DVec3::X), ray(DVec3::X), ray(DVec3::X), ray(other)]], &region)
+    let ray = |direction: DVec3| Segment {
+        ray: Ray { origin: DVec3::ZERO, direction },
+        to: f64::INFINITY,
     };
-    assert!(packet(DVec3::new(1.0, 0.5, 0.0)).is_some());
-    assert!(packet(DVec3::NEG_X).is_none());
-    assert!(packet(DVec3::new(0.1, 1.0, 0.0)).is_none());
-    assert!(packet(DVec3::NAN).is_none());
+    let packet = |other| {
+        let three = ray(DVec3::X);
+        Packet::<f32>::new(&region).take(&[&three, &three, &three, &ray(other)], &region)
+    };
+    assert!(packet(DVec3::new(1.0, 0.5, 0.0)));
+    assert!(!packet(DVec3::NEG_X));
+    assert!(!packet(DVec3::new(0.1, 1.0, 0.0)));
+    assert!(!packet(DVec3::NAN));
+}
+
+/// Rays through the region's middle, exactly, from where coordinates overflow in `f32`, and their squares in `f64`.
+#[test]
+fn rays_from_very_far_keep_the_point_that_they_meet() {
+    from_very_far::<f32>(0x5eed_7006);
+    from_very_far::<f64>(0x5eed_7007);
+}
+
+fn from_very_far<T: Scalar>(seed: u64) {
+    println!("seed {seed:#x}");
+    let mut random = Random(seed);
+    let cube = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a box");
+    for exponent in 0..333 {
+        for offset in [None, Some(0.0), Some(0.5), Some(1e300)] {
+            let direction = random.vector(1.0);
+            let region = offset.map_or(cube, |offset| {
+                cube.with_clip(HalfSpace { normal: random.vector(1.0), offset }).expect("a plane")
+            });
+            let origin = -direction * 2_f64.powi(exponent);
+            let segment = Segment { ray: Ray { origin, direction }, to: f64::INFINITY };
+            let mut packet = Packet::<T>::new(&region);
+            assert!(packet.take(&[&segment; RAYS], &region), "together");
+            let half = T::halved(1);
+            let (zero, one) = (T::integer(0), T::integer(1));
+            let mut boxes = Boxes::default();
+            packet.boxes([zero, half, one], &mut boxes);
+            assert_eq!(packet.outside(), 0, "{segment:?} in {region:?}");
+            for (from, to, lane) in [(zero, half, 0), (half, one, RAYS)] {
+                assert_eq!(packet.meets(from, to), 15, "{segment:?} in {region:?}");
+                let holds =
+                    |axis: usize| boxes.neg_lo[axis][lane] >= zero && boxes.hi[axis][lane] >= zero;
+                assert!((0..3).all(holds), "{segment:?} in {region:?}: {boxes:?}");
+            }
+        }
+    }
 }

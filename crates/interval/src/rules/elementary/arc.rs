@@ -1,14 +1,15 @@
 //! Angles of ratios: asin, acos, atan, atan2.
 
-use super::sum::{Near, Sum};
-use super::wide::Text;
+use super::approximator::Approximator;
+use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
 const SIGN: u64 = 1 << 63;
 const TAN_EIGHTH_PI: f64 = std::f64::consts::SQRT_2 - 1.0;
 const TAN_THREE_EIGHTHS_PI: f64 = std::f64::consts::SQRT_2 + 1.0;
-/// π/4, π/2, 3π/4 and π, each with what the double nearest to it lacks; compared with π in the tests.
+/// π/4, π/2, 3π/4 and π, each with what the double nearest to it lacks; compared with π in the
+/// tests.
 const QUARTER: [f64; 2] = [std::f64::consts::FRAC_PI_4, f64::from_bits(0x3c81_a626_3314_5c07)];
 const HALF: [f64; 2] = [std::f64::consts::FRAC_PI_2, f64::from_bits(0x3c91_a626_3314_5c07)];
 const THREE_QUARTERS: [f64; 2] =
@@ -17,18 +18,20 @@ const WHOLE: [f64; 2] = [std::f64::consts::PI, f64::from_bits(0x3ca1_a626_3314_5
 /// What the doubles nearest to −1/3 and 1/6 lack.
 const MINUS_ONE_THIRD_TAIL: f64 = -f64::from_bits(0x3c75_5555_5555_5555);
 pub(super) const ONE_SIXTH_TAIL: f64 = f64::from_bits(0x3c65_5555_5555_5555);
-/// Points farther from the origin than the first, or nearer than the second, are scaled down or up, so that sums do not
-/// overflow and no remainder underflows but of a ratio below the last, which is its own angle.
+/// Points farther from the origin than the first, or nearer than the second, are scaled down or up,
+/// so that sums do not overflow and no remainder underflows but of a ratio below the last, which is
+/// its own angle.
 const FAR: f64 = f64::from_bits((1023 + 900) << 52); // 2^900
 const NEAR: f64 = f64::from_bits((1023 - 100) << 52); // 2^-100
 const SCALE: f64 = f64::from_bits((1023 + 500) << 52); // 2^500
 const TINY_RATIO: f64 = f64::from_bits((1023 - 800) << 52); // 2^-800
 
-impl<M: Machine> Text<'_, M> {
-    /// atan x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of [`Text::atan_reduced`].
+impl<M: Machine> Approximator<'_, M> {
+    /// atan x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of
+    /// [`Approximator::atan_reduced`].
     ///
     /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t): the quotient is at most tan π/8.
-    pub(crate) fn atan(&mut self, x: M::V) -> Near<M::V> {
+    pub(crate) fn atan(&mut self, x: M::V) -> Approximation<M::V> {
         let mut t = self.m.abs(x);
         if self.has_tails() {
             let finite = self.number(f64::MAX); // no remainder is ∞ − ∞
@@ -60,14 +63,14 @@ impl<M: Machine> Text<'_, M> {
         let sign = self.sign_of(x);
         let angle = self.flipped(angle, sign);
         let angle = self.or_tiny(x, angle);
-        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
+        Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
     /// atan u for |u| ≤ 0.41422, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
-    /// z = u² ≤ 0.17158: the tails z¹⁴/29 and z²²/45 are below 2⁻⁴⁰ and 2⁻⁶¹ of u. In `f64` the terms from z²/5 on are
-    /// rounded to a lane: 0.0053 of u, to 2⁻⁵² five times.
-    fn atan_reduced(&mut self, u: Sum<M::V>) -> Sum<M::V> {
+    /// z = u² ≤ 0.17158: the tails z¹⁴/29 and z²²/45 are below 2⁻⁴⁰ and 2⁻⁶¹ of u. In `f64` the
+    /// terms from z²/5 on are rounded to a lane: 0.0053 of u, to 2⁻⁵² five times.
+    fn atan_reduced(&mut self, u: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(13, 21);
         let coefficients: Vec<f64> = (1..=terms)
             .map(|n| if n % 2 == 0 { 1.0 } else { -1.0 } / (2.0 * f64::from(n) + 1.0))
@@ -75,9 +78,9 @@ impl<M: Machine> Text<'_, M> {
         self.odd_series(u, MINUS_ONE_THIRD_TAIL, &coefficients)
     }
 
-    /// asin x for |x| ≤ 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`: at most twice that of
-    /// [`Text::arc_sine`].
-    pub(crate) fn asin(&mut self, x: M::V) -> Near<M::V> {
+    /// asin x for |x| ≤ 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`: at most
+    /// twice that of [`Approximator::arc_sine`].
+    pub(crate) fn asin(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
         let half = self.constant(HALF);
         let minus_arc = self.opposite(arc);
@@ -86,12 +89,13 @@ impl<M: Machine> Text<'_, M> {
         let sign = self.sign_of(x);
         let angle = self.flipped(angle, sign);
         let angle = self.or_tiny(x, angle);
-        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
+        Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
     }
 
-    /// acos x for |x| ≤ 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of [`Text::arc_sine`], which is at
-    /// most half of a result with another term; exactly 0 at 1.
-    pub(crate) fn acos(&mut self, x: M::V) -> Near<M::V> {
+    /// acos x for |x| ≤ 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of
+    /// [`Approximator::arc_sine`], which is at most half of a result with another term; exactly 0
+    /// at 1.
+    pub(crate) fn acos(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
         // π/2 − asin x; beyond ½, 2 asin √… itself, and beyond −½, π less that.
         let sign_bit = self.m.bits(F64, SIGN);
@@ -106,15 +110,16 @@ impl<M: Machine> Text<'_, M> {
         let half = self.constant(HALF);
         let base = self.choose(beyond, straight, half);
         let angle = self.plus(base, arc);
-        Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
+        Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
-    /// For |x| ≤ ½, asin |x|; beyond, 2 asin √((1 − |x|)/2), and the mask of those lanes. To 2⁻³⁵ in `f32`, 2⁻⁵⁷ in
-    /// `f64`.
+    /// For |x| ≤ ½, asin |x|; beyond, 2 asin √((1 − |x|)/2), and the mask of those lanes. To 2⁻³⁵
+    /// in `f32`, 2⁻⁵⁷ in `f64`.
     ///
-    /// The argument w of the series has w² ≤ ¼: its tails, 1.34·c₁₄·w²⁸ and 1.34·c₂₆·w⁵², are below 2⁻³⁵ and 2⁻⁶⁰ of w. In
-    /// `f64` the terms from 3w⁴/40 on are rounded to a lane: 0.006 of w, to 2⁻⁵² five times.
-    fn arc_sine(&mut self, x: M::V) -> (Sum<M::V>, M::V) {
+    /// The argument w of the series has w² ≤ ¼: its tails, 1.34·c₁₄·w²⁸ and 1.34·c₂₆·w⁵², are below
+    /// 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on are rounded to a lane: 0.006 of w, to
+    /// 2⁻⁵² five times.
+    fn arc_sine(&mut self, x: M::V) -> (DoubleDouble<M::V>, M::V) {
         let t = self.m.abs(x);
         let (one, half) = (self.number(1.0), self.number(0.5));
         let beyond = self.m.lt(half, t);
@@ -137,11 +142,12 @@ impl<M: Machine> Text<'_, M> {
         (self.scaled(arc, factor), beyond)
     }
 
-    /// The angle of the point (x, y), at most one of which is infinite: above the x-axis or on it where the sign bit
-    /// of y is clear, below it or on it otherwise; and left of the y-axis or on it where that of x is set.
+    /// The angle of the point (x, y), at most one of which is infinite: above the x-axis or on it
+    /// where the sign bit of y is clear, below it or on it otherwise; and left of the y-axis or on
+    /// it where that of x is set.
     ///
     /// Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`, but 2⁻⁵² more below [`TINY_RATIO`].
-    pub(crate) fn angle(&mut self, y: M::V, x: M::V) -> Near<M::V> {
+    pub(crate) fn angle(&mut self, y: M::V, x: M::V) -> Approximation<M::V> {
         let (t, c) = self.moderate(y, x);
         let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
         let (low, high) = (self.m.mul(c, low), self.m.mul(c, high));
@@ -179,8 +185,8 @@ impl<M: Machine> Text<'_, M> {
         let mut angle = self.plus(base, arc);
         let mut extra = None;
         if self.has_tails() {
-            // Next to the positive x-axis the angle is the ratio, as it was rounded: by an ulp, or to the least positive
-            // number, also where scaling down has rounded |y|.
+            // Next to the positive x-axis the angle is the ratio, as it was rounded: by an ulp, or
+            // to the least positive number, also where scaling down has rounded |y|.
             let tiny = self.number(TINY_RATIO);
             let magnitude = self.m.abs(angle.head);
             let is_tiny = self.m.lt(magnitude, tiny);
@@ -190,10 +196,14 @@ impl<M: Machine> Text<'_, M> {
         }
         let sign = self.sign_of(y);
         let angle = self.flipped(angle, sign);
-        Near { extra, ..Near::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55))) }
+        Approximation {
+            extra,
+            ..Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
+        }
     }
 
-    /// |y| and |x| at a distance from the origin that is neither huge nor tiny, infinite ones replaced.
+    /// |y| and |x| at a distance from the origin that is neither huge nor tiny, infinite ones
+    /// replaced.
     fn moderate(&mut self, y: M::V, x: M::V) -> (M::V, M::V) {
         let (t, c) = (self.m.abs(y), self.m.abs(x));
         let (zero, one, infinity) =
@@ -216,9 +226,9 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// A constant where the mask is set, else 0.
-    fn masked(&mut self, mask: M::V, constant: [f64; 2]) -> Sum<M::V> {
+    fn masked(&mut self, mask: M::V, constant: [f64; 2]) -> DoubleDouble<M::V> {
         let constant = self.constant(constant);
-        self.each(constant, |text, part| text.m.and(mask, part))
+        self.each(constant, |approx, part| approx.m.and(mask, part))
     }
 }
 

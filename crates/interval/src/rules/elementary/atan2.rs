@@ -1,32 +1,34 @@
 //! The angle of a box in the plane.
 //!
-//! Above the x-axis an angle grows from right to left; right of the y-axis it grows with y, left of it it falls. So its
-//! extremes over a box are at two corners, unless the box meets the cut, where angles jump between π and −π.
+//! Above the x-axis an angle grows from right to left; right of the y-axis it grows with y, left of
+//! it it falls. So its extremes over a box are at two corners, unless the box meets the cut, where
+//! angles jump between π and −π.
 
-use super::wide::Text;
+use super::approximator::Approximator;
+use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
-use crate::part::Part;
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// The angle of (b, a) from (1, 0), in (−π, π]; cut on a = 0, b < 0, undefined at the origin. Of a box that meets the
-    /// cut from both sides, the low part is below the x-axis and the rest is on it or above.
+    /// The angle of (b, a) from (1, 0), in (−π, π]; cut on a = 0, b < 0, undefined at the origin.
+    /// Of a box that meets the cut from both sides, the low branch is below the x-axis and the rest
+    /// is on it or above.
     pub(in crate::rules) fn atan2(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
-        part: Part,
+        branch: Branch,
     ) -> Enclosure<M::V> {
         let zero = self.zero();
         // Zeros are positive where they are ends on the right, and above.
         let (mut y_lo, mut y_hi) = (self.lo(&a.value), self.m.add(a.value.hi, zero));
         let cut = self.meets_cut(a, b);
         if let Fact::Lanes(cut) = cut {
-            match part {
-                Part::Whole | Part::Middle => {}
-                Part::Low => y_hi = self.m.select(cut, zero, y_hi),
-                Part::Rest | Part::High => y_lo = self.m.select(cut, zero, y_lo),
+            match branch {
+                Branch::Whole | Branch::Middle => {}
+                Branch::Low => y_hi = self.m.select(cut, zero, y_hi),
+                Branch::Rest | Branch::High => y_lo = self.m.select(cut, zero, y_lo),
             }
         }
         let (x_lo, x_hi) = (self.lo(&b.value), b.value.hi);
@@ -35,8 +37,9 @@ impl<M: Machine> Rule<'_, M> {
         let right = self.m.le(zero, x_lo);
         let reaches_right = self.gt(x_hi, zero);
         let sign_bit = self.sign_bit();
-        // Above the axis the least angle is at the right end, the greatest at the left; each at the y that the sign
-        // of x picks. Below the axis, where angles are negative, it is the other way round, with y mirrored.
+        // Above the axis the least angle is at the right end, the greatest at the left; each at the
+        // y that the sign of x picks. Below the axis, where angles are negative, it is the other
+        // way round, with y mirrored.
         let at_right_upper = self.m.select(reaches_right, y_lo, y_hi);
         let at_left_upper = self.m.select(right, y_hi, y_lo);
         let at_right_lower = self.m.select(reaches_right, y_hi, y_lo);
@@ -59,7 +62,7 @@ impl<M: Machine> Rule<'_, M> {
         let pi = self.pi_above();
         let (mut neg_lo, mut hi) = (self.m.min(neg_lo, pi), self.m.min(hi, pi));
         let mut smooth = Fact::True;
-        if let (Fact::Lanes(cut), Part::Whole | Part::Middle) = (cut, part) {
+        if let (Fact::Lanes(cut), Branch::Whole | Branch::Middle) = (cut, branch) {
             neg_lo = self.m.select(cut, pi, neg_lo);
             hi = self.m.select(cut, pi, hi);
             smooth = Fact::Lanes(self.not(cut));
@@ -80,15 +83,15 @@ impl<M: Machine> Rule<'_, M> {
     /// −lo and hi from the corners (y, x) with the least and the greatest angle.
     fn angles(&mut self, least: [M::V; 2], greatest: [M::V; 2]) -> [M::V; 2] {
         let target = self.format;
-        let at = |text: &mut Text<'_, M>, [y, x]: [M::V; 2]| {
-            let near = text.angle(y, x);
-            [text.negated_lower(&near), text.upper(&near)]
+        let at = |approx: &mut Approximator<'_, M>, [y, x]: [M::V; 2]| {
+            let near = approx.angle(y, x);
+            [approx.negated_lower(&near), approx.upper(&near)]
         };
         match target {
             Format::F64 => {
                 let rows = [least, greatest];
                 let [[neg_lo, _], [_, hi]] =
-                    self.m.repeat(rows, |m, corner| at(&mut Text { m, target }, corner));
+                    self.m.repeat(rows, |m, corner| at(&mut Approximator { m, target }, corner));
                 [neg_lo, hi]
             }
             Format::F32 => {
@@ -96,7 +99,7 @@ impl<M: Machine> Rule<'_, M> {
                 let [[v0, v1], [u0, u1]] = greatest.map(|part| self.m.widen(part));
                 let rows = [[y0, x0], [y1, x1], [v0, u0], [v1, u1]];
                 let [l0, l1, h0, h1] =
-                    self.m.repeat(rows, |m, corner| at(&mut Text { m, target }, corner));
+                    self.m.repeat(rows, |m, corner| at(&mut Approximator { m, target }, corner));
                 [self.m.narrow([l0[0], l1[0]]), self.m.narrow([h0[1], h1[1]])]
             }
         }

@@ -1,17 +1,18 @@
 //! The exponential, powers with a real exponent, and the cube root.
 
+use super::approximator::{Approximator, LN_2_HI, LN_2_LO};
+use super::double_double::{Approximation, DoubleDouble};
 use super::logarithm::Base;
-use super::sum::{Near, Sum};
-use super::wide::{LN_2_HI, LN_2_LO, Text};
 use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
 /// Clears all but 17 bits of a significand, so that a cube is exact.
 const UPPER_THIRD: u64 = !((1 << 36) - 1);
-/// Exponents beyond this saturate a power of any base but 1, and products with a logarithm are floats.
+/// Exponents beyond this saturate a power of any base but 1, and products with a logarithm are
+/// floats.
 const HUGE_EXPONENT: f64 = f64::from_bits((1023 + 600) << 52); // 2^600
 
-impl<M: Machine> Text<'_, M> {
+impl<M: Machine> Approximator<'_, M> {
     /// `[−lo, hi]` of the exponential of `[−lo, hi]`; infinite ends are allowed.
     pub(crate) fn exp(&mut self, [neg_lo, hi]: [M::V; 2]) -> [M::V; 2] {
         let lo = self.m.neg(neg_lo);
@@ -29,7 +30,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// exp(x), near enough.
-    pub(crate) fn exp_near(&mut self, x: impl Into<Sum<M::V>>) -> M::V {
+    pub(crate) fn exp_near(&mut self, x: impl Into<DoubleDouble<M::V>>) -> M::V {
         let x = x.into();
         match self.target {
             Format::F32 => {
@@ -43,8 +44,13 @@ impl<M: Machine> Text<'_, M> {
         }
     }
 
-    /// k and x − k·ln 2 for the nearest k, |x − k·ln 2| ≤ 0.3467; x is limited to between `least` and `most`.
-    fn exponent_and_rest(&mut self, x: Sum<M::V>, [least, most]: [f64; 2]) -> (M::V, Sum<M::V>) {
+    /// k and x − k·ln 2 for the nearest k, |x − k·ln 2| ≤ 0.3467; x is limited to between `least`
+    /// and `most`.
+    fn exponent_and_rest(
+        &mut self,
+        x: DoubleDouble<M::V>,
+        [least, most]: [f64; 2],
+    ) -> (M::V, DoubleDouble<M::V>) {
         let (least, most) = (self.number(least), self.number(most));
         let head = self.m.max(x.head, least);
         let head = self.m.min(head, most);
@@ -70,7 +76,8 @@ impl<M: Machine> Text<'_, M> {
         (k, rest)
     }
 
-    /// exp(x) · factor in `f32`, each operation on the product rounded up; relative error below [`EXP_ERROR_F32`].
+    /// exp(x) · factor in `f32`, each operation on the product rounded up; relative error below
+    /// [`EXP_ERROR_F32`].
     fn exp_times(&mut self, x: M::V, factor: M::V) -> M::V {
         // Past these, results overflow or underflow the target whatever x is.
         let (k, r) = self.exponent_and_rest(x.into(), [-160.0, 128.0]);
@@ -83,9 +90,10 @@ impl<M: Machine> Text<'_, M> {
 
     /// exp(x) in `f64`. Relative error below 2⁻⁵⁵.
     ///
-    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on are rounded to a lane: 0.0072, to six ulps, over 0.707:
-    /// 0.061 · 2⁻⁵². The tail of x is at most a few ulps of it, where the result is a float.
-    pub(super) fn exp_of(&mut self, x: Sum<M::V>) -> Near<M::V> {
+    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on are rounded to a lane: 0.0072, to six
+    /// ulps, over 0.707: 0.061 · 2⁻⁵². The tail of x is at most a few ulps of it, where the result
+    /// is a float.
+    pub(super) fn exp_of(&mut self, x: DoubleDouble<M::V>) -> Approximation<M::V> {
         let (k, r) = self.exponent_and_rest(x, [-760.0, 720.0]);
         let (one, half) = (self.number(1.0), self.number(0.5));
         let square = self.times(r, r);
@@ -96,14 +104,14 @@ impl<M: Machine> Text<'_, M> {
         let sum = self.plus(one, r);
         let sum = self.plus(sum, square_half);
         let sum = self.plus(sum, later);
-        Near { exponent: Some(k), ..Near::new(sum, 2f64.powi(-55)) }
+        Approximation { exponent: Some(k), ..Approximation::new(sum, 2f64.powi(-55)) }
     }
 
-    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. Relative error of an exponential with
-    /// exponent e below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
+    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. Relative error
+    /// of an exponential with exponent e below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
     ///
-    /// The exponents are the products of the ends of ln a and b, with the relative error 2⁻⁶⁰ of the logarithm; the
-    /// extreme ones are picked by head, then tail.
+    /// The exponents are the products of the ends of ln a and b, with the relative error 2⁻⁶⁰ of
+    /// the logarithm; the extreme ones are picked by head, then tail.
     pub(crate) fn power(&mut self, a: [M::V; 2], [b_neg_lo, b_hi]: [M::V; 2]) -> [M::V; 2] {
         let b_lo = self.m.neg(b_neg_lo);
         let ln = a.map(|a| self.ln(a, Base::E).sum);
@@ -131,13 +139,17 @@ impl<M: Machine> Text<'_, M> {
             let magnitude = self.m.min(magnitude, limit);
             let relative = self.number(2f64.powi(-59));
             let extra = self.m.mul(magnitude, relative);
-            Near { extra: Some(extra), ..near }
+            Approximation { extra: Some(extra), ..near }
         });
         [self.negated_lower(&lo), self.upper(&hi)]
     }
 
     /// A logarithm times an exponent, which in `f64` is limited to [`HUGE_EXPONENT`].
-    pub(crate) fn times_limited(&mut self, ln: Sum<M::V>, mut b: M::V) -> Sum<M::V> {
+    pub(crate) fn times_limited(
+        &mut self,
+        ln: DoubleDouble<M::V>,
+        mut b: M::V,
+    ) -> DoubleDouble<M::V> {
         if self.has_tails() {
             let (least, most) = (self.number(-HUGE_EXPONENT), self.number(HUGE_EXPONENT));
             b = self.m.max(b, least);
@@ -147,7 +159,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// The mask a < b for sums whose heads are rounded up.
-    fn precedes(&mut self, a: Sum<M::V>, b: Sum<M::V>) -> M::V {
+    fn precedes(&mut self, a: DoubleDouble<M::V>, b: DoubleDouble<M::V>) -> M::V {
         let zero = self.number(0.0);
         let less = self.m.lt(a.head, b.head);
         let same = self.m.eq(a.head, b.head);
@@ -158,7 +170,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// ∛x, odd in x, for finite x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶³ in `f64`.
-    pub(crate) fn cbrt(&mut self, x: M::V) -> Near<M::V> {
+    pub(crate) fn cbrt(&mut self, x: M::V) -> Approximation<M::V> {
         let magnitude = self.m.abs(x);
         if !self.has_tails() {
             // A Newton step squares the error of the guess.
@@ -169,7 +181,7 @@ impl<M: Machine> Text<'_, M> {
             let third = self.number(1.0 / 3.0);
             let correction = self.m.mul(excess, third);
             let root = self.m.add(guess, correction);
-            return Near::new(self.odd_cbrt(root.into(), x), 2f64.powi(-34));
+            return Approximation::new(self.odd_cbrt(root.into(), x), 2f64.powi(-34));
         }
         // |x| = 8ʲ·y, where whatever j is, y is exact.
         let (k, m) = self.significand(magnitude);
@@ -180,9 +192,10 @@ impl<M: Machine> Text<'_, M> {
         let rest = self.m.sub(k, whole);
         let power = self.power_of_two(rest);
         let y = self.m.mul(m, power);
-        // A guess g of 17 bits has an exact cube, and so is y − g³. Then ∛y = g·∛(1 + w), w = (y − g³)/g³ ≤ 2⁻¹⁴: the tail
-        // of the series is below 2⁻⁷², and its terms, below 2⁻¹⁵, are right to 2⁻⁵⁰.
-        let guess = Text { m: self.m, target: Format::F32 }.cbrt_guess(y);
+        // A guess g of 17 bits has an exact cube, and so is y − g³. Then ∛y = g·∛(1 + w), w = (y −
+        // g³)/g³ ≤ 2⁻¹⁴: the tail of the series is below 2⁻⁷², and its terms, below 2⁻¹⁵, are right
+        // to 2⁻⁵⁰.
+        let guess = Approximator { m: self.m, target: Format::F32 }.cbrt_guess(y);
         let mask = self.m.bits(F64, UPPER_THIRD);
         let guess = self.m.and(guess, mask);
         let cube = self.m.mul(guess, guess);
@@ -194,7 +207,7 @@ impl<M: Machine> Text<'_, M> {
         let terms = self.m.mul(terms, guess);
         let root = self.plus(guess, terms);
         let root = self.odd_cbrt(root, x);
-        Near { exponent: Some(exponent), ..Near::new(root, 2f64.powi(-63)) }
+        Approximation { exponent: Some(exponent), ..Approximation::new(root, 2f64.powi(-63)) }
     }
 
     /// ∛x for x > 0 to 2⁻³² or so: exp(ln x / 3).
@@ -206,7 +219,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// A cube root with the sign of x, and 0 at 0.
-    fn odd_cbrt(&mut self, root: Sum<M::V>, x: M::V) -> Sum<M::V> {
+    fn odd_cbrt(&mut self, root: DoubleDouble<M::V>, x: M::V) -> DoubleDouble<M::V> {
         let sign = self.sign_of(x);
         let signed = self.flipped(root, sign);
         let zero = self.number(0.0);
@@ -215,7 +228,7 @@ impl<M: Machine> Text<'_, M> {
     }
 }
 
-/// A bound on the relative error of [`Text::exp_times`]: truncation 2⁻³⁷ and rounding.
+/// A bound on the relative error of [`Approximator::exp_times`]: truncation 2⁻³⁷ and rounding.
 const EXP_ERROR_F32: f64 = f64::from_bits((1023 - 34) << 52);
 
 /// 1 / (first + n)! for n = 0…terms − 1.

@@ -4,10 +4,11 @@
 //!
 //! 2¹⁻ᵏ sinh|x| = (1 − q) cosh r + (1 + q) sinh r, 2¹⁻ᵏ cosh|x| = (1 + q) cosh r + (1 − q) sinh r.
 //!
-//! For k = 0 the first is 2 sinh r alone, so that small operands lose nothing; for k ≥ 1 both are at least 0.35.
+//! For k = 0 the first is 2 sinh r alone, so that small operands lose nothing; for k ≥ 1 both are
+//! at least 0.35.
 
-use super::sum::{Near, Sum};
-use super::wide::{LN_2_HI, LN_2_LO, Text};
+use super::approximator::{Approximator, LN_2_HI, LN_2_LO};
+use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::Machine;
 
 /// e^|x| as parts: see the head of this file.
@@ -16,17 +17,17 @@ struct Parts<V> {
     exponent: V,
     /// 4⁻ᵏ.
     q: V,
-    cosh: Sum<V>,
-    sinh: Sum<V>,
+    cosh: DoubleDouble<V>,
+    sinh: DoubleDouble<V>,
 }
 
-impl<M: Machine> Text<'_, M> {
+impl<M: Machine> Approximator<'_, M> {
     /// sinh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
     ///
-    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` the rounded terms are r³/6 and r⁴/24 with those that
-    /// follow: 0.0072 and 0.0007, each to six ulps, times 1 + q ≤ 1.25, over 0.35: 0.19 · 2⁻⁵²; for k = 0 only
-    /// the first, over r: 0.13 · 2⁻⁵².
-    pub(crate) fn sinh(&mut self, x: M::V) -> Near<M::V> {
+    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` the rounded terms are r³/6 and r⁴/24
+    /// with those that follow: 0.0072 and 0.0007, each to six ulps, times 1 + q ≤ 1.25, over 0.35:
+    /// 0.19 · 2⁻⁵²; for k = 0 only the first, over r: 0.13 · 2⁻⁵².
+    pub(crate) fn sinh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
         let sum = self.half_sum(&parts, minus_q);
@@ -38,15 +39,16 @@ impl<M: Machine> Text<'_, M> {
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
-    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: as for sinh, over at least 1.
-    pub(crate) fn cosh(&mut self, x: M::V) -> Near<M::V> {
+    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: as for sinh, over at
+    /// least 1.
+    pub(crate) fn cosh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let sum = self.half_sum(&parts, parts.q);
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
     /// tanh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: those of sinh and cosh.
-    pub(crate) fn tanh(&mut self, x: M::V) -> Near<M::V> {
+    pub(crate) fn tanh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
         let above = self.half_sum(&parts, minus_q);
@@ -55,7 +57,7 @@ impl<M: Machine> Text<'_, M> {
         let sign = self.sign_of(x);
         let quotient = self.flipped(quotient, sign);
         let quotient = self.or_tiny(x, quotient);
-        Near::new(quotient, self.pick(2f64.powi(-34), 2f64.powi(-53)))
+        Approximation::new(quotient, self.pick(2f64.powi(-34), 2f64.powi(-53)))
     }
 
     fn exponential_parts(&mut self, x: M::V) -> Parts<M::V> {
@@ -79,7 +81,8 @@ impl<M: Machine> Text<'_, M> {
         let k = self.m.mul(k, minus_two);
         let q = self.power_of_two(k);
         let (sinh_terms, cosh_terms) = (self.pick(4, 6), self.pick(3, 6));
-        // r² ≤ 0.1202: the tails z⁵/11! and z⁷/15! are below 2⁻⁴⁰ and 2⁻⁶¹, z⁵/10! and z⁸/16! below 2⁻³⁷ and 2⁻⁶⁸.
+        // r² ≤ 0.1202: the tails z⁵/11! and z⁷/15! are below 2⁻⁴⁰ and 2⁻⁶¹, z⁵/10! and z⁸/16! below
+        // 2⁻³⁷ and 2⁻⁶⁸.
         let z = self.times(r, r);
         let sinh = self.series(z.head, &reciprocal_factorials(sinh_terms, 3));
         let sinh = self.m.mul(sinh, z.head);
@@ -96,7 +99,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// (1 + p) cosh r + (1 − p) sinh r.
-    fn half_sum(&mut self, parts: &Parts<M::V>, p: M::V) -> Sum<M::V> {
+    fn half_sum(&mut self, parts: &Parts<M::V>, p: M::V) -> DoubleDouble<M::V> {
         let (one, minus_p) = (self.number(1.0), self.m.neg(p));
         let (above, below) = (self.plus(one, p), self.plus(one, minus_p));
         let (cosh, sinh) = (self.times(above, parts.cosh), self.times(below, parts.sinh));
@@ -104,16 +107,16 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// sum · 2ᵏ⁻¹.
-    fn halved(&mut self, sum: Sum<M::V>, k: M::V, error: f64) -> Near<M::V> {
+    fn halved(&mut self, sum: DoubleDouble<M::V>, k: M::V, error: f64) -> Approximation<M::V> {
         let one = self.number(1.0);
         let exponent = self.m.sub(k, one);
         if self.has_tails() {
-            return Near { exponent: Some(exponent), ..Near::new(sum, error) };
+            return Approximation { exponent: Some(exponent), ..Approximation::new(sum, error) };
         }
         // Results beyond the target are within f64.
         let power = self.power_of_two(exponent);
         let sum = self.scaled(sum, power);
-        Near::new(sum, error)
+        Approximation::new(sum, error)
     }
 }
 

@@ -1,10 +1,11 @@
-//! Logarithms, and the inverse hyperbolic functions, which are logarithms: ln, log2, log10, asinh, acosh, atanh.
+//! Logarithms, and the inverse hyperbolic functions, which are logarithms: ln, log2, log10, asinh,
+//! acosh, atanh.
 //!
-//! A number is 2ᵏ·m with √½ ≤ m < √2, and ln m = 2 artanh s with s = (m − 1)/(m + 1), |s| ≤ 0.1716. Where the number is
-//! 1 + u, k = 0 leaves s = u/(2 + u), so that small u lose nothing.
+//! A number is 2ᵏ·m with √½ ≤ m < √2, and ln m = 2 artanh s with s = (m − 1)/(m + 1), |s| ≤ 0.1716.
+//! Where the number is 1 + u, k = 0 leaves s = u/(2 + u), so that small u lose nothing.
 
-use super::sum::{Near, Sum};
-use super::wide::{LN_2_HI, LN_2_LO, Text};
+use super::approximator::{Approximator, LN_2_HI, LN_2_LO};
+use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
@@ -34,8 +35,8 @@ pub(crate) enum Base {
 }
 
 impl Base {
-    /// The logarithm of 2 as two parts, of which the first has at most 41 bits, so that its product with an exponent is
-    /// exact.
+    /// The logarithm of 2 as two parts, of which the first has at most 41 bits, so that its product
+    /// with an exponent is exact.
     fn of_two(self) -> [f64; 2] {
         match self {
             Self::E => [LN_2_HI, LN_2_LO],
@@ -54,8 +55,8 @@ impl Base {
     }
 }
 
-/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶; `LOG10_2_HI` has 41 bits. The constants are compared with the
-/// numbers they split in the tests.
+/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶; `LOG10_2_HI` has 41 bits. The constants are
+/// compared with the numbers they split in the tests.
 const LOG10_2_HI: f64 = f64::from_bits(0x3fd3_4413_509f_7000);
 const LOG10_2_LO: f64 = f64::from_bits(0x3d43_fde6_23e2_566b);
 /// What the doubles nearest to log₂ e, log₁₀ e and 1/3 lack.
@@ -63,16 +64,17 @@ const LOG2_E_TAIL: f64 = f64::from_bits(0x3c77_77d0_ffda_0d24);
 const LOG10_E_TAIL: f64 = f64::from_bits(0x3c69_5355_baaa_fad3);
 const ONE_THIRD_TAIL: f64 = f64::from_bits(0x3c75_5555_5555_5555);
 
-impl<M: Machine> Text<'_, M> {
+impl<M: Machine> Approximator<'_, M> {
     /// The logarithm of finite x > 0. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
     ///
-    /// In `f64` only [`Text::twice_artanh`] errs above 2⁻⁷⁰. It is at most half as large as the sum with k·ln 2.
-    pub(crate) fn ln(&mut self, x: M::V, base: Base) -> Near<M::V> {
+    /// In `f64` only [`Approximator::twice_artanh`] errs above 2⁻⁷⁰. It is at most half as large as
+    /// the sum with k·ln 2.
+    pub(crate) fn ln(&mut self, x: M::V, base: Base) -> Approximation<M::V> {
         let (k, m) = self.significand(x);
         let one = self.number(1.0);
         let f = self.m.sub(m, one);
         let ln = self.ln_of_parts(k, f.into(), base);
-        Near::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
+        Approximation::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
     /// x > 0 as 2ᵏ·m with √½ ≤ m < √2, exactly: k and m.
@@ -106,7 +108,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// The logarithm of 2ᵏ(1 + f) for √½ ≤ 1 + f ≤ √2.
-    fn ln_of_parts(&mut self, k: M::V, f: Sum<M::V>, base: Base) -> Sum<M::V> {
+    fn ln_of_parts(&mut self, k: M::V, f: DoubleDouble<M::V>, base: Base) -> DoubleDouble<M::V> {
         let two = self.number(2.0);
         let below = self.plus(two, f);
         let s = self.over(f, below);
@@ -114,7 +116,7 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// The logarithm of 2ᵏ(1 + s)/(1 − s) for |s| ≤ 0.1716.
-    fn ln_of_quotient(&mut self, k: M::V, s: Sum<M::V>, base: Base) -> Sum<M::V> {
+    fn ln_of_quotient(&mut self, k: M::V, s: DoubleDouble<M::V>, base: Base) -> DoubleDouble<M::V> {
         let mut ln = self.twice_artanh(s);
         if let Some(scale) = base.of_e() {
             let scale = self.constant(scale);
@@ -138,9 +140,9 @@ impl<M: Machine> Text<'_, M> {
 
     /// 2 artanh s for |s| ≤ 0.1716, to 2⁻³⁶ in `f32`, 2⁻⁶¹ in `f64`.
     ///
-    /// s² ≤ 0.02944, so the tails of the series are below 2⁻³⁹ and 2⁻⁶⁵. In `f64` only the terms from z²/5 on are
-    /// rounded to a lane: 0.00018 of s, to 2⁻⁵² five times.
-    fn twice_artanh(&mut self, s: Sum<M::V>) -> Sum<M::V> {
+    /// s² ≤ 0.02944, so the tails of the series are below 2⁻³⁹ and 2⁻⁶⁵. In `f64` only the terms
+    /// from z²/5 on are rounded to a lane: 0.00018 of s, to 2⁻⁵² five times.
+    fn twice_artanh(&mut self, s: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(6, 11);
         if self.has_tails() {
             let coefficients: Vec<f64> =
@@ -160,7 +162,11 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// ln(1 + u) for 0 ≤ u; ln 2x in the lanes that are `large`.
-    fn ln_one_plus(&mut self, u: Sum<M::V>, large: Option<Large<M::V>>) -> Sum<M::V> {
+    fn ln_one_plus(
+        &mut self,
+        u: DoubleDouble<M::V>,
+        large: Option<Large<M::V>>,
+    ) -> DoubleDouble<M::V> {
         let (one, zero) = (self.number(1.0), self.number(0.0));
         let mut whole = self.plus_nonneg(one.into(), u);
         if let Some(Large { lanes, x }) = large {
@@ -168,7 +174,7 @@ impl<M: Machine> Text<'_, M> {
         }
         let (mut k, m) = self.significand(whole.head);
         let f = self.m.sub(m, one);
-        let mut f = Sum::from(f);
+        let mut f = DoubleDouble::from(f);
         if let Some(tail) = whole.tail {
             let minus_k = self.m.neg(k);
             let power = self.power_of_two(minus_k);
@@ -199,9 +205,10 @@ impl<M: Machine> Text<'_, M> {
         (limited, Some(Large { lanes, x }))
     }
 
-    /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Relative error below 2⁻³⁴ in `f32`,
-    /// 2⁻⁶⁰ in `f64`: u has 2⁻⁶⁹, and the logarithm no more than that of [`Text::ln`].
-    pub(crate) fn asinh(&mut self, x: M::V) -> Near<M::V> {
+    /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Relative error
+    /// below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`: u has 2⁻⁶⁹, and the logarithm no more than that of
+    /// [`Approximator::ln`].
+    pub(crate) fn asinh(&mut self, x: M::V) -> Approximation<M::V> {
         let magnitude = self.m.abs(x);
         let (t, large) = self.large(magnitude);
         let one = self.number(1.0);
@@ -215,12 +222,12 @@ impl<M: Machine> Text<'_, M> {
         let sign = self.sign_of(x);
         let ln = self.flipped(ln, sign);
         let ln = self.or_tiny(x, ln);
-        Near::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
+        Approximation::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
-    /// acosh x for finite x ≥ 1: ln(1 + u) for u = x − 1 + √((x − 1)(x + 1)). Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰
-    /// in `f64`, as for asinh; exactly 0 at 1.
-    pub(crate) fn acosh(&mut self, x: M::V) -> Near<M::V> {
+    /// acosh x for finite x ≥ 1: ln(1 + u) for u = x − 1 + √((x − 1)(x + 1)). Relative error below
+    /// 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`, as for asinh; exactly 0 at 1.
+    pub(crate) fn acosh(&mut self, x: M::V) -> Approximation<M::V> {
         let (x, large) = self.large(x);
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
         let (below, above) = (self.plus(x, minus_one), self.plus(x, one));
@@ -228,14 +235,14 @@ impl<M: Machine> Text<'_, M> {
         let root = self.root(product);
         let u = self.plus(root, below);
         let ln = self.ln_one_plus(u, large);
-        Near::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
+        Approximation::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
     /// atanh x for |x| < 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
     ///
-    /// With (1 + |x|)/(1 − |x|) = 2ᵏ·m, s = ((1 + |x|) − 2ᵏ(1 − |x|)) / ((1 + |x|) + 2ᵏ(1 − |x|)), and for k = 0
-    /// it is |x| itself.
-    pub(crate) fn atanh(&mut self, x: M::V) -> Near<M::V> {
+    /// With (1 + |x|)/(1 − |x|) = 2ᵏ·m, s = ((1 + |x|) − 2ᵏ(1 − |x|)) / ((1 + |x|) + 2ᵏ(1 − |x|)),
+    /// and for k = 0 it is |x| itself.
+    pub(crate) fn atanh(&mut self, x: M::V) -> Approximation<M::V> {
         let t = self.m.abs(x);
         let (one, zero, minus_t) = (self.number(1.0), self.number(0.0), self.m.neg(t));
         let (above, below) = (self.plus(one, t), self.plus(one, minus_t));
@@ -255,7 +262,7 @@ impl<M: Machine> Text<'_, M> {
         let sign = self.sign_of(x);
         let atanh = self.flipped(atanh, sign);
         let atanh = self.or_tiny(x, atanh);
-        Near::new(atanh, self.pick(2f64.powi(-34), 2f64.powi(-60)))
+        Approximation::new(atanh, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 }
 
@@ -265,7 +272,8 @@ mod tests {
 
     #[test]
     fn heads_and_tails_make_up_the_constants() {
-        // The first 127 bits after the point, or 128 with the one before: OEIS A007524, A007525, A002285.
+        // The first 127 bits after the point, or 128 with the one before: OEIS A007524, A007525,
+        // A002285.
         let log10_2 = 0x2688_26a1_3ef3_fde6_23e2_566b_02df_245e_u128;
         let log2_e = 0xb8aa_3b29_5c17_f0bb_be87_fed0_691d_3e88_u128;
         let log10_e = 0x3796_f62a_4dca_1c65_4d56_eaab_eb4c_f70c_u128;

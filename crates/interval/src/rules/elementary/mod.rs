@@ -1,24 +1,25 @@
-//! Elementary functions. Here are sine, cosine and tangent, from the texts in [`trigonometric`] or, of small operands in
-//! `f32`, in [`near`]; [`monotone`] has the functions that only rise or fall, [`atan2`] the angle of two operands.
+//! Elementary functions. Here are sine, cosine and tangent, from the routines in [`trigonometric`]
+//! or, of small operands in `f32`, in [`near`]; [`monotone`] has the functions that only rise or
+//! fall, [`atan2`] the angle of two operands.
 
+pub(crate) mod approximator;
 mod arc;
 mod atan2;
+pub(crate) mod double_double;
 mod exponential;
 mod hyperbolic;
 pub(crate) mod logarithm;
 mod monotone;
 pub(crate) mod near;
-pub(crate) mod sum;
 pub(crate) mod trigonometric;
-pub(crate) mod wide;
 
 use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
-use sum::Near;
-use trigonometric::{ANGLE_LIMIT, WAVE_ERROR_F32};
-use wide::{Text, at_ends};
+use approximator::{Approximator, at_ends};
+use double_double::Approximation;
+use trigonometric::{HalfPi, WAVE_ERROR_F32};
 
 impl<M: Machine> Rule<'_, M> {
     pub(super) fn sin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -26,33 +27,36 @@ impl<M: Machine> Rule<'_, M> {
             return self.near_waves(a)[0];
         }
         // The maximum 1 is at π/2 + 2πj, the minimum at −π/2 + 2πj.
-        self.wave(a, |text, x| text.sin(x), 0.25, -0.25)
+        self.wave(a, |approx, x, half_pi| approx.sin(x, half_pi), 0.25, -0.25)
     }
 
     pub(super) fn cos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         if self.is_near(a.range) {
             return self.near_waves(a)[1];
         }
-        self.wave(a, |text, x| text.cos(x), 0.0, 0.5)
+        self.wave(a, |approx, x, half_pi| approx.cos(x, half_pi), 0.0, 0.5)
     }
 
-    /// Sine or cosine: `f` approximates it and counts quarter turns, `peak` and `trough` say at how many turns from 0
-    /// it is 1 and −1.
+    /// Sine or cosine: `f` approximates it and counts quarter turns, `peak` and `trough` say at how
+    /// many turns from 0 it is 1 and −1.
     fn wave(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
+        f: impl Fn(&mut Approximator<'_, M>, M::V, &HalfPi) -> (Approximation<M::V>, M::V),
         peak: f64,
         trough: f64,
     ) -> Enclosure<M::V> {
+        let half_pi = HalfPi::for_angles(a.range);
+        let f = |approx: &mut Approximator<'_, M>, x| f(approx, x, half_pi);
         let one = self.number(1.0);
         let [neg_lo, hi, first, last] = match self.format {
             Format::F32 => {
-                let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
-                    let (least, most) = (text.m.min(lo[0], hi[0]), text.m.max(lo[0], hi[0]));
-                    let [first, last] = turns(text.m, lo[1], hi[1], 0.25);
-                    let [least, most] = [least, most].map(|x| Near::new(x.into(), WAVE_ERROR_F32));
-                    [text.negated_lower(&least), text.upper(&most), first, last]
+                let combine = |approx: &mut Approximator<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
+                    let (least, most) = (approx.m.min(lo[0], hi[0]), approx.m.max(lo[0], hi[0]));
+                    let [first, last] = turns(approx.m, lo[1], hi[1], 0.25);
+                    let [least, most] =
+                        [least, most].map(|x| Approximation::new(x.into(), WAVE_ERROR_F32));
+                    [approx.negated_lower(&least), approx.upper(&most), first, last]
                 };
                 self.at_ends_f32(a, f, combine)
             }
@@ -69,7 +73,7 @@ impl<M: Machine> Rule<'_, M> {
         let has_trough = self.has_turn([first, last], trough);
         hi = self.m.select(has_peak, one, hi);
         neg_lo = self.m.select(has_trough, one, neg_lo);
-        if let Some(near) = self.within_angle_limit(a) {
+        if let Some(near) = self.within_limit(a, half_pi) {
             neg_lo = self.m.select(near, neg_lo, one);
             hi = self.m.select(near, hi, one);
         }
@@ -77,13 +81,15 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let tan = |text: &mut Text<'_, M>, x| text.tan(x);
+        let half_pi = HalfPi::for_angles(a.range);
+        let tan = |approx: &mut Approximator<'_, M>, x| approx.tan(x, half_pi);
         let [neg_lo, hi, first, last] = match self.format {
             Format::F32 => {
-                let combine = |text: &mut Text<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
-                    let [first, last] = turns(text.m, lo[1], hi[1], 0.5);
-                    let [lo, hi] = [lo, hi].map(|[x, _]| Near::new(x.into(), WAVE_ERROR_F32));
-                    [text.negated_lower(&lo), text.upper(&hi), first, last]
+                let combine = |approx: &mut Approximator<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
+                    let [first, last] = turns(approx.m, lo[1], hi[1], 0.5);
+                    let [lo, hi] =
+                        [lo, hi].map(|[x, _]| Approximation::new(x.into(), WAVE_ERROR_F32));
+                    [approx.negated_lower(&lo), approx.upper(&hi), first, last]
                 };
                 self.at_ends_f32(a, tan, combine)
             }
@@ -96,7 +102,7 @@ impl<M: Machine> Rule<'_, M> {
         // In half turns, there is a pole at every integer and a half.
         let pole = self.has_turn([first, last], 0.5);
         let mut free = self.not(pole);
-        if let Some(near) = self.within_angle_limit(a) {
+        if let Some(near) = self.within_limit(a, half_pi) {
             free = self.m.and(free, near);
         }
         let infinity = self.infinity();
@@ -109,12 +115,12 @@ impl<M: Machine> Rule<'_, M> {
     fn at_ends_f32(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
-        combine: impl FnMut(&mut Text<'_, M>, [M::V; 2], [M::V; 2]) -> [M::V; 4],
+        f: impl Fn(&mut Approximator<'_, M>, M::V) -> (Approximation<M::V>, M::V),
+        combine: impl FnMut(&mut Approximator<'_, M>, [M::V; 2], [M::V; 2]) -> [M::V; 4],
     ) -> [M::V; 4] {
         let ends = [self.m.neg(a.value.neg_lo), a.value.hi];
-        let head = |text: &mut Text<'_, M>, x: M::V| {
-            let (near, quarters) = f(text, x);
+        let head = |approx: &mut Approximator<'_, M>, x: M::V| {
+            let (near, quarters) = f(approx, x);
             [near.sum.head, quarters]
         };
         at_ends(self.m, ends, head, combine)
@@ -124,19 +130,20 @@ impl<M: Machine> Rule<'_, M> {
     fn at_ends_f64(
         &mut self,
         a: &Operand<M::V>,
-        f: impl Fn(&mut Text<'_, M>, M::V) -> (Near<M::V>, M::V),
+        f: impl Fn(&mut Approximator<'_, M>, M::V) -> (Approximation<M::V>, M::V),
     ) -> [[M::V; 3]; 2] {
         let lo = self.m.neg(a.value.neg_lo);
         self.m.repeat([[lo], [a.value.hi]], |m, [x]| {
-            let mut text = Text { m, target: Format::F64 };
-            let (near, quarters) = f(&mut text, x);
-            [text.negated_lower(&near), text.upper(&near), quarters]
+            let mut approx = Approximator { m, target: Format::F64 };
+            let (near, quarters) = f(&mut approx, x);
+            [approx.negated_lower(&near), approx.upper(&near), quarters]
         })
     }
 
     /// Lanes where the angle, given by [`turns`], passes j + `offset` for some integer j.
     fn has_turn(&mut self, [neg_lo, hi]: [M::V; 2], offset: f64) -> M::V {
-        // floor(hi − offset) ≥ ceil(lo − offset); all numbers are multiples of 1/8 below 2^20, and exact in f32.
+        // floor(hi − offset) ≥ ceil(lo − offset); all are multiples of 1/8 below 2^21, exact in
+        // f32.
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
         let last = self.m.floor(last);
@@ -146,23 +153,24 @@ impl<M: Machine> Rule<'_, M> {
         self.m.le(zero, count)
     }
 
-    /// Lanes whose ends the angle reduction can handle, or `None` if all can.
-    fn within_angle_limit(&mut self, a: &Operand<M::V>) -> Option<M::V> {
-        let limit = Interval { lo: -ANGLE_LIMIT, hi: ANGLE_LIMIT };
-        if limit.encloses(a.range) {
+    /// Lanes whose ends can be reduced, or `None` if all can.
+    fn within_limit(&mut self, a: &Operand<M::V>, half_pi: &HalfPi) -> Option<M::V> {
+        let limit = half_pi.limit(self.format);
+        if (Interval { lo: -limit, hi: limit }).encloses(a.range) {
             return None;
         }
         let far = self.m.max(a.value.neg_lo, a.value.hi);
-        let limit = self.number(ANGLE_LIMIT);
+        let limit = self.number(limit);
         Some(self.m.le(far, limit))
     }
 }
 
 /// Quarter turns at lo and hi, as −lo and hi in units of 1/`scale` quarters.
 ///
-/// Each is half a quarter off a whole number, on the side where the angle is. That side may be wrong only where the
-/// angle is nearer to whole quarters than the error of its reduction; sine and cosine have come to ±1 within their own
-/// bound there, and no float at all is so near to a pole of the tangent.
+/// Each is half a quarter off a whole number, on the side where the angle is. That side may be
+/// wrong only where the angle is nearer to whole quarters than the error of its reduction; sine and
+/// cosine have come to ±1 within their own bound there, and no float at all is so near to a pole of
+/// the tangent.
 fn turns<M: Machine>(m: &mut M, lo: M::V, hi: M::V, scale: f64) -> [M::V; 2] {
     let minus = m.number(Format::F64, -scale);
     let plus = m.number(Format::F64, scale);

@@ -1,27 +1,29 @@
-//! Functions that only rise or fall, at most after taking the magnitude: bounds from the texts at two ends.
+//! Functions that only rise or fall, at most after taking the magnitude: bounds from the routines
+//! at two ends.
 
+use super::approximator::{Approximator, by_halves};
+use super::double_double::Approximation;
 use super::logarithm::Base;
-use super::sum::Near;
-use super::wide::{Text, by_halves};
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// −lo and hi of a function from approximations at the two operands where it is least and greatest.
+    /// −lo and hi of a function from approximations at the two operands where it is least and
+    /// greatest.
     fn bounds_at(
         &mut self,
         [least, greatest]: [M::V; 2],
-        mut f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+        mut f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
     ) -> [M::V; 2] {
         let target = self.format;
         match target {
             Format::F64 => {
                 let [[neg_lo, _], [_, hi]] = self.m.repeat([[least], [greatest]], |m, [x]| {
-                    let mut text = Text { m, target };
-                    let near = f(&mut text, x);
-                    [text.negated_lower(&near), text.upper(&near)]
+                    let mut approx = Approximator { m, target };
+                    let near = f(&mut approx, x);
+                    [approx.negated_lower(&near), approx.upper(&near)]
                 });
                 [neg_lo, hi]
             }
@@ -29,13 +31,14 @@ impl<M: Machine> Rule<'_, M> {
                 let ([l0, l1], [h0, h1]) = (self.m.widen(least), self.m.widen(greatest));
                 let mut error = 0.0;
                 let [l0, l1, h0, h1] = self.m.repeat([[l0], [l1], [h0], [h1]], |m, [x]| {
-                    let near = f(&mut Text { m, target }, x);
+                    let near = f(&mut Approximator { m, target }, x);
                     error = near.error;
                     [near.sum.head]
                 });
-                let mut text = Text { m: self.m, target };
-                let lower = [l0, l1].map(|[x]| text.negated_lower(&Near::new(x.into(), error)));
-                let upper = [h0, h1].map(|[x]| text.upper(&Near::new(x.into(), error)));
+                let mut approx = Approximator { m: self.m, target };
+                let lower =
+                    [l0, l1].map(|[x]| approx.negated_lower(&Approximation::new(x.into(), error)));
+                let upper = [h0, h1].map(|[x]| approx.upper(&Approximation::new(x.into(), error)));
                 [self.m.narrow(lower), self.m.narrow(upper)]
             }
         }
@@ -45,14 +48,15 @@ impl<M: Machine> Rule<'_, M> {
     fn increasing(
         &mut self,
         a: &Operand<M::V>,
-        f: impl FnMut(&mut Text<'_, M>, M::V) -> Near<M::V>,
+        f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
     ) -> Enclosure<M::V> {
         let ends = [self.m.neg(a.value.neg_lo), a.value.hi];
         let [neg_lo, hi] = self.bounds_at(ends, f);
         Enclosure { neg_lo, hi, ..a.value }
     }
 
-    /// Bounds of an increasing function that is unbounded where its operand is, from those of finite approximations.
+    /// Bounds of an increasing function that is unbounded where its operand is, from those of
+    /// finite approximations.
     fn unbounded_with(&mut self, a: &Operand<M::V>, bounds: Enclosure<M::V>) -> Enclosure<M::V> {
         if a.range.is_bounded() {
             return bounds;
@@ -71,15 +75,15 @@ impl<M: Machine> Rule<'_, M> {
 
     pub(in crate::rules) fn exp(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let ends = [a.value.neg_lo, a.value.hi];
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, ends| text.exp(ends));
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |approx, ends| approx.exp(ends));
         Enclosure { neg_lo, hi, ..a.value }
     }
 
     pub(in crate::rules) fn logarithm(&mut self, a: &Operand<M::V>, base: Base) -> Enclosure<M::V> {
         let ends = self.positive_ends(a);
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |text, [lo, hi]| {
-            let (at_lo, at_hi) = (text.ln(lo, base), text.ln(hi, base));
-            [text.negated_lower(&at_lo), text.upper(&at_hi)]
+        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |approx, [lo, hi]| {
+            let (at_lo, at_hi) = (approx.ln(lo, base), approx.ln(hi, base));
+            [approx.negated_lower(&at_lo), approx.upper(&at_hi)]
         });
         let (neg_lo, hi) = self.logarithm_ends(a, neg_lo, hi);
         let (nowhere, throughout) = self.positive(a);
@@ -96,8 +100,8 @@ impl<M: Machine> Rule<'_, M> {
         [self.m.max(lo, least), self.m.max(a.value.hi, least)]
     }
 
-    /// Bounds of a logarithm from those over [`Self::positive_ends`]: −∞ from a lower end at or below 0, +∞ from an
-    /// infinite upper one.
+    /// Bounds of a logarithm from those over [`Self::positive_ends`]: −∞ from a lower end at or
+    /// below 0, +∞ from an infinite upper one.
     fn logarithm_ends(
         &mut self,
         a: &Operand<M::V>,
@@ -118,43 +122,43 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(in crate::rules) fn cbrt(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let bounds = self.increasing(a, |text, x| text.cbrt(x));
+        let bounds = self.increasing(a, |approx, x| approx.cbrt(x));
         self.unbounded_with(a, bounds)
     }
 
     pub(in crate::rules) fn atan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.increasing(a, |text, x| text.atan(x))
+        self.increasing(a, |approx, x| approx.atan(x))
     }
 
     pub(in crate::rules) fn asin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let (nowhere, throughout) = self.between(a, -1.0, 1.0);
         let ends = self.limited_ends(a, -1.0, 1.0);
-        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.asin(x));
+        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.asin(x));
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
 
     pub(in crate::rules) fn acos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let (nowhere, throughout) = self.between(a, -1.0, 1.0);
         let [lo, hi] = self.limited_ends(a, -1.0, 1.0);
-        let [neg_lo, hi] = self.bounds_at([hi, lo], |text, x| text.acos(x));
+        let [neg_lo, hi] = self.bounds_at([hi, lo], |approx, x| approx.acos(x));
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
 
     pub(in crate::rules) fn sinh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.increasing(a, |text, x| text.sinh(x))
+        self.increasing(a, |approx, x| approx.sinh(x))
     }
 
     pub(in crate::rules) fn cosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let least = self.neg_mignitude(a);
         let ends = [least, self.magnitude(a)];
-        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.cosh(x));
+        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.cosh(x));
         // No value is below 1.
         let minus_one = self.number(-1.0);
         Enclosure { neg_lo: self.m.min(neg_lo, minus_one), hi, ..a.value }
     }
 
     pub(in crate::rules) fn tanh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let bounds = self.increasing(a, |text, x| text.tanh(x));
+        let bounds = self.increasing(a, |approx, x| approx.tanh(x));
         // No value is beyond ±1.
         let one = self.number(1.0);
         let (neg_lo, hi) = (self.m.min(bounds.neg_lo, one), self.m.min(bounds.hi, one));
@@ -162,14 +166,14 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(in crate::rules) fn asinh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let bounds = self.increasing(a, |text, x| text.asinh(x));
+        let bounds = self.increasing(a, |approx, x| approx.asinh(x));
         self.unbounded_with(a, bounds)
     }
 
     pub(in crate::rules) fn acosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let (nowhere, throughout) = self.between(a, 1.0, f64::INFINITY);
         let ends = self.limited_ends(a, 1.0, f64::INFINITY);
-        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.acosh(x));
+        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.acosh(x));
         let (neg_lo, hi) = (neg_lo, self.infinite_from(a, f64::INFINITY, hi));
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
@@ -180,7 +184,7 @@ impl<M: Machine> Rule<'_, M> {
             Format::F64 => 1.0_f64.next_down(),
         };
         let ends = self.limited_ends(a, -below_one, below_one);
-        let [neg_lo, hi] = self.bounds_at(ends, |text, x| text.atanh(x));
+        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.atanh(x));
         let hi = self.infinite_from(a, 1.0, hi);
         let neg_lo = self.infinite_from(&a.negated(), 1.0, neg_lo);
         let (nowhere, throughout) = self.between_ones(a);
@@ -210,7 +214,8 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Lanes where an operand is entirely outside a domain with these ends, and those where it is entirely inside.
+    /// Lanes where an operand is entirely outside a domain with these ends, and those where it is
+    /// entirely inside.
     fn between(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> (Fact<M::V>, Fact<M::V>) {
         if (Interval { lo: least, hi: most }).encloses(a.range) {
             return (Fact::False, Fact::True);

@@ -1,12 +1,15 @@
 //! Sine and cosine in `f32`, of operands that stay near 0 throughout: four lanes at a time where
-//! [`wide`](super::wide) needs two halves of `f64`, and both functions from one reduction.
+//! [`approximator`](super::approximator) needs two halves of `f64`, and both functions from one
+//! reduction.
 //!
-//! An angle is k·π/2 + s − n with a small correction n: the first part of π/2 has 17 bits and the second 14, so that
-//! their products with k (7 bits) are exact, and so is all that leads to s and n but the last product. No float up to
-//! [`NEAR_LIMIT`] is closer than 2⁻²⁶·⁴ to a multiple of π/2, where n is 1.6 % of s.
+//! An angle is k·π/2 + s − n with a small correction n: the first part of π/2 has 17 bits and the
+//! second 14, so that their products with k (7 bits) are exact, and so is all that leads to s and n
+//! but the last product. No float up to [`NEAR_LIMIT`] is closer than 2⁻²⁶·⁴ to a multiple of π/2,
+//! where n is 1.6 % of s.
 //!
-//! Results are a head, exact, and a tail, small: only their sum rounds at full size. The bounds on the tails' errors
-//! are those of rounding up; every float up to the limit was tried with them (the example `exhaustive`).
+//! Results are a head, exact, and a tail, small: only their sum rounds at full size. The bounds on
+//! the tails' errors are those of rounding up; every float up to the limit was tried with them (the
+//! example `exhaustive`).
 
 use super::Rule;
 use crate::bounds::Interval;
@@ -40,7 +43,7 @@ struct Turned<V> {
 }
 
 /// A value as head + tail, above the truth and below it by no more than the two slacks.
-struct Sum<V> {
+struct Estimate<V> {
     head: V,
     tail: V,
     slack: [V; 2],
@@ -54,7 +57,7 @@ struct End<V> {
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// Whether sine and cosine of `a` have this text.
+    /// Whether sine and cosine of `a` have this routine.
     pub(crate) fn is_near(&self, range: Interval) -> bool {
         let limit = Interval { lo: -NEAR_LIMIT, hi: NEAR_LIMIT };
         self.format == F32 && limit.encloses(range)
@@ -64,9 +67,9 @@ impl<M: Machine> Rule<'_, M> {
     pub(crate) fn near_waves(&mut self, a: &Operand<M::V>) -> [Enclosure<M::V>; 2] {
         let lo = self.m.neg(a.value.neg_lo);
         let (lo, hi) = (self.near_end(lo), self.near_end(a.value.hi));
-        // The ends of quarter turns between the two ends: those congruent to 1 modulo 4 are maxima of the sine, then come,
-        // in turn, minima of the cosine, of the sine, maxima of the cosine. All numbers compared are integers, read as the
-        // subnormal floats with these bits.
+        // The ends of quarter turns between the two ends: those congruent to 1 modulo 4 are maxima
+        // of the sine, then come, in turn, minima of the cosine, of the sine, maxima of the cosine.
+        // All numbers compared are integers, read as the subnormal floats with these bits.
         let passed = self.m.int_sub(hi.quarters, lo.quarters);
         let [zero, one, two, three] = [0, 1, 2, 3].map(|bits| self.m.bits(F32, bits));
         let [to_first, to_second] = [zero, one].map(|from| {
@@ -81,7 +84,8 @@ impl<M: Machine> Rule<'_, M> {
         [sin, cos].map(|[neg_lo, hi]| Enclosure { neg_lo, hi, ..a.value })
     }
 
-    /// (−lo, hi) over the interval from those at its ends, and from where it has a minimum and a maximum.
+    /// (−lo, hi) over the interval from those at its ends, and from where it has a minimum and a
+    /// maximum.
     fn near_wave(&mut self, [at_lo, at_hi]: [[M::V; 2]; 2], extrema: [M::V; 2]) -> [M::V; 2] {
         let one = self.number(1.0);
         std::array::from_fn(|i| {
@@ -105,7 +109,7 @@ impl<M: Machine> Rule<'_, M> {
 
     fn near_end(&mut self, x: M::V) -> End<M::V> {
         let turned = self.near_reduce(x);
-        let bounds = self.near_sums(&turned).map(|Sum { head, tail, slack }| {
+        let bounds = self.near_sums(&turned).map(|Estimate { head, tail, slack }| {
             let above = self.m.add(tail, slack[1]);
             let below = self.m.sub(slack[0], tail);
             [self.m.sub(below, head), self.m.add(head, above)]
@@ -139,7 +143,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Sine and cosine of s − n, |s| ≤ 0.786.
-    fn near_sums(&mut self, turned: &Turned<M::V>) -> [Sum<M::V>; 2] {
+    fn near_sums(&mut self, turned: &Turned<M::V>) -> [Estimate<M::V>; 2] {
         let Turned { rest: s, correction: n, .. } = *turned;
         let z = self.m.mul(s, s);
         // cos s = 1 − z/2 + z²(1/24 − …); n·s stands for n·sin s.
@@ -152,7 +156,7 @@ impl<M: Machine> Rule<'_, M> {
         let moved = self.m.mul(n, s);
         let tail = self.m.add(fourth, moved);
         let slack = COS_SLACK.map(|slack| self.number(slack));
-        let cos = Sum { head: nearly, tail, slack };
+        let cos = Estimate { head: nearly, tail, slack };
         // sin s = s − s·z(1/6 − …); n·(1 − z/2) stands for n·cos s.
         let cube = self.m.mul(s, z);
         let series = self.near_series(z, SIN_SERIES);
@@ -161,10 +165,11 @@ impl<M: Machine> Rule<'_, M> {
         let tail = self.m.sub(product, moved);
         let (share, magnitude) = (self.number(SIN_SLACK), self.m.abs(s));
         let slack = self.m.mul(magnitude, share);
-        [Sum { head: s, tail, slack: [slack; 2] }, cos]
+        [Estimate { head: s, tail, slack: [slack; 2] }, cos]
     }
 
-    /// Sine and cosine from those of the rest, values or bounds, each to be negated where the sign bit beside it is set.
+    /// Sine and cosine from those of the rest, values or bounds, each to be negated where the sign
+    /// bit beside it is set.
     fn turn_back<const N: usize>(
         &mut self,
         turned: &Turned<M::V>,
@@ -191,14 +196,16 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// (cos s − 1 + z/2)/z² and (sin s − s)/s³ as parabolas in z = s² ≤ 0.618: those for which the largest error that they
-/// make in the cosine and sine is least, found by reweighted least squares: 2⁻³¹ and 2⁻²⁸·⁵.
+/// (cos s − 1 + z/2)/z² and (sin s − s)/s³ as parabolas in z = s² ≤ 0.618: those for which the
+/// largest error that they make in the cosine and sine is least, found by reweighted least squares:
+/// 2⁻³¹ and 2⁻²⁸·⁵.
 const COS_SERIES: [f32; 3] = [0.041_666_646, -0.001_388_736_2, 2.443_777_5e-5];
 const SIN_SERIES: [f32; 3] = [-0.166_666_51, 0.008_331_974, -0.000_194_949_93];
 
-/// How far the cosine's sum may be above the truth and below it, in units of 2⁻²⁴ = ulp(cos s). For z ≥ ½, −z/2 is a
-/// multiple of ½ and too low by less than that, so that 1 − z/2 is too high by ½ at most, and the tail adds less than ¼;
-/// for smaller z, 1 − z/2 is too high by less than 1 − z/4, −z/2 too low by less than ¼, the tail wrong by less than z/4.
+/// How far the cosine's sum may be above the truth and below it, in units of 2⁻²⁴ = ulp(cos s). For
+/// z ≥ ½, −z/2 is a multiple of ½ and too low by less than that, so that 1 − z/2 is too high by ½
+/// at most, and the tail adds less than ¼; for smaller z, 1 − z/2 is too high by less than 1 − z/4,
+/// −z/2 too low by less than ¼, the tail wrong by less than z/4.
 const COS_SLACK: [f64; 2] = [1.0 / (1 << 24) as f64, 0.75 / (1 << 24) as f64];
 /// A bound on the error of the sine's tail, in parts of |s|.
 const SIN_SLACK: f64 = 0.75 / (1 << 24) as f64;

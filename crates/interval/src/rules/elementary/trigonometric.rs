@@ -1,50 +1,106 @@
-//! Sine, cosine and tangent of angles up to [`ANGLE_LIMIT`], reduced by multiples of π/2.
+//! Sine, cosine and tangent of angles up to [`HalfPi::limit`], reduced by multiples of π/2.
 
+use super::approximator::Approximator;
 use super::arc::ONE_SIXTH_TAIL;
-use super::sum::{Near, Sum};
-use super::wide::Text;
+use super::double_double::{Approximation, DoubleDouble};
+use crate::bounds::Interval;
 use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
 
-/// π/2 in four parts, the first three of at most 33 bits, so that their products with k are exact. The parts and the
-/// sum are compared with π in the tests.
-const HALF_PI: [f64; 4] = [
-    f64::from_bits(0x3ff9_21fb_5440_0000),
-    f64::from_bits(0x3dd0_b461_1a60_0000),
-    f64::from_bits(0x3ba3_198a_2e00_0000),
-    f64::from_bits(0x397b_839a_2520_49c1),
-];
-/// π/2 − `HALF_PI[0]` in one part.
-const HALF_PI_REST: f64 = f64::from_bits(0x3dd0_b461_1a62_6331);
+/// π/2 as a sum of parts: all but the last have so few bits that their products with any k up to
+/// the limit are exact. The parts are compared with π in the tests.
+pub(crate) struct HalfPi {
+    /// For results in `f32`.
+    f32: &'static [f64],
+    /// For results in `f64`.
+    f64: &'static [f64],
+    /// The largest angle that is reduced, in `f32` and in `f64`.
+    limits: [f64; 2],
+}
 
-/// Angles up to this magnitude are reduced exactly enough; beyond it sine and cosine are only known to be in [−1, 1].
-pub(crate) const ANGLE_LIMIT: f64 = 1_048_576.0; // 2^20
+/// For k of 20 bits: parts of 33.
+static COMMON: HalfPi = HalfPi {
+    f32: &[f64::from_bits(0x3ff9_21fb_5440_0000), f64::from_bits(0x3dd0_b461_1a62_6331)],
+    f64: &[
+        f64::from_bits(0x3ff9_21fb_5440_0000),
+        f64::from_bits(0x3dd0_b461_1a60_0000),
+        f64::from_bits(0x3ba3_198a_2e00_0000),
+        f64::from_bits(0x397b_839a_2520_49c1),
+    ],
+    limits: [1_048_576.0; 2], // 2^20
+};
 
-impl<M: Machine> Text<'_, M> {
-    /// Reduces an angle x for |x| ≤ [`ANGLE_LIMIT`], to 2⁻⁶⁷ absolutely in `f32` and 2⁻⁹⁰ relatively in `f64`.
-    fn reduce(&mut self, x: M::V) -> Angle<M::V> {
+/// For k of 33 bits: parts of 20. Turns of angles up to 2²³ are exact in `f32`; farther apart than
+/// that, two neighbours among the `f32` differ by more than half a radian.
+static LARGE: HalfPi = HalfPi {
+    f32: &[
+        f64::from_bits(0x3ff9_21fa_0000_0000),
+        f64::from_bits(0x3eb5_4442_0000_0000),
+        f64::from_bits(0x3d6a_308d_3131_98a3),
+    ],
+    f64: &[
+        f64::from_bits(0x3ff9_21fa_0000_0000),
+        f64::from_bits(0x3eb5_4442_0000_0000),
+        f64::from_bits(0x3d6a_308c_0000_0000),
+        f64::from_bits(0x3c23_1318_0000_0000),
+        f64::from_bits(0x3ae8_a2e0_0000_0000),
+        f64::from_bits(0x397b_839a_2520_49c1),
+    ],
+    limits: [8_388_608.0, 8_589_934_592.0], // 2^23, 2^33
+};
+
+impl HalfPi {
+    /// The shortest sum that reduces all angles within `range`, or most of them.
+    pub(crate) fn for_angles(range: Interval) -> &'static Self {
+        let limit = COMMON.limits[0];
+        if (Interval { lo: -limit, hi: limit }).encloses(range) { &COMMON } else { &LARGE }
+    }
+
+    /// Angles up to this magnitude are reduced; beyond it sine and cosine are only known to be in
+    /// [−1, 1].
+    pub(crate) fn limit(&self, format: Format) -> f64 {
+        match format {
+            Format::F32 => self.limits[0],
+            Format::F64 => self.limits[1],
+        }
+    }
+}
+
+impl<M: Machine> Approximator<'_, M> {
+    /// Reduces an angle x up to the limit, for results in `f32` to 2⁻⁶⁷ absolutely, in `f64` to
+    /// 2⁻⁵⁸ relatively.
+    ///
+    /// k may be one of two neighbours where x is within 2⁻¹⁹ quarter turns of their middle. No
+    /// `f64` up to 2³³ is nearer than 2⁻⁶⁰·⁵ to a multiple of π/2 but 0, no `f32` up to 2²³ nearer
+    /// than 2⁻²⁷·⁹ (by continued fractions); the last product errs by 2⁻¹¹⁹ in `f64`.
+    fn reduce(&mut self, x: M::V, half_pi: &HalfPi) -> Angle<M::V> {
         let two_over_pi = self.number(std::f64::consts::FRAC_2_PI);
         let quarters = self.m.mul(x, two_over_pi);
         let k = self.m.nearest(quarters);
+        let parts = self.pick(half_pi.f32, half_pi.f64);
         // The first product is exact and so is its difference.
-        let first = self.subtract_multiple(x, k, HALF_PI[0]);
+        let first = self.subtract_multiple(x, k, parts[0]);
+        let (last, middle) = parts[1..].split_last().expect("two parts");
         let rest = if self.has_tails() {
-            // A rest may be as small as 2⁻⁵⁷. The next two products are exact, and so are their differences where they
+            // The products of the middle parts are exact, and so are their differences where they
             // cancel; where they do not, the tails hold what they round.
-            let mut rest = Sum::from(first);
-            for part in &HALF_PI[1..3] {
+            let mut rest = DoubleDouble::from(first);
+            for part in middle {
                 let part = self.number(-part);
                 let multiple = self.m.mul(k, part);
                 let next = self.plus(rest.head, multiple);
-                rest = Sum { head: next.head, tail: self.tails(rest.tail, next.tail) };
+                rest = DoubleDouble { head: next.head, tail: self.tails(rest.tail, next.tail) };
             }
-            let last = self.number(-HALF_PI[3]);
+            let last = self.number(-last);
             let multiple = self.m.mul(k, last);
             let tail = self.tails(rest.tail, Some(multiple)).expect("a product");
             self.plus(rest.head, tail)
         } else {
-            self.subtract_multiple(first, k, HALF_PI_REST).into()
+            // All differences but the last are exact.
+            let rest =
+                middle.iter().fold(first, |rest, part| self.subtract_multiple(rest, k, *part));
+            self.subtract_multiple(rest, k, *last).into()
         };
         // 1.5 · 2^52 keeps negative k in the low bits too.
         let magic = self.number(6_755_399_441_055_744.0);
@@ -57,18 +113,18 @@ impl<M: Machine> Text<'_, M> {
 
     /// sin r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
-    /// The tails r¹³/13! and r¹⁹/19! are below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the terms from r⁵/120 on are rounded to a lane:
-    /// 0.0032 of r, to 2⁻⁵² five times.
-    fn sin_reduced(&mut self, r: Sum<M::V>) -> Sum<M::V> {
+    /// The tails r¹³/13! and r¹⁹/19! are below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the terms from r⁵/120
+    /// on are rounded to a lane: 0.0032 of r, to 2⁻⁵² five times.
+    fn sin_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(5, 8);
         self.odd_series(r, -ONE_SIXTH_TAIL, &reciprocal_factorials(terms, 3))
     }
 
     /// cos r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁴ in `f64`.
     ///
-    /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on are rounded to a lane:
-    /// 0.0159, to 2⁻⁵² six times, over 0.707.
-    fn cos_reduced(&mut self, r: Sum<M::V>) -> Sum<M::V> {
+    /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on are
+    /// rounded to a lane: 0.0159, to 2⁻⁵² six times, over 0.707.
+    fn cos_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let coefficients = reciprocal_factorials(self.pick(6, 9), 2);
         let one = self.number(1.0);
         let z = self.times(r, r);
@@ -94,41 +150,42 @@ impl<M: Machine> Text<'_, M> {
     }
 
     /// `value` with the sign bit flipped where bit 1 of k is set.
-    fn flip_by_bit_1(&mut self, value: Sum<M::V>, k: M::V) -> Sum<M::V> {
+    fn flip_by_bit_1(&mut self, value: DoubleDouble<M::V>, k: M::V) -> DoubleDouble<M::V> {
         let two = self.m.bits(F64, 2);
         let set = self.m.and(k, two);
         let sign = self.m.shift_left(set, 62);
         self.flipped(value, sign)
     }
 
-    /// sin x for |x| ≤ [`ANGLE_LIMIT`], anything beyond; and [`Angle::quarters`]. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴
-    /// in `f64`.
-    pub(crate) fn sin(&mut self, x: M::V) -> (Near<M::V>, M::V) {
-        let angle = self.reduce(x);
+    /// sin x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below
+    /// 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
+    pub(crate) fn sin(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
+        let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
         let odd = self.odd_lanes(angle.bits);
         let value = self.choose(odd, cos, sin);
         let value = self.flip_by_bit_1(value, angle.bits);
         let value = self.or_tiny(x, value);
-        (Near::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
+        (Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
     }
 
-    /// cos x for |x| ≤ [`ANGLE_LIMIT`], anything beyond; and [`Angle::quarters`]. Relative error as that of the sine.
-    pub(crate) fn cos(&mut self, x: M::V) -> (Near<M::V>, M::V) {
-        let angle = self.reduce(x);
+    /// cos x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error as
+    /// that of the sine.
+    pub(crate) fn cos(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
+        let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
         let odd = self.odd_lanes(angle.bits);
         let value = self.choose(odd, sin, cos);
         let one = self.m.bits(F64, 1);
         let next = self.m.int_add(angle.bits, one);
         let value = self.flip_by_bit_1(value, next);
-        (Near::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
+        (Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
     }
 
-    /// tan x for |x| ≤ [`ANGLE_LIMIT`], anything beyond; and [`Angle::quarters`]. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵³
-    /// in `f64`: those of sine and cosine.
-    pub(crate) fn tan(&mut self, x: M::V) -> (Near<M::V>, M::V) {
-        let angle = self.reduce(x);
+    /// tan x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below
+    /// 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: those of sine and cosine.
+    pub(crate) fn tan(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
+        let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
         let odd = self.odd_lanes(angle.bits);
         let minus_cos = self.opposite(cos);
@@ -136,7 +193,7 @@ impl<M: Machine> Text<'_, M> {
         let below = self.choose(odd, sin, cos);
         let value = self.over(above, below);
         let value = self.or_tiny(x, value);
-        (Near::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-53))), angle.quarters)
+        (Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-53))), angle.quarters)
     }
 }
 
@@ -146,14 +203,15 @@ pub(super) const WAVE_ERROR_F32: f64 = f64::from_bits((1023 - 34) << 52);
 /// An angle as k quarter turns and a rest.
 struct Angle<V> {
     /// The angle less k·π/2.
-    rest: Sum<V>,
+    rest: DoubleDouble<V>,
     /// k in the low bits.
     bits: V,
     /// k + ½ or k − ½, by the sign of the rest: it tells on which side of k quarters the angle is.
     quarters: V,
 }
 
-/// (−1)ⁿ / (first + 2n − 2)! for n = 1…terms: the series of sine (first = 3) and cosine (first = 2) after its lead.
+/// (−1)ⁿ / (first + 2n − 2)! for n = 1…terms: the series of sine (first = 3) and cosine (first = 2)
+/// after its lead.
 fn reciprocal_factorials(terms: u32, first: u32) -> Vec<f64> {
     (1..=terms)
         .map(|n| {
@@ -171,13 +229,17 @@ mod tests {
     fn parts_of_half_pi_make_up_half_pi() {
         // Its first 121 bits: OEIS A062964, halved.
         let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
-        let scaled = |part: f64| (part * 2_f64.powi(120)) as u128;
-        let sum: u128 = HALF_PI.iter().map(|part| scaled(*part)).sum();
-        assert_eq!(sum, half_pi);
-        let rest = half_pi - scaled(HALF_PI[0]);
-        assert!(scaled(HALF_PI_REST).abs_diff(rest) < 1 << 34);
-        for part in &HALF_PI[..3] {
-            assert!(part.to_bits().trailing_zeros() >= 53 - 33, "{part:e} has more than 33 bits");
+        let scaled = |part: &f64| (part * 2_f64.powi(120)) as u128;
+        let sum = |parts: &[f64]| parts.iter().map(scaled).sum::<u128>();
+        for (table, bits) in [(&COMMON, 33), (&LARGE, 20)] {
+            assert_eq!(sum(table.f64), half_pi);
+            assert!(sum(table.f32).abs_diff(half_pi) < 1 << 34);
+            for part in [table.f32, table.f64].iter().flat_map(|parts| &parts[..parts.len() - 1]) {
+                let zeros = part.to_bits().trailing_zeros();
+                assert!(zeros >= 53 - bits, "{part:e} has more than {bits} bits");
+            }
         }
+        // The last part has the next bits, to the 156th.
+        assert_eq!(COMMON.f64[3] * 2_f64.powi(156), 0x1b_839a_2520_49c1_u64 as f64);
     }
 }

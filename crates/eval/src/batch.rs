@@ -1,0 +1,345 @@
+//! The data that kernels read and write: batches of sixteen lanes, whatever the width of a register.
+//!
+//! In a batch each quantity is contiguous and aligned to 64 bytes. A kernel takes it a register at a time, up to the
+//! lanes in use; what it leaves in other lanes has no meaning.
+
+use crate::real::Real;
+use std::ops::{Deref, DerefMut};
+use zeroset_interval::{Facts, Interval};
+
+/// Lanes of a batch.
+pub const LANES: usize = 16;
+
+/// One quantity of a batch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Lanes<T>(pub [T; LANES]);
+
+impl<T: Copy> Lanes<T> {
+    /// The same value in all lanes.
+    pub fn splat(value: T) -> Self {
+        Self([value; LANES])
+    }
+}
+
+impl<T> Deref for Lanes<T> {
+    type Target = [T; LANES];
+
+    #[inline]
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Lanes<T> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}
+
+/// Memory that a kernel reads or writes: quantities first.
+///
+/// Only the types of this module are such; they are `repr(C)`, so that quantity k starts `k` times the size of
+/// [`Lanes`] after the beginning.
+pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'static {
+    /// How many quantities there are.
+    const QUANTITIES: usize;
+
+    /// The quantity with this number.
+    ///
+    /// # Panics
+    /// If there is none.
+    fn quantity(&self, number: usize) -> &Lanes<T>;
+    /// As [`Batch::quantity`].
+    fn quantity_mut(&mut self, number: usize) -> &mut Lanes<T>;
+}
+
+/// A batch that a kernel reads.
+pub trait Input<T: Real>: Batch<T> {
+    /// Lanes in use, from the first on: 1 to [`LANES`].
+    fn count(&self) -> usize;
+    /// Whether the lanes in use are within `domain`, as far as this question asks for it.
+    fn is_within(&self, domain: &[Interval; 3]) -> bool;
+}
+
+/// A batch that a kernel writes. Up to four masks of [`LANES`] bits follow the quantities, the lowest bit of each for the
+/// first lane; where there are any, 64 bits are written at once, so that none of them is waited for when it is read.
+pub trait Output<T: Real>: Batch<T> {
+    /// How many masks there are.
+    const MASKS: usize;
+
+    /// The mask with this number.
+    ///
+    /// # Panics
+    /// If there is none.
+    fn mask(&self, number: usize) -> u16;
+    /// As [`Output::mask`].
+    fn mask_mut(&mut self, number: usize) -> &mut u16;
+}
+
+macro_rules! batch {
+    ($(#[$doc:meta])* $name:ident {
+        $($(#[$quantity_doc:meta])* $quantity:ident: $type:ty = $quantities:literal,)*
+        ; $($(#[$word_doc:meta])* $word:ident: $word_type:ty,)*
+    }) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, Default, PartialEq)]
+        #[repr(C, align(64))]
+        pub struct $name<T: Real = f32> {
+            $($(#[$quantity_doc])* pub $quantity: $type,)*
+            $($(#[$word_doc])* pub $word: $word_type,)*
+        }
+
+        impl<T: Real> sealed::Sealed for $name<T> {}
+
+        impl<T: Real> Batch<T> for $name<T> {
+            const QUANTITIES: usize = 0 $(+ $quantities)*;
+
+            fn quantity(&self, number: usize) -> &Lanes<T> {
+                let all: &[&[Lanes<T>]] = &[$(self.$quantity.as_ref()),*];
+                all.iter().copied().flatten().nth(number).expect("a quantity of this batch")
+            }
+
+            fn quantity_mut(&mut self, number: usize) -> &mut Lanes<T> {
+                let all: Vec<&mut [Lanes<T>]> = vec![$(self.$quantity.as_mut()),*];
+                all.into_iter().flatten().nth(number).expect("a quantity of this batch")
+            }
+        }
+    };
+}
+
+macro_rules! output {
+    ($name:ty: $($mask:ident),*) => {
+        impl<T: Real> Output<T> for $name {
+            const MASKS: usize = 0 $(+ { let _ = stringify!($mask); 1 })*;
+
+            fn mask(&self, number: usize) -> u16 {
+                let all: &[u16] = &[$(self.$mask),*];
+                all[number]
+            }
+
+            fn mask_mut(&mut self, number: usize) -> &mut u16 {
+                let all: Vec<&mut u16> = vec![$(&mut self.$mask),*];
+                all.into_iter().nth(number).expect("a mask of this batch")
+            }
+        }
+    };
+}
+
+output!(Enclosures<T>: nowhere, defined, continuous);
+output!(Zeros: possible, unbounded, jumping);
+output!(GradientEnclosures<T>: lipschitz, differentiable);
+output!(Values<T>:);
+output!(Gradients<T>:);
+
+impl<T> AsRef<[Self]> for Lanes<T> {
+    fn as_ref(&self) -> &[Self] {
+        std::slice::from_ref(self)
+    }
+}
+
+impl<T> AsMut<[Self]> for Lanes<T> {
+    fn as_mut(&mut self) -> &mut [Self] {
+        std::slice::from_mut(self)
+    }
+}
+
+batch! {
+    /// Boxes. Each coordinate is the pair (−lo, hi), so that rounding both up rounds outward.
+    Boxes {
+        /// Per axis, the negated lower ends.
+        neg_lo: [Lanes<T>; 3] = 3,
+        /// Per axis, the upper ends.
+        hi: [Lanes<T>; 3] = 3,
+        ;
+        /// Lanes in use.
+        count: u32,
+    }
+}
+
+batch! {
+    /// Points.
+    Points {
+        /// Per axis, the coordinates.
+        at: [Lanes<T>; 3] = 3,
+        ;
+        /// Lanes in use.
+        count: u32,
+    }
+}
+
+batch! {
+    /// What is known of a function over boxes. Masks have a bit per lane, the lowest for the first.
+    Enclosures {
+        /// The negated lower ends; never NaN, never −∞ (where the function is defined nowhere, they say nothing).
+        neg_lo: Lanes<T> = 1,
+        /// The upper ends; never NaN, never −∞.
+        hi: Lanes<T> = 1,
+        ;
+        /// Lanes in which the function is defined nowhere in the box.
+        nowhere: u16,
+        /// Lanes in which it is defined throughout the box.
+        defined: u16,
+        /// Lanes in which it is defined throughout the box, and continuous.
+        continuous: u16,
+    }
+}
+
+/// Where a function may vanish. Masks have a bit per lane, the lowest for the first.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Zeros {
+    /// Lanes in which it may have a zero: where the bit is clear, it is proven to have none in the box.
+    pub possible: u16,
+    /// Lanes in which no finite bounds of it are known: perhaps an asymptote, and no zero.
+    pub unbounded: u16,
+    /// Lanes in which it is not known to be continuous.
+    pub jumping: u16,
+}
+
+impl sealed::Sealed for Zeros {}
+
+impl<T: Real> Batch<T> for Zeros {
+    const QUANTITIES: usize = 0;
+
+    fn quantity(&self, _: usize) -> &Lanes<T> {
+        unreachable!("zeros have no quantities")
+    }
+
+    fn quantity_mut(&mut self, _: usize) -> &mut Lanes<T> {
+        unreachable!("zeros have no quantities")
+    }
+}
+
+batch! {
+    /// A function and its gradient over boxes. Masks have a bit per lane, the lowest for the first.
+    GradientEnclosures {
+        /// The negated lower ends of the function.
+        neg_lo: Lanes<T> = 1,
+        /// Its upper ends.
+        hi: Lanes<T> = 1,
+        /// Per axis, the negated lower ends of the partial derivatives.
+        gradient_neg_lo: [Lanes<T>; 3] = 3,
+        /// Per axis, their upper ends.
+        gradient_hi: [Lanes<T>; 3] = 3,
+        ;
+        /// Lanes in which the function is Lipschitz continuous in the box. Only there do the bounds of the gradient
+        /// mean anything: it is within them wherever it exists.
+        lipschitz: u16,
+        /// Lanes in which it is differentiable at each point of the box, towards points of the box at least.
+        differentiable: u16,
+    }
+}
+
+batch! {
+    /// Values of a function at points. NaN where it is undefined, or infinite at a pole.
+    Values {
+        /// The values.
+        value: Lanes<T> = 1,
+        ;
+    }
+}
+
+batch! {
+    /// Values and gradients at points. NaN or infinite where they do not exist.
+    Gradients {
+        /// The values.
+        value: Lanes<T> = 1,
+        /// Per axis, the partial derivatives.
+        gradient: [Lanes<T>; 3] = 3,
+        ;
+    }
+}
+
+impl<T: Real> Enclosures<T> {
+    /// What is proven of the function over one box.
+    pub fn facts(&self, lane: usize) -> Facts {
+        [
+            (self.nowhere, Facts::NOWHERE),
+            (self.defined, Facts::DEFINED),
+            (self.continuous, Facts::CONTINUOUS),
+        ]
+        .into_iter()
+        .filter(|(mask, _)| mask >> lane & 1 == 1)
+        .fold(Facts::NONE, |facts, (_, fact)| facts | fact)
+    }
+}
+
+impl<T: Real> Boxes<T> {
+    /// Batches of these boxes, in order; their ends rounded outward.
+    pub fn around(boxes: &[[Interval; 3]]) -> Vec<Self> {
+        let batches = boxes.chunks(LANES).map(|chunk| {
+            let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
+            for (lane, bounds) in chunk.iter().enumerate() {
+                for (axis, bounds) in bounds.iter().enumerate() {
+                    batch.neg_lo[axis][lane] = T::above(-bounds.lo);
+                    batch.hi[axis][lane] = T::above(bounds.hi);
+                }
+            }
+            batch
+        });
+        batches.collect()
+    }
+}
+
+impl<T: Real> Boxes<T> {
+    /// The boxes of these lanes, in order; at least one.
+    pub(crate) fn gathered(&self, lanes: u16) -> Self {
+        let mut out = Self { count: lanes.count_ones(), ..Self::default() };
+        for (to, lane) in (0..LANES).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
+            for axis in 0..3 {
+                out.neg_lo[axis][to] = self.neg_lo[axis][lane];
+                out.hi[axis][to] = self.hi[axis][lane];
+            }
+        }
+        out
+    }
+}
+
+impl<T: Real> Points<T> {
+    /// Batches of these points, in order; coordinates rounded to nearest.
+    pub fn near(points: &[[f64; 3]]) -> Vec<Self> {
+        let batches = points.chunks(LANES).map(|chunk| {
+            let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
+            for (lane, point) in chunk.iter().enumerate() {
+                for (axis, coordinate) in point.iter().enumerate() {
+                    batch.at[axis][lane] = T::nearest(*coordinate);
+                }
+            }
+            batch
+        });
+        batches.collect()
+    }
+}
+
+impl<T: Real> Input<T> for Boxes<T> {
+    #[inline]
+    fn count(&self) -> usize {
+        self.count as usize
+    }
+
+    fn is_within(&self, domain: &[Interval; 3]) -> bool {
+        let inside = |lane: usize, axis: usize| {
+            let (neg_lo, hi) = (self.neg_lo[axis][lane].into(), self.hi[axis][lane].into());
+            neg_lo <= -domain[axis].lo && hi <= domain[axis].hi
+        };
+        (0..self.count()).all(|lane| (0..3).all(|axis| inside(lane, axis)))
+    }
+}
+
+impl<T: Real> Input<T> for Points<T> {
+    #[inline]
+    fn count(&self) -> usize {
+        self.count as usize
+    }
+
+    /// Samples bound nothing, so points may lie anywhere.
+    fn is_within(&self, _: &[Interval; 3]) -> bool {
+        true
+    }
+}
+
+mod sealed {
+    pub trait Sealed {}
+}

@@ -1,0 +1,203 @@
+//! Where a function is Lipschitz continuous or differentiable over a box: intervals, and two facts more.
+//!
+//! Together with enclosures of the derivatives these make slopes rigorous: over a segment within a box in which the
+//! function is Lipschitz continuous, it changes by what its slopes allow.
+
+use crate::domain::{Bounds, Term, ValueDomain};
+use crate::question::Loader;
+use crate::real::Real;
+use zeroset_interval::{Enclosure, Exponent, Fact, Interval, Machine};
+use zeroset_ir::Axis;
+use zeroset_ops::Op;
+
+/// An enclosure, and how smooth the expression is over the box.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Smooth<V> {
+    pub value: Enclosure<V>,
+    /// Lanes where it is Lipschitz continuous, as a function on the box.
+    pub lipschitz: Fact<V>,
+    /// Lanes where it is differentiable, as a function on the box.
+    pub differentiable: Fact<V>,
+}
+
+/// Intervals with these facts.
+pub(crate) struct Differentiable<'a, I>(pub Bounds<'a, I>);
+
+fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
+    Smooth { value, lipschitz: Fact::True, differentiable: Fact::True }
+}
+
+impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Differentiable<'_, I>
+where
+    for<'a> Bounds<'a, I>: ValueDomain<T, M, Value = Enclosure<M::V>>,
+{
+    type Value = Smooth<M::V>;
+
+    fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value {
+        leaf(ValueDomain::<T, M>::coordinate(&mut self.0, m, axis))
+    }
+
+    fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value {
+        leaf(ValueDomain::<T, M>::parameter(&mut self.0, m, number))
+    }
+
+    fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value {
+        leaf(ValueDomain::<T, M>::constant(&mut self.0, m, bounds))
+    }
+
+    fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value {
+        let bounds: Vec<_> = operands.iter().map(|term| term.with(term.value.value)).collect();
+        let value = ValueDomain::<T, M>::apply(&mut self.0, m, op, &bounds);
+        smooth::<T, M>(m, op, operands, value)
+    }
+
+    fn apply_twins(
+        &mut self,
+        m: &mut M,
+        op: Op,
+        operand: &Term<Self::Value>,
+    ) -> Option<[Self::Value; 2]> {
+        let bounds = operand.with(operand.value.value);
+        let both = ValueDomain::<T, M>::apply_twins(&mut self.0, m, op, &bounds)?;
+        Some(both.map(|value| smooth::<T, M>(m, op, &[*operand], value)))
+    }
+}
+
+/// An operation's value with its facts: those of the operands, and its own over their bounds.
+fn smooth<T: Real, M: Machine>(
+    m: &mut M,
+    op: Op,
+    operands: &[Term<Smooth<M::V>>],
+    value: Enclosure<M::V>,
+) -> Smooth<M::V> {
+    let a = &operands[0];
+    let continuous = value.continuous;
+    let (own_lipschitz, own_differentiable) = match op {
+        // Smooth throughout their domains, which are open, or flat or linear between jumps.
+        Op::Neg
+        | Op::Sign
+        | Op::Floor
+        | Op::Ceil
+        | Op::Round
+        | Op::Trunc
+        | Op::Fract
+        | Op::Sqr
+        | Op::Exp
+        | Op::Ln
+        | Op::Log2
+        | Op::Log10
+        | Op::Sin
+        | Op::Cos
+        | Op::Tan
+        | Op::Atan
+        | Op::Sinh
+        | Op::Cosh
+        | Op::Tanh
+        | Op::Asinh
+        | Op::Atanh
+        | Op::Add
+        | Op::Sub
+        | Op::Mul
+        | Op::Div
+        | Op::Mod
+        | Op::Atan2 => (continuous, continuous),
+        Op::Abs => (continuous, differs::<T, M>(m, a, 0.0)),
+        Op::Cbrt => both(differs::<T, M>(m, a, 0.0)),
+        Op::Sqrt => both(above::<T, M>(m, a, 0.0)),
+        Op::Acosh => both(above::<T, M>(m, a, 1.0)),
+        Op::Asin | Op::Acos => {
+            let above = above::<T, M>(m, a, -1.0);
+            both(below::<T, M>(m, a, 1.0).and(m, above))
+        }
+        Op::Pow => match operands[1].exponent {
+            Exponent::Integer(_) => (continuous, continuous),
+            Exponent::Real => both(above::<T, M>(m, a, 0.0)),
+            Exponent::LargeInteger { .. } => both(Fact::False),
+        },
+        Op::Min | Op::Max => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
+        Op::SelectNegative => {
+            // The bounds of a choice that is defined in places only say nothing of the others.
+            let defined = a.value.value.defined;
+            let negative = below::<T, M>(m, a, 0.0).and(m, defined);
+            let other = at_least::<T, M>(m, a, 0.0).and(m, defined);
+            let [b, c] = [operands[1].value, operands[2].value];
+            let mut choose = |b: Fact<M::V>, c: Fact<M::V>| {
+                let (b, c) = (negative.and(m, b), other.and(m, c));
+                b.or(m, c)
+            };
+            return Smooth {
+                value,
+                lipschitz: choose(b.lipschitz, c.lipschitz),
+                differentiable: choose(b.differentiable, c.differentiable),
+            };
+        }
+        // Restricted to where the other operand allows it, and equal to the first there.
+        Op::Otherwise
+        | Op::WhereNonneg
+        | Op::WherePositive
+        | Op::WhereNonzero
+        | Op::WhereDefined => {
+            let defined = value.defined.and(m, a.value.value.defined);
+            return Smooth {
+                value,
+                lipschitz: a.value.lipschitz.and(m, defined),
+                differentiable: a.value.differentiable.and(m, defined),
+            };
+        }
+    };
+    let (mut lipschitz, mut differentiable) =
+        (own_lipschitz.and(m, continuous), own_differentiable.and(m, continuous));
+    for operand in operands {
+        lipschitz = lipschitz.and(m, operand.value.lipschitz);
+        differentiable = differentiable.and(m, operand.value.differentiable);
+    }
+    Smooth { value, lipschitz, differentiable }
+}
+
+fn both<V: Copy>(fact: Fact<V>) -> (Fact<V>, Fact<V>) {
+    (fact, fact)
+}
+
+/// Lanes in which an operand is above a number throughout.
+fn above<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
+    if a.range.lo > number {
+        return Fact::True;
+    }
+    let number = m.number(T::FORMAT, -number);
+    Fact::Lanes(m.lt(a.value.value.neg_lo, number))
+}
+
+/// Lanes in which it is at least that number.
+fn at_least<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
+    if a.range.lo >= number {
+        return Fact::True;
+    }
+    let number = m.number(T::FORMAT, -number);
+    Fact::Lanes(m.le(a.value.value.neg_lo, number))
+}
+
+/// Lanes in which it is below that number.
+fn below<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
+    if a.range.hi < number {
+        return Fact::True;
+    }
+    let number = m.number(T::FORMAT, number);
+    Fact::Lanes(m.lt(a.value.value.hi, number))
+}
+
+/// Lanes in which it is not that number.
+fn differs<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
+    let above = above::<T, M>(m, a, number);
+    below::<T, M>(m, a, number).or(m, above)
+}
+
+/// Lanes in which two values are never equal.
+fn apart<M: Machine>(m: &mut M, a: &Enclosure<M::V>, b: &Enclosure<M::V>) -> Fact<M::V> {
+    let mut less = |a: &Enclosure<M::V>, b: &Enclosure<M::V>| {
+        // a.hi < b.lo, without the rounding of a sum.
+        let lo = m.neg(b.neg_lo);
+        Fact::Lanes(m.lt(a.hi, lo))
+    };
+    let (a_less, b_less) = (less(a, b), less(b, a));
+    a_less.or(m, b_less)
+}

@@ -1,0 +1,129 @@
+//! What a tape computes with: a domain of values, such as intervals or points.
+//!
+//! A tape is walked in one place; what a step means is said here, by one implementation for each domain.
+
+use crate::question::Loader;
+use crate::real::Real;
+use zeroset_interval::{
+    Enclosure, Exponent, Interval, Machine, Operand, enclose, enclose_twins, evaluate,
+    evaluate_twins,
+};
+use zeroset_ir::Axis;
+use zeroset_ops::Op;
+
+/// A domain of values over a machine's lanes.
+pub trait ValueDomain<T: Real, M: Machine> {
+    /// Lanes of values.
+    type Value: Copy;
+
+    /// A coordinate.
+    fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value;
+    /// The parameter with this number.
+    fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value;
+    /// A constant known by bounds with ends in `T`.
+    fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value;
+    /// An operation on earlier values.
+    fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value;
+    /// An operation and its [twin](zeroset_ops::Row::twin) on the same value, if they share work there.
+    fn apply_twins(
+        &mut self,
+        m: &mut M,
+        op: Op,
+        operand: &Term<Self::Value>,
+    ) -> Option<[Self::Value; 2]>;
+}
+
+/// The value of an earlier step, and what is known of it whatever the lanes hold.
+#[derive(Clone, Copy, Debug)]
+pub struct Term<V> {
+    /// The value.
+    pub value: V,
+    /// Bounds that hold for every sample.
+    pub range: Interval,
+    /// What it is as an exponent.
+    pub exponent: Exponent,
+}
+
+/// Intervals with facts, of boxes and parameters in memory.
+pub(crate) struct Bounds<'a, I>(pub &'a mut I);
+
+/// Values at points in memory, without error bounds.
+pub(crate) struct Samples<'a, I>(pub &'a mut I);
+
+/// Quantities of a parameter in a [`Binding`](crate::Binding): −lo, hi, and a value between.
+pub(crate) const PARAMETER_QUANTITIES: usize = 3;
+
+impl<V: Copy> Term<V> {
+    /// Another value of the same step.
+    pub(crate) fn with<W>(&self, value: W) -> Term<W> {
+        Term { value, range: self.range, exponent: self.exponent }
+    }
+}
+
+impl<V> Term<Enclosure<V>> {
+    /// The same as the rules of intervals take it.
+    pub(crate) fn operand(self) -> Operand<V> {
+        Operand { value: self.value, range: self.range, exponent: self.exponent }
+    }
+}
+
+impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {
+    type Value = Enclosure<M::V>;
+
+    fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value {
+        let neg_lo = self.0.input(m, axis as usize);
+        let hi = self.0.input(m, 3 + axis as usize);
+        Enclosure::total(neg_lo, hi)
+    }
+
+    fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value {
+        let [neg_lo, hi] =
+            [0, 1].map(|end| self.0.parameter(m, PARAMETER_QUANTITIES * number + end));
+        Enclosure::total(neg_lo, hi)
+    }
+
+    fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value {
+        let (neg_lo, hi) = (m.number(T::FORMAT, -bounds.lo), m.number(T::FORMAT, bounds.hi));
+        Enclosure::total(neg_lo, hi)
+    }
+
+    fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value {
+        let operands: Vec<_> = operands.iter().map(|term| term.operand()).collect();
+        enclose(m, T::FORMAT, op, &operands)
+    }
+
+    fn apply_twins(
+        &mut self,
+        m: &mut M,
+        op: Op,
+        operand: &Term<Self::Value>,
+    ) -> Option<[Self::Value; 2]> {
+        enclose_twins(m, T::FORMAT, op, &operand.operand())
+    }
+}
+
+impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Samples<'_, I> {
+    type Value = M::V;
+
+    fn coordinate(&mut self, m: &mut M, axis: Axis) -> M::V {
+        self.0.input(m, axis as usize)
+    }
+
+    fn parameter(&mut self, m: &mut M, number: usize) -> M::V {
+        self.0.parameter(m, PARAMETER_QUANTITIES * number + 2)
+    }
+
+    fn constant(&mut self, m: &mut M, bounds: Interval) -> M::V {
+        m.number(T::FORMAT, crate::tape::middle::<T>(bounds))
+    }
+
+    fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<M::V>]) -> M::V {
+        let exponent = operands.last().map_or(Exponent::Real, |term| term.exponent);
+        let values: Vec<M::V> = operands.iter().map(|term| term.value).collect();
+        evaluate(m, T::FORMAT, op, &values, exponent)
+    }
+
+    fn apply_twins(&mut self, m: &mut M, op: Op, operand: &Term<M::V>) -> Option<[M::V; 2]> {
+        evaluate_twins(m, T::FORMAT, op, operand.value, operand.range)
+    }
+}

@@ -1,0 +1,220 @@
+//! What may be asked of a function, each question with a contract of its own, and what answers.
+//!
+//! All but samples are proofs about boxes, and hold wherever the function is asked as its code was made for: boxes within
+//! the domain, parameters within their ranges. Debug builds assert that.
+
+use crate::batch::{
+    Boxes, Enclosures, GradientEnclosures, Gradients, Input, Output, Points, Values, Zeros,
+};
+use crate::differentiable::Differentiable;
+use crate::domain::{Bounds, Samples};
+use crate::real::Real;
+use crate::tape::{Tape, may_vanish};
+use zeroset_interval::{Enclosure, Fact, Machine};
+
+/// A question, as a type without values.
+pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
+    /// The question in a word or two, for reports.
+    const NAME: &'static str;
+    /// Expressions that a tape must compute to answer it.
+    const OUTPUTS: usize;
+    /// What is asked about.
+    type Input<T: Real>: Input<T>;
+    /// The answer.
+    type Output<T: Real>: Output<T>;
+
+    /// Writes the answer on `m`: its quantities and its masks.
+    ///
+    /// # Panics
+    /// If the tape computes another number of expressions, or only finds zeros and this asks for more.
+    fn answer<T: Real, M: Machine>(
+        tape: &Tape<T>,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+    ) -> Answer<M::V>;
+}
+
+/// Where code finds what it reads.
+pub trait Loader<M: Machine> {
+    /// The next lanes of the input's quantity with this number.
+    fn input(&mut self, m: &mut M, quantity: usize) -> M::V;
+    /// The quantity with this number of the [`Binding`](crate::Binding).
+    fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V;
+}
+
+/// An answer while code is written.
+pub struct Answer<V> {
+    /// In the order of the output's quantities.
+    pub quantities: Vec<V>,
+    /// In the order of its masks.
+    pub masks: Vec<Fact<V>>,
+}
+
+/// What answers a question about one function.
+pub trait Kernel<Q: Question, T: Real = f32>: Send + Sync {
+    /// Answers for the lanes in use.
+    ///
+    /// # Panics
+    /// If no lane is in use, or more than there are. In debug builds also if a box reaches out of the domain that this was
+    /// made for.
+    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>);
+
+    /// The answers to all of `inputs`, in order.
+    ///
+    /// # Panics
+    /// As [`Kernel::ask`].
+    fn ask_all(&self, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>> {
+        let answer = |input| {
+            let mut output = Q::Output::<T>::default();
+            self.ask(input, &mut output);
+            output
+        };
+        inputs.iter().map(answer).collect()
+    }
+}
+
+/// Which values does the function take over a box? At each real point of the box where it is defined, its value is within
+/// the bounds; the facts say where it is defined and continuous.
+#[derive(Clone, Copy, Debug)]
+pub struct Enclose;
+
+/// May a box hold a zero of the function? A lane whose bit in [`Zeros::possible`] is clear has none; nothing is claimed of
+/// other lanes, nor of the function's values.
+#[derive(Clone, Copy, Debug)]
+pub struct FindZeros;
+
+/// Which gradients does the function have over a box, and is it differentiable there? The tape computes the function and
+/// its three partial derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct EncloseGradient;
+
+/// About what is the function's value at a point? Computed in `T` rounded up; no error bound is claimed.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample;
+
+/// About what are value and gradient at a point? As [`Sample`]; the tape computes the function and its three partial
+/// derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleGradient;
+
+impl Question for Enclose {
+    const NAME: &'static str = "bounds";
+    const OUTPUTS: usize = 1;
+    type Input<T: Real> = Boxes<T>;
+    type Output<T: Real> = Enclosures<T>;
+
+    fn answer<T: Real, M: Machine>(
+        tape: &Tape<T>,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+    ) -> Answer<M::V> {
+        let Enclosure { neg_lo, hi, nowhere, defined, continuous } =
+            tape.evaluate(m, &mut Bounds(loader))[0];
+        Answer { quantities: vec![neg_lo, hi], masks: vec![nowhere, defined, continuous] }
+    }
+}
+
+impl Question for FindZeros {
+    const NAME: &'static str = "zeros";
+    const OUTPUTS: usize = 1;
+    type Input<T: Real> = Boxes<T>;
+    type Output<T: Real> = Zeros;
+
+    fn answer<T: Real, M: Machine>(
+        tape: &Tape<T>,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+    ) -> Answer<M::V> {
+        let masks = if let Some(possible) = tape.vanishing_together(m, loader) {
+            // Only the possible lanes are known; nothing is claimed of the others.
+            vec![possible, Fact::False, Fact::False]
+        } else {
+            let value = tape.evaluate(m, &mut Bounds(loader))[0];
+            let possible = may_vanish(m, T::FORMAT, &value);
+            let unbounded = if tape.is_bounded() {
+                Fact::False
+            } else {
+                let most = m.max(value.neg_lo, value.hi);
+                let largest = m.number(T::FORMAT, T::LARGEST.into());
+                Fact::Lanes(m.lt(largest, most))
+            };
+            vec![possible, unbounded, value.continuous.not(m, T::FORMAT)]
+        };
+        Answer { quantities: Vec::new(), masks }
+    }
+}
+
+impl Question for EncloseGradient {
+    const NAME: &'static str = "gradient bounds";
+    const OUTPUTS: usize = 4;
+    type Input<T: Real> = Boxes<T>;
+    type Output<T: Real> = GradientEnclosures<T>;
+
+    fn answer<T: Real, M: Machine>(
+        tape: &Tape<T>,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+    ) -> Answer<M::V> {
+        let values = tape.evaluate(m, &mut Differentiable(Bounds(loader)));
+        let (function, derivatives) = values.split_first().expect("a function");
+        let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
+        for derivative in derivatives {
+            // Where the rule for a derivative gives no value, it bounds none.
+            lipschitz = lipschitz.and(m, derivative.value.defined);
+            differentiable = differentiable.and(m, derivative.value.defined);
+        }
+        let lower = derivatives.iter().map(|derivative| derivative.value.neg_lo);
+        let upper = derivatives.iter().map(|derivative| derivative.value.hi);
+        let own = [function.value.neg_lo, function.value.hi];
+        let quantities = own.into_iter().chain(lower).chain(upper).collect();
+        Answer { quantities, masks: vec![lipschitz, differentiable] }
+    }
+}
+
+/// Samples of all that a tape computes.
+fn samples<T: Real, M: Machine>(
+    tape: &Tape<T>,
+    m: &mut M,
+    loader: &mut impl Loader<M>,
+) -> Answer<M::V> {
+    Answer { quantities: tape.evaluate(m, &mut Samples(loader)), masks: Vec::new() }
+}
+
+impl Question for Sample {
+    const NAME: &'static str = "values";
+    const OUTPUTS: usize = 1;
+    type Input<T: Real> = Points<T>;
+    type Output<T: Real> = Values<T>;
+
+    fn answer<T: Real, M: Machine>(
+        tape: &Tape<T>,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+    ) -> Answer<M::V> {
+        samples(tape, m, loader)
+    }
+}
+
+impl Question for SampleGradient {
+    const NAME: &'static str = "gradients";
+    const OUTPUTS: usize = 4;
+    type Input<T: Real> = Points<T>;
+    type Output<T: Real> = Gradients<T>;
+
+    fn answer<T: Real, M: Machine>(
+        tape: &Tape<T>,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+    ) -> Answer<M::V> {
+        samples(tape, m, loader)
+    }
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for super::Enclose {}
+    impl Sealed for super::FindZeros {}
+    impl Sealed for super::EncloseGradient {}
+    impl Sealed for super::Sample {}
+    impl Sealed for super::SampleGradient {}
+}

@@ -1,0 +1,121 @@
+//! One function as a method sees it: the kernels that answer for it.
+
+use crate::batch::{Boxes, Zeros};
+use crate::question::{Enclose, EncloseGradient, FindZeros, Kernel, Sample, SampleGradient};
+use crate::real::Real;
+use std::error::Error;
+use std::fmt;
+use std::sync::Arc;
+
+/// Why a kernel cannot be had.
+pub type KernelError = Arc<dyn Error + Send + Sync>;
+
+/// A kernel, or why there is none.
+pub type Asked<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
+
+/// What may be asked of one function, in either precision.
+///
+/// A kernel is made when it is first asked for, so only what a picture needs should be. What an implementation leaves out
+/// is not answered.
+pub trait Surface: Sync {
+    /// Kernels that compute in `f32`.
+    fn single(&self) -> &dyn Kernels<f32> {
+        &Unanswered
+    }
+    /// Kernels that compute in `f64`.
+    fn double(&self) -> &dyn Kernels<f64> {
+        &Unanswered
+    }
+}
+
+/// The kernels of one function in one precision; each may be impossible to make, for a reason that is told.
+#[allow(clippy::missing_errors_doc, reason = "the same for each, and said above")]
+pub trait Kernels<T: Real>: Sync {
+    /// May a box hold a zero?
+    fn zeros(&self) -> Asked<'_, FindZeros, T> {
+        Err(Arc::new(Unanswered))
+    }
+    /// Bounds of the function.
+    fn bounds(&self) -> Asked<'_, Enclose, T> {
+        Err(Arc::new(Unanswered))
+    }
+    /// Bounds of the numerator and of the denominator of the function's cleared form, if it has one: where the function
+    /// is defined, it vanishes where the numerator does and the denominator does not, and it has its poles where the
+    /// denominator vanishes.
+    fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
+        Err(Arc::new(Unanswered))
+    }
+    /// Bounds of function and gradient.
+    fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T> {
+        Err(Arc::new(Unanswered))
+    }
+    /// Samples of the function.
+    fn values(&self) -> Asked<'_, Sample, T> {
+        Err(Arc::new(Unanswered))
+    }
+    /// Samples of function and gradient.
+    fn gradients(&self) -> Asked<'_, SampleGradient, T> {
+        Err(Arc::new(Unanswered))
+    }
+}
+
+/// Why there is no answer: the surface has no kernel for the question.
+#[derive(Clone, Copy, Debug)]
+struct Unanswered;
+
+impl fmt::Display for Unanswered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("this surface has no kernel for this question")
+    }
+}
+
+impl Error for Unanswered {}
+impl<T: Real> Kernels<T> for Unanswered {}
+
+/// Where a function may vanish, by up to three forms of it, each asked only where the one before leaves lanes open.
+pub struct ZeroTest<T: Real> {
+    /// The function.
+    pub function: Box<dyn Kernel<FindZeros, T>>,
+    /// The numerator of its cleared form, which vanishes at the same points of the function's domain: poles are proven
+    /// empty by it, and a root near a pole has bounds.
+    pub numerator: Option<Box<dyn Kernel<FindZeros, T>>>,
+    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)), asked where it may jump.
+    pub branches: Option<Box<dyn Kernel<FindZeros, T>>>,
+}
+
+impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
+    #[inline]
+    fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
+        self.function.ask(boxes, zeros);
+        if let Some(numerator) = &self.numerator
+            && zeros.possible != 0
+        {
+            let cleared = ask_some(&**numerator, boxes, zeros.possible);
+            zeros.possible &= cleared.possible;
+            zeros.unbounded &= cleared.unbounded;
+        }
+        if let Some(branches) = &self.branches
+            && zeros.possible & zeros.jumping != 0
+        {
+            let together = ask_some(&**branches, boxes, zeros.possible & zeros.jumping);
+            zeros.possible &= together.possible | !zeros.jumping;
+        }
+    }
+}
+
+/// Asks about some lanes of a batch: gathered, if that leaves at most half of it. Of other lanes nothing is known.
+fn ask_some<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
+    let mut zeros = Zeros::default();
+    if 2 * lanes.count_ones() > boxes.count {
+        kernel.ask(boxes, &mut zeros);
+        return zeros;
+    }
+    kernel.ask(&boxes.gathered(lanes), &mut zeros);
+    let mut spread = Zeros::default();
+    for (from, lane) in (0..u16::BITS).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
+        spread.possible |= (zeros.possible >> from & 1) << lane;
+        spread.unbounded |= (zeros.unbounded >> from & 1) << lane;
+        spread.jumping |= (zeros.jumping >> from & 1) << lane;
+    }
+    spread
+}

@@ -1,0 +1,113 @@
+//! Elementary functions of `f64` lanes: one routine each, for both formats.
+//!
+//! Every routine is a short sequence of lane operations that approximates a function, rounding up;
+//! it states a bound on its relative error, truncation and rounding included, and bounds are the
+//! approximation moved by that. Coefficients are those of Taylor series on the reduced range, cut
+//! where the tail is below the error claimed; the tails are stated beside them. Split constants
+//! follow Cody and Waite (Software Manual for the Elementary Functions, 1980).
+
+use crate::machine::{Format, Machine};
+
+/// Writes approximations for results that end in `target`: `F32` results need shorter series.
+pub(crate) struct Approximator<'a, M> {
+    pub(crate) m: &'a mut M,
+    pub(crate) target: Format,
+}
+
+/// Applies `routine` to the `f64` halves of each vector of `format` and joins the two results,
+/// rounded up.
+pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
+    m: &mut M,
+    format: Format,
+    inputs: [M::V; IN],
+    mut routine: impl FnMut(&mut Approximator<'_, M>, [M::V; IN]) -> [M::V; OUT],
+) -> [M::V; OUT] {
+    match format {
+        Format::F64 => routine(&mut Approximator { m, target: format }, inputs),
+        Format::F32 => {
+            let halves = inputs.map(|input| m.widen(input));
+            let rows = [halves.map(|half| half[0]), halves.map(|half| half[1])];
+            let [low, high] =
+                m.repeat(rows, |m, row| routine(&mut Approximator { m, target: format }, row));
+            std::array::from_fn(|i| m.narrow([low[i], high[i]]))
+        }
+    }
+}
+
+/// Applies `f` to the halves of lo and hi, four lanes of `f32`, one after the other, then `combine`
+/// to what comes of both ends of a half.
+pub(crate) fn at_ends<M: Machine, const MID: usize, const OUT: usize>(
+    m: &mut M,
+    [lo, hi]: [M::V; 2],
+    mut f: impl FnMut(&mut Approximator<'_, M>, M::V) -> [M::V; MID],
+    mut combine: impl FnMut(&mut Approximator<'_, M>, [M::V; MID], [M::V; MID]) -> [M::V; OUT],
+) -> [M::V; OUT] {
+    let target = Format::F32;
+    let ([l0, l1], [h0, h1]) = (m.widen(lo), m.widen(hi));
+    let values = m.repeat([[l0], [l1], [h0], [h1]], |m, [x]| f(&mut Approximator { m, target }, x));
+    let [l0, l1, h0, h1] = values;
+    let low = combine(&mut Approximator { m, target }, l0, h0);
+    let high = combine(&mut Approximator { m, target }, l1, h1);
+    std::array::from_fn(|i| m.narrow([low[i], high[i]]))
+}
+
+const F64: Format = Format::F64;
+
+/// ln 2 = `LN_2_HI` + `LN_2_LO` to 2⁻⁹⁵; `LN_2_HI` has 41 bits, so its product with an exponent is
+/// exact.
+pub(super) const LN_2_HI: f64 = f64::from_bits(0x3fe6_2e42_fefa_3000);
+pub(super) const LN_2_LO: f64 = 2.823_529_056_303_157_7e-13;
+impl<M: Machine> Approximator<'_, M> {
+    pub(super) fn number(&mut self, value: f64) -> M::V {
+        self.m.number(F64, value)
+    }
+
+    pub(super) fn pick<T>(&self, f32: T, f64: T) -> T {
+        match self.target {
+            Format::F32 => f32,
+            Format::F64 => f64,
+        }
+    }
+
+    /// c₀ + z(c₁ + z(c₂ + …)).
+    pub(super) fn series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
+        let (last, rest) = coefficients.split_last().expect("a series has a term");
+        let mut sum = self.number(*last);
+        for &c in rest.iter().rev() {
+            let product = self.m.mul(sum, z);
+            let c = self.number(c);
+            sum = self.m.add(product, c);
+        }
+        sum
+    }
+
+    /// x − k·c.
+    pub(super) fn subtract_multiple(&mut self, x: M::V, k: M::V, c: f64) -> M::V {
+        let c = self.number(c);
+        let multiple = self.m.mul(k, c);
+        self.m.sub(x, multiple)
+    }
+
+    /// 2^k for integral k with −1022 ≤ k ≤ 1023.
+    pub(super) fn power_of_two(&mut self, k: M::V) -> M::V {
+        // Adding 2^52 + 1023 leaves k + 1023 in the low bits of the significand.
+        let magic = self.number(4_503_599_627_370_496.0 + 1023.0);
+        let biased = self.m.add(k, magic);
+        self.m.shift_left(biased, 52)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_ln_2_make_up_ln_2() {
+        // Its first 128 bits: OEIS A068426.
+        let ln_2 = 0xb172_17f7_d1cf_79ab_c9e3_b398_03f2_f6af_u128;
+        let scaled = |part: f64| (part * 2_f64.powi(127) * 2.0) as u128;
+        let sum = scaled(LN_2_HI) + scaled(LN_2_LO);
+        assert!(sum.abs_diff(ln_2) < 1 << 33);
+        assert!(LN_2_HI.to_bits().trailing_zeros() >= 11);
+    }
+}

@@ -1,0 +1,336 @@
+//! Numbers as unevaluated sums, for routines whose results have more digits than a lane.
+//!
+//! A routine computes the leading terms of its series in this arithmetic and the rest in plain
+//! lanes; results in `f32` need no tails, and none are computed for them. Error-free transforms are
+//! not error-free while rounding up, but what they lose is of second order: each operation here
+//! states its bound, relative to its exact result, for operands whose tails are at most 2⁻⁵⁰ of
+//! their heads and where nothing underflows. Source: Dekker, A floating-point technique for
+//! extending the available precision (1971); for directed rounding Boldo, Graillat, Muller, On the
+//! robustness of the `2Sum` and `Fast2Sum` algorithms (2017).
+
+use super::approximator::Approximator;
+use crate::machine::{Format, Machine};
+
+const F64: Format = Format::F64;
+/// Clears the low 27 bits of a significand, so that products of two cleared ones are exact.
+const UPPER_HALF: u64 = !((1 << 27) - 1);
+/// Below this magnitude a function with f(x) = x + O(x³) is x within any relative error, and its
+/// routines underflow.
+const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
+
+/// A number: head + tail.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DoubleDouble<V> {
+    pub(crate) head: V,
+    /// A few ulps of the head at most; `None` stands for 0.
+    pub(crate) tail: Option<V>,
+}
+
+/// What a routine claims: the exact value is `(sum + δ) · 2^exponent` with |δ| ≤ `error` · |head|.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Approximation<V> {
+    pub(crate) sum: DoubleDouble<V>,
+    /// A bound on the relative error, truncation and rounding included.
+    pub(crate) error: f64,
+    /// What is to be added to the bound in each lane; only where the sum has a tail.
+    pub(crate) extra: Option<V>,
+    /// Integral; `None` stands for 0.
+    pub(crate) exponent: Option<V>,
+}
+
+impl<V> Approximation<V> {
+    pub(crate) fn new(sum: DoubleDouble<V>, error: f64) -> Self {
+        Self { sum, error, extra: None, exponent: None }
+    }
+}
+
+impl<V> From<V> for DoubleDouble<V> {
+    fn from(head: V) -> Self {
+        Self { head, tail: None }
+    }
+}
+
+impl<M: Machine> Approximator<'_, M> {
+    pub(super) fn has_tails(&self) -> bool {
+        self.target == F64
+    }
+
+    /// A constant given as head and tail.
+    pub(super) fn constant(&mut self, [head, tail]: [f64; 2]) -> DoubleDouble<M::V> {
+        let tail = (self.has_tails() && tail != 0.0).then(|| self.number(tail));
+        DoubleDouble { head: self.number(head), tail }
+    }
+
+    /// The sum of two tails.
+    pub(super) fn tails(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {
+        match (a, b) {
+            (Some(a), Some(b)) => Some(self.m.add(a, b)),
+            (tail, None) | (None, tail) => tail,
+        }
+    }
+
+    /// a + b for |a| ≥ |b| or a = 0, to 2⁻¹⁰⁰ of |a| + |b|.
+    pub(super) fn plus(
+        &mut self,
+        a: impl Into<DoubleDouble<M::V>>,
+        b: impl Into<DoubleDouble<M::V>>,
+    ) -> DoubleDouble<M::V> {
+        let (a, b) = (a.into(), b.into());
+        let head = self.m.add(a.head, b.head);
+        if !self.has_tails() {
+            return head.into();
+        }
+        // What the head holds of b is exact, and so is what it lacks but for a rounding of second
+        // order.
+        let held = self.m.sub(head, a.head);
+        let lacking = self.m.sub(b.head, held);
+        let tails = self.tails(a.tail, b.tail);
+        DoubleDouble { head, tail: self.tails(Some(lacking), tails) }
+    }
+
+    /// a + b for a and b ≥ 0, in any order.
+    pub(super) fn plus_nonneg(
+        &mut self,
+        a: DoubleDouble<M::V>,
+        b: DoubleDouble<M::V>,
+    ) -> DoubleDouble<M::V> {
+        if !self.has_tails() {
+            return self.plus(a, b);
+        }
+        let (large, small) = (self.m.max(a.head, b.head), self.m.min(a.head, b.head));
+        let sum = self.plus(large, small);
+        let tails = self.tails(a.tail, b.tail);
+        DoubleDouble { tail: self.tails(sum.tail, tails), ..sum }
+    }
+
+    /// a · b, to 2⁻⁷².
+    ///
+    /// The first difference is exact, as it is a multiple of the last place of a product of halves,
+    /// and is below 2⁻²³ of the product, as all are that follow; three additions of these lose 2⁻⁵²
+    /// each.
+    pub(super) fn times(
+        &mut self,
+        a: impl Into<DoubleDouble<M::V>>,
+        b: impl Into<DoubleDouble<M::V>>,
+    ) -> DoubleDouble<M::V> {
+        let (a, b) = (a.into(), b.into());
+        let head = self.m.mul(a.head, b.head);
+        if !self.has_tails() {
+            return head.into();
+        }
+        let mask = self.m.bits(F64, UPPER_HALF);
+        let (a_upper, b_upper) = (self.m.and(a.head, mask), self.m.and(b.head, mask));
+        let (a_lower, b_lower) = (self.m.sub(a.head, a_upper), self.m.sub(b.head, b_upper));
+        let upper = self.m.mul(a_upper, b_upper);
+        let mut tail = self.m.sub(upper, head);
+        for (a, b) in [(a_upper, b_lower), (a_lower, b_upper), (a_lower, b_lower)] {
+            let product = self.m.mul(a, b);
+            tail = self.m.add(tail, product);
+        }
+        for (head, other) in [(a.head, b.tail), (b.head, a.tail)] {
+            if let Some(other) = other {
+                let product = self.m.mul(head, other);
+                tail = self.m.add(tail, product);
+            }
+        }
+        DoubleDouble { head, tail: Some(tail) }
+    }
+
+    /// a / b, to 2⁻⁷¹.
+    pub(super) fn over(
+        &mut self,
+        a: impl Into<DoubleDouble<M::V>>,
+        b: impl Into<DoubleDouble<M::V>>,
+    ) -> DoubleDouble<M::V> {
+        let (a, b) = (a.into(), b.into());
+        let head = self.m.div(a.head, b.head);
+        if !self.has_tails() {
+            return head.into();
+        }
+        // The quotient of the remainder; its first difference is exact, as both are a few ulps
+        // apart.
+        let product = self.times(head, b);
+        let rest = self.difference(a, product);
+        DoubleDouble { head, tail: Some(self.m.div(rest, b.head)) }
+    }
+
+    /// √a for a ≥ 0, to 2⁻⁷¹.
+    pub(super) fn root(&mut self, a: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
+        let head = self.m.sqrt(a.head);
+        if !self.has_tails() {
+            return head.into();
+        }
+        let square = self.times(head, head);
+        let rest = self.difference(a, square);
+        let twice = self.m.add(head, head);
+        let tiny = self.number(TINY);
+        let twice = self.m.max(twice, tiny); // the root of 0
+        DoubleDouble { head, tail: Some(self.m.div(rest, twice)) }
+    }
+
+    /// a − b in one lane, for heads a few ulps apart, whose difference is exact.
+    fn difference(&mut self, a: DoubleDouble<M::V>, b: DoubleDouble<M::V>) -> M::V {
+        let mut rest = self.m.sub(a.head, b.head);
+        if let Some(tail) = b.tail {
+            rest = self.m.sub(rest, tail);
+        }
+        if let Some(tail) = a.tail {
+            rest = self.m.add(rest, tail);
+        }
+        rest
+    }
+
+    /// A head and a tail each mapped by something exact.
+    pub(super) fn each(
+        &mut self,
+        a: DoubleDouble<M::V>,
+        mut f: impl FnMut(&mut Self, M::V) -> M::V,
+    ) -> DoubleDouble<M::V> {
+        DoubleDouble { head: f(self, a.head), tail: a.tail.map(|tail| f(self, tail)) }
+    }
+
+    /// a times a power of two.
+    pub(super) fn scaled(&mut self, a: DoubleDouble<M::V>, power: M::V) -> DoubleDouble<M::V> {
+        self.each(a, |approx, part| approx.m.mul(part, power))
+    }
+
+    /// a with its sign flipped where `sign` has the sign bit; other bits of `sign` must be 0.
+    pub(super) fn flipped(&mut self, a: DoubleDouble<M::V>, sign: M::V) -> DoubleDouble<M::V> {
+        self.each(a, |approx, part| approx.m.xor(part, sign))
+    }
+
+    /// −a.
+    pub(super) fn opposite(&mut self, a: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
+        self.each(a, |approx, part| approx.m.neg(part))
+    }
+
+    /// The sign bits of a.
+    pub(super) fn sign_of(&mut self, a: M::V) -> M::V {
+        let sign_bit = self.m.bits(F64, 1 << 63);
+        self.m.and(a, sign_bit)
+    }
+
+    /// a where the mask is set, else b.
+    pub(super) fn choose(
+        &mut self,
+        mask: M::V,
+        a: DoubleDouble<M::V>,
+        b: DoubleDouble<M::V>,
+    ) -> DoubleDouble<M::V> {
+        let head = self.m.select(mask, a.head, b.head);
+        let tail = match (a.tail, b.tail) {
+            (None, None) => None,
+            (a, b) => {
+                let zero = self.number(0.0);
+                Some(self.m.select(mask, a.unwrap_or(zero), b.unwrap_or(zero)))
+            }
+        };
+        DoubleDouble { head, tail }
+    }
+
+    /// w + c₁w³ + c₂w⁵ + …, given the tail of c₁ and the rest: an odd series that
+    /// starts with w.
+    ///
+    /// Let z = w², and let R bound the terms from c₂ on, relative to w. The error is below
+    /// 2⁻⁵²·5·R + 2⁻⁶⁹ of w for results with tails, and 2⁻⁵²·6·(the terms from c₁ on) for those
+    /// without: each term is a product of few factors, and each Horner step errs by two ulps of a
+    /// sum that the next factor z, below ⅔, makes small.
+    pub(super) fn odd_series(
+        &mut self,
+        w: DoubleDouble<M::V>,
+        first_tail: f64,
+        coefficients: &[f64],
+    ) -> DoubleDouble<M::V> {
+        let z = self.times(w, w);
+        if !self.has_tails() {
+            let terms = self.series(z.head, coefficients);
+            let terms = self.m.mul(terms, z.head);
+            let terms = self.m.mul(terms, w.head);
+            return self.plus(w, terms);
+        }
+        let later = self.series(z.head, &coefficients[1..]);
+        let later = self.m.mul(later, z.head);
+        let first = self.constant([coefficients[0], first_tail]);
+        let factor = self.plus(first, later);
+        let factor = self.times(z, factor);
+        let terms = self.times(w, factor);
+        self.plus(w, terms)
+    }
+
+    /// `value` but for tiny x, where it is x.
+    pub(super) fn or_tiny(&mut self, x: M::V, value: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
+        self.or_where_tiny(x, x, value)
+    }
+
+    /// `value` but for tiny x, where it is `other`.
+    pub(super) fn or_where_tiny(
+        &mut self,
+        x: M::V,
+        other: M::V,
+        value: DoubleDouble<M::V>,
+    ) -> DoubleDouble<M::V> {
+        if !self.has_tails() {
+            return value; // cubes of `f32` do not underflow
+        }
+        let (magnitude, tiny) = (self.m.abs(x), self.number(TINY));
+        let is_tiny = self.m.lt(magnitude, tiny);
+        self.choose(is_tiny, other.into(), value)
+    }
+
+    /// An upper bound of what `near` approximates: only the last addition rounds at full size.
+    pub(crate) fn upper(&mut self, near: &Approximation<M::V>) -> M::V {
+        let slack = self.slack(near);
+        let bound = match near.sum.tail {
+            None => self.m.add(near.sum.head, slack),
+            Some(tail) => {
+                let rest = self.m.add(tail, slack);
+                self.m.add(near.sum.head, rest)
+            }
+        };
+        self.raised(bound, near.exponent)
+    }
+
+    /// Minus a lower bound of what `near` approximates.
+    pub(crate) fn negated_lower(&mut self, near: &Approximation<M::V>) -> M::V {
+        let slack = self.slack(near);
+        let rest = match near.sum.tail {
+            None => slack,
+            Some(tail) => self.m.sub(slack, tail),
+        };
+        let bound = self.m.sub(rest, near.sum.head);
+        self.raised(bound, near.exponent)
+    }
+
+    /// What `near` approximates, in one lane.
+    pub(crate) fn value(&mut self, near: &Approximation<M::V>) -> M::V {
+        let value = match near.sum.tail {
+            None => near.sum.head,
+            Some(tail) => self.m.add(near.sum.head, tail),
+        };
+        self.raised(value, near.exponent)
+    }
+
+    fn slack(&mut self, near: &Approximation<M::V>) -> M::V {
+        let (magnitude, mut error) = (self.m.abs(near.sum.head), self.number(near.error));
+        if let Some(extra) = near.extra {
+            error = self.m.add(error, extra);
+        }
+        // Rounded up, it is at least the smallest positive number, unless the head is 0.
+        self.m.mul(magnitude, error)
+    }
+
+    /// value · 2^exponent, in two steps, as 2^exponent may be out of range where the product is
+    /// not. The first is exact, so that only one rounds, also below the normal numbers.
+    fn raised(&mut self, value: M::V, exponent: Option<M::V>) -> M::V {
+        let Some(exponent) = exponent else {
+            return value;
+        };
+        let half = self.number(0.5);
+        let first = self.m.mul(exponent, half);
+        let first = self.m.floor(first);
+        let second = self.m.sub(exponent, first);
+        let (first, second) = (self.power_of_two(first), self.power_of_two(second));
+        let value = self.m.mul(value, first);
+        self.m.mul(value, second)
+    }
+}

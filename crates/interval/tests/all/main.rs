@@ -1,0 +1,4 @@
+//! Intervals as other crates see them.
+
+mod branches;
+mod containment;

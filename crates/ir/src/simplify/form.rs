@@ -1,0 +1,155 @@
+//! Sums and products while they are collected, before any node is made for them.
+
+use super::numbers;
+use crate::graph::NodeId;
+use num_rational::BigRational;
+use num_traits::{One, Zero};
+use zeroset_ops::Restriction;
+
+/// What an expression of the old graph has become so far.
+#[derive(Clone, Debug)]
+pub(super) enum Form {
+    /// A node of the new graph.
+    Node(NodeId),
+    /// A sum that may still grow.
+    Sum(Sum),
+    /// A product that may still grow.
+    Product(Product),
+}
+
+/// Where an expression is defined, beyond what its own operations demand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Condition {
+    /// Where the node is defined.
+    Defined(NodeId),
+    /// Where the node is not 0.
+    Nonzero(NodeId),
+    /// Where the node is at least 0.
+    Nonneg(NodeId),
+    /// Where the node is above 0.
+    Positive(NodeId),
+}
+
+impl Condition {
+    /// What a restriction by `node` demands.
+    pub(super) fn of(restriction: Restriction, node: NodeId) -> Self {
+        match restriction {
+            Restriction::Defined => Self::Defined(node),
+            Restriction::Nonzero => Self::Nonzero(node),
+            Restriction::Nonneg => Self::Nonneg(node),
+            Restriction::Positive => Self::Positive(node),
+        }
+    }
+}
+
+/// `±(constant + Σ cᵢ·tᵢ)`: the terms are nodes that carry no coefficient of their own.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sum {
+    /// Whether constants and coefficients are stored with the opposite sign: negation must cost
+    /// nothing, or a nest of differences would take quadratic time.
+    negated: bool,
+    constants: Vec<BigRational>,
+    terms: Vec<(NodeId, BigRational)>,
+    pub(super) conditions: Vec<Condition>,
+}
+
+impl Sum {
+    pub(super) fn negate(&mut self) {
+        self.negated = !self.negated;
+    }
+
+    pub(super) fn add_constant(&mut self, value: BigRational) {
+        if !value.is_zero() {
+            self.constants.push(if self.negated { -value } else { value });
+        }
+    }
+
+    pub(super) fn add_term(&mut self, term: NodeId, coefficient: BigRational) {
+        let signed = if self.negated { -coefficient } else { coefficient };
+        self.terms.push((term, signed));
+    }
+
+    /// This plus `other`; the longer list stays in place.
+    pub(super) fn plus(mut self, mut other: Self) -> Self {
+        if self.terms.len() + self.constants.len() < other.terms.len() + other.constants.len() {
+            std::mem::swap(&mut self, &mut other);
+        }
+        let flip = self.negated != other.negated;
+        let signed = |value: BigRational| if flip { -value } else { value };
+        self.constants.extend(other.constants.into_iter().map(signed));
+        self.terms.extend(other.terms.into_iter().map(|(term, c)| (term, signed(c))));
+        self.conditions.append(&mut other.conditions);
+        self
+    }
+
+    /// Constants, terms and conditions, signs applied.
+    pub(super) fn into_parts(
+        self,
+    ) -> (Vec<BigRational>, Vec<(NodeId, BigRational)>, Vec<Condition>) {
+        if !self.negated {
+            return (self.constants, self.terms, self.conditions);
+        }
+        (
+            self.constants.into_iter().map(|c| -c).collect(),
+            self.terms.into_iter().map(|(term, c)| (term, -c)).collect(),
+            self.conditions,
+        )
+    }
+}
+
+/// A base to an integer power.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Factor {
+    pub(super) base: NodeId,
+    pub(super) exponent: i64,
+    /// Whether the base must not be 0 although the exponent may allow it.
+    pub(super) nonzero: bool,
+}
+
+/// `coefficient · Π baseᵢ^exponentᵢ`.
+#[derive(Clone, Debug)]
+pub(super) struct Product {
+    pub(super) coefficient: BigRational,
+    pub(super) factors: Vec<Factor>,
+    pub(super) conditions: Vec<Condition>,
+    /// Whether bases are still to be merged; put off while a long product grows, which would else
+    /// take quadratic time.
+    pub(super) loose: bool,
+}
+
+impl Product {
+    pub(super) fn number(coefficient: BigRational) -> Self {
+        Self { coefficient, factors: Vec::new(), conditions: Vec::new(), loose: false }
+    }
+
+    pub(super) fn power(base: NodeId, exponent: i64) -> Self {
+        let factor = Factor { base, exponent, nonzero: false };
+        Self {
+            coefficient: BigRational::one(),
+            factors: vec![factor],
+            conditions: Vec::new(),
+            loose: false,
+        }
+    }
+
+    /// The number that this is, if it has no factors and no conditions.
+    pub(super) fn as_number(&self) -> Option<&BigRational> {
+        (self.factors.is_empty() && self.conditions.is_empty()).then_some(&self.coefficient)
+    }
+
+    /// The `n`-th power, if every exponent stays small and the coefficient exact.
+    pub(super) fn raised(&self, n: i64) -> Option<Self> {
+        /// Larger exponents are left to nested powers.
+        const EXPONENT_LIMIT: u64 = 1 << 16;
+        let mut result = self.clone();
+        result.coefficient = numbers::power(&self.coefficient, n)?;
+        for factor in &mut result.factors {
+            factor.nonzero |= factor.exponent < 0 || n < 0;
+            factor.exponent = factor.exponent.checked_mul(n)?;
+            if factor.exponent.unsigned_abs() > EXPONENT_LIMIT {
+                return None;
+            }
+        }
+        Some(result)
+    }
+}

@@ -1,0 +1,218 @@
+//! Texts made to overflow, hang or panic: each is read, or refused with one clear error, on a small
+//! stack.
+
+use std::fmt::Write as _;
+use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
+
+/// Half of what threads usually have.
+const STACK: usize = 1 << 20;
+
+fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {
+    let thread = std::thread::Builder::new().stack_size(STACK).spawn(run);
+    thread.expect("a thread").join().expect("no panic")
+}
+
+/// The only error of `text`; rendering it must be short.
+fn error(text: String) -> ErrorKind {
+    on_a_small_stack(move || {
+        let errors = read(&text, &Options::default()).expect_err("must be refused");
+        let rendered = errors.render(Some("input"), &text, false);
+        assert!(rendered.len() < 2000, "{} bytes", rendered.len());
+        let mut kinds = errors.iter().map(|error| error.kind.clone());
+        let first = kinds.next().expect("an error");
+        assert_eq!(kinds.next(), None, "one error only");
+        first
+    })
+}
+
+fn accepted(text: String) -> usize {
+    on_a_small_stack(move || {
+        let document: Result<_, Errors> = read(&text, &Options::default());
+        document.map_or_else(|e| panic!("{}", e.render(None, &text, false)), |d| d.graph.len())
+    })
+}
+
+fn is_too_deep(text: String) -> bool {
+    matches!(error(text), ErrorKind::TooDeep { .. })
+}
+
+#[test]
+fn nesting_is_bounded() {
+    assert!(is_too_deep("(".repeat(100_000)));
+    assert!(is_too_deep(format!("{}x{}", "(".repeat(20_000), ")".repeat(20_000))));
+    assert!(is_too_deep(format!("{}x", "-".repeat(20_000))));
+    assert!(is_too_deep(format!("x{}", "^x".repeat(20_000))));
+    assert!(is_too_deep(format!("x{}", "^-x".repeat(20_000))));
+    assert!(is_too_deep(format!("x{}", "^2".repeat(20_000))));
+    assert!(is_too_deep(format!("{}x", "sin ".repeat(20_000))));
+    assert!(is_too_deep(format!("{}x", "√".repeat(20_000))));
+    assert!(is_too_deep(format!("{}x < 1", "not ".repeat(20_000))));
+    assert!(is_too_deep("\\sqrt{".repeat(50_000)));
+    assert!(is_too_deep("\\frac{".repeat(30_000)));
+    assert!(is_too_deep("sin(".repeat(30_000)));
+    assert!(is_too_deep("[{(".repeat(30_000)));
+}
+
+#[test]
+fn allowed_nesting_fits_the_stack() {
+    let depth = Limits::default().depth - 10;
+    for (open, close) in [
+        ("(", ")"),
+        ("[", "]"),
+        ("sin(", ")"),
+        ("|(", ")|"),
+        ("-(1+2*", ")"),
+        ("2^(", ")"),
+        ("√(", ")"),
+    ] {
+        for levels in [depth / 3, depth / 2, depth] {
+            let text = format!("{}x{}", open.repeat(levels), close.repeat(levels));
+            on_a_small_stack(move || {
+                let read = read(&text, &Options::default());
+                if let Ok(document) = &read {
+                    assert!(document.surfaces[0].echo.contains('x'));
+                } else {
+                    let errors = read.unwrap_err();
+                    assert!(
+                        errors.iter().all(|e| matches!(e.kind, ErrorKind::TooDeep { .. })),
+                        "{errors}"
+                    );
+                }
+            });
+        }
+    }
+    accepted(format!("{}x{}", "(".repeat(depth / 2), ")".repeat(depth / 2)));
+    accepted(format!("{}x < 1{}", "(x < 1 or ".repeat(depth), ")".repeat(depth)));
+    accepted(format!("x{}", "^x".repeat(depth)));
+    accepted(format!("{}x", "-".repeat(depth)));
+}
+
+#[test]
+fn length_is_bounded() {
+    let long = 1_000_000;
+    assert!(matches!(error("x+".repeat(long)), ErrorKind::TooLong { .. }));
+    assert!(matches!(error("x+".repeat(long / 2)), ErrorKind::TooManySymbols { .. }));
+    assert!(matches!(error("2".repeat(long) + "q"), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error("q".repeat(long)), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error("x".repeat(long)), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error("é".repeat(long / 2)), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error("x2".repeat(long / 2)), ErrorKind::UnknownName { .. }));
+    assert!(matches!(error(" ".repeat(long)), ErrorKind::Empty));
+    assert!(matches!(error("\n".repeat(long)), ErrorKind::TooManySymbols { .. }));
+    assert!(matches!(error("#".repeat(long)), ErrorKind::Empty));
+    assert!(matches!(
+        error(")".repeat(long)),
+        ErrorKind::TooManySymbols { .. } | ErrorKind::Unopened { .. }
+    ));
+    accepted("1".repeat(long) + "x");
+    accepted(format!("x = 0.{}", "3".repeat(long)));
+    accepted(format!("x{}", "+x".repeat(20_000)));
+    accepted(format!("x{}", "*x".repeat(20_000)));
+    accepted("x ".repeat(40_000));
+    accepted(format!("x < 1{}", " and x < 1".repeat(10_000)));
+    accepted(format!("0 < x{}", " < y".repeat(20_000)));
+    accepted(format!("max(x{})", ", y".repeat(20_000)));
+}
+
+#[test]
+fn bars_are_read_in_one_pass() {
+    assert!(matches!(error("|".repeat(50_000)), ErrorKind::NestedBars));
+    assert!(matches!(error("|x".repeat(50_000)), ErrorKind::AmbiguousBars));
+    accepted(format!("|x|{}", "+|x|".repeat(10_000)));
+    accepted("|x|".repeat(10_000));
+}
+
+#[test]
+fn expansion_is_bounded() {
+    let mut chain = String::from("a0 = x*x\n");
+    let mut doubling = String::from("f0(a) = a*a\n");
+    let mut tree = String::from("g0(a) = a + x\n");
+    for i in 1..60 {
+        let before = i - 1;
+        writeln!(chain, "a{i} = a{before} + a{before}").unwrap();
+        writeln!(doubling, "f{i}(a) = f{before}(a) + f{before}(a)").unwrap();
+        writeln!(tree, "g{i}(a) = g{before}(2*a) + g{before}(3*a + {i})").unwrap();
+    }
+    accepted(chain + "a59\n");
+    accepted(doubling + "f59(x)\n");
+    assert!(matches!(error(tree + "g59(x)\n"), ErrorKind::TooLarge { .. }));
+
+    let mut long = String::from("a0 = x\n");
+    for i in 1..5000 {
+        writeln!(long, "a{i} = a{} + 1", i - 1).unwrap();
+    }
+    assert!(is_too_deep(long + "a4999\n"));
+
+    let mut circle = String::from("a0 = a4999\n");
+    for i in 1..5000 {
+        writeln!(circle, "a{i} = a{} + 1", i - 1).unwrap();
+    }
+    let text = circle + "x\n";
+    let errors = on_a_small_stack(move || read(&text, &Options::default()).expect_err("a circle"));
+    assert!(errors.to_string().len() < 500, "a short message");
+}
+
+#[test]
+fn many_errors_are_cut_short() {
+    let mut text = String::new();
+    for i in 0..20_000 {
+        writeln!(text, "abc{i}def + x").unwrap();
+    }
+    let errors =
+        on_a_small_stack(move || read(&text, &Options::default()).expect_err("unknown names"));
+    assert!(errors.iter().count() <= 20);
+}
+
+#[test]
+fn bytes_that_are_not_text_are_refused() {
+    let bytes = b"x^2 + \xff\xfe = 1";
+    let errors = read_bytes(bytes, &Options::default()).expect_err("not UTF-8");
+    let kinds: Vec<&ErrorKind> = errors.iter().map(|error| &error.kind).collect();
+    assert_eq!(kinds, [&ErrorKind::NotUtf8 { offset: 6 }]);
+    let lossy = String::from_utf8_lossy(bytes);
+    assert!(errors.render(None, &lossy, false).contains("byte 6"));
+    assert!(read_bytes(b"x^2", &Options::default()).is_ok());
+}
+
+#[test]
+fn unused_definitions_are_remarked_on_in_bounded_time() {
+    let mut text = String::from("z = x\n");
+    for index in 0..20_000 {
+        writeln!(text, "abcdefghijklm{index} = 1").unwrap();
+    }
+    let document = read(&text, &Options::default()).expect("a surface");
+    assert!((1..100).contains(&document.notes.len()), "{}", document.notes.len());
+}
+
+#[test]
+fn remarks_on_one_long_line_are_bounded() {
+    let text = format!("{} - 1", "xyz ".repeat(20_000));
+    let document = read(&text, &Options::default()).expect("a surface");
+    assert_eq!(document.notes.len(), 1, "the same remark once");
+    let mut text = String::new();
+    let letters: Vec<char> = ('a'..='w').filter(|c| !matches!(c, 'e' | 't')).collect();
+    for letter in &letters {
+        writeln!(text, "{letter} = 1").unwrap();
+    }
+    for (a, b) in letters.iter().flat_map(|a| letters.iter().map(move |b| (a, b))) {
+        write!(text, "{a}x{b} ").unwrap();
+    }
+    let document = read(&text, &Options::default()).expect("a surface");
+    assert_eq!(document.notes.len(), 41);
+    let last = document.notes.last().expect("a note").message();
+    assert!(last.contains("further notes omitted"), "{last}");
+}
+
+#[test]
+fn surfaces_are_counted() {
+    let lines = |count: usize| "x = 1\n".repeat(count);
+    assert_eq!(accepted(lines(1000)), 3);
+    assert!(matches!(error(lines(1001)), ErrorKind::TooManySurfaces { limit: 1000 }));
+}
+
+#[test]
+fn errors_in_long_lines_are_drawn_in_bounded_time() {
+    let text = vec![format!("x + {}foo", " ".repeat(40_000)); 22].join(" ; ");
+    let rendered = read(&text, &Options::default()).expect_err("errors").render(None, &text, false);
+    assert!(rendered.len() < 20_000, "{}", rendered.len());
+}

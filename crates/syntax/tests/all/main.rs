@@ -1,0 +1,7 @@
+//! The language as other crates see it.
+
+mod corpus;
+mod gallery;
+mod hostile;
+mod render;
+mod round_trip;

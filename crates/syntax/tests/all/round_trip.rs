@@ -1,0 +1,319 @@
+//! Properties over random trees and random text. The seed is fixed; a failing case is printed with
+//! its input.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use zeroset_ir::Axis;
+use zeroset_ops::{COMPOSED, Notation, TABLE};
+use zeroset_syntax::ast::{
+    Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign, Relation, Statement, SumSign,
+};
+use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
+
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(0x7a65_726f),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+fn expr(kind: ExprKind) -> Expr {
+    Expr::new(kind, Span::default())
+}
+
+/// A sum as the parser makes it: a sum in the first place is opened.
+fn sum(first: Expr, mut rest: Vec<(SumSign, Expr)>) -> Expr {
+    match first.kind {
+        ExprKind::Sum(inner, mut terms) => {
+            terms.append(&mut rest);
+            expr(ExprKind::Sum(inner, terms))
+        }
+        kind => expr(ExprKind::Sum(Box::new(expr(kind)), rest)),
+    }
+}
+
+fn product(first: Expr, mut rest: Vec<(ProductSign, Expr)>) -> Expr {
+    match first.kind {
+        ExprKind::Product(inner, mut factors) => {
+            factors.append(&mut rest);
+            expr(ExprKind::Product(inner, factors))
+        }
+        kind => expr(ExprKind::Product(Box::new(expr(kind)), rest)),
+    }
+}
+
+fn leaf() -> impl Strategy<Value = Expr> {
+    let numbers =
+        prop::sample::select(vec!["0", "1", "2", "0.5", "12.25", "2e3", "1e-3", "1.5e10"]);
+    let values = prop::sample::select(vec![
+        NamedValue::Coordinate(Axis::X),
+        NamedValue::Coordinate(Axis::Y),
+        NamedValue::Coordinate(Axis::Z),
+        NamedValue::Time,
+        NamedValue::Constant(NamedConstant::Pi),
+        NamedValue::Constant(NamedConstant::E),
+        NamedValue::Constant(NamedConstant::Phi),
+    ]);
+    prop_oneof![
+        numbers.prop_map(|text| expr(ExprKind::Number(text.to_owned()))),
+        values.prop_map(|value| expr(ExprKind::Name(value))),
+    ]
+}
+
+/// Every function that a user can call, with a number of arguments that it takes.
+fn functions() -> Vec<(Function, usize)> {
+    let callable = |row: &&zeroset_ops::Row| {
+        matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
+    };
+    let mut all: Vec<(Function, usize)> = TABLE
+        .iter()
+        .filter(callable)
+        .map(|row| (Function::Native(row.op), row.op.arity()))
+        .collect();
+    all.push((Function::Native(zeroset_ops::Op::Max), 4));
+    all.push((Function::Root, 2));
+    all.push((Function::Length, 5));
+    all.extend(
+        COMPOSED
+            .iter()
+            .enumerate()
+            .map(|(index, f)| (Function::Composed(index), f.parameters.len())),
+    );
+    all
+}
+
+fn number() -> impl Strategy<Value = Expr> {
+    leaf().prop_recursive(6, 40, 4, |inner| {
+        let sign = prop::sample::select(vec![SumSign::Plus, SumSign::Minus]);
+        let joint = prop::sample::select(vec![ProductSign::Times, ProductSign::Over]);
+        let function = prop::sample::select(functions());
+        prop_oneof![
+            inner.clone().prop_map(|e| expr(ExprKind::Negate(Box::new(e)))),
+            (inner.clone(), vec((sign, inner.clone()), 1..4))
+                .prop_map(|(first, rest)| sum(first, rest)),
+            (inner.clone(), vec((joint, inner.clone()), 1..4))
+                .prop_map(|(first, rest)| product(first, rest)),
+            (inner.clone(), inner.clone()).prop_map(|(base, exponent)| expr(ExprKind::Power(
+                Box::new(base),
+                Box::new(exponent)
+            ))),
+            (function, vec(inner, 5)).prop_map(|((function, count), mut arguments)| {
+                arguments.truncate(count);
+                expr(ExprKind::Call(function, arguments))
+            }),
+        ]
+    })
+}
+
+fn condition() -> impl Strategy<Value = Expr> {
+    let relation = prop::sample::select(vec![
+        Relation::Less,
+        Relation::LessEqual,
+        Relation::Greater,
+        Relation::GreaterEqual,
+    ]);
+    let compare = (number(), vec((relation, number()), 1..3))
+        .prop_map(|(first, rest)| expr(ExprKind::Compare(Box::new(first), rest)));
+    compare.prop_recursive(3, 8, 3, |inner| {
+        let several = |is_and: bool| {
+            move |mut items: Vec<Expr>| {
+                let first = items.remove(0);
+                let mut all = match (first.kind, is_and) {
+                    (ExprKind::And(inner), true) | (ExprKind::Or(inner), false) => inner,
+                    (kind, _) => vec![expr(kind)],
+                };
+                all.extend(items);
+                expr(if is_and { ExprKind::And(all) } else { ExprKind::Or(all) })
+            }
+        };
+        prop_oneof![
+            inner.clone().prop_map(|e| expr(ExprKind::Not(Box::new(e)))),
+            vec(inner.clone(), 2..4).prop_map(several(true)),
+            vec(inner, 2..4).prop_map(several(false)),
+        ]
+    })
+}
+
+fn statement() -> impl Strategy<Value = Statement> {
+    let equation = (number(), number())
+        // `pi = …` and `t = …` would define.
+        .prop_filter("a definition", |(left, _)| {
+            !matches!(left.kind, ExprKind::Name(NamedValue::Constant(_) | NamedValue::Time))
+        })
+        .prop_map(|(left, right)| {
+            expr(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]))
+        });
+    let drawn = prop_oneof![number(), equation, condition()];
+    (drawn, vec(condition(), 0..3))
+        .prop_map(|(expr, restrictions)| Statement::Draw { expr, restrictions })
+}
+
+proptest! {
+    #![proptest_config(config(2000))]
+
+    #[test]
+    fn what_is_printed_is_read_as_it_was(statement in statement()) {
+        let printed = statement.to_string();
+        match parse(&printed, &Limits::default()) {
+            Ok(parsed) => prop_assert_eq!(&parsed, &[statement], "{}", printed),
+            Err(errors) => prop_assert!(false, "{}", errors.render(None, &printed, false)),
+        }
+    }
+}
+
+/// Reads and renders; only a panic or an error without a message is a failure.
+fn survives(text: &str) -> Result<(), TestCaseError> {
+    match read(text, &Options::default()) {
+        Ok(document) => {
+            prop_assert!(!document.surfaces.is_empty());
+            for note in &document.notes {
+                prop_assert!(text.get(note.span.range()).is_some(), "{:?}", note);
+                note.render(None, text, true);
+            }
+            for surface in &document.surfaces {
+                prop_assert!(surface.root.index() < document.graph.len());
+            }
+        }
+        Err(errors) => {
+            for error in &errors {
+                prop_assert!(text.get(error.span.range()).is_some(), "{:?}", error);
+                prop_assert!(!error.message().is_empty());
+            }
+            errors.render(Some("file.zset"), text, true);
+        }
+    }
+    Ok(())
+}
+
+/// Pieces of the language, so that random rows of them get past the first stage.
+const PIECES: &[&str] = &[
+    "x",
+    "y",
+    "z",
+    "t",
+    "r",
+    "f",
+    "g",
+    "xyz",
+    "x2",
+    "i",
+    "2",
+    "0.5",
+    ".5",
+    "1.",
+    "2e3",
+    "sin",
+    "max",
+    "log",
+    "root",
+    "(",
+    ")",
+    "(",
+    ")",
+    "[",
+    "]",
+    "{",
+    "}",
+    "|",
+    "|",
+    ",",
+    "+",
+    "-",
+    "−",
+    "*",
+    "/",
+    "^",
+    "**",
+    "²",
+    "⁻¹",
+    "√",
+    "=",
+    "==",
+    "<",
+    "<=",
+    ">",
+    "≥",
+    "!=",
+    "and",
+    "or",
+    "not",
+    "in",
+    "\n",
+    ";",
+    "#",
+    "\\frac",
+    "\\sqrt",
+    "\\sin",
+    "\\cdot",
+    "\\left",
+    "\\le",
+    "\\",
+    "domain",
+    "view",
+    "color",
+    "auto",
+    "eye",
+    "front",
+    "#ff0",
+    "red",
+    "r = 2\n",
+    "f(a) = a\n",
+    "f(x, y) =",
+    " ",
+    " ",
+    "é",
+    "'",
+    "!",
+    "$",
+    "·",
+    "π",
+    "_",
+    "x_1",
+    "x_{1}",
+    "\u{FEFF}",
+    "\r\n",
+    "\u{2062}",
+    ":",
+    ":=",
+    "&&",
+    "∈",
+];
+
+proptest! {
+    #![proptest_config(config(4_000))]
+
+    #[test]
+    fn rows_of_pieces_never_panic(pieces in vec(prop::sample::select(PIECES), 0..24)) {
+        survives(&pieces.concat())?;
+    }
+
+    #[test]
+    fn random_text_never_panics(text in "\\PC{0,60}") {
+        survives(&text)?;
+    }
+
+    #[test]
+    fn random_bytes_never_panic(bytes in vec(any::<u8>(), 0..60)) {
+        if let Err(errors) = read_bytes(&bytes, &Options::default()) {
+            errors.render(None, &String::from_utf8_lossy(&bytes), false);
+        }
+    }
+
+    #[test]
+    fn broken_formulas_never_panic(
+        statement in statement(),
+        at in 0_usize..1000,
+        piece in prop::sample::select(PIECES),
+    ) {
+        let mut text = statement.to_string();
+        let mut at = at % (text.len() + 1);
+        while !text.is_char_boundary(at) {
+            at -= 1;
+        }
+        text.insert_str(at, piece);
+        survives(&text)?;
+    }
+}

@@ -1,0 +1,203 @@
+//! Bounds of gradients: they hold the derivatives where a function is called differentiable, and
+//! bound its changes where it is called Lipschitz continuous.
+//!
+//! The second is the mean value form, f(q) − f(p) ∈ G·(q − p). It needs values alone, so no table
+//! of derivatives is trusted in it.
+
+use super::subjects::subjects;
+use super::{Failure, MakeCase, Tally};
+use crate::oracle::Span;
+use crate::{
+    Adversarial, Case, Claim, Defined, Oracle, Place, Rng, hexadecimal, minimise, pack_boxes,
+};
+use zeroset_eval::{Assumptions, EncloseGradient, GradientEnclosures, LANES, Real};
+use zeroset_ir::{Graph, NodeId, gradient};
+
+/// Pairs of points tried in each box.
+const PAIRS: usize = 4;
+
+/// Two points of a box and values of the parameters.
+#[derive(Clone, Debug)]
+struct Probe {
+    ends: [[f64; 3]; 2],
+    values: Vec<(f64, f64)>,
+}
+
+impl Probe {
+    fn random<T: Adversarial>(case: &Case, rng: &mut Rng, region: &[[T; 2]; 3]) -> Self {
+        let mut ends = [(); 2].map(|()| case.random_point(rng, region));
+        if rng.bool() {
+            // Along one axis, whose slope is then not hidden by those along the others.
+            let axis = rng.u32(0..3) as usize;
+            let far = ends[1][axis];
+            ends[1] = ends[0];
+            ends[1][axis] = far;
+        }
+        Self { ends, values: case.random_values(rng) }
+    }
+}
+
+/// One lane of an answer.
+#[derive(Debug)]
+struct Answer {
+    bounds: [f64; 2],
+    slopes: [[f64; 2]; 3],
+    lipschitz: bool,
+    differentiable: bool,
+}
+
+impl Answer {
+    fn of<T: Real>(answers: &GradientEnclosures<T>, lane: usize) -> Self {
+        let range = |neg_lo: T, hi: T| [-neg_lo.into(), hi.into()];
+        Self {
+            bounds: range(answers.neg_lo[lane], answers.hi[lane]),
+            slopes: [0, 1, 2].map(|axis| {
+                range(answers.gradient_neg_lo[axis][lane], answers.gradient_hi[axis][lane])
+            }),
+            lipschitz: answers.lipschitz >> lane & 1 == 1,
+            differentiable: answers.differentiable >> lane & 1 == 1,
+        }
+    }
+
+    /// What is wrong with it, given what is certain of the function and its derivatives at both
+    /// ends of a probe.
+    fn contradiction(
+        &self,
+        region: [[f64; 2]; 3],
+        ends: &[[f64; 3]; 2],
+        claims: &[Vec<Claim>; 2],
+    ) -> Option<String> {
+        let meets = |[lo, hi]: [f64; 2], claim: &Claim| lo <= claim.hi && claim.lo <= hi;
+        if self.differentiable && !self.lipschitz {
+            return Some("differentiable, but not Lipschitz continuous".into());
+        }
+        if self.lipschitz && !self.slopes.iter().all(|[lo, hi]| lo <= hi) {
+            return Some("bounds of slopes that are not in order".into());
+        }
+        for (point, claims) in ends.iter().zip(claims) {
+            let (value, derivatives) = claims.split_first()?;
+            if value.defined == Defined::Yes && !meets(self.bounds, value) {
+                return Some(format!("the bounds miss {value:?}"));
+            }
+            if self.lipschitz && value.defined == Defined::No {
+                return Some("called Lipschitz continuous where undefined".into());
+            }
+            for (axis, claim) in derivatives.iter().enumerate() {
+                // At a face of the box there is a derivative towards its inside, which the rules may
+                // not give; nor do they everywhere where a function as simplified has one.
+                let [lo, hi] = region[axis];
+                let is_inside = lo < point[axis] && point[axis] < hi;
+                let is_known = self.differentiable && claim.defined == Defined::Yes;
+                if is_inside && is_known && !meets(self.slopes[axis], claim) {
+                    return Some(format!("derivative {axis} is {claim:?}"));
+                }
+            }
+        }
+        let (change, allowed) = (change(claims)?, self.allowed(ends));
+        let meets = change.lo <= allowed.hi && allowed.lo <= change.hi;
+        (self.lipschitz && !meets)
+            .then(|| format!("it changes by {change:?}, where slopes allow {allowed:?}"))
+    }
+
+    /// What the bounds of the gradient allow the function to change by between two points.
+    fn allowed(&self, [p, q]: &[[f64; 3]; 2]) -> Span {
+        let term = |axis: usize| {
+            let [lo, hi] = self.slopes[axis];
+            Span::new(lo, hi).mul(Span::point(q[axis]).sub(Span::point(p[axis])))
+        };
+        term(0).add(term(1)).add(term(2))
+    }
+}
+
+/// What a function changes by between two points, if it is certainly defined at both.
+fn change(claims: &[Vec<Claim>; 2]) -> Option<Span> {
+    let [from, to] = claims.each_ref().map(|claims| claims[0]);
+    let is_defined = [from, to].iter().all(|claim| claim.defined == Defined::Yes);
+    is_defined.then(|| Span::new(to.lo, to.hi).sub(Span::new(from.lo, from.hi)))
+}
+
+fn ends_of<T: Real>(region: &[[T; 2]; 3]) -> [[f64; 2]; 3] {
+    region.map(|range| range.map(Into::into))
+}
+
+/// A case's function and its derivatives.
+fn derivatives(case: &Case) -> (Graph, [NodeId; 4]) {
+    let mut graph = case.graph.clone();
+    let [x, y, z] = gradient(&mut graph, case.root);
+    (graph, [case.root, x, y, z])
+}
+
+/// Checks every operation alone over `boxes` random boxes, as [`check_slopes`].
+///
+/// # Errors
+/// The first contradiction, made smaller, with a line that reproduces it.
+pub fn check_slopes_of_ops<T: Adversarial>(
+    make: MakeCase<EncloseGradient, T>,
+    seed: u64,
+    boxes: usize,
+) -> Result<Tally, Failure> {
+    let mut rng = Rng::with_seed(seed);
+    let mut tally = Tally::default();
+    for subject in subjects() {
+        let (graph, root) = (subject.graph, subject.root);
+        let case = Case { graph, root, assumptions: Assumptions::none(0), parameters: Vec::new() };
+        let drawn = check_slopes(make, &case, &mut rng, boxes);
+        tally.add(drawn.map_err(|failure| Failure(format!("{failure}\nseed {seed:#x}")))?);
+    }
+    Ok(tally)
+}
+
+/// Asks a kernel of gradient bounds about `boxes` random boxes of a case. `compared` counts pairs
+/// of points in them, `defined` those at which the function is certainly defined, and called
+/// Lipschitz continuous in the box.
+///
+/// # Errors
+/// The first contradiction, made smaller, with a line that reproduces it.
+pub fn check_slopes<T: Adversarial>(
+    make: MakeCase<EncloseGradient, T>,
+    case: &Case,
+    rng: &mut Rng,
+    boxes: usize,
+) -> Result<Tally, Failure> {
+    let mut tally = Tally::default();
+    let Some(kernel) = make(case) else { return Ok(tally) };
+    let regions: Vec<_> = (0..boxes).map(|_| case.random_box(rng)).collect();
+    let answers = kernel.ask_all(&pack_boxes(&regions));
+    let (graph, roots) = derivatives(case);
+    let oracle = Oracle::new(&graph, &roots);
+    for (index, region) in regions.iter().enumerate() {
+        let answer = Answer::of(&answers[index / LANES], index % LANES);
+        for _ in 0..PAIRS {
+            let probe = Probe::random(case, rng, region);
+            let claims = probe.ends.map(|point| oracle.at(point, &probe.values));
+            tally.compared += 1;
+            tally.defined += u64::from(answer.lipschitz && change(&claims).is_some());
+            if answer.contradiction(ends_of(region), &probe.ends, &claims).is_some() {
+                return Err(explain(make, case, region, &probe));
+            }
+        }
+    }
+    Ok(tally)
+}
+
+/// The contradiction in a case as small as can be.
+fn explain<T: Adversarial>(
+    make: MakeCase<EncloseGradient, T>,
+    case: &Case,
+    region: &[[T; 2]; 3],
+    probe: &Probe,
+) -> Failure {
+    let ask = |case: &Case| {
+        let answer = Answer::of(&make(case)?.ask_all(&pack_boxes(&[*region]))[0], 0);
+        let (graph, roots) = derivatives(case);
+        let oracle = Oracle::new(&graph, &roots);
+        let claims = probe.ends.map(|point| oracle.at(point, &probe.values));
+        answer
+            .contradiction(ends_of(region), &probe.ends, &claims)
+            .map(|what| format!("{what}: {answer:?}"))
+    };
+    let least = minimise(case, &mut |case| ask(case).is_some());
+    let what = ask(&least).unwrap_or_else(|| "it depends on the other lanes".to_owned());
+    let at = probe.ends.map(|point| point.map(hexadecimal));
+    Failure(format!("between {at:?}, {what}\n{}", least.describe::<T>(&Place::over(region))))
+}

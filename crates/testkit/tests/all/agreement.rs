@@ -1,0 +1,105 @@
+//! Native code gives the bits of the reference evaluator in both precisions: random graphs, as
+//! typed and simplified, over all of space and over boxes, with parameters.
+//!
+//! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all agreement`.
+
+use zeroset_testkit::property::{Subject, agree};
+use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
+
+/// Inputs per kernel: in a test few, so that there are many formulas; in a long run so many that
+/// compiling is a small part of the work.
+fn inputs(cases: u64) -> usize {
+    if cases <= 1_000_000 { 256 } else { 1024 }
+}
+
+/// Tells the seed of the case at hand when something panics.
+struct Told(u64);
+
+impl Drop for Told {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("ZEROSET_SEED={:#x} ZEROSET_CASES=1", self.0);
+        }
+    }
+}
+
+/// Compares until `effort.cases` inputs agreed, and tells the first that does not, made smaller.
+fn check<T: Adversarial>(seed: u64, subject: Subject, simple: bool, options: &GraphOptions) {
+    let effort = Effort::from_environment(seed, 100_000);
+    let mut compared = 0;
+    for seed in effort.seed.. {
+        if compared >= effort.cases {
+            break;
+        }
+        let _told = Told(seed);
+        let mut rng = Rng::with_seed(seed);
+        let case = Case::random(&mut rng, options);
+        match agree::<T>(subject, simple, &case, &mut rng, inputs(effort.cases)) {
+            Ok(tally) => compared += tally.compared,
+            Err(failure) => panic!("{failure}"),
+        }
+    }
+    println!("{compared} inputs agree");
+}
+
+fn options() -> GraphOptions {
+    GraphOptions { size: 8, parameters: 2, ..GraphOptions::default() }
+}
+
+/// Derivatives grow, so they are taken of shorter formulas.
+fn short() -> GraphOptions {
+    GraphOptions { size: 4, ..options() }
+}
+
+/// Adversarial formulas, then typical ones; each as typed and simplified.
+fn check_all<T: Adversarial>(
+    seed: u64,
+    subject: Subject,
+    [adversarial, typical]: [&GraphOptions; 2],
+) {
+    let typical = GraphOptions { adversarial: false, ..typical.clone() };
+    check::<T>(seed, subject, false, adversarial);
+    check::<T>(seed + 0x10_0000, subject, true, adversarial);
+    check::<T>(seed + 0x20_0000, subject, false, &typical);
+    check::<T>(seed + 0x30_0000, subject, true, &typical);
+}
+
+fn long() -> GraphOptions {
+    GraphOptions { size: 16, ..options() }
+}
+
+#[test]
+fn bounds_agree() {
+    check_all::<f32>(0x5eed_0400_0000, Subject::Bounds, [&options(), &long()]);
+    check_all::<f64>(0x5eed_0440_0000, Subject::Bounds, [&options(), &long()]);
+}
+
+#[test]
+fn zeros_agree() {
+    check_all::<f32>(0x5eed_0480_0000, Subject::Zeros, [&options(), &long()]);
+    check_all::<f64>(0x5eed_04c0_0000, Subject::Zeros, [&options(), &long()]);
+}
+
+#[test]
+fn zeros_by_branches_agree() {
+    check_all::<f32>(0x5eed_0680_0000, Subject::Branches, [&options(), &long()]);
+    check_all::<f64>(0x5eed_06c0_0000, Subject::Branches, [&options(), &long()]);
+}
+
+#[test]
+fn values_agree() {
+    check_all::<f32>(0x5eed_0500_0000, Subject::Values, [&options(), &long()]);
+    check_all::<f64>(0x5eed_0540_0000, Subject::Values, [&options(), &long()]);
+}
+
+#[test]
+fn gradients_agree() {
+    check_all::<f32>(0x5eed_0600_0000, Subject::Gradients, [&short(), &options()]);
+    check_all::<f64>(0x5eed_0640_0000, Subject::Gradients, [&short(), &options()]);
+}
+
+#[test]
+fn gradient_bounds_agree() {
+    check_all::<f32>(0x5eed_0580_0000, Subject::GradientBounds, [&short(), &options()]);
+    check_all::<f64>(0x5eed_05c0_0000, Subject::GradientBounds, [&short(), &options()]);
+}

@@ -1,0 +1,192 @@
+//! Kernels that tell where a function may vanish: branch by branch no zero is lost, and native code
+//! gives the bits of the reference; as a whole they say what bounds of the same steps say.
+//!
+//! For a random point p of a box, f − f(p) has a zero in the box, whatever f does elsewhere in it.
+//!
+//! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all branches`.
+
+use zeroset_eval::{
+    Assumptions, Binding, Boxes, Enclose, FindZeros, Kernel, LANES, Real, Reference, Tape,
+};
+use zeroset_interval::{Facts, Interval};
+use zeroset_ir::{clear, rewrite, simplify};
+use zeroset_jit::{Compiled, Native};
+use zeroset_ops::{Class, Continuity, Op, TABLE};
+use zeroset_testkit::property::Subject;
+use zeroset_testkit::{
+    Adversarial, Case, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
+};
+
+/// Points tried of each case, each in a box of its own.
+const POINTS: usize = 16;
+
+/// A case's function less a fresh parameter, which is numbered after all others.
+fn shifted(case: &Case) -> Case {
+    let mut shifted = case.clone();
+    let value = shifted.graph.parameter(case.assumptions.parameters.len() as u32);
+    shifted.root = shifted.graph.apply(Op::Sub, &[case.root, value]);
+    shifted.assumptions.parameters.push(Interval::ENTIRE);
+    shifted
+}
+
+/// Steps that tell where a case's function may vanish, made as programs make them; also those of
+/// the function alone.
+fn tapes<T: Real>(case: &Case) -> Option<(Tape<T>, Tape<T>)> {
+    let Assumptions { domain, parameters } = &case.assumptions;
+    let (mut graph, roots) = rewrite(&case.graph, &[case.root], domain, parameters).ok()?;
+    let mut typed = vec![roots[0]];
+    typed.extend(clear(&mut graph, roots[0]).map(|cleared| cleared.numerator));
+    let (graph, roots) = simplify(&graph, &typed, domain, parameters).ok()?;
+    let branches = Tape::branches(&graph, &roots, &case.assumptions)?;
+    Some((branches, Tape::new(&graph, &roots[..1], &case.assumptions)))
+}
+
+/// What jumps, has a pole, or is a little arithmetic around that; with everything else now and
+/// then.
+fn options(rng: &mut Rng) -> GraphOptions {
+    let ops = TABLE.iter().filter(|row| match row.class {
+        Class::Quotient | Class::Power | Class::Sum | Class::Product | Class::Extremum => true,
+        _ => row.continuity == Continuity::Jumps,
+    });
+    let ops: Vec<Op> = ops.map(|row| row.op).collect();
+    let plain = GraphOptions { size: rng.u32(1..10), parameters: 1, ..GraphOptions::default() };
+    match rng.u32(0..8) {
+        0 => plain,
+        1 | 2 => GraphOptions { ops, ..plain },
+        _ => GraphOptions { ops, adversarial: false, ..plain },
+    }
+}
+
+/// Whether there may be a zero in the only box of a batch.
+fn is_possible<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &[Boxes<T>]) -> bool {
+    kernel.ask_all(boxes)[0].possible & 1 == 1
+}
+
+#[test]
+fn no_zero_is_lost_and_native_code_agrees() {
+    check::<f32>(0x5eed_0900_0000, 100_000);
+}
+
+#[test]
+fn no_zero_is_lost_and_native_code_agrees_in_f64() {
+    check::<f64>(0x5eed_0910_0000, 50_000);
+}
+
+fn check<T: Adversarial>(seed: u64, cases: u64) {
+    let effort = Effort::from_environment(seed, cases);
+    let (mut points, mut shut, mut cases) = (0, 0, 0);
+    for seed in effort.seed.. {
+        if points >= effort.cases {
+            break;
+        }
+        let mut rng = Rng::with_seed(seed);
+        let options = options(&mut rng);
+        let case = Case::random(&mut rng, &options);
+        let Some((branches, plain)) = tapes::<T>(&shifted(&case)) else { continue };
+        let oracle = Oracle::new(&case.graph, &[case.root]);
+        let values: Vec<(f64, f64)> = case.parameters.iter().map(|v| (v.lo, v.hi)).collect();
+        let mut native: Option<Compiled<FindZeros, T>> = None;
+        cases += 1;
+        for _ in 0..POINTS {
+            let region: [[T; 2]; 3] = case.random_box(&mut rng);
+            let point = case.random_point(&mut rng, &region);
+            let claim = oracle.at(point, &values)[0];
+            if claim.defined != Defined::Yes || claim.lo.is_infinite() || claim.hi.is_infinite() {
+                continue;
+            }
+            let value = Interval { lo: claim.lo, hi: claim.hi };
+            let bind = |value: Interval| {
+                let known = case.parameters.iter().copied().chain([value]);
+                Binding::new(&known.collect::<Vec<_>>())
+            };
+            let boxes = pack_boxes(&[region]);
+            let mut compare = |value: Interval| {
+                let code = native
+                    .get_or_insert_with(|| Compiled::new(branches.clone()).expect("compiles"));
+                let answer = is_possible(&code.bind(bind(value)), &boxes);
+                let reference = Reference::new(branches.clone(), bind(value));
+                let expected = is_possible(&reference, &boxes);
+                let context = || {
+                    let line = case.describe::<T>(&Place::over(&region));
+                    let at = point.map(hexadecimal);
+                    format!(
+                        "{line}\nat {at:?}, {claim:?}\nnative {answer:?}\nreference {expected:?}\n\
+                         ZEROSET_SEED={seed:#x} ZEROSET_CASES=1"
+                    )
+                };
+                assert!(answer == expected, "the bits differ: {}", context());
+                (answer, context())
+            };
+            let (answer, context) = compare(value);
+            assert!(answer, "a zero is lost: {context}");
+            points += 1;
+            // Beside the value, branches are often empty where the function as a whole is not.
+            let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
+            let (answer, _) = compare(beside);
+            let whole = is_possible(&Reference::new(plain.clone(), bind(beside)), &boxes);
+            shut += u32::from(!answer && whole);
+        }
+    }
+    println!("{points} zeros in {cases} functions kept, {shut} boxes emptied");
+    assert!(u64::from(shut) * 200 > effort.cases || effort.cases < 1000, "{shut}");
+}
+
+/// Boxes per kernel.
+const BOXES: usize = 64;
+
+#[test]
+fn zeros_are_where_bounds_of_the_same_steps_hold_them() {
+    zeros_and_bounds::<f32>(0x5eed_0920_0000);
+    zeros_and_bounds::<f64>(0x5eed_0930_0000);
+}
+
+fn zeros_and_bounds<T: Adversarial>(seed: u64) {
+    let effort = Effort::from_environment(seed, 50_000);
+    let (mut boxes, mut possible) = (0, [0_u32; 3]);
+    for seed in effort.seed.. {
+        if boxes >= effort.cases {
+            break;
+        }
+        let mut rng = Rng::with_seed(seed);
+        let options = GraphOptions { adversarial: rng.bool(), ..options(&mut rng) };
+        let case = Case::random(&mut rng, &options);
+        let Some(tape) = Subject::Zeros.tape::<T>(rng.bool(), &case) else { continue };
+        let regions: Vec<_> = (0..BOXES).map(|_| case.random_box(&mut rng)).collect();
+        let inputs = pack_boxes::<T>(&regions);
+        let binding = Binding::new(&case.parameters);
+        let zeros = Native::<FindZeros, T>::new(tape.clone(), binding.clone()).expect("compiles");
+        let bounds = Native::<Enclose, T>::new(tape, binding).expect("compiles");
+        let (zeros, bounds) = (zeros.ask_all(&inputs), bounds.ask_all(&inputs));
+        for (index, region) in regions.iter().enumerate() {
+            let (zeros, bounds, lane) =
+                (&zeros[index / LANES], &bounds[index / LANES], index % LANES);
+            let ends = [bounds.neg_lo[lane], bounds.hi[lane]];
+            let holds_zero = ends.iter().all(|end| *end >= T::default());
+            let is_infinite = ends.iter().any(|end| *end > T::LARGEST);
+            let facts = bounds.facts(lane);
+            let expected = [
+                holds_zero && !facts.has(Facts::NOWHERE),
+                is_infinite,
+                !facts.has(Facts::CONTINUOUS),
+            ];
+            let found =
+                [zeros.possible, zeros.unbounded, zeros.jumping].map(|mask| mask >> lane & 1 == 1);
+            // Where there is no zero, the other two mean nothing.
+            let told = if expected[0] { 3 } else { 1 };
+            assert_eq!(
+                found[..told],
+                expected[..told],
+                "{ends:?} {facts:?}\n{}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1",
+                case.describe::<T>(&Place::over(region))
+            );
+            for (count, found) in possible.iter_mut().zip(found) {
+                *count += u32::from(found);
+            }
+            boxes += 1;
+        }
+    }
+    println!("{:?}: of {boxes} boxes {possible:?} possible, unbounded, jumping", T::FORMAT);
+    let fair =
+        possible.iter().all(|count| (boxes / 20..boxes * 19 / 20).contains(&u64::from(*count)));
+    assert!(fair || effort.cases < 1000, "{possible:?}");
+}

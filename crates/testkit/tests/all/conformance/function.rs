@@ -1,0 +1,207 @@
+//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native
+//! code.
+
+use super::itl::{Decoration, Term};
+use std::collections::HashMap;
+use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Real, Tape};
+use zeroset_interval::{Decorated, Facts, Interval, fold};
+use zeroset_ir::{Axis, Graph, Node, NodeId};
+use zeroset_ops::Op;
+
+/// An expression in x, y and z.
+#[derive(Clone)]
+pub struct Function {
+    pub graph: Graph,
+    pub root: NodeId,
+}
+
+/// The function that ITF1788 calls `name`, or why there is none.
+pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str> {
+    let op = match name {
+        "neg" => Op::Neg,
+        "abs" => Op::Abs,
+        "sign" => Op::Sign,
+        "floor" => Op::Floor,
+        "ceil" => Op::Ceil,
+        "trunc" => Op::Trunc,
+        "roundTiesToEven" => Op::Round,
+        "sqr" => Op::Sqr,
+        "sqrt" => Op::Sqrt,
+        "exp" => Op::Exp,
+        "log" => Op::Ln,
+        "log2" => Op::Log2,
+        "log10" => Op::Log10,
+        "sin" => Op::Sin,
+        "cos" => Op::Cos,
+        "tan" => Op::Tan,
+        "asin" => Op::Asin,
+        "acos" => Op::Acos,
+        "atan" => Op::Atan,
+        "atan2" => Op::Atan2,
+        "sinh" => Op::Sinh,
+        "cosh" => Op::Cosh,
+        "tanh" => Op::Tanh,
+        "asinh" => Op::Asinh,
+        "acosh" => Op::Acosh,
+        "atanh" => Op::Atanh,
+        "add" => Op::Add,
+        "sub" => Op::Sub,
+        "mul" => Op::Mul,
+        "div" => Op::Div,
+        "pow" => Op::Pow,
+        "min" => Op::Min,
+        "max" => Op::Max,
+        "recip" => return Ok(with_integer(Op::Div, 1, false)),
+        "exp2" => return Ok(with_integer(Op::Pow, 2, false)),
+        "exp10" => return Ok(with_integer(Op::Pow, 10, false)),
+        "pown" => {
+            let Some(Term::Integer(n)) = operands.last() else { return Err("no exponent") };
+            return Ok(with_integer(Op::Pow, i64::from(*n), true));
+        }
+        "pos" => return Err("the identity is not an operation here"),
+        "fma" => return Err("no such operation: x*y + z is two"),
+        "roundTiesToAway" => return Err("no such operation: halves go to even"),
+        _ => return Err("unknown"),
+    };
+    let mut graph = Graph::new();
+    let variables = Axis::ALL.map(|axis| graph.variable(axis));
+    let root = graph.apply(op, &variables[..op.arity()]);
+    Ok(Function { graph, root })
+}
+
+/// An operation on x and a constant, which is the last operand or else the first.
+fn with_integer(op: Op, integer: i64, last: bool) -> Function {
+    let mut graph = Graph::new();
+    let (x, n) = (graph.variable(Axis::X), graph.integer(integer));
+    let root = graph.apply(op, &if last { [x, n] } else { [n, x] });
+    Function { graph, root }
+}
+
+/// Bounds and facts of one enclosure.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    pub bounds: Interval,
+    pub facts: Facts,
+}
+
+impl Function {
+    /// Encloses it in software, node by node, in `f64`.
+    pub fn fold(&self, operands: &[Decorated]) -> Answer {
+        let mut values: HashMap<NodeId, Decorated> = HashMap::new();
+        for (id, node) in self.graph.iter() {
+            let value = match node {
+                Node::Variable(axis) => match operands.get(*axis as usize) {
+                    Some(value) => *value,
+                    None => continue,
+                },
+                Node::Parameter(_) => unreachable!("no parameters here"),
+                Node::Constant(constant) => constant.value(),
+                Node::Apply(op, operands) => {
+                    let operands: Vec<Decorated> = operands.iter().map(|id| values[id]).collect();
+                    fold(*op, &operands).into()
+                }
+            };
+            values.insert(id, value);
+        }
+        let Decorated { bounds, facts, .. } = values[&self.root];
+        Answer { bounds, facts }
+    }
+
+    /// The same function with the operands that are `empty` defined nowhere.
+    fn restricted(&self, empty: &[bool]) -> Self {
+        let mut graph = Graph::new();
+        let never = graph.integer(-1);
+        let mut places: HashMap<NodeId, NodeId> = HashMap::new();
+        for (id, node) in self.graph.iter() {
+            let place = match node {
+                Node::Variable(axis) => {
+                    let variable = graph.variable(*axis);
+                    if empty.get(*axis as usize) == Some(&true) {
+                        graph.apply(Op::WhereNonneg, &[variable, never])
+                    } else {
+                        variable
+                    }
+                }
+                Node::Parameter(_) => unreachable!("no parameters here"),
+                Node::Constant(constant) => graph.constant(constant.clone()),
+                Node::Apply(op, operands) => {
+                    let operands: Vec<NodeId> = operands.iter().map(|id| places[id]).collect();
+                    graph.apply(*op, &operands)
+                }
+            };
+            places.insert(id, place);
+        }
+        Self { root: places[&self.root], graph }
+    }
+}
+
+/// What native code is told about its operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// Nothing: every guard is there.
+    Nothing,
+    /// The box itself, as a picture's domain: guards and cases fall away.
+    TheBox,
+}
+
+/// Native code in one precision, kept by what it was compiled for.
+pub struct Native<T: Real> {
+    told: Told,
+    kernels: HashMap<String, zeroset_jit::Native<Enclose, T>>,
+}
+
+impl<T: Real> Native<T> {
+    pub fn new(told: Told) -> Self {
+        Self { told, kernels: HashMap::new() }
+    }
+
+    /// Encloses `function`, known as `key`, over operands whose ends are of the precision; `None`
+    /// is the empty set.
+    pub fn enclose(
+        &mut self,
+        key: &str,
+        function: &Function,
+        operands: &[Option<Interval>],
+    ) -> Answer {
+        let empty: Vec<bool> = operands.iter().map(Option::is_none).collect();
+        let mut domain = [Interval::ZERO; 3];
+        for (axis, operand) in operands.iter().enumerate() {
+            domain[axis] = operand.unwrap_or(Interval::ZERO);
+        }
+        let boxes = Boxes::around(&[domain]); // exact
+        let compile = || {
+            let restricted = function.restricted(&empty);
+            let mut assumptions = Assumptions::none(0);
+            if self.told == Told::TheBox {
+                assumptions.domain = domain;
+            }
+            let tape = Tape::new(&restricted.graph, &[restricted.root], &assumptions);
+            zeroset_jit::Native::new(tape, Binding::empty()).expect("compiles")
+        };
+        let answers = match self.told {
+            Told::Nothing => {
+                let kernel = self.kernels.entry(format!("{key} {empty:?}")).or_insert_with(compile);
+                kernel.ask_all(&boxes)
+            }
+            Told::TheBox => compile().ask_all(&boxes),
+        };
+        let (neg_lo, hi): (f64, f64) = (answers[0].neg_lo[0].into(), answers[0].hi[0].into());
+        let (lo, facts) = (-neg_lo, answers[0].facts(0));
+        assert!(!lo.is_nan() && !hi.is_nan(), "{key}: NaN over {operands:?}");
+        Answer { bounds: Interval { lo, hi }, facts }
+    }
+}
+
+/// The bounds with ends in a precision, rounded outward.
+pub fn outward<T: Real>(bounds: Interval) -> Interval {
+    let (neg_lo, hi): (f64, f64) = (T::above(-bounds.lo).into(), T::above(bounds.hi).into());
+    Interval { lo: 0.0 - neg_lo, hi: 0.0 + hi }
+}
+
+/// An operand as the software type takes it.
+pub fn value_of(bounds: Option<Interval>, decoration: Option<Decoration>) -> Decorated {
+    match bounds {
+        None => (Interval::ENTIRE, Facts::NOWHERE).into(),
+        Some(bounds) => (bounds, decoration.map_or(Facts::TOTAL, Decoration::facts)).into(),
+    }
+}

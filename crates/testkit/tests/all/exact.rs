@@ -1,0 +1,179 @@
+//! Software enclosures in `f64` at points hold the exact value: not its rounding to nearest, which
+//! would still be held by a bound that is wrong by nearly half a unit in the last place.
+//!
+//! What is true comes from Taylor series in integers alone. Inverse functions are judged by their
+//! inverses, which rise: a ≤ ln x where exp a ≤ x. Operands lie where the texts err most, at the
+//! ends of their reduced ranges.
+
+use num_bigint::BigInt;
+use num_traits::Zero;
+use std::f64::consts::{FRAC_PI_4, LN_2};
+use zeroset_interval::{Facts, Interval, fold};
+use zeroset_ops::Op;
+use zeroset_testkit::Rng;
+
+const SEED: u64 = 0x00e8_ac70;
+const POINTS: usize = 10_000;
+
+/// Numbers are integers in units of 2⁻²⁰⁰.
+const PLACES: i32 = 200;
+/// What the series below are certain to, with room to spare: 2⁻¹⁵⁰.
+const ERROR: i32 = PLACES - 150;
+
+/// A number that is a multiple of a unit.
+fn exact(x: f64) -> BigInt {
+    let bits = x.to_bits();
+    let exponent = ((bits >> 52 & 0x7ff) as i32).max(1);
+    let implicit = u64::from(bits >> 52 & 0x7ff != 0) << 52;
+    let magnitude = BigInt::from(bits & ((1 << 52) - 1) | implicit);
+    let shift = exponent - 1075 + PLACES;
+    assert!(shift >= 0, "{x:e} is too small");
+    let magnitude = magnitude << shift;
+    if x.is_sign_negative() { -magnitude } else { magnitude }
+}
+
+fn times(a: &BigInt, b: &BigInt) -> BigInt {
+    (a * b) >> PLACES
+}
+
+fn over(a: &BigInt, b: &BigInt) -> BigInt {
+    (a << PLACES) / b
+}
+
+/// Σ xⁿ/n! over even n and over odd n, with alternating signs if `turns`: (cos, sin) of x, or
+/// (cosh, sinh).
+fn series(x: &BigInt, turns: bool) -> [BigInt; 2] {
+    let mut sums = [BigInt::zero(), BigInt::zero()];
+    let mut term = BigInt::from(1) << PLACES;
+    for n in 0_u32.. {
+        // A quotient of a small negative number, shifted, never becomes 0.
+        if term.bits() <= 1 {
+            break;
+        }
+        if turns && n % 4 >= 2 {
+            sums[n as usize % 2] -= &term;
+        } else {
+            sums[n as usize % 2] += &term;
+        }
+        term = times(&term, x) / (n + 1);
+    }
+    sums
+}
+
+fn exp(x: &BigInt) -> BigInt {
+    let [even, odd] = series(x, false);
+    even + odd
+}
+fn sinh(x: &BigInt) -> BigInt {
+    series(x, false)[1].clone()
+}
+fn cosh(x: &BigInt) -> BigInt {
+    series(x, false)[0].clone()
+}
+fn tanh(x: &BigInt) -> BigInt {
+    let [cosh, sinh] = series(x, false);
+    over(&sinh, &cosh)
+}
+fn sin(x: &BigInt) -> BigInt {
+    series(x, true)[1].clone()
+}
+fn cos(x: &BigInt) -> BigInt {
+    series(x, true)[0].clone()
+}
+fn minus_cos(x: &BigInt) -> BigInt {
+    -cos(x)
+}
+fn tan(x: &BigInt) -> BigInt {
+    let [cos, sin] = series(x, true);
+    over(&sin, &cos)
+}
+
+/// How the truth about a function is told.
+#[derive(Clone, Copy)]
+enum Truth {
+    /// By itself.
+    Of(fn(&BigInt) -> BigInt),
+    /// By its inverse, which rises.
+    Inverse(fn(&BigInt) -> BigInt),
+    /// By minus its inverse, which falls.
+    FallingInverse(fn(&BigInt) -> BigInt),
+}
+
+/// A number from −1 to 1.
+fn unit(random: &mut Rng) -> f64 {
+    2.0 * (random.u64(..) as f64 / u64::MAX as f64) - 1.0
+}
+
+/// An odd multiple of `half`, `most` at the most, and a little more or less.
+fn odd_multiple(random: &mut Rng, half: f64, most: i32) -> f64 {
+    let odd = 2 * random.i32(-most..most) + 1;
+    half * (f64::from(odd) + 0.2 * unit(random))
+}
+
+/// Those beside which a text turns to another.
+fn around(random: &mut Rng, places: &[f64]) -> f64 {
+    let place = places[random.u32(0..places.len() as u32) as usize];
+    place * (1.0 + 0.1 * unit(random))
+}
+
+type Draw = fn(&mut Rng) -> f64;
+
+fn cases() -> Vec<(Op, Truth, Draw)> {
+    use Truth::{FallingInverse, Inverse, Of};
+    let turn: Draw = |random| odd_multiple(random, FRAC_PI_4, 4);
+    let power: Draw = |random| odd_multiple(random, LN_2 / 2.0, 8);
+    let ratio: Draw = |random| {
+        let x = around(random, &[0.414, 0.7, 1.0, 1.414, 2.414]);
+        if random.bool() { x } else { -x }
+    };
+    let share: Draw = |random| {
+        let x = around(random, &[0.17, 0.3, 0.5, 0.707, 0.88]);
+        if random.bool() { x } else { -x }
+    };
+    let above: Draw = |random| around(random, &[0.3, 0.5, 0.75, 1.4, 3.0, 5.6]);
+    let from_one: Draw = |random| around(random, &[1.25, 1.414, 2.0, 3.0]);
+    vec![
+        (Op::Exp, Of(exp), power),
+        (Op::Sinh, Of(sinh), power),
+        (Op::Cosh, Of(cosh), power),
+        (Op::Tanh, Of(tanh), power),
+        (Op::Sin, Of(sin), turn),
+        (Op::Cos, Of(cos), turn),
+        (Op::Tan, Of(tan), turn),
+        (Op::Ln, Inverse(exp), above),
+        (Op::Asin, Inverse(sin), share),
+        (Op::Acos, FallingInverse(minus_cos), share),
+        (Op::Atan, Inverse(tan), ratio),
+        (Op::Asinh, Inverse(sinh), ratio),
+        (Op::Acosh, Inverse(cosh), from_one),
+        (Op::Atanh, Inverse(tanh), share),
+    ]
+}
+
+#[test]
+fn enclosures_of_points_hold_the_exact_value() {
+    let error = BigInt::from(1) << ERROR;
+    for (op, truth, draw) in cases() {
+        let name = op.row().name;
+        let mut random = Rng::with_seed(SEED);
+        for _ in 0..POINTS {
+            let x = draw(&mut random);
+            let point = Interval::point(x).expect("finite");
+            let (bounds, facts) = fold(op, &[(point, Facts::TOTAL)]);
+            assert_eq!(facts, Facts::TOTAL, "{name}({x:e}), seed {SEED:#x}");
+            let (lo, hi) = (exact(bounds.lo), exact(bounds.hi));
+            let x_exact = exact(x);
+            // In order where the bounds hold.
+            let [low, middle, high] = match truth {
+                Truth::Of(f) => [lo, f(&x_exact), hi],
+                Truth::Inverse(f) => [f(&lo), x_exact, f(&hi)],
+                Truth::FallingInverse(minus_f) => [minus_f(&lo), -x_exact, minus_f(&hi)],
+            };
+            assert!(
+                low <= &middle + &error && middle <= high + &error,
+                "{name}({x:e}) is not in {bounds:?}, seed {SEED:#x}"
+            );
+        }
+        println!("{name}: {POINTS} points");
+    }
+}

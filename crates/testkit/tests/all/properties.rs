@@ -1,0 +1,49 @@
+//! The properties that fuzz targets attack, over random bytes and over what fuzzers are started
+//! from: the seeds, among which every input is kept that once broke a property.
+//!
+//! A long run of one:
+//! `ZEROSET_CASES=100000 cargo test --release -p zeroset-testkit --test all simplif`.
+
+use std::path::{Path, PathBuf};
+use zeroset_testkit::property::{jit_vs_oracle, jit_vs_reference, parse, simplify};
+use zeroset_testkit::suite::{Failure, Tally};
+use zeroset_testkit::{Effort, attack};
+
+type Property = fn(&[u8]) -> Result<Tally, Failure>;
+
+fn directory(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
+}
+
+/// Of random bytes most make a function that has a value somewhere.
+fn hold(property: Property, target: &str, seed: u64, cases: u64) {
+    let effort = Effort::from_environment(seed, cases);
+    let tally = attack(&property, &directory("fuzz/seeds").join(target), effort);
+    println!("{target}: {tally:?}");
+    assert!(tally.compared >= effort.cases && tally.defined > effort.cases / 8, "{tally:?}");
+}
+
+#[test]
+fn texts_are_read_or_refused_and_printed_as_they_read() {
+    // Random bytes are hardly ever text: random statements are tried where the parser is.
+    for (name, accepted) in [("fuzz/seeds/parse", 20), ("examples", 65)] {
+        let tally = attack(&parse, &directory(name), Effort { seed: 0x5eed_06f0, cases: 1000 });
+        println!("{name}: {tally:?}");
+        assert!(tally.defined >= accepted, "{tally:?}");
+    }
+}
+
+#[test]
+fn simplifying_keeps_values_and_domains() {
+    hold(simplify, "simplify", 0x5eed_0700, 3000);
+}
+
+#[test]
+fn native_code_gives_the_bits_of_the_reference() {
+    hold(jit_vs_reference, "jit_vs_reference", 0x5eed_0710, 3000);
+}
+
+#[test]
+fn native_code_encloses_what_the_oracle_knows() {
+    hold(jit_vs_oracle, "jit_vs_oracle", 0x5eed_0720, 3000);
+}

@@ -1,0 +1,93 @@
+//! The suite, with the reference evaluator plugged in, in both precisions.
+
+use zeroset_eval::{Assumptions, Binding, Kernel, Question, Real, Reference, Tape};
+use zeroset_interval::Format;
+use zeroset_ir::{Graph, NodeId};
+use zeroset_ops::Op;
+use zeroset_testkit::suite::{
+    check_gradients, check_interval_graphs, check_interval_ops, check_points,
+};
+use zeroset_testkit::{Adversarial, Claim, GraphOptions};
+
+/// Answers of a function alone, or with its derivatives.
+fn reference<Q: Question, T: Real>(graph: &Graph, root: NodeId) -> Box<dyn Kernel<Q, T>> {
+    let (mut graph, mut roots) = (graph.clone(), vec![root]);
+    if Q::OUTPUTS == 4 {
+        roots.extend(zeroset_ir::gradient(&mut graph, root));
+    }
+    let tape = Tape::new(&graph, &roots, &Assumptions::none(0));
+    Box::new(Reference::<Q, T>::new(tape, Binding::empty()))
+}
+
+fn operations<T: Adversarial>(seed: u64) {
+    let tally = check_interval_ops::<T>(&reference, seed, 2000);
+    let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
+    assert!(tally.defined > 100_000, "{tally:?}");
+}
+
+#[test]
+fn every_operation_encloses_the_oracle() {
+    operations::<f32>(0x5eed_0050);
+    operations::<f64>(0x5eed_0055);
+}
+
+fn graphs<T: Adversarial>(seed: u64, adversarial: bool) {
+    let options = GraphOptions { adversarial, ..GraphOptions::default() };
+    let tally = check_interval_graphs::<T>(&reference, seed, &options, 10_000, 16);
+    let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
+    assert!(tally.defined > 100_000, "{tally:?}");
+}
+
+#[test]
+fn random_graphs_enclose_the_oracle() {
+    graphs::<f32>(0x5eed_0051, false);
+    graphs::<f32>(0x5eed_0052, true);
+    graphs::<f64>(0x5eed_0056, false);
+    graphs::<f64>(0x5eed_0057, true);
+}
+
+/// How far values may be off, for functions of one variable.
+fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> {
+    /// Beyond this, in radians, sines lose more.
+    const FARTHEST: f64 = 8192.0;
+    // Relative to the value: about five times the unit roundoff in f32, and what texts in f64
+    // reach; the kernels claim no bound. Then, what a sine may be off near its zeros, where it is
+    // good to an absolute error only.
+    let (relative, wave) = match T::FORMAT {
+        Format::F32 => (3e-7, 1e-7),
+        Format::F64 => (1e-14, 1e-15),
+    };
+    let size = claim.hi.abs().max(claim.lo.abs()).min(T::LARGEST.into());
+    let close = size * relative + 2.0 * T::nearest(0.0).next_up().into();
+    let waves = matches!(op, Op::Sin | Op::Cos);
+    match (op.arity(), op) {
+        (1, Op::Tan) => None,
+        (1, _) if waves && at[0].abs() > FARTHEST => None,
+        (1, _) => Some(if waves { close + wave } else { close }),
+        _ => None,
+    }
+}
+
+fn points<T: Adversarial>(seed: u64) {
+    let tally = check_points::<T>(&reference, seed, 2000, &tolerance::<T>);
+    let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
+    assert!(tally.defined > 100_000, "{tally:?}");
+}
+
+#[test]
+fn points_are_close_and_nan_where_undefined() {
+    points::<f32>(0x5eed_0053);
+    points::<f64>(0x5eed_0058);
+}
+
+fn gradients<T: Real>(seed: u64, relative: f64) {
+    let tally = check_gradients::<T>(&reference, seed, 500, relative);
+    let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
+    assert!(tally.defined > 50_000, "{tally:?}");
+}
+
+#[test]
+fn gradients_agree_with_slopes() {
+    gradients::<f32>(0x5eed_0054, 1e-3);
+    gradients::<f64>(0x5eed_0059, 1e-3);
+}

@@ -1,0 +1,289 @@
+//! Software enclosures in `f64` at points: they hold the correctly rounded value, and are as tight
+//! as each function's text says.
+//!
+//! What is true comes from `core-math` alone. Operands are seeded: all exponents, all of the range
+//! where a function bends, and the places where texts go wrong: zeros and poles, ends of domains,
+//! edges of overflow and underflow.
+
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
+use zeroset_interval::{
+    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, fold,
+};
+use zeroset_ops::Op;
+use zeroset_testkit::Rng;
+
+const SEED: u64 = 0x0071_9475;
+const POINTS: usize = 100_000;
+
+/// A function, its correctly rounded value, and where operands are drawn.
+struct Case {
+    op: Op,
+    truth: fn(f64) -> f64,
+    hard: &'static [f64],
+}
+
+/// By how much an enclosure may be wider than the tightest, as the row of the table says.
+fn most(op: Op) -> [u64; 2] {
+    op.row().excess.expect("an approximation")
+}
+
+/// Multiples of π/2, and the end of the angles that are reduced.
+const QUARTERS: [f64; 9] = [
+    1e-310,
+    FRAC_PI_2,
+    -PI,
+    3.0 * FRAC_PI_2,
+    1000.0 * PI,
+    66_637.5 * PI,
+    1_048_576.0,
+    123_456_789.0 * PI,
+    ANGLE_LIMIT,
+];
+const ANGLE_LIMIT: f64 = 8_589_934_592.0; // 2^33
+
+fn cases() -> Vec<Case> {
+    let case = |op, truth, hard| Case { op, truth, hard };
+    vec![
+        case(Op::Cbrt, core_math::cbrt, &[1.0, 8.0, 27.0, 1e-310]),
+        case(Op::Exp, core_math::exp, &[0.0, 709.78, -708.4, -745.1, 0.3466, 1.0397]),
+        case(Op::Ln, core_math::log, &[1.0, SQRT_2, FRAC_1_SQRT_2, 1e-310]),
+        case(Op::Log2, core_math::log2, &[1.0, SQRT_2, 8.0, 0.125, 1e-310]),
+        case(Op::Log10, core_math::log10, &[1.0, 1000.0, 0.01, 1e-310]),
+        case(Op::Sin, core_math::sin, &QUARTERS),
+        case(Op::Cos, core_math::cos, &QUARTERS),
+        case(Op::Tan, core_math::tan, &QUARTERS),
+        case(Op::Asin, core_math::asin, &[0.0, 0.5, 1.0, 1e-310]),
+        case(Op::Acos, core_math::acos, &[0.0, 0.5, 1.0, -0.5, -1.0]),
+        case(Op::Atan, core_math::atan, &[0.0, 0.4142, 1.0, 2.4142, 1e300, 1e-310]),
+        case(Op::Sinh, core_math::sinh, &[0.0, 0.3466, 1.0397, 710.4, 19.0, 1e-310]),
+        case(Op::Cosh, core_math::cosh, &[0.0, 0.3466, 1.0397, 710.4, 19.0, 1e-310]),
+        case(Op::Tanh, core_math::tanh, &[0.0, 0.3466, 1.0397, 22.0, 1e-310]),
+        case(Op::Asinh, core_math::asinh, &[0.0, 0.4142, 1e9, 1.1e9, 1e300, 1e-310]),
+        case(Op::Acosh, core_math::acosh, &[1.0, 1.1, SQRT_2, 1e9, 1.1e9, 1e300]),
+        case(Op::Atanh, core_math::atanh, &[0.0, 0.1716, 0.5, 1.0, -1.0, 1e-310]),
+    ]
+}
+
+/// A number from 0 to 1.
+fn unit(random: &mut Rng) -> f64 {
+    random.u64(..) as f64 / u64::MAX as f64
+}
+
+/// An operand: near one of the hard ones, small, or anything.
+fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
+    match random.u32(0..8) {
+        0 => f64::from_bits(random.u64(..)),
+        1 => 40.0 * unit(random) - 20.0,
+        2 => 1600.0 * unit(random) - 800.0,
+        3 => 2.0 * unit(random) - 1.0,
+        4 => {
+            // From the smallest subnormals to 1, by exponent.
+            let size = (unit(random) * 1074.0).floor() as i32;
+            (1.0 + unit(random)) * 2_f64.powi(-size / 2) * 2_f64.powi(-(size - size / 2))
+        }
+        _ => {
+            let near = hard[random.u64(0..hard.len() as u64) as usize];
+            let scale = 2_f64.powi(-random.i32(0..54));
+            near * (1.0 + (2.0 * unit(random) - 1.0) * scale)
+        }
+    }
+}
+
+/// The number of floats between 0 and `x`, with the sign of `x`.
+fn place(x: f64) -> i64 {
+    let magnitude = (x.to_bits() & (u64::MAX >> 1)) as i64;
+    if x.is_sign_negative() { -magnitude } else { magnitude }
+}
+
+/// How many floats wider than the tightest an enclosure of a value that rounds to `value` may be.
+fn excess(bounds: Interval, value: f64) -> u64 {
+    let exact = bounds.lo == bounds.hi;
+    (place(bounds.hi) - place(bounds.lo)).unsigned_abs() - u64::from(!exact && value.is_finite())
+}
+
+/// Powers: of what lies near 1, and of anything to an exponent that keeps the result a float.
+#[test]
+fn powers_of_points_are_as_tight_as_stated() {
+    let mut random = Rng::with_seed(SEED);
+    let (mut worst, mut worst_at, mut count) = (0, [0.0; 2], 0);
+    for _ in 0..POINTS {
+        let x = draw(&mut random, &[1.0, SQRT_2, FRAC_1_SQRT_2, 2.0, 1e-310]).abs();
+        let most = 750.0 / core_math::log(x).abs();
+        let y = match random.u32(0..4) {
+            0 => draw(&mut random, &[0.5, 1.0, -2.0]),
+            _ => most * (2.0 * unit(&mut random) - 1.0),
+        };
+        let (Some(base), Some(exponent)) = (Interval::point(x), Interval::point(y)) else {
+            continue;
+        };
+        if x == 0.0 {
+            continue;
+        }
+        let value = core_math::pow(x, y);
+        let (bounds, facts) = fold(Op::Pow, &[(base, Facts::TOTAL), (exponent, Facts::TOTAL)]);
+        assert_eq!(facts, Facts::TOTAL, "{x:e}^{y:e}, seed {SEED:#x}");
+        assert!(
+            bounds.lo <= value && value <= bounds.hi,
+            "{x:e}^{y:e} = {value:e} is not in {bounds:?}, seed {SEED:#x}"
+        );
+        let ulps = excess(bounds, value);
+        count += 1;
+        if ulps > worst {
+            (worst, worst_at) = (ulps, [x, y]);
+        }
+    }
+    println!("pow      worst {worst} at {worst_at:?} of {count}");
+    assert!(worst <= most(Op::Pow)[1], "seed {SEED:#x}: {worst} ulp at {worst_at:?}");
+}
+
+/// Angles of points, on and next to the axes and the diagonals too, and of any size.
+#[test]
+fn angles_of_points_are_as_tight_as_stated() {
+    let mut random = Rng::with_seed(SEED);
+    let (mut worst, mut worst_at, mut count) = ([0; 2], [[0.0; 2]; 2], 0);
+    for _ in 0..POINTS {
+        let hard = [0.0, 1.0, -1.0, 1e-310, 1e300, 2f64.powi(900), 2f64.powi(-100)];
+        let x = draw(&mut random, &hard);
+        let ratio = [1.0, -1.0, 0.414_213_56, 2.414_213_56, 1e-300, 2f64.powi(-800)];
+        let y = match random.u32(0..2) {
+            0 => x * draw(&mut random, &ratio),
+            _ => draw(&mut random, &hard),
+        };
+        let (Some(a), Some(b)) = (Interval::point(y), Interval::point(x)) else { continue };
+        let (bounds, facts) = fold(Op::Atan2, &[(a, Facts::TOTAL), (b, Facts::TOTAL)]);
+        if x == 0.0 && y == 0.0 {
+            assert_eq!(facts, Facts::NOWHERE, "seed {SEED:#x}");
+            continue;
+        }
+        // A zero of either sign is above the axis.
+        let value = core_math::atan2(y + 0.0, x + 0.0);
+        assert_eq!(facts, Facts::TOTAL, "atan2({y:e}, {x:e}), seed {SEED:#x}");
+        assert!(
+            bounds.lo <= value && value <= bounds.hi,
+            "atan2({y:e}, {x:e}) = {value:e} is not in {bounds:?}, seed {SEED:#x}"
+        );
+        let ulps = excess(bounds, value);
+        count += 1;
+        let tiny = usize::from(value.abs() < 2f64.powi(-799));
+        if ulps > worst[tiny] {
+            (worst[tiny], worst_at[tiny]) = (ulps, [y, x]);
+        }
+    }
+    println!("atan2    worst {worst:?} (below 2^-799) at {worst_at:?} of {count}");
+    let [_, most] = most(Op::Atan2);
+    assert!(worst[0] <= 4 && worst[1] <= most, "seed {SEED:#x}: {worst:?} ulp at {worst_at:?}");
+}
+
+/// The enclosure of an operation on two floats in `f32`, if it holds `value`, and how many floats
+/// wider than the tightest it is.
+fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
+    let operand = |x: f32| {
+        let lanes = |x| Vector128::from_f32([x; 4]);
+        Operand::new(Enclosure::total(lanes(-x), lanes(x)), Interval::ENTIRE)
+    };
+    let enclosure = enclose(&mut Software, Format::F32, op, &operands.map(operand));
+    let (lo, hi) = (-enclosure.neg_lo.f32()[0], enclosure.hi.f32()[0]);
+    let place = |x: f32| {
+        let magnitude = i64::from(x.to_bits() & (u32::MAX >> 1));
+        if x.is_sign_negative() { -magnitude } else { magnitude }
+    };
+    let tightest = u64::from(f64::from(value as f32) != value);
+    let holds = f64::from(lo) <= value && value <= f64::from(hi);
+    holds.then(|| place(hi).abs_diff(place(lo)) - tightest)
+}
+
+/// The worst of many pairs of operands in `f32`, which no sweep can try, against what the row of
+/// the table says.
+fn search_in_f32(op: Op, truth: fn(f64, f64) -> f64, draw: impl Fn(&mut Rng) -> Option<[f32; 2]>) {
+    let mut random = Rng::with_seed(SEED);
+    let (mut worst, mut worst_at, mut count) = (0, [0.0; 2], 0);
+    for operands in (0..4 * POINTS).filter_map(|_| draw(&mut random)) {
+        let value = truth(f64::from(operands[0]), f64::from(operands[1]));
+        let ulps = excess_in_f32(op, operands, value);
+        let ulps = ulps.unwrap_or_else(|| panic!("{op:?} of {operands:?}, seed {SEED:#x}"));
+        count += 1;
+        if ulps > worst {
+            (worst, worst_at) = (ulps, operands);
+        }
+    }
+    println!("{:8} worst {worst} in f32 at {worst_at:?} of {count}", op.row().name);
+    assert!(count > POINTS, "{count}");
+    assert!(worst <= most(op)[0], "seed {SEED:#x}: {worst} ulp at {worst_at:?}");
+}
+
+/// Two operands of any exponents, and ratios where the text changes course.
+#[test]
+fn angles_of_f32_points_are_as_tight_as_stated() {
+    let truth = |y: f64, x: f64| core_math::atan2(y + 0.0, x + 0.0);
+    search_in_f32(Op::Atan2, truth, |random| {
+        let x = f32::from_bits(random.u32(..));
+        let ratio = [1.0, -1.0, 0.414_213_57, 2.414_213_7, 1e-7, 1e7][random.u64(0..6) as usize];
+        let near = 1.0 + (2.0 * unit(random) - 1.0) * 2_f64.powi(-random.i32(0..24));
+        let y = match random.u32(0..2) {
+            0 => f32::from_bits(random.u32(..)),
+            _ => (f64::from(x) * ratio * near) as f32,
+        };
+        (x.is_finite() && y.is_finite() && (x != 0.0 || y != 0.0)).then_some([y, x])
+    });
+}
+
+/// Bases of any exponents and near 1, to powers that keep the result a float.
+#[test]
+fn powers_of_f32_points_are_as_tight_as_stated() {
+    search_in_f32(Op::Pow, core_math::pow, |random| {
+        let x = match random.u32(0..2) {
+            0 => f32::from_bits(random.u32(..)).abs(),
+            _ => (1.0 + (2.0 * unit(random) - 1.0) * 2_f64.powi(-random.i32(0..24))) as f32,
+        };
+        let most = 103.0 / core_math::log(f64::from(x)).abs();
+        let y = match random.u32(0..4) {
+            0 => [0.5, -0.5, 2.5, 1.0 / 3.0][random.u64(0..4) as usize],
+            _ => (most * (2.0 * unit(random) - 1.0)) as f32,
+        };
+        let value = core_math::pow(f64::from(x), f64::from(y));
+        let fits = x.is_finite() && x > 0.0 && y.is_finite() && value <= f64::from(f32::MAX);
+        fits.then_some([x, y])
+    });
+}
+
+#[test]
+fn enclosures_of_points_are_as_tight_as_stated() {
+    let mut wide = Vec::new();
+    for Case { op, truth, hard } in cases() {
+        let (name, [_, most]) = (op.row().name, most(op));
+        let (mut worst, mut worst_at, mut sum, mut count) = (0, 0.0, 0, 0);
+        let mut random = Rng::with_seed(SEED);
+        for _ in 0..POINTS {
+            let x = draw(&mut random, hard);
+            let Some(point) = Interval::point(x) else { continue };
+            let is_wave = matches!(op, Op::Sin | Op::Cos | Op::Tan);
+            if is_wave && x.abs() > ANGLE_LIMIT {
+                continue; // enclosed by the function's range
+            }
+            let value = truth(x);
+            let (bounds, facts) = fold(op, &[(point, Facts::TOTAL)]);
+            let has_pole = matches!(op, Op::Ln | Op::Log2 | Op::Log10 | Op::Atanh);
+            if value.is_nan() || (value.is_infinite() && has_pole) {
+                assert_eq!(facts, Facts::NOWHERE, "{name}({x:e}), seed {SEED:#x}");
+                continue;
+            }
+            assert_eq!(facts, Facts::TOTAL, "{name}({x:e}), seed {SEED:#x}");
+            assert!(
+                bounds.lo <= value && value <= bounds.hi,
+                "{name}({x:e}) = {value:e} is not in {bounds:?}, seed {SEED:#x}"
+            );
+            let ulps = excess(bounds, value);
+            count += 1;
+            sum += ulps;
+            if ulps > worst {
+                (worst, worst_at) = (ulps, x);
+            }
+        }
+        let mean = sum as f64 / f64::from(count);
+        println!("{name:8} worst {worst} at {worst_at:e}, mean {mean:.3} of {count}");
+        if worst > most {
+            wide.push(format!("{name}: {worst} ulp at {worst_at:e}, not {most}"));
+        }
+    }
+    assert!(wide.is_empty(), "seed {SEED:#x}: {wide:#?}");
+}

@@ -1,0 +1,92 @@
+//! The grid of rays of one picture: a camera together with a size in pixels.
+
+use crate::camera::{Basis, Camera, Projection, Ray};
+use glam::DVec3;
+
+/// The rays of a picture, one through each pixel's centre.
+#[derive(Clone, Copy, Debug)]
+pub struct RayGrid {
+    width: usize,
+    height: usize,
+    eye: DVec3,
+    basis: Basis,
+    /// Half a pixel's height: on the plane at distance 1, or in world units if parallel.
+    unit: f64,
+    parallel: bool,
+}
+
+impl RayGrid {
+    pub(crate) fn new(camera: &Camera, width: usize, height: usize) -> Self {
+        let (scale, parallel) = match camera.projection() {
+            Projection::Perspective { fov } => (half_tangent(fov), false),
+            Projection::Orthographic { height } => (height / 2.0, true),
+        };
+        let unit = scale / height as f64;
+        Self { width, height, eye: camera.eye(), basis: camera.basis, unit, parallel }
+    }
+
+    /// Pixels in a row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Where the picture is taken from.
+    pub fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// The direction of view, of length 1.
+    pub fn forward(&self) -> DVec3 {
+        self.basis.forward
+    }
+
+    /// The direction of the picture's right edge, of length 1.
+    pub fn right(&self) -> DVec3 {
+        self.basis.right
+    }
+
+    /// The direction of the picture's upper edge, of length 1.
+    pub fn up(&self) -> DVec3 {
+        self.basis.up
+    }
+
+    /// The ray through the centre of the pixel in column `i` and row `j`; row 0 is on top.
+    ///
+    /// Its direction is `forward + (2(i+½)/width − 1)·s·(width/height)·right + (1 −
+    /// 2(j+½)/height)·s·up`, where `s` is the tangent of half the vertical field of view. In an
+    /// orthographic picture the direction is `forward`, and the same two offsets, with `s` half the
+    /// height, move the origin. How exact that is: [`Camera`].
+    #[inline]
+    pub fn ray(&self, i: usize, j: usize) -> Ray {
+        // Integers until the last step.
+        let across = (2 * i as i64 + 1 - self.width as i64) as f64 * self.unit;
+        let upward = (self.height as i64 - 1 - 2 * j as i64) as f64 * self.unit;
+        let Basis { forward, right, up } = self.basis;
+        let offset = across * right + upward * up;
+        if self.parallel {
+            Ray { origin: self.eye + offset, direction: forward }
+        } else {
+            Ray { origin: self.eye, direction: forward + offset }
+        }
+    }
+
+    /// The ray of the pixel with this index, counted row by row from the top.
+    pub fn ray_of(&self, index: usize) -> Ray {
+        self.ray(index % self.width, index / self.width)
+    }
+}
+
+/// The tangent of half an angle in degrees. Near 180 it hangs on how much the angle lacks, which is
+/// exact.
+fn half_tangent(degrees: f64) -> f64 {
+    let half = |degrees: f64| (degrees.to_radians() / 2.0).tan();
+    if degrees <= 90.0 { half(degrees) } else { half(180.0 - degrees).recip() }
+}
+
+#[cfg(test)]
+mod tests;

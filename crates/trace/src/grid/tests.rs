@@ -1,0 +1,228 @@
+//! Rays of ordinary and extreme cameras against those of real geometry, in exact arithmetic.
+
+use super::*;
+use crate::camera::CameraError;
+use num_bigint::BigInt;
+use num_rational::BigRational;
+
+type Exact = [BigRational; 3];
+
+/// Bits behind the point of what is not rational: lengths and tangents.
+const BITS: usize = 400;
+
+fn exact(value: f64) -> BigRational {
+    BigRational::from_float(value).expect("finite")
+}
+
+fn vector(v: DVec3) -> Exact {
+    v.to_array().map(exact)
+}
+
+fn dot(a: &Exact, b: &Exact) -> BigRational {
+    (0..3).map(|k| &a[k] * &b[k]).sum()
+}
+
+fn cross(a: &Exact, b: &Exact) -> Exact {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &a[i] * &b[j] - &a[j] * &b[i])
+}
+
+fn sum(a: &Exact, b: &Exact, factor: &BigRational) -> Exact {
+    std::array::from_fn(|k| &a[k] + &b[k] * factor)
+}
+
+/// Rounded to [`BITS`] behind the point.
+fn rounded(value: &BigRational) -> BigRational {
+    let one = BigInt::from(1) << BITS;
+    BigRational::new((value * BigRational::from(one.clone())).to_integer(), one)
+}
+
+/// The vector at length 1, but for some 2^−`BITS`.
+fn unit(v: &Exact) -> Exact {
+    // Scaled first, so that short vectors keep their digits.
+    let largest = v.iter().max_by_key(|c| (*c).max(&-*c).clone()).expect("three").clone();
+    let v = v.clone().map(|c| c / &largest);
+    let square = dot(&v, &v) * BigRational::from(BigInt::from(1) << (2 * BITS));
+    let length = BigRational::new(square.to_integer().sqrt(), BigInt::from(1) << BITS);
+    let sign = BigRational::from(BigInt::from(if largest < exact(0.0) { -1 } else { 1 }));
+    v.map(|c| rounded(&(c * &sign / &length)))
+}
+
+/// The square of the sine of the angle between two directions.
+fn sine_squared(a: &Exact, b: &Exact) -> BigRational {
+    let crossed = cross(a, b);
+    dot(&crossed, &crossed) / (dot(a, a) * dot(b, b))
+}
+
+/// The tangent of half an angle in degrees, by the series of sine and cosine.
+fn tangent(degrees: f64) -> BigRational {
+    let digits =
+        "314159265358979323846264338327950288419716939937510582097494459230781640628620899";
+    let pi = BigRational::new(digits.parse().expect("digits"), BigInt::from(10).pow(80));
+    let x = exact(degrees) * pi / exact(360.0);
+    let mut term = exact(1.0);
+    let mut series = [exact(0.0), exact(0.0)];
+    for n in 0..120 {
+        let sign = exact(if n % 4 < 2 { 1.0 } else { -1.0 });
+        series[n % 2] += &term * sign;
+        term = rounded(&(term * &x / exact((n + 1) as f64)));
+    }
+    let [cosine, sine] = series;
+    sine / cosine
+}
+
+/// The real axes of a camera's picture: forward, right and up.
+fn ideal(eye: DVec3, target: DVec3, up: DVec3) -> [Exact; 3] {
+    let way = sum(&vector(target), &vector(eye), &exact(-1.0));
+    let right = cross(&way, &vector(up));
+    let upward = cross(&right, &way);
+    [unit(&way), unit(&right), unit(&upward)]
+}
+
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    /// Uniform in [−1, 1].
+    fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit())
+    }
+
+    fn scale(&mut self, least: i32, most: i32) -> f64 {
+        10_f64.powi(least + (self.next() % (most - least + 1) as u64) as i32)
+    }
+
+    /// Eye, target and up: of any size, the target perhaps next to the eye, `up` perhaps along the
+    /// view.
+    fn view(&mut self) -> [DVec3; 3] {
+        let eye = match self.next() % 4 {
+            0 => DVec3::ZERO,
+            1 => DVec3::AXES[(self.next() % 3) as usize] * self.scale(-99, 99),
+            _ => self.vector() * self.scale(-99, 99),
+        };
+        let target = match self.next() % 4 {
+            0 => DVec3::ZERO,
+            1 => eye + self.vector() * self.scale(-307, -99),
+            2 => eye + eye * self.vector() * self.scale(-16, 0),
+            _ => self.vector() * self.scale(-5, 5),
+        };
+        let along = (target - eye) / (target - eye).abs().max_element().max(f64::MIN_POSITIVE);
+        let up = match self.next() % 4 {
+            0 => DVec3::AXES[(self.next() % 3) as usize],
+            1 => self.vector() * self.scale(-300, 99),
+            _ => along + self.vector() * self.scale(-9, 0),
+        };
+        [eye, target, up]
+    }
+}
+
+#[test]
+fn axes_are_those_of_real_geometry() {
+    let mut random = Random(0x5eed_7003);
+    println!("seed {:#x}", random.0);
+    let largest = exact(2_f64.powi(-51)).pow(2);
+    let (mut checked, mut along) = (0, 0);
+    for _ in 0..500 {
+        let [eye, target, up] = random.view();
+        let projection = Projection::Perspective { fov: 40.0 };
+        let camera = match Camera::new(eye, target, up, projection) {
+            Ok(camera) => camera,
+            Err(CameraError::EyeIsTarget) => {
+                assert_eq!(eye, target);
+                continue;
+            }
+            Err(CameraError::UpAlongView) => {
+                // Refused only where the sine is small.
+                let way = sum(&vector(target), &vector(eye), &exact(-1.0));
+                assert!(sine_squared(&way, &vector(up)) < exact(1.001e-18));
+                along += 1;
+                continue;
+            }
+            Err(error) => panic!("{eye} to {target}, up {up}: {error}"),
+        };
+        let stored = [camera.basis.forward, camera.basis.right, camera.basis.up];
+        for (stored, ideal) in stored.iter().zip(ideal(eye, target, up)) {
+            let error = sine_squared(&vector(*stored), &ideal);
+            let same_way = dot(&vector(*stored), &ideal) > exact(0.0);
+            assert!(same_way && error < largest, "{eye:?} to {target:?}, up {up:?}: {stored:?}");
+            assert!((stored.length() - 1.0).abs() < 1e-15);
+        }
+        checked += 1;
+    }
+    println!("{checked} checked, {along} refused");
+    assert!(checked > 300 && along > 10);
+}
+
+#[test]
+fn perspective_rays_are_within_the_stated_angle() {
+    let mut random = Random(0x5eed_7004);
+    println!("seed {:#x}", random.0);
+    let largest = exact(2_f64.powi(-49)).pow(2);
+    for fov in [1e-7, 1e-3, 40.0, 90.0, 91.0, 179.0, 179.999_999, 180.0 - 2_f64.powi(-44)] {
+        let tangent = tangent(fov);
+        let mut checked = 0;
+        while checked < 8 {
+            let [eye, target, up] = random.view();
+            let projection = Projection::Perspective { fov };
+            let Ok(camera) = Camera::new(eye, target, up, projection) else { continue };
+            let [forward, right, up] = ideal(eye, target, up);
+            let (width, height) = [(512, 512), (65, 64), (8000, 1), (1, 8000)][checked % 4];
+            let (i, j) = (random.next() as usize % width, random.next() as usize % height);
+            let ray = camera.rays(width, height).ray(i, j);
+            let integer = |n: usize| exact(n as f64);
+            let share = |n: usize, of: usize| (exact(2.0) * integer(n) + exact(1.0)) / integer(of);
+            let across = (share(i, width) - exact(1.0)) * integer(width) / integer(height);
+            let upward = exact(1.0) - share(j, height);
+            let direction = sum(&forward, &right, &(across * &tangent));
+            let direction = sum(&direction, &up, &(upward * &tangent));
+            assert_eq!(ray.origin, eye);
+            let error = sine_squared(&vector(ray.direction), &direction);
+            let same_way = dot(&vector(ray.direction), &direction) > exact(0.0);
+            assert!(same_way && error < largest, "{camera:?}, {fov}°, {i},{j} of {width}×{height}");
+            checked += 1;
+        }
+    }
+}
+
+#[test]
+fn parallel_rays_are_within_the_stated_share_of_the_height() {
+    let mut random = Random(0x5eed_7005);
+    println!("seed {:#x}", random.0);
+    let (mut checked, mut refused) = (0, 0);
+    while checked < 200 {
+        let [eye, target, up] = random.view();
+        let height = (target - eye).length() * random.scale(-11, 3);
+        let projection = Projection::Orthographic { height };
+        let camera = match Camera::new(eye, target, up, projection) {
+            Ok(camera) => camera,
+            Err(error) => {
+                refused += u32::from(matches!(error, CameraError::RaysCoincide { .. }));
+                continue;
+            }
+        };
+        let [forward, right, up] = ideal(eye, target, up);
+        let (i, j) = (random.next() as usize % 64, random.next() as usize % 64);
+        let ray = camera.rays(64, 64).ray(i, j);
+        let share = |n: usize| exact((2 * n + 1) as f64 / 128.0 - 0.5) * exact(height);
+        let origin = sum(&vector(eye), &right, &share(i));
+        let origin = sum(&origin, &up, &-share(j));
+        for t in [0.0, (target - eye).length()] {
+            let point = sum(&vector(ray.origin), &vector(ray.direction), &exact(t));
+            let aside = cross(&sum(&point, &origin, &exact(-1.0)), &forward);
+            let largest = (exact(height) * exact(2_f64.powi(-20))).pow(2);
+            assert!(dot(&aside, &aside) < largest, "{camera:?}, {i},{j} at {t}");
+        }
+        checked += 1;
+    }
+    println!("{checked} checked, {refused} refused");
+    assert!(refused > 20);
+}

@@ -1,0 +1,163 @@
+//! Methods: the ways to find where rays first meet a surface, as rows of one table.
+//!
+//! A method is a file with a row, and a [`Tracer`] that the row makes. Which rays it is given, on which threads, and what
+//! becomes of its findings, a method does not know: that is the [`Driver`](crate::Driver)'s.
+
+use crate::camera::Ray;
+use crate::gbuffer::Status;
+use crate::knoll;
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use std::fmt;
+use zeroset_eval::{KernelError, Surface};
+
+/// All methods; the first is the default.
+pub static METHODS: [Method; 1] = [knoll::METHOD];
+
+/// A way to find where rays first meet a surface: a row of [`METHODS`].
+#[derive(Clone, Copy)]
+pub struct Method {
+    /// What it is called, in one word.
+    pub name: &'static str,
+    /// One line of help.
+    pub help: &'static str,
+    /// The options that it reads; it does not look at others.
+    pub reads: &'static [MethodOption],
+    pub(crate) prepare: Prepare,
+}
+
+/// Asks a surface for kernels, and gets ready to follow rays through a region.
+pub(crate) type Prepare =
+    for<'a> fn(&'a dyn Surface, &'a Region, &Options) -> Result<Box<dyn Tracer + 'a>, KernelError>;
+
+/// An option that a method may read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MethodOption {
+    /// [`Options::precision`].
+    Precision,
+    /// [`Options::depth`].
+    Depth,
+}
+
+/// How a method is to work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// What kernels compute in.
+    pub precision: Precision,
+    /// How often the region is halved along a ray, from 1 to [`Precision::max_depth`]; what lies beyond is brought within.
+    pub depth: u32,
+    /// Whether a place where the function is unbounded counts as an asymptote rather than a root: its pixel then is
+    /// undecided, but not drawn there.
+    pub suppress_asymptotes: bool,
+}
+
+/// The floats in which kernels compute. Enclosures are rigorous in either.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Precision {
+    /// 32 bits: twice as fast.
+    #[default]
+    F32,
+    /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their surroundings.
+    F64,
+}
+
+impl Precision {
+    /// The greatest depth at which slabs are still thicker than what rounding adds to them.
+    pub fn max_depth(self) -> u32 {
+        match self {
+            Self::F32 => f32::MAX_DEPTH,
+            Self::F64 => f64::MAX_DEPTH,
+        }
+    }
+}
+
+impl fmt::Display for Precision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        })
+    }
+}
+
+/// A method made ready for one surface.
+pub trait Tracer: Sync {
+    /// Follows rays, and says of each in `found` what became of it.
+    ///
+    /// Each four in a row are neighbours if possible, as are each sixteen and so on. `found` has as many places.
+    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work);
+}
+
+/// The part of a ray for t from 0 to `to`.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    /// The ray.
+    pub ray: Ray,
+    /// May be infinite.
+    pub to: f64,
+}
+
+/// Where rays start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// The first zero counts.
+    Anywhere,
+    /// On a surface, which does not count: zeros do only after a place that is free of them.
+    OnSurface,
+}
+
+/// What became of one ray. Distances are values of its parameter t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// What is proven, whatever the distances are.
+    pub status: Status,
+    /// Of the hit, or of the start of the first undecided part; infinite for a miss.
+    pub distance: f64,
+    /// Of what is to be painted; infinite for nothing.
+    pub drawn: f64,
+}
+
+impl Found {
+    /// No zero.
+    pub const MISS: Self =
+        Self { status: Status::Miss, distance: f64::INFINITY, drawn: f64::INFINITY };
+}
+
+impl Method {
+    /// The method with this name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        METHODS.iter().find(|method| method.name == name)
+    }
+
+    /// Asks a surface for the kernels that this needs, and gets ready to follow rays through `region`.
+    ///
+    /// # Errors
+    /// If a kernel cannot be had.
+    pub fn prepare<'a>(
+        &self,
+        surface: &'a dyn Surface,
+        region: &'a Region,
+        options: &Options,
+    ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
+        (self.prepare)(surface, region, options)
+    }
+}
+
+impl Default for &'static Method {
+    fn default() -> Self {
+        &METHODS[0]
+    }
+}
+
+impl fmt::Debug for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+impl PartialEq for Method {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}

@@ -1,0 +1,67 @@
+//! Work that is no longer wanted is left off where it is: between kernels, between tiles of a
+//! picture, between tiles of its shadows.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use zeroset::model::Model;
+use zeroset::picture::{Normals, Picture, Precision, Settings};
+use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_syntax::{Document, Options};
+use zeroset_trace::Region;
+
+/// Two surfaces, of which one throws a shadow on the other.
+const TEXT: &str = "domain 2\nz = -1\nx^2+y^2+z^2 = 1/2";
+
+fn document() -> (Document, Region) {
+    let document = zeroset_syntax::read(TEXT, &Options::default()).expect("reads");
+    let (region, _) = scene::region(&document, DomainChoice::Document, None).expect("a region");
+    (document, region)
+}
+
+#[test]
+fn a_compile_ends_between_kernels() {
+    let (document, region) = document();
+    let compile = |last: usize| {
+        let asked = AtomicUsize::new(0);
+        let wanted = || asked.fetch_add(1, Ordering::Relaxed) < last;
+        let normals = Some(Normals::Gradient);
+        let model = Model::new_while(&document, &region, normals, Precision::F32, &wanted);
+        (model.expect("compiles").is_some(), asked.into_inner())
+    };
+    let (made, asked) = compile(usize::MAX);
+    assert!(made && asked >= 4, "asked {asked} times for the kernels of two surfaces");
+    for last in 0..asked {
+        assert!(!compile(last).0, "made although it was not wanted after {last} of {asked}");
+    }
+}
+
+/// A picture that is wanted until it was asked about so often, and how often it was.
+fn picture(model: &Model, settings: &Settings, last: usize) -> (Picture, usize) {
+    let (document, region) = document();
+    let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("valid");
+    let asked = AtomicUsize::new(0);
+    let advance = |_| asked.fetch_add(1, Ordering::Relaxed) < last;
+    let picture = model.trace(&camera, settings, &advance);
+    (picture.expect("compiled"), asked.into_inner())
+}
+
+#[test]
+fn shadows_end_between_tiles() {
+    let (document, region) = document();
+    let model = Model::new(&document, &region, Some(Normals::Gradient), Precision::F32);
+    let model = model.expect("compiles");
+    let plain = Settings { width: 256, height: 256, max_depth: 8, ..Settings::default() };
+    let shadowed = Settings { shadow_depth: Some(7), ..plain.clone() };
+    let dark = |picture: &Picture| picture.buffer.shadow.iter().filter(|dark| **dark).count();
+    let (_, before) = picture(&model, &plain, usize::MAX);
+    let (whole, all) = picture(&model, &shadowed, usize::MAX);
+    assert!(dark(&whole) > 100 && all > before + 16, "{} dark, {before} of {all}", dark(&whole));
+    // Some tiles have their shadows, and then it is over.
+    let (some, _) = picture(&model, &shadowed, before + (all - before) / 4);
+    assert_eq!(some.buffer.status, whole.buffer.status);
+    assert!(dark(&some) < dark(&whole), "{} of {} are dark", dark(&some), dark(&whole));
+    // The picture itself is left off likewise.
+    let (part, _) = picture(&model, &plain, before / 4);
+    let hits =
+        |picture: &Picture| picture.statistics.pixels.undecided + picture.statistics.pixels.hit;
+    assert!(hits(&part) < hits(&whole), "{} of {}", hits(&part), hits(&whole));
+}

@@ -1,0 +1,6 @@
+//! The live picture without a window.
+
+mod cancel;
+mod live_support;
+mod parameters;
+mod session;

@@ -1,0 +1,10 @@
+//! Pictures and the kernels behind them against what is known by other means: exact roots, certified ones, an oracle.
+
+mod certified;
+mod properties;
+mod property_support;
+mod soundness;
+mod stability;
+mod stability_solids;
+mod truth;
+mod truth_support;

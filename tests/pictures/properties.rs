@@ -1,0 +1,30 @@
+//! The properties of whole pictures that fuzz targets attack, over random bytes and over the fuzzers' seeds.
+//!
+//! A long run of one: `ZEROSET_CASES=100000 cargo test --release --test pictures properties::pictures`.
+
+use crate::property_support::{draw, zero_kernel};
+use std::path::{Path, PathBuf};
+use zeroset_testkit::property::{render, zeros};
+use zeroset_testkit::{Effort, attack};
+
+fn seeds(target: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds").join(target)
+}
+
+#[test]
+fn pictures_claim_nothing_false() {
+    let effort = Effort::from_environment(0x5eed_0730, 800);
+    let tally = attack(&|data| render(data, &draw), &seeds("render"), effort);
+    println!("{tally:?}");
+    // Most pictures have some pixels, and one ray in ten a certain crossing.
+    assert!(tally.compared > 5 * effort.cases && tally.defined > effort.cases / 2, "{tally:?}");
+}
+
+#[test]
+fn no_kernel_denies_a_certain_zero() {
+    let effort = Effort::from_environment(0x5eed_0740, 1500);
+    let property = |data: &[u8]| zeros(data, &zero_kernel, &zero_kernel);
+    let tally = attack(&property, &seeds("zeros"), effort);
+    println!("{tally:?}");
+    assert!(tally.compared > 3 * effort.cases && tally.defined > 3 * effort.cases, "{tally:?}");
+}

@@ -1,0 +1,68 @@
+//! The program as the properties of `testkit` see it: a scene becomes claims about rays, a formula becomes a kernel.
+//!
+//! Fuzz targets include this file.
+
+use glam::DVec3;
+use zeroset::picture::{Precision, Settings, render};
+use zeroset::program::Program;
+use zeroset_eval::{Boxes, FindZeros, Kernel, Real, Zeros};
+use zeroset_interval::Interval;
+use zeroset_testkit::certified::Line;
+use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
+use zeroset_trace::{Camera, Projection, Region, Status};
+
+/// What a picture of a scene says of each pixel's ray; `None` if its camera is impossible or its formula has no surface.
+#[allow(dead_code)] // each fuzz target needs one of the two
+pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
+    let [[x0, x1], [y0, y1], [z0, z1]] = scene.formula.region;
+    let region = Region::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)).ok()?;
+    let [eye, target, up] = [scene.eye, scene.target, scene.up].map(DVec3::from_array);
+    let projection = match scene.fov {
+        Ok(fov) => Projection::Perspective { fov },
+        Err(height) => Projection::Orthographic { height },
+    };
+    let camera = Camera::new(eye, target, up, projection).ok()?;
+    let [width, height] = scene.size;
+    let precision = if scene.double { Precision::F64 } else { Precision::F32 };
+    let max_depth = scene.depth;
+    let settings = Settings { width, height, precision, max_depth, ..Settings::default() };
+    let picture = render(&scene.formula.document, &region, &camera, &settings, &|_, _| {}).ok()?;
+    let frame = camera.rays(width, height);
+    let pixels = (0..width * height).map(|index| {
+        let ray = frame.ray_of(index);
+        let line = Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() };
+        let buffer = &picture.buffer;
+        let (distance, drawn) = (buffer.distance[index], buffer.drawn[index]);
+        assert!(drawn >= distance, "{scene}: painted at {drawn}, before {distance}");
+        let normal = buffer.normal[index];
+        assert!(normal.iter().all(|part| part.is_finite()), "{scene}: {normal:?}");
+        let claimed = match buffer.status[index] {
+            Status::Miss => Claimed::Miss,
+            Status::Hit => Claimed::Hit(ray.parameter(distance)),
+            Status::Undecided => Claimed::Undecided(ray.parameter(distance)),
+        };
+        Pixel { line, claimed }
+    });
+    Some(pixels.collect())
+}
+
+/// The kernel that decides where a formula may vanish; `None` if it has no surface.
+///
+/// # Panics
+/// If its code does not compile.
+#[allow(dead_code)] // each fuzz target needs one of the two
+pub fn zero_kernel<T: Real>(formula: &Formula) -> Option<Box<dyn Kernel<FindZeros, T>>> {
+    let domain = formula.region.map(|[lo, hi]| Interval { lo, hi });
+    let program = Program::new(&formula.document, domain).ok()?;
+    program.kernels::<T>(0).zeros().expect("compiles");
+    Some(Box::new(First(program)))
+}
+
+/// A program's first surface.
+struct First(Program);
+
+impl<T: Real> Kernel<FindZeros, T> for First {
+    fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
+        self.0.kernels::<T>(0).zeros().expect("compiles").ask(boxes, zeros);
+    }
+}

@@ -1,0 +1,99 @@
+//! Solids with parts that have no value, with jumps and with poles: where they are, and that they have faces there.
+
+use glam::DVec3;
+use zeroset::picture::{Picture, Settings, render};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{Camera, Projection, RayGrid, Region};
+
+const SIDE: usize = 41;
+
+/// A picture of the cube ±2 by parallel rays towards +x, or along another axis.
+fn picture(formula: &str, along: DVec3) -> (RayGrid, Picture) {
+    let document = read(formula, &Options::default()).expect("reads");
+    let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a cube");
+    let up = if along.z == 0.0 { DVec3::Z } else { DVec3::Y };
+    let projection = Projection::Orthographic { height: 3.9 };
+    let camera = Camera::new(along * -8.0, DVec3::ZERO, up, projection).expect("a camera");
+    let settings = Settings { width: SIDE, height: SIDE, max_depth: 12, ..Settings::default() };
+    let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+    (camera.rays(SIDE, SIDE), picture)
+}
+
+/// Checks each ray along `along`: `expected` says, from where it passes the plane through the origin, how far along the
+/// axis the first face lies, `None` for no face; NaN for either.
+fn check(formula: &str, along: DVec3, expected: impl Fn(DVec3) -> Option<f64>) {
+    let (frame, picture) = picture(formula, along);
+    let mut seen = 0;
+    for pixel in 0..SIDE * SIDE {
+        let ray = frame.ray_of(pixel);
+        let foot = ray.at(8.0);
+        let drawn = picture.buffer.drawn[pixel];
+        let found = drawn.is_finite().then_some(drawn - 8.0);
+        let agrees = match (expected(foot), found) {
+            (None, None) => true,
+            (Some(face), _) if face.is_nan() => true,
+            (Some(face), Some(found)) => (face - found).abs() < 2e-3,
+            (None, Some(_)) | (Some(_), None) => false,
+        };
+        assert!(agrees, "{formula}, through {foot}: {found:?}, not {:?}", expected(foot));
+        if found.is_some() {
+            seen += 1;
+            let normal = DVec3::from_array(picture.buffer.normal[pixel].map(f64::from));
+            assert!((normal.length() - 1.0).abs() < 1e-5, "{formula}, through {foot}: {normal}");
+        }
+    }
+    assert!((50..SIDE * SIDE - 50).contains(&seen), "{formula}: {seen} faces seen");
+}
+
+/// Where a ray along x enters the unit ball; NaN near its rim.
+fn ball(foot: DVec3) -> Option<f64> {
+    let square = 1.0 - foot.y * foot.y - foot.z * foot.z;
+    if square.abs() < 0.02 { Some(f64::NAN) } else { (square > 0.0).then(|| -square.sqrt()) }
+}
+
+#[test]
+fn a_part_without_a_value_hides_no_other() {
+    check("sqrt(x-1) > y+1/8 or x^2+y^2+z^2 < 1", DVec3::X, |foot| {
+        // From y = −1/8 on the root reaches that height at (y + 1/8)² + 1, else from its edge on.
+        let height = (foot.y + 0.125).max(0.0);
+        let root = 1.0 + height * height;
+        ball(foot).or((root < 2.0).then_some(root))
+    });
+    // From the edge of the logarithm's domain on, or from where the ray leaves the ball.
+    check("ln(x) < 8 and not (x^2+y^2+z^2 < 1) and y > -1", DVec3::X, |foot| {
+        (foot.y > -1.0).then(|| ball(foot).map_or(0.0, |enters| -enters))
+    });
+}
+
+#[test]
+fn neither_a_comparison_nor_its_opposite_holds_where_there_is_no_value() {
+    let strip = |foot: DVec3| (foot.y.abs() < 1.0).then_some(0.0);
+    check("not (sqrt(x) > 1) and -1 < y < 1", DVec3::X, strip);
+    check("sqrt(x) <= 1 and -1 < y < 1", DVec3::X, strip);
+}
+
+#[test]
+fn a_solid_has_faces_where_it_jumps() {
+    check("floor(x) > 1/2 and y < 1/3", DVec3::X, |foot| (foot.y < 1.0 / 3.0).then_some(1.0));
+    check("z < floor(x) and y < 1/3", DVec3::X, |foot| {
+        // Risers at each integer; what happens along a tread and on the last face of the box is left open.
+        let height = foot.z.ceil();
+        let riser = if height < 2.0 && height > foot.z { height } else { f64::NAN };
+        (foot.y < 1.0 / 3.0).then_some(riser)
+    });
+    check("1/x > y and z < 1/3", DVec3::X, |foot| {
+        // From x = −2 on where 1/x is above y there, else from the pole on.
+        let face = if foot.y < -0.5 { -2.0 } else { 0.0 };
+        (foot.z < 1.0 / 3.0).then_some(face)
+    });
+}
+
+#[test]
+fn an_equation_may_be_restricted_by_what_has_no_value_everywhere() {
+    check("x {sqrt(y) > 1/2 or z > 1/3}", DVec3::X, |foot| {
+        (foot.y > 0.25 || foot.z > 1.0 / 3.0).then_some(0.0)
+    });
+    check("x {not (sqrt(y) > 1/2 or z > 1/3)}", DVec3::X, |foot| {
+        (foot.y >= 0.0 && foot.y < 0.25 && foot.z < 1.0 / 3.0).then_some(0.0)
+    });
+}

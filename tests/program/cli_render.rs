@@ -1,0 +1,551 @@
+//! `zeroset render`, `gallery` and `explain` as a user meets them.
+
+use crate::cli_support::Place;
+use serde_json::Value;
+
+const SPHERE: &str = "x^2+y^2+z^2 = 1";
+
+fn picture(place: &Place, name: &str) -> image::RgbImage {
+    image::open(place.path(name)).expect("a picture").to_rgb8()
+}
+
+fn array<T: npyz::Deserialize>(place: &Place, name: &str) -> (Vec<u64>, Vec<T>) {
+    let bytes = std::fs::read(place.path(name)).expect("written");
+    let array = npyz::NpyFile::new(&bytes[..]).expect("an array");
+    (array.shape().to_vec(), array.into_vec().expect("of this type"))
+}
+
+#[test]
+fn a_formula_becomes_a_picture() {
+    let place = Place::new();
+    let run = place.run(&["render", SPHERE, "-o", "sphere.png", "--size", "64x48"]).ok();
+    assert!(run.stdout.is_empty());
+    assert_eq!(place.files(), ["sphere.png"]);
+    let sphere = picture(&place, "sphere.png");
+    assert_eq!(sphere.dimensions(), (64, 48));
+    // The outside, f > 0, is warm; the corner shows the background.
+    let [red, _, blue] = sphere.get_pixel(32, 24).0;
+    assert!(red > blue + 50, "{:?}", sphere.get_pixel(32, 24));
+    assert_eq!(sphere.get_pixel(0, 0).0, [244, 244, 246]);
+}
+
+/// Cameras at the ends of what floats hold: what their rays certainly meet is not called a miss, or they are refused.
+#[test]
+fn no_extreme_camera_hides_what_its_rays_meet() {
+    let place = Place::new();
+    let render = |formula: &str, camera: &str| {
+        let arguments = ["render", formula, "--domain", "2", "--status", "status.npy"];
+        place.run(&[&arguments[..], &camera.split(' ').collect::<Vec<_>>()].concat())
+    };
+    let status = |formula: &str, camera: &str, [column, row]: [usize; 2]| {
+        render(formula, camera).ok();
+        let (shape, status) = array::<u8>(&place, "status.npy");
+        status[row * shape[1] as usize + column]
+    };
+    // Along an axis even the farthest rays are exact: 101 of them meet the ball.
+    for eye in ["3e38", "4e38", "1e100"] {
+        for precision in ["f32", "f64"] {
+            let camera = format!(
+                "--eye {eye},0,0 --target 0,0,0 --up 0,0,1 --ortho 3 --size 17 --precision {precision}"
+            );
+            assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");
+            let (_, status) = array::<u8>(&place, "status.npy");
+            assert_eq!(status.iter().filter(|&&status| status != 0).count(), 101, "{camera}");
+        }
+    }
+    // The middle ray passes through the origin exactly, from where the way's numbers overflow in f32.
+    for eye in ["1e60,1e60,1e60", "-9e99,9e99,-9e99"] {
+        let camera = format!("--eye={eye} --target 0,0,0 --up 0,0,1 --fov 40 --size 17");
+        assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");
+        let parallel = camera.replace("--fov 40", "--ortho 3");
+        let refused = render(SPHERE, &parallel);
+        assert_eq!(refused.code, Some(2), "{parallel}");
+        assert!(refused.stderr.contains("can tell the rays apart"), "{}", refused.stderr);
+    }
+    // The squares of the view's numbers are subnormal.
+    let ball = "(x-1)^2+(y-0.9)^2+(z-0.8)^2=0.01";
+    let close = "--eye 0,0,0 --target 2.6e-162,1.4e-162,4e-163 --up 0,0,1 --fov 90 --size 65";
+    assert_eq!(status(ball, close, [25, 16]), 2);
+    // Forward × up loses ten digits to cancellation.
+    let speck = "(x+0.13391258274386464)^2+(y-0.77058820789075788)^2+(z-0.65331571406091693)^2\
+                 -(2e-12)^2";
+    let upright = "--eye 3,2,9 --target 0,0,0 --up 3.00007,1.99997,9.00011 --fov 20 --size 64 \
+                   --precision f64 --max-depth 40";
+    assert_eq!(status(speck, upright, [31, 46]), 2);
+}
+
+#[test]
+fn arrays_hold_what_the_picture_shows() {
+    let place = Place::new();
+    let arguments = [
+        "render",
+        SPHERE,
+        "--size",
+        "20x10",
+        "--domain",
+        "2",
+        "--eye",
+        "0,0,5",
+        "--up",
+        "0,1,0",
+        "--distance",
+        "distance.npy",
+        "--status",
+        "status.npy",
+        "--normal",
+        "normal.npy",
+    ];
+    place.run(&arguments).ok();
+    let (shape, distance) = array::<f32>(&place, "distance.npy");
+    assert_eq!(shape, [10, 20]);
+    let (shape, status) = array::<u8>(&place, "status.npy");
+    assert_eq!(shape, [10, 20]);
+    let (shape, normal) = array::<f32>(&place, "normal.npy");
+    assert_eq!(shape, [10, 20, 3]);
+    for pixel in 0..200 {
+        assert_eq!(status[pixel] == 0, distance[pixel].is_infinite(), "{pixel}");
+        assert_eq!(status[pixel] == 0, normal[3 * pixel..][..3] == [0.0; 3], "{pixel}");
+    }
+    // Just off the middle: row 4, column 10. The ray leaves (0, 0, 5) with slopes 0.05·s and 0.1·s.
+    let s = 20.0_f64.to_radians().tan();
+    let (a, b) = (0.1 * s, 0.1 * s);
+    let direction = [a, b, -1.0].map(|c: f64| c / (a * a + b * b + 1.0).sqrt());
+    let along = -5.0 * direction[2];
+    let exact = along - (along * along - 24.0).sqrt();
+    let found = f64::from(distance[4 * 20 + 10]);
+    // The traverser is off by a slab: 4/1024.
+    assert!((found - exact).abs() < 0.006, "{found} is not {exact}");
+    // There x and y are about 4 · 0.1 · s.
+    assert!((normal[3 * (4 * 20 + 10) + 2] - 0.978).abs() < 0.005);
+}
+
+#[test]
+fn one_json_object_tells_times_counts_and_what_was_used() {
+    let place = Place::new();
+    let run = place.run(&["render", SPHERE, "--json", "--size", "32"]).ok();
+    let object = run.json();
+    for stage in ["parse", "simplify", "compile", "trace", "shade"] {
+        assert!(object["ms"][stage].as_f64().is_some_and(|ms| ms >= 0.0), "{stage}");
+    }
+    let count = |path: &str| object.pointer(path).and_then(Value::as_u64).expect("a count");
+    let pixels = ["/pixels/hit", "/pixels/miss", "/pixels/undecided"].map(count);
+    assert_eq!(pixels.iter().sum::<u64>(), 32 * 32);
+    assert!(pixels[2] > 0 && pixels[0] == 0, "this method proves no hit");
+    assert!(count("/work/interval/calls") > 0 && count("/work/interval/lanes") > 0);
+    // No colours were asked for, so no gradient kernel was made or called.
+    assert_eq!(count("/work/gradient/calls"), 0);
+    assert!(count("/code_bytes") > 0 && count("/nodes/before") >= count("/nodes/after"));
+    assert_eq!(object["camera"]["fov"], 40.0);
+    assert_eq!(object["domain"].as_array().map(Vec::len), Some(6));
+    assert!(object["domain_found"].as_str().is_some_and(|found| found.starts_with("bounded")));
+}
+
+#[test]
+fn rays_that_stay_undecided_are_given_up_with_a_reason() {
+    let place = Place::new();
+    // (x - 1)^7: near x = 1 the terms cancel, and slabs stay undecided however thin they are.
+    let formula = "x^7 - 7x^6 + 21x^5 - 35x^4 + 35x^3 - 21x^2 + 7x - 1 + 0*y + 1e-9";
+    let render = |depth: &str| {
+        let arguments = ["render", formula, "--domain", "2", "--size", "8", "--json"];
+        place.run(&[&arguments[..], &["--max-depth", depth]].concat()).ok()
+    };
+    let deep = render("20");
+    let given_up = deep.json()["work"]["given_up"].as_u64().expect("a number");
+    assert!(given_up > 0 && deep.stderr.contains("given up after 16384 steps"), "{}", deep.stderr);
+    let calls = deep.json()["work"]["interval"]["calls"].as_u64().expect("a number");
+    assert!(calls <= 16 * 16384, "{calls}");
+    let shallow = render("10");
+    assert_eq!(shallow.json()["work"]["given_up"], 0);
+    assert!(!shallow.stderr.contains("given up"));
+}
+
+#[test]
+fn depth_has_three_names_and_changes_the_work() {
+    let place = Place::new();
+    let lanes = |flag: &str, depth: &str| {
+        let arguments = ["render", SPHERE, "--json", "--size", "32", flag, depth];
+        place.run(&arguments).ok().json()["work"]["interval"]["lanes"].clone()
+    };
+    let eight = lanes("--max-depth", "8");
+    assert_eq!(eight, lanes("--depth", "8"));
+    assert_eq!(eight, lanes("--dstop", "8"));
+    assert_ne!(eight, lanes("--max-depth", "10"));
+}
+
+#[test]
+fn text_comes_from_a_file_before_the_gallery_before_the_command_line() {
+    let place = Place::new();
+    let surfaces = |arguments: &[&str], input: &str| {
+        let all = [&["render"], arguments, &["--json", "--size", "8"]].concat();
+        place.run_with(&all, input.as_bytes()).ok().json()["surfaces"].clone()
+    };
+    let standard = surfaces(&["-"], "x + y = z\n");
+    assert_eq!(standard[0], "x + y = z");
+    let gallery = surfaces(&["ding-dong"], "");
+    assert_eq!(gallery, surfaces(&["Ding-dong"], ""));
+    // A file called like a formula and one called like a surface of the gallery.
+    place.write("x+y", "z = 1/2");
+    place.write("sphere", "y = 1/2");
+    assert_eq!(surfaces(&["x+y"], "")[0], "z = 1/2");
+    assert_eq!(surfaces(&["sphere"], "")[0], "y = 1/2");
+    assert_eq!(surfaces(&["x+z"], "")[0], "x + z = 0");
+}
+
+#[test]
+fn values_may_begin_with_a_minus() {
+    let place = Place::new();
+    for arguments in [
+        ["-x^2-y^2-z^2+1", "--domain", "-2,2,-2,2,-2,2"],
+        ["-sin(x)+y", "--eye", "-3,-4,5"],
+        ["-hypot(x, y, z)+1", "--clip", "-1,0,0,0"],
+        ["-c*x+y+z", "-D", "c=-2"],
+        ["-t*x+y+z", "--time", "-1.5"],
+        ["x+y+z", "--light", "-3,-4,5"],
+    ] {
+        let all = [&["render"], &arguments[..], &["-o", "a.png", "--size", "8"]].concat();
+        let run = place.run(&all);
+        assert_eq!(run.code, Some(0), "{arguments:?}: {}", run.stderr);
+        // Taken for a flag, `-h…` would have printed the help.
+        assert!(run.stdout.is_empty(), "{}", run.text());
+    }
+}
+
+#[test]
+fn flags_may_come_first_and_hold_their_values() {
+    let place = Place::new();
+    place.run(&["render", "-oa.png", "-Dr=2", "--size", "8", "sphere"]).ok();
+    assert_eq!(place.files(), ["a.png"]);
+}
+
+#[test]
+fn definitions_and_time_change_the_surface() {
+    let place = Place::new();
+    let pixels = |arguments: &[&str]| {
+        let formula = "r = 1\nx^2+y^2+z^2 = (r+t)^2";
+        let fixed = ["render", formula, "--json", "--size", "32", "--domain", "3"];
+        let all = [&fixed[..], arguments].concat();
+        place.run(&all).ok().json()["pixels"]["undecided"].as_u64().expect("a count")
+    };
+    let one = pixels(&[]);
+    assert!(pixels(&["-D", "r=2"]) > 2 * one);
+    assert_eq!(pixels(&["-D", "r=2"]), pixels(&["--time", "1"]));
+}
+
+#[test]
+fn a_number_means_the_same_wherever_it_is_typed() {
+    let place = Place::new();
+    let status = |text: &str, arguments: &[&str]| {
+        let fixed = ["render", text, "--status", "s.npy", "--size", "64", "--domain", "1"];
+        place.run(&[&fixed[..], arguments].concat()).ok();
+        array::<u8>(&place, "s.npy").1
+    };
+    let literal = status("x^2+y^2+z^2 = 0.1", &[]);
+    assert_eq!(literal, status("a = 1\nx^2+y^2+z^2 = a", &["-D", "a=0.1"]));
+    assert_eq!(literal, status("a = 0.1\nx^2+y^2+z^2 = a", &[]));
+    assert_eq!(literal, status("x^2+y^2+z^2 = t", &["--time", "0.1"]));
+    // Code made for the whole range of a slider, too.
+    assert_eq!(literal, status("domain 2\na = 0.1 in [-1, 1]\nx^2+y^2+z^2 = a", &[]));
+    assert_eq!(literal, status("domain 2\nt = 0.3 in [0, 1]\nx^2+y^2+z^2 = t", &["--time", "0.1"]));
+}
+
+#[test]
+fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
+    let place = Place::new();
+    let run = |arguments: &[&str]| {
+        let fixed = ["render", "x^2+y^2+z^2 <= 1", "--size", "32", "--view", "front"];
+        place.run(&[&fixed[..], arguments].concat()).ok();
+    };
+    run(&[
+        "--status",
+        "s.npy",
+        "--distance",
+        "d.npy",
+        "--clip",
+        "0,-1,0,0",
+        "--domain",
+        "2",
+        "-o",
+        "cut.png",
+    ]);
+    let (_, status) = array::<u8>(&place, "s.npy");
+    let (_, distance) = array::<f32>(&place, "d.npy");
+    // The plane y = 0 cuts the ball; on it the solid is proven, 2·√15.25 from the eye.
+    let middle = 16 * 32 + 16;
+    assert_eq!(status[middle], 1);
+    let exact = 2.0 * 15.25_f32.sqrt();
+    assert!((distance[middle] - exact).abs() < 0.01, "{}", distance[middle]);
+    let [red, _, blue] = picture(&place, "cut.png").get_pixel(16, 16).0;
+    assert!(blue > red, "a cut face has the colour of the inside");
+}
+
+#[test]
+fn undecided_pixels_can_be_told_apart_and_counted_against() {
+    let place = Place::new();
+    let render = |style: &str| {
+        let name = format!("{style}.png");
+        let all = ["render", SPHERE, "--size", "32", "-o", &name, "--undecided", style];
+        place.run(&all).ok();
+        picture(&place, &name)
+    };
+    let shaded = render("shade");
+    assert_ne!(shaded, render("hatch"));
+    assert_ne!(shaded, render("tint"));
+    assert_eq!(render("miss").get_pixel(16, 16).0, [244, 244, 246]);
+    let strict = place.run(&["render", SPHERE, "--json", "--size", "16", "--strict"]);
+    assert_eq!(strict.code, Some(1));
+    let nothing = ["render", "x^2+y^2+z^2 = -1", "--json", "--size", "16", "--strict"];
+    assert_eq!(place.run(&nothing).code, Some(0));
+}
+
+#[test]
+fn an_empty_picture_says_why() {
+    let place = Place::new();
+    let note = |arguments: &[&str]| {
+        let all = [&["render"], arguments, &["--json", "--size", "8"]].concat();
+        place.run(&all).ok().stderr
+    };
+    assert!(note(&["x^2+y^2+z^2+1"]).contains("proven empty"));
+    assert!(note(&["sqrt(x-5)+y", "--domain", "2"]).contains("no value anywhere"));
+    let elsewhere = note(&["(x-9)^2+y^2+z^2 = 1", "--domain", "2"]);
+    assert!(elsewhere.contains("elsewhere: try --domain "), "{elsewhere}");
+    let command =
+        elsewhere.split("--domain ").nth(1).and_then(|rest| rest.split_whitespace().next());
+    let arguments = ["(x-9)^2+y^2+z^2 = 1", "--domain", command.expect("a domain")];
+    assert!(!note(&arguments).contains("nothing is seen"));
+}
+
+#[test]
+fn a_function_that_may_be_0_everywhere_is_remarked_on() {
+    let place = Place::new();
+    let note = |formula: &str| {
+        let run = place.run(&["render", formula, "--domain", "2", "--size", "16", "--json"]).ok();
+        run.stderr.contains("0 everywhere")
+    };
+    assert!(note("sin(x)^2 + cos(x)^2 - 1"));
+    assert!(note("(x+y)^2 - x^2 - 2x y - y^2"));
+    // Small is not 0, and neither is what is 0 on a half of space.
+    assert!(!note("1e-20*(x^2+y^2+z^2-1)"));
+    assert!(!note("x + abs(x)"));
+    assert!(!note("x+y+z"));
+}
+
+#[test]
+fn a_background_has_a_name_or_a_number() {
+    let place = Place::new();
+    let ground = |colour: &str| {
+        let all = ["render", "x^2+y^2+z^2=1", "--size", "8", "-o", "p.png", "--background", colour];
+        place.run(&all).ok();
+        picture(&place, "p.png").get_pixel(0, 0).0
+    };
+    assert_eq!([ground("navy"), ground("Orange")], [[0, 0, 128], [255, 165, 0]]);
+    assert_eq!(ground("navy"), ground("000080"));
+}
+
+#[test]
+fn output_is_plain_where_nobody_sees_colours() {
+    let place = Place::new();
+    let run = place.run(&["render", "x+", "-o", "a.png"]);
+    assert!(!run.stderr.contains('\x1b'));
+}
+
+#[test]
+fn a_picture_goes_to_standard_output() {
+    let place = Place::new();
+    let run = place.run(&["render", SPHERE, "-o", "-", "--size", "8"]).ok();
+    assert_eq!(&run.stdout[..8], b"\x89PNG\r\n\x1a\n");
+}
+
+#[test]
+fn shadows_central_normals_and_parallel_rays() {
+    let place = Place::new();
+    let render = |name: &str, arguments: &[&str]| {
+        let fixed = ["render", "box", "--size", "48", "-o", name];
+        place.run(&[&fixed[..], arguments].concat()).ok();
+        picture(&place, name)
+    };
+    let plain = render("plain.png", &[]);
+    let shadowed = render("shadows.png", &["--shadows", "--light", "0,0,9"]);
+    assert_ne!(plain, shadowed);
+    let central = render("central.png", &["--normals", "central"]);
+    let differing = plain.pixels().zip(central.pixels()).filter(|(a, b)| a != b).count();
+    assert!(differing < 48 * 48 / 4, "{differing} pixels differ");
+    let parallel = render("parallel.png", &["--ortho", "4", "--view", "front"]);
+    // A cube of side 2 in a picture of height 4, seen from the front: the middle half.
+    let background = [244, 244, 246];
+    assert_eq!(parallel.get_pixel(10, 24).0, background);
+    assert_ne!(parallel.get_pixel(14, 24).0, background);
+}
+
+#[test]
+fn every_packet_width_and_thread_count_gives_the_same_claim() {
+    let place = Place::new();
+    let status = |arguments: &[&str]| {
+        let fixed = ["render", "tangle", "--size", "33x31", "--status", "s.npy"];
+        place.run(&[&fixed[..], arguments].concat()).ok();
+        array::<u8>(&place, "s.npy").1
+    };
+    let one = status(&["--threads", "1"]);
+    assert_eq!(one, status(&["--threads", "3"]));
+    let wide = status(&["--packet", "16"]);
+    let differing = one.iter().zip(&wide).filter(|(a, b)| a != b).count();
+    assert!(differing < one.len() / 20, "{differing} pixels differ");
+}
+
+#[test]
+fn explain_tells_how_a_formula_is_read_and_compiled() {
+    let place = Place::new();
+    let run = place.run(&["explain", "2x sin y = z^2"]).ok();
+    for part in [
+        "read as     2*x*sin(y) = z^2",
+        "simplified",
+        "forms       intervals of the function\n",
+        "operations",
+        "bytes",
+    ] {
+        assert!(run.text().contains(part), "{part} is not in {}", run.text());
+    }
+    // Code only for those who ask for it, and after all else.
+    assert!(!run.text().contains("function u0:0"), "{}", run.text());
+    let run = place.run(&["explain", "--code", "2x sin y = z^2"]).ok();
+    let code = run.text().find("function u0:0").expect("the code");
+    assert!(run.text().find("nodes ").expect("the nodes") < code, "{}", run.text());
+    let run = place.run(&["explain", "1/x + floor(y) = z"]).ok();
+    assert!(run.text().contains("cleared form") && run.text().contains("branches"));
+    // Notes on the reading are part of the explanation.
+    assert!(place.run(&["explain", "1/2x+y+z"]).ok().text().contains("the other reading"));
+    // The code shown is that of the precision asked for.
+    let code = |precision: &str| {
+        place
+            .run(&["explain", "x*y = z", "--code", "--precision", precision])
+            .ok()
+            .text()
+            .to_owned()
+    };
+    assert!(code("f32").contains("f32x4") && !code("f32").contains("f64x2"));
+    assert!(code("f64").contains("f64x2") && !code("f64").contains("f32x4"));
+    // A constant has no surface, but it can be explained.
+    place.run(&["explain", "3"]).ok();
+}
+
+#[test]
+fn the_gallery_is_listed_and_rendered_without_a_checkout() {
+    let place = Place::new();
+    let list = place.run(&["gallery", "--list"]).ok();
+    let names: Vec<&str> =
+        list.text().lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(names.len() >= 65 && names.contains(&"klein-bottle"));
+    place.run(&["gallery", "-o", "out/pictures", "--size", "24"]).ok();
+    for name in &names {
+        let picture = picture(&place, &format!("out/pictures/{name}.png"));
+        let background = picture.get_pixel(0, 0);
+        let painted = picture.pixels().any(|pixel| pixel != background);
+        // The needle is finer than these pixels.
+        assert!(painted || *name == "needle", "{name} is empty");
+    }
+    let sheet = picture(&place, "out/pictures/contact-sheet.png");
+    assert!(sheet.width() > 2000);
+}
+
+#[test]
+fn completions_are_generated() {
+    let place = Place::new();
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(place.run(&["completions", shell]).ok().text().contains("--max-depth"), "{shell}");
+    }
+}
+
+#[test]
+fn double_precision_reaches_deeper_and_writes_wider_distances() {
+    let place = Place::new();
+    // A sphere of radius 10^4, of which f32 knows the squares to a few units only.
+    let far = |precision: &str, depth: &str| {
+        let arguments = [
+            "render",
+            "x^2+y^2+z^2-1e8",
+            "--domain",
+            "9990,10010,-10,10,-10,10",
+            "--eye",
+            "10050,0,0",
+            "--target",
+            "10000,0,0",
+            "--size",
+            "9",
+            "--precision",
+            precision,
+            "--max-depth",
+            depth,
+            "--distance",
+            "far.npy",
+            "--json",
+        ];
+        let run = place.run(&arguments).ok();
+        assert_eq!(run.json()["precision"], precision);
+    };
+    far("f32", "20");
+    let (_, single) = array::<f32>(&place, "far.npy");
+    far("f64", "36");
+    let (shape, double) = array::<f64>(&place, "far.npy");
+    assert_eq!(shape, [9, 9]);
+    let middle = 4 * 9 + 4;
+    assert!((double[middle] - 50.0).abs() < 1e-8, "{}", double[middle]);
+    assert!((single[middle] - 50.0).abs() < 0.1, "{}", single[middle]);
+    let refused = place.run(&["render", "x", "--max-depth", "21", "--json"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("40 with --precision f64"), "{}", refused.stderr);
+}
+
+#[test]
+fn a_time_may_be_a_constant_expression_and_is_noted_where_nothing_depends_on_it() {
+    let place = Place::new();
+    let json = |time: &str| {
+        let all = ["render", "x^2+y^2+z^2 = t", "--size", "8", "--json", "--time", time];
+        place.run(&all).ok().json()["domain"].clone()
+    };
+    assert_eq!(json("1/4"), json("0.25"));
+    assert_ne!(json("1/4"), json("3"));
+    let note = "note: --time changes nothing: `t` occurs nowhere in the formula";
+    let run = place.run(&["render", SPHERE, "--size", "8", "--json", "--time", "3"]).ok();
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    let run = place.run(&["render", "x+y = t", "--size", "8", "--json", "--time", "3"]).ok();
+    assert!(!run.stderr.contains(note), "{}", run.stderr);
+    let run = place.run(&["explain", SPHERE, "--time", "3"]).ok();
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+}
+
+/// A formula without a surface on this domain takes nothing from the others; one without a surface
+/// anywhere is refused.
+#[test]
+fn what_is_constant_on_this_domain_only_is_noted() {
+    let place = Place::new();
+    let render = |text: &str, domain: &str| {
+        place.write("text.zset", text);
+        place.run(&[
+            "render",
+            "text.zset",
+            "--size",
+            "24",
+            "--domain",
+            domain,
+            "-o",
+            "p.png",
+            "--json",
+        ])
+    };
+    let (half, whole) = ("0.1,2,-1,1,-1,1", "-1,2,-1,1,-1,1");
+    let run = render("x^2+y^2+z^2 = 1\nsign(x)-1/2", half).ok();
+    let note = "note: 'sign(x) - 1/2' is constant on this domain: it is 0.5 at every point";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    assert!(run.json()["pixels"]["undecided"].as_u64() > Some(20), "{}", run.json());
+    let run = render("x^2+y^2+z^2 = 1\nsign(x)-1/2", whole).ok();
+    assert!(!run.stderr.contains("is constant"), "{}", run.stderr);
+    let run = render("sign(x)-1/2", half).ok();
+    assert!(run.stderr.contains(note) && run.stderr.contains("nothing is seen"), "{}", run.stderr);
+    let run = render("x^2+y^2+z^2 = 4\nnot (sqrt(x)<5)", "-2,-1,-2,2,-2,2").ok();
+    assert!(run.json()["pixels"]["undecided"].as_u64() > Some(20), "{}", run.json());
+    let run = render("x^2+y^2+z^2 = 1\nsign(x^2+1)-1/2", half);
+    assert!(
+        run.code == Some(2) && run.stderr.contains("it is 0.5 at every point"),
+        "{}",
+        run.stderr
+    );
+}

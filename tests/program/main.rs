@@ -1,0 +1,20 @@
+//! The real program as its user meets it: the command line, a terminal, a window. The documents that a contributor meets too.
+
+mod cli_errors;
+mod cli_eval;
+mod cli_render;
+mod cli_support;
+mod contributing;
+#[cfg(unix)]
+#[path = "../edit_support/mod.rs"]
+mod edit_support;
+#[cfg(unix)]
+mod window_frame;
+#[cfg(unix)]
+mod window_prompt;
+#[cfg(unix)]
+mod window_session;
+#[cfg(unix)]
+mod window_soak;
+#[cfg(unix)]
+mod window_support;

@@ -1,0 +1,191 @@
+//! A real window among others: its size, its letters, its file, and the ways in which window and
+//! terminal end.
+
+use crate::window_support::scene::{CUBE, PROGRAMS, Scene, painted};
+use crate::window_support::{Terminal, have, until};
+
+/// The height of the status line when letters are this many times as large.
+const fn status(scale: u32) -> u32 {
+    20 * scale
+}
+
+#[test]
+fn shift_drag_moves_as_the_right_button_does() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let scene = Scene::start(CUBE);
+    let (from, to) = ((200, 160), (240, 140));
+    let right = scene.changes("right", || scene.drag("3", from, to));
+    scene.changes("back", || scene.key("r"));
+    scene.display.tool(&["keydown", "Shift_L"]);
+    let shift = scene.changes("shift", || scene.drag("1", from, to));
+    scene.display.tool(&["keyup", "Shift_L"]);
+    assert!(shift == right, "a drag with shift is another");
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn the_picture_fills_a_window_that_grows_or_shrinks() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(CUBE);
+    for (width, height) in [(640, 480), (300, 220), (120, 90)] {
+        let (w, h) = (width.to_string(), height.to_string());
+        scene.display.tool(&["windowsize", &scene.window, &w, &h]);
+        // Keys go to where the pointer is.
+        scene.point(60, 40);
+        until("the window has its size", || scene.picture().dimensions() == (width, height));
+        scene.rest();
+        let picture = scene.picture();
+        let ground = picture.get_pixel(2, height / 2).0;
+        assert!(ground.iter().all(|c| *c > 200), "{ground:?} at the edge of {width}x{height}");
+        let line = picture.get_pixel(1, height - 2).0;
+        assert!(line.iter().all(|c| *c < 80), "no status line in {width}x{height}");
+        // It is made in this size, not stretched to it.
+        scene.terminal.type_in(":status\r");
+        scene.terminal.shows(&format!("pixels      {width}x{}:", height - status(1)));
+        if height > 200 {
+            let [left, right, ..] = painted(&picture).expect("a cube");
+            assert!((left + right).abs_diff(width) < width / 16, "{left} to {right} of {width}");
+            assert!(right - left > height / 3, "{left} to {right} of {width}x{height}");
+        }
+        scene.display.keep(&scene.window, &format!("size {width}"));
+        scene.key("F1");
+        until("there is help", || scene.picture() != picture);
+        scene.display.keep(&scene.window, &format!("help {width}"));
+        scene.key("Escape");
+        until("there is no help", || scene.picture() == picture);
+    }
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn letters_are_as_large_as_they_are_asked_to_be() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let scene = Scene::start(&["x^2+y^2+z^2 = 1", "--size", "700x480", "--ui-scale", "2"]);
+    let picture = scene.picture();
+    let dark = |y: u32| picture.get_pixel(1, y).0.iter().all(|c| *c < 80);
+    assert!(dark(480 - status(2) + 1) && !dark(480 - status(2) - 2));
+    scene.changes("large axes", || scene.key("x"));
+    scene.changes("large help", || scene.key("F1"));
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+/// The picture in the README.
+#[test]
+fn the_overlay_is_drawn_around_the_picture() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
+    let plain = scene.rest();
+    let axes = scene.changes("axes", || scene.key("x"));
+    scene.point(400, 260);
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    scene.display.keep(&scene.window, "window");
+    // Lines and labels are dark, and there were no dark pixels on the ground.
+    let dark = |picture: &image::RgbImage| {
+        picture.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
+    };
+    assert!(dark(&axes) > dark(&plain) + 500, "{} and {}", dark(&axes), dark(&plain));
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn a_saved_file_is_seen_at_once() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().join("surface.zset");
+    let save = |text: &str| std::fs::write(&path, text).expect("written");
+    save("domain 2\nmax(abs(x),abs(y),abs(z)) = 1");
+    let name = path.to_str().expect("UTF-8");
+    let scene = Scene::start(&[name, "--size", "400x320"]);
+    let width = |scene: &Scene| {
+        let [left, right, ..] = painted(&scene.rest()).expect("something");
+        right - left
+    };
+    let before = width(&scene);
+    scene.changes("reload", || save("domain 2\nmax(abs(x),abs(y),abs(z)) = 1/2"));
+    let small = width(&scene);
+    assert!(small * 5 < before * 4, "{small} is not smaller than {before}");
+    // A mistake keeps the picture, with a border.
+    save("domain 2\nmax(abs(x)");
+    until("there is a border", || {
+        let [r, _, b] = scene.picture().get_pixel(0, 100).0;
+        r > 180 && b < 80
+    });
+    assert_eq!(width(&scene), small);
+    scene.terminal.shows("surface.zset:2");
+    scene.changes("mended", || save("domain 2\nmax(abs(x),abs(y),abs(z)) = 3/2"));
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+/// Asks a window to close, as a window manager does.
+fn close(scene: &Scene) {
+    use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt, EventMask};
+    let (connection, _) = x11rb::connect(Some(&scene.display.name)).expect("connected");
+    let atom = |name: &str| {
+        let reply = connection.intern_atom(false, name.as_bytes()).expect("asked").reply();
+        reply.expect("answered").atom
+    };
+    let window = scene.window.parse().expect("a number");
+    let data = [atom("WM_DELETE_WINDOW"), x11rb::CURRENT_TIME, 0, 0, 0];
+    let event = ClientMessageEvent::new(32, window, atom("WM_PROTOCOLS"), data);
+    let sent = connection.send_event(false, window, EventMask::NO_EVENT, event).expect("sent");
+    // A round trip: the server may drop what it has not read when the connection closes.
+    sent.check().expect("delivered");
+}
+
+#[test]
+fn closing_the_window_ends_the_program_and_keeps_the_document() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(CUBE);
+    scene.terminal.type_in("z = x^3\r");
+    scene.rest();
+    // A line that has been begun does not keep it from ending.
+    scene.terminal.type_in("x^2+");
+    close(&scene);
+    let place = scene.terminal.place().to_owned();
+    let kept = std::fs::read_to_string(place.join("data/zeroset/last.zset")).expect("kept");
+    assert!(kept.contains("z = x^3"), "{kept}");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn a_terminal_that_goes_away_ends_the_program_and_keeps_history_and_document() {
+    let check = |mut terminal: Terminal| {
+        terminal.type_in("z = x^3\r");
+        terminal.type_in("x^2 +");
+        let left = terminal.hang_up();
+        let read = |name: &str| {
+            std::fs::read_to_string(left.path().join("data/zeroset").join(name)).expect(name)
+        };
+        assert!(read("history").contains("z = x^3") && read("last.zset").contains("z = x^3"));
+    };
+    // With a signal, and without one.
+    if have(&["setsid"]) {
+        println!("with a signal");
+        check(Terminal::controlling(&["--preview", "x+y+z"], None));
+    }
+    println!("without one");
+    check(Terminal::start(&["--preview", "x+y+z"], None));
+    println!("beside a window");
+    if have(PROGRAMS) {
+        let Scene { terminal, display, .. } = Scene::start(CUBE);
+        check(terminal);
+        drop(display);
+    }
+}

@@ -1,0 +1,164 @@
+//! The prompt under a pseudo-terminal without a display: a preview, mistakes, history, clean ends.
+
+use crate::window_support::Terminal;
+
+/// Whether a picture is there that was made of letters.
+fn has_letters(shown: &str) -> bool {
+    // More in a row than sixels write without counting them.
+    ["@@@@@", "%%%%%", "#####", "*****"].iter().any(|row| shown.contains(row))
+}
+
+#[test]
+fn without_a_display_pictures_are_shown_in_the_terminal() {
+    let mut terminal = Terminal::start(&["x^2+y^2+z^2 = 1"], None);
+    terminal.shows("there is no display");
+    terminal.shows("undecided");
+    assert!(has_letters(&terminal.shown()), "no picture");
+    terminal.type_in("x^2+y^2+foo = 1\r");
+    terminal.shows("`foo` is not defined");
+    terminal.type_in(":stauts\r");
+    terminal.shows("did you mean :status?");
+    // An open bracket asks for another line.
+    terminal.type_in("max(abs(x),\rabs(y), abs(z)) = 1\r");
+    terminal.type_in(":status\r");
+    terminal.shows("surface     max(abs(x), abs(y), abs(z)) = 1");
+    terminal.type_in(":save cube.zset\r");
+    terminal.shows("saved 'cube.zset'");
+    terminal.type_in(":help\r");
+    terminal.shows("smoothstep");
+    let place = terminal.place().to_owned();
+    let read = |name: &str| std::fs::read_to_string(place.join(name)).expect(name);
+    assert_eq!(read("cube.zset").replace('\n', " ").trim(), "max(abs(x), abs(y), abs(z)) = 1");
+    assert!(read("data/zeroset/history").contains(":save cube.zset"));
+    assert!(read("data/zeroset/last.zset").contains("abs(z)"));
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn what_is_wrong_is_said_after_a_pause_and_the_line_goes_on() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    terminal.type_in("x + fooo");
+    terminal.shows("`fooo` is not defined");
+    terminal.type_in("\u{7f}\u{7f}\u{7f}\u{7f}y^3\r");
+    terminal.type_in(":list\r");
+    terminal.shows("x + y^3");
+    terminal.type_in("\u{3}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn a_file_is_followed_while_the_prompt_waits() {
+    let mut terminal = Terminal::start(&["--preview", "gyroid"], None);
+    terminal.shows("undecided");
+    let path = terminal.place().join("surface.zset");
+    std::fs::write(&path, "x = 1").expect("written");
+    terminal.type_in(":load surface.zset\r");
+    terminal.type_in(":list\r");
+    terminal.shows("x = 1");
+    std::fs::write(&path, "x = (1").expect("written");
+    terminal.shows("is never closed");
+    terminal.shows("surface.zset:1:5");
+    std::fs::write(&path, "x = 0.75").expect("written");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    terminal.type_in(":list\r");
+    terminal.shows("x = 0.75");
+    terminal.type_in(":q\r");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn terminals_that_take_pixels_get_them() {
+    let terminal = Terminal::start_in("xterm-kitty", &["--preview", "x^2+y^2+z^2 = 1"]);
+    terminal.shows("undecided");
+    let shown = terminal.shown();
+    // 90 columns and 30 rows, of which 4 are spared; no size in pixels is known.
+    assert!(shown.contains("\u{1b}_Ga=T,f=100,q=2,c=90,r=26,"), "no picture");
+    assert!(shown.contains("720x416"), "another size");
+    assert!(!has_letters(&shown), "letters too");
+}
+
+#[cfg(feature = "sixel")]
+#[test]
+fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
+    let mut terminal = Terminal::answering("\u{1b}[?62;4;22c", &["--preview", "x^2+y^2+z^2 = 1"]);
+    terminal.shows("undecided");
+    let mut shown = None;
+    crate::window_support::until("there are sixels", || {
+        shown = crate::window_support::sixel::picture(&terminal.bytes());
+        shown.is_some()
+    });
+    let shown = shown.expect("waited for");
+    terminal.type_in(":png same.png\r");
+    terminal.shows("saved 'same.png'");
+    let file = std::fs::read(terminal.place().join("same.png")).expect("saved");
+    let exact = image::load_from_memory(&file).expect("a picture").to_rgb8();
+    // 90 columns and 26 rows of the characters of a small font.
+    assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
+    // 256 colours: every dot is near, and most are nearer.
+    let apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
+    let worst = apart.iter().copied().max().unwrap_or(0);
+    let mean = apart.iter().map(|apart| f64::from(*apart)).sum::<f64>() / apart.len() as f64;
+    println!("dots differ by up to {worst} of 255, by {mean:.2} in the mean");
+    assert!(worst <= 40 && mean <= 2.0, "{worst} and {mean}");
+    // Nothing of the answer is in the line.
+    terminal.type_in(":list\r");
+    terminal.shows("x^2+y^2+z^2 = 1");
+    let all = terminal.shown();
+    assert!(!all.contains("62;4") && !all.contains("unknown"), "a stray answer");
+    assert!(!has_letters(&all), "letters too");
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn terminals_that_answer_otherwise_or_not_get_characters() {
+    for answer in ["\u{1b}[?6c", "\u{1b}[?64;14;40;22c", ""] {
+        let mut terminal = Terminal::answering(answer, &["--preview", "x^2+y^2+z^2 = 1"]);
+        terminal.shows("undecided");
+        let all = terminal.shown();
+        assert!(has_letters(&all) && !all.contains("\u{1b}P"), "{answer:?}");
+        terminal.type_in(":list\r");
+        terminal.shows("x^2+y^2+z^2 = 1");
+        assert!(!terminal.shown().contains("?6"), "a stray answer");
+        terminal.type_in("\u{4}");
+        assert_eq!(terminal.ends(), 0);
+    }
+}
+
+#[test]
+fn pictures_fit_a_terminal_that_grows_or_shrinks() {
+    let mut terminal = Terminal::start(&["--preview", "x^2+y^2+z^2 = 1"], None);
+    terminal.shows("90x52");
+    for (columns, rows) in [(60, 20), (100, 40)] {
+        terminal.resize(columns, rows);
+        terminal.type_in(":help quit\r");
+        terminal.shows(&format!("{columns}x{} ", 2 * (rows - 4)));
+    }
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn precision_is_chosen_shown_and_kept_in_the_command() {
+    let mut terminal =
+        Terminal::start(&["--preview", "x^2+y^2+z^2 = 1", "--precision", "f64"], None);
+    terminal.shows("knoll 10 f64");
+    terminal.type_in(":tolerance 1e-9\r");
+    terminal.shows("depth 32");
+    terminal.type_in(":png fine.png\r");
+    terminal.shows("--max-depth 32 --precision f64 -o fine.png");
+    terminal.type_in(":precision f32\r");
+    terminal.shows("f32: depth 20 of at most 20");
+    terminal.shows("knoll 20 f32");
+    terminal.type_in(":status\r");
+    terminal.shows("knoll, depth 20, f32");
+    terminal.type_in(":explain\r");
+    terminal.shows("simplified  ");
+    assert!(!terminal.shown().contains("function u0:0"), "code that nobody asked for");
+    terminal.type_in(":explain code\r");
+    terminal.shows("function u0:0");
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}

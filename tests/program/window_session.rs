@@ -1,0 +1,132 @@
+//! A real window on a display that nobody sees: mouse, keys, the edit line, saving, reloading.
+
+use crate::window_support::have;
+use crate::window_support::scene::{CUBE, PROGRAMS, Scene, painted};
+
+#[test]
+fn the_picture_is_centred_and_follows_mouse_and_keys() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let scene = Scene::start(CUBE);
+    scene.display.keep(&scene.window, "start");
+    let [left, right, top, bottom] = painted(&scene.picture()).expect("a cube");
+    assert!((left + right).abs_diff(400) < 24, "not centred: {left} to {right}");
+    assert!(bottom - top > 120 && right - left > 120, "small: {top} to {bottom}");
+    let start = scene.rest();
+    scene.changes("drag", || scene.drag("1", (200, 160), (260, 180)));
+    scene.changes("pan", || scene.drag("3", (200, 160), (240, 140)));
+    scene.changes("wheel", || {
+        scene.display.tool(&["click", "4"]);
+    });
+    scene.changes("arrow", || scene.key("Left"));
+    scene.changes("plus", || scene.key("plus"));
+    scene.changes("fit", || scene.key("f"));
+    assert!(scene.changes("reset", || scene.key("r")) == start, "not as at the start");
+    scene.changes("parallel", || scene.key("p"));
+    assert!(scene.changes("reset again", || scene.key("r")) == start);
+    scene.changes("undecided", || scene.key("u"));
+    assert!(scene.changes("decided", || scene.key("u")) == start);
+    scene.changes("axes", || scene.key("x"));
+    assert!(scene.changes("no axes", || scene.key("x")) == start);
+    scene.changes("help", || scene.key("F1"));
+    assert!(scene.changes("no help", || scene.key("Escape")) == start);
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn a_line_is_typed_corrected_and_entered_in_the_window() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(CUBE);
+    let type_in = |scene: &Scene, text: &str| {
+        scene.display.tool(&["type", "--delay", "30", text]);
+    };
+    let start = scene.rest();
+    scene.key("slash");
+    scene.changes("typing", || type_in(&scene, "z = x^2"));
+    // A mistake keeps the picture; the border and one line tell.
+    type_in(&scene, " + q(");
+    std::thread::sleep(std::time::Duration::from_millis(800));
+    let shown = scene.picture();
+    assert!(shown.get_pixel(0, 100).0[0] > 180 && shown.get_pixel(0, 100).0[2] < 80, "no border");
+    scene.display.keep(&scene.window, "mistake");
+    assert!(scene.changes("closing", || scene.key("Escape")) == start, "not as before");
+    scene.changes("another", || {
+        scene.key("Return");
+        type_in(&scene, "z = x^3");
+    });
+    scene.key("Return");
+    // The window takes the key when it next looks, the prompt at once.
+    scene.rest();
+    scene.terminal.type_in(":list\r");
+    scene.terminal.shows("z = x^3");
+    // Letters are shortcuts again.
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(CUBE);
+    scene.changes("turning", || scene.drag("1", (200, 160), (170, 150)));
+    scene.point(200, 160);
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    scene.display.tool(&["mousedown", "1"]);
+    std::thread::sleep(std::time::Duration::from_millis(60));
+    scene.display.tool(&["mouseup", "1"]);
+    scene.terminal.shows("| zeroset eval");
+    scene.key("s");
+    scene.terminal.shows("-o zeroset-1.png");
+    let shown = scene.terminal.shown().replace("\r\n", "\n");
+    let line = |with: &str| {
+        let found = shown.lines().find(|line| line.contains(with));
+        found.unwrap_or_else(|| panic!("no {with:?} in {shown}")).trim().to_owned()
+    };
+    let program = env!("CARGO_BIN_EXE_zeroset");
+    let shell = |line: &str| {
+        let line = line.replace("| zeroset", &format!("| {program}"));
+        let line = line.replacen("zeroset render", &format!("{program} render"), 1);
+        let run = std::process::Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(scene.terminal.place())
+            .output();
+        let run = run.expect("sh runs");
+        assert!(run.status.success(), "{line}: {}", String::from_utf8_lossy(&run.stderr));
+        String::from_utf8(run.stdout).expect("UTF-8")
+    };
+    let answer: serde_json::Value =
+        serde_json::from_str(&shell(&line("| zeroset eval"))).expect("JSON");
+    let value = format!("f = {}", answer["value"].as_f64().expect("a number") as f32);
+    assert!(shown.contains(&value), "{value} is not in {shown}");
+    let saved = std::fs::read(scene.terminal.place().join("zeroset-1.png")).expect("saved");
+    shell(&line("-o zeroset-1.png").replace("-o zeroset-1.png", "-o again.png"));
+    let again = std::fs::read(scene.terminal.place().join("again.png")).expect("made again");
+    assert!(saved == again, "the command makes another picture");
+    scene.terminal.type_in(":quit\r");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+/// A picture that takes long is waited for on another thread: the window goes on.
+#[test]
+fn saving_a_slow_picture_does_not_hold_the_window() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    // The coarse picture is there within seconds; the fine one would take minutes.
+    let terms = (1..30).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
+    let formula = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));
+    let fine = ["--size", "900x700", "--precision", "f64", "--max-depth", "20", "--domain", "1"];
+    let scene = Scene::start(&[&[formula.as_str()][..], &fine[..]].concat());
+    scene.key("s");
+    scene.changes("help", || scene.key("F1"));
+    scene.changes("no help", || scene.key("Escape"));
+    assert!(!scene.terminal.place().join("zeroset-1.png").exists(), "that was no slow picture");
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}

@@ -1,0 +1,322 @@
+//! A display, a window on it, and a terminal for its prompt: all real, but seen by nobody.
+
+pub mod scene;
+#[cfg(feature = "sixel")]
+pub mod sixel;
+
+use image::RgbImage;
+use rustix::termios::Winsize;
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Longer than anything here takes on a slow machine that does other things as well.
+pub const LIMIT: Duration = Duration::from_mins(1);
+
+/// Whether these programs are there. Under CI they must be; elsewhere a test that needs them is skipped, and says so.
+pub fn have(programs: &[&str]) -> bool {
+    let found = |program: &&str| {
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        std::env::split_paths(&path).any(|place| place.join(program).is_file())
+    };
+    let missing: Vec<_> = programs.iter().filter(|program| !found(program)).collect();
+    if missing.is_empty() {
+        return true;
+    }
+    assert!(std::env::var_os("CI").is_none(), "CI needs {missing:?}");
+    println!("SKIPPED: there is no {missing:?}");
+    false
+}
+
+/// Waits until something holds.
+pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
+    let end = Instant::now() + LIMIT;
+    while !holds() {
+        assert!(Instant::now() < end, "waited in vain until {what}");
+        std::thread::sleep(Duration::from_millis(30));
+    }
+}
+
+/// What a terminal has shown.
+#[derive(Default)]
+struct Log {
+    shown: Vec<u8>,
+    /// Lines that the program has begun to read, and that it has read.
+    begun: usize,
+    ended: usize,
+}
+
+impl Log {
+    /// Bracketed paste is on while a line is read.
+    const BEGIN: &[u8] = b"\x1b[?2004h";
+    const END: &[u8] = b"\x1b[?2004l";
+
+    fn add(&mut self, part: &[u8]) {
+        // What tells of a line may come in two parts.
+        let start = self.shown.len().saturating_sub(Self::BEGIN.len() - 1);
+        self.shown.extend_from_slice(part);
+        let count = |what: &[u8]| {
+            self.shown[start..].windows(what.len()).filter(|window| *window == what).count()
+        };
+        let (begun, ended) = (count(Self::BEGIN), count(Self::END));
+        self.begun += begun;
+        self.ended += ended;
+    }
+}
+
+/// The program under a pseudo-terminal, in a directory of its own.
+pub struct Terminal {
+    child: Child,
+    master: File,
+    log: Arc<Mutex<Log>>,
+    directory: tempfile::TempDir,
+    /// Ends the thread that reads, and with it the terminal's last user.
+    closed: Arc<AtomicBool>,
+}
+
+impl Terminal {
+    /// Starts `zeroset` with these arguments, on this display or on none.
+    pub fn start(arguments: &[&str], display: Option<&str>) -> Self {
+        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None)
+    }
+
+    /// The same, with the terminal as the one that controls the program: its end is a signal.
+    pub fn controlling(arguments: &[&str], display: Option<&str>) -> Self {
+        let mut command = Command::new("setsid");
+        command.args(["--ctty", env!("CARGO_BIN_EXE_zeroset")]);
+        Self::of(command, arguments, display, None)
+    }
+
+    /// The same without a display, in a terminal of this kind.
+    pub fn start_in(kind: &str, arguments: &[&str]) -> Self {
+        let mut command = Command::new("env");
+        command.arg(format!("TERM={kind}")).arg(env!("CARGO_BIN_EXE_zeroset"));
+        Self::of(command, arguments, None, None)
+    }
+
+    /// The same without a display, in a terminal that answers so when it is asked for its device attributes.
+    pub fn answering(answer: &'static str, arguments: &[&str]) -> Self {
+        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, None, Some(answer))
+    }
+
+    fn of(
+        mut command: Command,
+        arguments: &[&str],
+        display: Option<&str>,
+        mut answer: Option<&'static str>,
+    ) -> Self {
+        use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+        let directory = tempfile::tempdir().expect("a directory");
+        // A program that inherits the terminal's other end would keep it open.
+        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
+        let master = openpt(flags).expect("a terminal");
+        grantpt(&master).expect("granted");
+        unlockpt(&master).expect("unlocked");
+        let name = ptsname(&master, Vec::new()).expect("a name").into_string().expect("UTF-8");
+        let size = Winsize { ws_row: 30, ws_col: 90, ws_xpixel: 0, ws_ypixel: 0 };
+        let slave = File::options().read(true).write(true).open(name).expect("opened");
+        rustix::termios::tcsetwinsize(&slave, size).expect("sized");
+        let stdio = || Stdio::from(slave.try_clone().expect("cloned"));
+        command
+            .args(arguments)
+            .current_dir(directory.path())
+            .env("XDG_DATA_HOME", directory.path().join("data"))
+            .env("TERM", "xterm")
+            .env("NO_COLOR", "1")
+            .env_remove("DISPLAY")
+            .env_remove("KITTY_WINDOW_ID")
+            .env_remove("TERM_PROGRAM")
+            .env_remove("TMUX")
+            .stdin(stdio())
+            .stdout(stdio())
+            .stderr(stdio());
+        if let Some(display) = display {
+            command.env("DISPLAY", display);
+        }
+        let child = command.spawn().expect("the program starts");
+        let log = Arc::new(Mutex::new(Log::default()));
+        let master = File::from(master);
+        let (mut output, reader) = (master.try_clone().expect("cloned"), Arc::clone(&log));
+        let mut input = master.try_clone().expect("cloned");
+        let closed = Arc::new(AtomicBool::new(false));
+        let stop = Arc::clone(&closed);
+        std::thread::spawn(move || {
+            use rustix::event::{PollFd, PollFlags, Timespec, poll};
+            let mut part = [0; 4096];
+            let pause = Timespec { tv_sec: 0, tv_nsec: 20_000_000 };
+            while !stop.load(Ordering::Relaxed) {
+                match poll(&mut [PollFd::new(&output, PollFlags::IN)], Some(&pause)) {
+                    Ok(0) | Err(_) => continue,
+                    Ok(_) => {}
+                }
+                // At the program's end the terminal can no longer be read.
+                let Ok(length @ 1..) = output.read(&mut part) else { break };
+                let mut log = reader.lock().expect("whole");
+                log.add(&part[..length]);
+                if answer.is_some() && log.shown.windows(3).any(|letters| letters == b"\x1b[c") {
+                    let answer = answer.take().unwrap_or_default();
+                    input.write_all(answer.as_bytes()).expect("answered");
+                }
+            }
+        });
+        Self { child, master, log, directory, closed }
+    }
+
+    pub fn place(&self) -> &Path {
+        self.directory.path()
+    }
+
+    /// Everything that the terminal has shown.
+    pub fn shown(&self) -> String {
+        String::from_utf8_lossy(&self.log.lock().expect("whole").shown).into_owned()
+    }
+
+    /// Gives the terminal another size.
+    pub fn resize(&self, columns: u16, rows: u16) {
+        let size = Winsize { ws_row: rows, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
+        rustix::termios::tcsetwinsize(&self.master, size).expect("sized");
+    }
+
+    /// Everything that the terminal has shown, as it came.
+    #[cfg(feature = "sixel")]
+    pub fn bytes(&self) -> Vec<u8> {
+        self.log.lock().expect("whole").shown.clone()
+    }
+
+    /// Types once a line is being read: what is typed earlier is dropped. After a line's end, waits until it was read.
+    pub fn type_in(&mut self, text: &str) {
+        let lines = || {
+            let log = self.log.lock().expect("whole");
+            (log.begun, log.ended)
+        };
+        until("a line is read", || lines().0 > lines().1);
+        let ended = lines().1;
+        self.master.write_all(text.as_bytes()).expect("typed");
+        if text.ends_with('\r') {
+            let lines = || self.log.lock().expect("whole").ended;
+            until("the line is read", || lines() > ended);
+        }
+    }
+
+    /// Resident memory of the program in kilobytes, where the system tells.
+    pub fn resident(&self) -> Option<u64> {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+        line.trim().trim_end_matches("kB").trim().parse().ok()
+    }
+
+    /// Waits until the terminal shows a text.
+    pub fn shows(&self, text: &str) {
+        until(&format!("the terminal shows {text:?}; it shows:\n{}", self.shown()), || {
+            self.shown().contains(text)
+        });
+    }
+
+    /// Waits for the end and returns the exit code.
+    pub fn ends(mut self) -> i32 {
+        self.end().code().expect("a code")
+    }
+
+    fn end(&mut self) -> ExitStatus {
+        let mut status = None;
+        until("the program ends", || {
+            status = self.child.try_wait().expect("waited for");
+            status.is_some()
+        });
+        status.expect("one")
+    }
+
+    /// Closes the terminal as if somebody shut its window, waits for the program's end, and returns what it has left.
+    pub fn hang_up(mut self) -> tempfile::TempDir {
+        self.closed.store(true, Ordering::Relaxed);
+        self.master = File::open("/dev/null").expect("there is one");
+        self.end();
+        std::mem::replace(&mut self.directory, tempfile::tempdir().expect("a directory"))
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A display that is seen by nobody.
+pub struct Display {
+    server: Child,
+    pub name: String,
+}
+
+impl Display {
+    pub fn start() -> Self {
+        // A server that is not told otherwise starts afresh when its last client leaves, and a program that connects at
+        // that moment is thrown out: xdotool comes and goes while the window is waited for.
+        let mut server = Command::new("Xvfb")
+            .args([
+                "-noreset",
+                "-displayfd",
+                "1",
+                "-screen",
+                "0",
+                "1000x800x24",
+                "-nolisten",
+                "tcp",
+            ])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts");
+        let mut number = String::new();
+        let output = server.stdout.take().expect("piped");
+        BufReader::new(output).read_line(&mut number).expect("a display number");
+        Self { server, name: format!(":{}", number.trim()) }
+    }
+
+    /// Runs xdotool, and returns what it says.
+    pub fn tool(&self, arguments: &[&str]) -> String {
+        let run = Command::new("xdotool").env("DISPLAY", &self.name).args(arguments).output();
+        String::from_utf8_lossy(&run.expect("xdotool runs").stdout).trim().to_owned()
+    }
+
+    /// Waits for the window and returns its number.
+    pub fn window(&self) -> String {
+        let mut window = String::new();
+        until("the window is there", || {
+            window = self.tool(&["search", "--name", "^zeroset$"]);
+            !window.is_empty()
+        });
+        // Without a window manager, keys go to where the pointer is.
+        window.lines().next().unwrap_or_default().to_owned()
+    }
+
+    /// What a window shows.
+    pub fn picture(&self, window: &str) -> RgbImage {
+        let run = Command::new("import")
+            .env("DISPLAY", &self.name)
+            .args(["-window", window, "png:-"].map(OsStr::new))
+            .output()
+            .expect("import runs");
+        image::load_from_memory(&run.stdout).expect("a picture").to_rgb8()
+    }
+
+    /// Saves a screenshot where `ZEROSET_SCREENSHOTS` says, for people to look at.
+    pub fn keep(&self, window: &str, name: &str) {
+        if let Some(place) = std::env::var_os("ZEROSET_SCREENSHOTS") {
+            let path = PathBuf::from(place).join(format!("{name}.png"));
+            self.picture(window).save(path).expect("saved");
+        }
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
