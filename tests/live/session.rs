@@ -196,7 +196,7 @@ fn commands_are_answered() {
         (":halp", "did you mean :help?"),
         (":help qqqqqq", "no function or command named 'qqqqqq'"),
         (":help sinn", "did you mean sin?"),
-        (":method march", "there is: knoll"),
+        (":method march", "no method named 'march'; there is knoll"),
         (":domain 1,0,1,2,1,2", "is empty"),
         (":set x = 1", "x"),
         (":add 2 +", "missing"),

@@ -377,7 +377,7 @@ fn shadows_central_normals_and_parallel_rays() {
 }
 
 #[test]
-fn every_packet_width_and_thread_count_gives_the_same_claim() {
+fn every_thread_count_gives_the_same_claim() {
     let place = Place::new();
     let status = |arguments: &[&str]| {
         let fixed = ["render", "tangle", "--size", "33x31", "--status", "s.npy"];
@@ -386,9 +386,6 @@ fn every_packet_width_and_thread_count_gives_the_same_claim() {
     };
     let one = status(&["--threads", "1"]);
     assert_eq!(one, status(&["--threads", "3"]));
-    let wide = status(&["--packet", "16"]);
-    let differing = one.iter().zip(&wide).filter(|(a, b)| a != b).count();
-    assert!(differing < one.len() / 20, "{differing} pixels differ");
 }
 
 #[test]
@@ -398,7 +395,9 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     for part in [
         "read as     2*x*sin(y) = z^2",
         "simplified",
-        "forms       intervals of the function\n",
+        "kernel      zeros of the function, f32, ",
+        "bytes, to find the surface\n",
+        "bytes, for normals\n",
         "operations",
         "bytes",
     ] {
@@ -410,7 +409,9 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     let code = run.text().find("function u0:0").expect("the code");
     assert!(run.text().find("nodes ").expect("the nodes") < code, "{}", run.text());
     let run = place.run(&["explain", "1/x + floor(y) = z"]).ok();
-    assert!(run.text().contains("cleared form") && run.text().contains("branches"));
+    for part in ["cleared     ", "zeros of the numerator", "zeros of the branches"] {
+        assert!(run.text().contains(part), "{part} is not in {}", run.text());
+    }
     // Notes on the reading are part of the explanation.
     assert!(place.run(&["explain", "1/2x+y+z"]).ok().text().contains("the other reading"));
     // The code shown is that of the precision asked for.

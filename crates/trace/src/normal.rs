@@ -66,7 +66,7 @@ pub fn normals<T: Real>(
     let mut pixels = pixels.into_iter();
     for (normals, part) in found {
         work += part;
-        for (pixel, normal) in pixels.by_ref().zip(normals) {
+        for (normal, pixel) in normals.into_iter().zip(pixels.by_ref()) {
             buffer.normal[pixel] = normal;
         }
     }
