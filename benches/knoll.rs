@@ -9,32 +9,30 @@ use glam::DVec3;
 use rival::{Comparison, Rival, SURFACES, barth, compare, mitchell, sphere};
 use std::hint::black_box;
 use zeroset::program::Program;
-use zeroset_eval::IntervalKernel;
+use zeroset_eval::Surface;
 use zeroset_interval::Interval;
-use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, GBuffer, Knoll, Projection, RayGrid, Region, StandardView};
+use zeroset_syntax::read;
+use zeroset_trace::{
+    Camera, Driver, Method, Options, Precision, Projection, RayGrid, Region, StandardView,
+};
 
 const SIZE: usize = 512;
 const ROUNDS: usize = 41;
 
-fn time<R: IntervalKernel>(
-    native: &zeroset_jit::NativeInterval,
-    rival: &R,
-    frame: &RayGrid,
-    region: &Region,
-) -> (Comparison, GBuffer) {
-    let knoll = Knoll::default();
-    let (a, work) = knoll.trace(frame, region, native, &|_| true);
-    let (b, _) = knoll.trace(frame, region, rival, &|_| true);
+fn time(native: &dyn Surface, rival: &dyn Surface, rays: &RayGrid, region: &Region) -> Comparison {
+    let options = Options { precision: Precision::F32, depth: 10, suppress_asymptotes: true };
+    let [native, rival] =
+        [native, rival].map(|surface| knoll().prepare(surface, region, options).expect("kernels"));
+    let trace = |tracer| Driver { rays, tracer, advance: &|_| true }.picture();
+    let ((a, work), (b, _)) = (trace(&*native), trace(&*rival));
     let differ = a.drawn.iter().zip(&b.drawn).filter(|(a, b)| a.is_finite() != b.is_finite());
     assert!(differ.count() < SIZE * SIZE / 1000, "the same picture but for rounding");
-    println!("{:>46} packet evaluations", work.interval_calls);
-    let result = compare(
-        ROUNDS,
-        || drop(black_box(knoll.trace(frame, region, native, &|_| true))),
-        || drop(black_box(knoll.trace(frame, region, rival, &|_| true))),
-    );
-    (result, a)
+    println!("{:>46} packet evaluations", work.interval.calls);
+    compare(ROUNDS, || drop(black_box(trace(&*native))), || drop(black_box(trace(&*rival))))
+}
+
+fn knoll() -> &'static Method {
+    Method::named("knoll").expect("a row of the table")
 }
 
 fn main() {
@@ -42,19 +40,19 @@ fn main() {
     println!("{:24}{:>12}{:>12}{:>8}   quartiles", "", "native", "rival", "ratio");
     println!("{:24}{:>12}{:>12}", "", "ms", "ms");
     for (name, formula, half) in SURFACES {
-        let document = read(formula, &Options::default()).expect(name);
+        let document = read(formula, &zeroset_syntax::Options::default()).expect(name);
         let domain = [Interval { lo: -half, hi: half }; 3];
         let program = Program::new(&document, domain).expect(name);
-        let native = program.interval_kernel(0).expect(name);
         let region = Region::new(DVec3::splat(-half), DVec3::splat(half)).expect(name);
         let (offset, up) = StandardView::Iso.offset_and_up();
         let projection = Projection::Perspective { fov: StandardView::FOV };
         let camera = Camera::new(offset * half, DVec3::ZERO, up, projection).expect(name);
-        let frame = camera.rays(SIZE, SIZE);
-        let (result, _) = match name {
-            "sphere" => time(&native, &Rival(sphere), &frame, &region),
-            "mitchell" => time(&native, &Rival(mitchell), &frame, &region),
-            _ => time(&native, &Rival(barth), &frame, &region),
+        let rays = camera.rays(SIZE, SIZE);
+        let native = program.surface(0);
+        let result = match name {
+            "sphere" => time(native, &Rival(sphere), &rays, &region),
+            "mitchell" => time(native, &Rival(mitchell), &rays, &region),
+            _ => time(native, &Rival(barth), &rays, &region),
         };
         println!(
             "{:24}{:12.3}{:12.3}{:8.3}   {:.3} to {:.3}",

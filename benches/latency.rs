@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 use zeroset::gallery::{Example, examples};
-use zeroset::program::Program;
+use zeroset::program::{Form, Program};
 use zeroset::scene::{self, DomainChoice};
-use zeroset_eval::Real;
-use zeroset_jit::{NativeGradient, NativeInterval};
+use zeroset_eval::{Enclose, KernelFloat, SampleGradient};
+use zeroset_jit::Compiled;
 use zeroset_syntax::{Document, Options, read};
 
 const WARM_UP: usize = 2;
@@ -35,21 +35,24 @@ fn program(document: &Document) -> Program {
 }
 
 /// All that stands between a text and the first question a traverser asks.
-fn first<T: Real>(example: &Example) -> NativeInterval<T> {
-    program(&document(example)).interval_kernel(0).expect(example.slug)
+fn first<T: KernelFloat>(example: &Example) -> Program {
+    let program = program(&document(example));
+    program.kernels::<T>(0).bounds().expect(example.slug);
+    program
 }
 
 /// All kernels that a picture with normals uses, compiled side by side as a picture does.
-fn all<T: Real>(example: &Example) -> usize {
+fn all<T: KernelFloat>(example: &Example) -> usize {
     let document = document(example);
     let program = program(&document);
-    let kernels = (0..document.surfaces.len()).into_par_iter().map(|surface| {
+    (0..document.surfaces.len()).into_par_iter().for_each(|surface| {
+        let kernels = program.kernels::<T>(surface);
         rayon::join(
-            || program.zero_kernel::<T>(surface).expect(example.slug),
-            || program.gradient_kernel::<T>(surface).expect(example.slug),
-        )
+            || _ = kernels.zeros().expect(example.slug),
+            || _ = kernels.gradients().expect(example.slug),
+        );
     });
-    kernels.collect::<Vec<_>>().len()
+    program.made().len()
 }
 
 /// The time that `run` takes; its result is dropped outside of it.
@@ -60,21 +63,22 @@ fn time<T>(run: impl FnOnce() -> T) -> (T, Duration) {
 }
 
 /// One round of one surface; the stages run one after the other, on one thread.
-fn round<T: Real>(example: &Example) -> [Duration; NAMES.len()] {
+fn round<T: KernelFloat>(example: &Example) -> [Duration; NAMES.len()] {
     let (_, first) = time(|| first::<T>(example));
     let (_, all) = time(|| all::<T>(example));
     let (document, parse) = time(|| document(example));
     let (program, simplify) = time(|| program(&document));
-    let (routine, tape) = time(|| program.routine::<T>(0));
-    let (kernel, code) = time(|| NativeInterval::compile(&routine.tape, &routine.binding));
+    let tape = |form| program.tape::<T>(0, form).expect(example.slug).expect("every surface's");
+    let (function, function_tape) = time(|| tape(Form::Function));
+    let (kernel, code) = time(|| Compiled::<Enclose, T>::new(function));
     kernel.expect(example.slug);
-    // The zero kernel compiles the function again; what the poles cost is the difference.
-    let (kernel, zeros) = time(|| program.zero_kernel::<T>(0));
+    // The zero test compiles the function again; what the poles cost is the difference.
+    let zeros = time(|| _ = program.kernels::<T>(0).zeros().expect(example.slug)).1;
+    let poles = zeros.saturating_sub(function_tape + code);
+    let (derivatives, gradient_tape) = time(|| tape(Form::Gradient));
+    let (kernel, gradient_code) = time(|| Compiled::<SampleGradient, T>::new(derivatives));
     kernel.expect(example.slug);
-    let poles = zeros.saturating_sub(tape + code);
-    let (routine, gradient_tape) = time(|| program.gradient_routine::<T>(0).expect(example.slug));
-    let (kernel, gradient_code) = time(|| NativeGradient::compile(&routine.tape, &routine.binding));
-    kernel.expect(example.slug);
+    let tape = function_tape;
     [first, all, parse, simplify, tape, code, poles, gradient_tape, gradient_code]
 }
 
@@ -96,7 +100,7 @@ fn main() {
 }
 
 /// Measures all surfaces and prints a table.
-fn report<T: Real>(examples: &[Example]) {
+fn report<T: KernelFloat>(examples: &[Example]) {
     for _ in 0..WARM_UP {
         for example in examples {
             round::<T>(example);

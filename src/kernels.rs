@@ -3,7 +3,7 @@
 //! What is simplified and which values parameters have is said by [`Program`](crate::program::Program); what kernels are
 //! asked about is not known here.
 
-use crate::program::{Form, ProgramError, Simplified};
+use crate::simplified::{Form, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -95,20 +95,20 @@ impl Ledger {
     fn add(&self, made: Made) -> Result<(), ProgramError> {
         let bytes = made.bytes + self.bytes.fetch_add(made.bytes, Ordering::Relaxed);
         self.made.lock().unwrap_or_else(PoisonError::into_inner).push(made);
-        self.check(bytes)
-    }
-
-    fn check(&self, bytes: usize) -> Result<(), ProgramError> {
-        if bytes > CODE_BYTES {
-            return Err(ProgramError::TooMuchCode { limit: CODE_BYTES });
-        }
-        Ok(())
+        within_limit(bytes)
     }
 
     /// An error once all code together is too long.
     fn is_open(&self) -> Result<(), ProgramError> {
-        self.check(self.bytes.load(Ordering::Relaxed))
+        within_limit(self.bytes.load(Ordering::Relaxed))
     }
+}
+
+fn within_limit(bytes: usize) -> Result<(), ProgramError> {
+    if bytes > CODE_BYTES {
+        return Err(ProgramError::TooMuchCode { limit: CODE_BYTES });
+    }
+    Ok(())
 }
 
 /// Code before values are bound, and how values are.
@@ -126,7 +126,7 @@ enum Steps<Q: Question, T: Real> {
 ///
 /// The first place is for code in which what depends on parameters alone is computed beforehand, the other for values with
 /// which that has no value.
-struct Slot<Q: Question, T: Real>([OnceLock<Result<Option<Code<Q, T>>, KernelError>>; 2]);
+struct Slot<Q: Question, T: Real>([Once<Option<Code<Q, T>>>; 2]);
 
 impl<Q: Question, T: Real> Default for Slot<Q, T> {
     fn default() -> Self {
@@ -170,6 +170,7 @@ struct Bindings<T: Real> {
 #[derive(Clone)]
 struct Source {
     simplified: Arc<Simplified>,
+    ledger: Arc<Ledger>,
     surface: usize,
     evaluator: Evaluator,
     values: Arc<[Interval]>,
@@ -184,12 +185,13 @@ pub(crate) struct BoundSurface {
 impl BoundSurface {
     pub fn new(
         simplified: &Arc<Simplified>,
+        ledger: &Arc<Ledger>,
         surface: usize,
         evaluator: Evaluator,
         values: &Arc<[Interval]>,
     ) -> Self {
-        let (simplified, values) = (Arc::clone(simplified), Arc::clone(values));
-        let source = Source { simplified, surface, evaluator, values };
+        let (simplified, ledger) = (Arc::clone(simplified), Arc::clone(ledger));
+        let source = Source { simplified, ledger, surface, evaluator, values: Arc::clone(values) };
         Self {
             single: Bindings::new(source.clone(), Arc::default()),
             double: Bindings::new(source, Arc::default()),
@@ -260,10 +262,10 @@ impl Source {
         form: Form,
         steps: Result<Option<(Tape<T>, Uniforms)>, ProgramError>,
     ) -> Result<Option<Code<Q, T>>, ProgramError> {
-        let Self { simplified, surface, evaluator, .. } = self;
+        let Self { ledger, surface, evaluator, .. } = self;
         let Some((tape, uniforms)) = steps? else { return Ok(None) };
         // Others may have used up what there is.
-        simplified.ledger.is_open()?;
+        ledger.is_open()?;
         let (steps, bytes) = match evaluator {
             Evaluator::Native => {
                 let compiled = Compiled::new(tape)?;
@@ -273,7 +275,7 @@ impl Source {
             Evaluator::Reference => (Steps::Reference(tape), 0),
         };
         let made = Made { surface: *surface, question: Q::NAME, form, format: T::FORMAT, bytes };
-        simplified.ledger.add(made)?;
+        ledger.add(made)?;
         Ok(Some(Code { steps, uniforms }))
     }
 }

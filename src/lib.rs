@@ -1,7 +1,8 @@
 //! From a typed equation to a picture of its zero set, with a proof for every pixel.
 //!
 //! ```
-//! use zeroset::picture::{Settings, render};
+//! use zeroset::model::render;
+//! use zeroset::picture::Settings;
 //! use zeroset::scene::{self, CameraChoice, DomainChoice};
 //!
 //! let document = zeroset_syntax::read("x^2+y^2+z^2 = 1", &Default::default())?;
@@ -26,4 +27,5 @@ pub mod names;
 pub mod picture;
 pub mod program;
 pub mod scene;
+pub mod simplified;
 pub mod uniforms;

@@ -5,8 +5,9 @@ use crate::program::{Program, ProgramError};
 use crate::scene;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-use zeroset_eval::{Boxes, Points, Real, Surface};
+use zeroset_eval::{Boxes, KernelFloat, Points, Surface};
 use zeroset_interval::Interval;
 use zeroset_syntax::{Document, SrgbColor, SurfaceKind};
 use zeroset_trace::{
@@ -133,7 +134,7 @@ impl Model {
 
     /// Whether the function of some surface cannot be told from 0 at any of some points strewn over the region: then either
     /// it is 0 everywhere, or far too small for its own rounding.
-    fn is_flat<T: Real>(&self) -> Result<bool, ProgramError> {
+    fn is_flat<T: KernelFloat>(&self) -> Result<bool, ProgramError> {
         let (low, high) = (self.region.low(), self.region.high());
         let points = (1..=FLAT_POINTS).map(|n| {
             let place = (FLAT_STEPS * n as f64).fract();
@@ -171,7 +172,7 @@ impl Model {
         }
     }
 
-    fn trace_in<T: Real>(
+    fn trace_in<T: KernelFloat>(
         &self,
         camera: &Camera,
         settings: &Settings,
@@ -190,7 +191,7 @@ impl Model {
             // At a pole a surface has no point, but a solid may have a face.
             let suppress_asymptotes = self.styles[surface].kind == SurfaceKind::Equation;
             let options = Options { precision: settings.precision, depth, suppress_asymptotes };
-            settings.method.prepare(self.program.surface(surface), region, &options)
+            settings.method.prepare(self.program.surface(surface), region, options)
         };
         let mut buffer = GBuffer::new(settings.width, settings.height, 0);
         for (index, style) in self.styles.iter().enumerate() {
@@ -266,7 +267,7 @@ impl Model {
 }
 
 /// Makes the kernels that a picture needs, all at once; returns whether they were wanted to the end.
-fn make_kernels<T: Real>(
+fn make_kernels<T: KernelFloat>(
     program: &Program,
     document: &Document,
     normals: Option<Normals>,
@@ -292,7 +293,7 @@ fn make_kernels<T: Real>(
     Ok(wanted())
 }
 
-fn sample<T: Real>(surface: &dyn Surface, point: DVec3) -> Option<(f64, [f64; 3])> {
+fn sample<T: KernelFloat>(surface: &dyn Surface, point: DVec3) -> Option<(f64, [f64; 3])> {
     let out = T::kernels(surface).gradients().ok()?.ask_all(&Points::near(&[point.to_array()]));
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
@@ -301,6 +302,31 @@ fn styles(document: &Document) -> Vec<Style> {
     let style =
         |surface: &zeroset_syntax::Surface| Style { kind: surface.kind, color: surface.color };
     document.surfaces.iter().map(style).collect()
+}
+
+/// Told how many of how many pixels are done, from several threads.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// Renders all surfaces of `document` in `region` as seen by `camera`.
+///
+/// # Errors
+/// If a formula is constant or defined nowhere, or too large to compile.
+pub fn render(
+    document: &Document,
+    region: &Region,
+    camera: &Camera,
+    settings: &Settings,
+    progress: Progress<'_>,
+) -> Result<Picture, ProgramError> {
+    let model = Model::new(document, region, settings.normals, settings.precision)?;
+    let pixels = settings.width * settings.height * document.surfaces.len();
+    let done = AtomicUsize::new(0);
+    let advance = |pixels_done: usize| {
+        let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
+        progress(done, pixels);
+        true
+    };
+    model.trace(camera, settings, &advance)
 }
 
 /// At so many points a function is looked at to see whether it is 0 everywhere.

@@ -1,15 +1,9 @@
 //! From a document to a picture: simplify, compile, trace, shade, and account for all of it.
 
 use crate::kernels::Made;
-use crate::model::Model;
-use crate::program::ProgramError;
 use glam::DVec3;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use zeroset_syntax::Document;
-use zeroset_trace::{
-    Camera, GBuffer, LinearRgb, Method, PixelCounts, Region, UndecidedStyle, Work,
-};
+use zeroset_trace::{GBuffer, LinearRgb, Method, PixelCounts, UndecidedStyle, Work};
 
 pub use zeroset_trace::Precision;
 
@@ -116,29 +110,4 @@ pub struct Times {
     pub trace: Duration,
     /// Distances to normals and colours.
     pub shade: Duration,
-}
-
-/// Told how many of how many pixels are done, from several threads.
-pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
-
-/// Renders all surfaces of `document` in `region` as seen by `camera`.
-///
-/// # Errors
-/// If a formula is constant or defined nowhere, or too large to compile.
-pub fn render(
-    document: &Document,
-    region: &Region,
-    camera: &Camera,
-    settings: &Settings,
-    progress: Progress<'_>,
-) -> Result<Picture, ProgramError> {
-    let model = Model::new(document, region, settings.normals, settings.precision)?;
-    let pixels = settings.width * settings.height * document.surfaces.len();
-    let done = AtomicUsize::new(0);
-    let advance = |pixels_done: usize| {
-        let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
-        progress(done, pixels);
-        true
-    };
-    model.trace(camera, settings, &advance)
 }

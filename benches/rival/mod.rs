@@ -4,7 +4,9 @@
 
 use glam::Vec4;
 use std::time::Instant;
-use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, LANES};
+use zeroset_eval::{
+    Asked, Boxes, Enclose, Enclosures, FindZeros, Kernel, Kernels, LANES, Surface, Zeros,
+};
 
 /// Four intervals as (−lo, hi).
 #[derive(Clone, Copy)]
@@ -72,7 +74,31 @@ impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<Enclose> for Rival<F> {
             value.neg_lo.write_to_slice(&mut answers.neg_lo[lane..lane + 4]);
             value.hi.write_to_slice(&mut answers.hi[lane..lane + 4]);
         }
-        (answers.nowhere, answers.defined, answers.continuous) = (0, u32::MAX, u32::MAX);
+        (answers.nowhere, answers.defined, answers.continuous) = (0, u16::MAX, u16::MAX);
+    }
+}
+
+impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<FindZeros> for Rival<F> {
+    #[inline]
+    fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
+        *zeros = Zeros::default();
+        for lane in (0..LANES).step_by(4).take_while(|lane| *lane < boxes.count as usize) {
+            let value = self.0([0, 1, 2].map(|axis| Four::load(boxes, axis, lane)));
+            let holds = value.neg_lo.min(value.hi).cmpge(Vec4::ZERO);
+            zeros.possible |= (holds.bitmask() as u16) << lane;
+        }
+    }
+}
+
+impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernels<f32> for Rival<F> {
+    fn zeros(&self) -> Asked<'_, FindZeros, f32> {
+        Ok(self)
+    }
+}
+
+impl<F: Fn([Four; 3]) -> Four + Send + Sync> Surface for Rival<F> {
+    fn single(&self) -> &dyn Kernels<f32> {
+        self
     }
 }
 

@@ -16,7 +16,7 @@ use zeroset::kernels::Evaluator;
 use zeroset::names::Named;
 use zeroset::picture::Precision;
 use zeroset::program::Program;
-use zeroset_eval::{Boxes, Enclose, Kernel, KernelError, Points, Real, SampleGradient};
+use zeroset_eval::{Boxes, Enclose, Kernel, KernelError, KernelFloat, Points, SampleGradient};
 use zeroset_interval::{Facts, Interval};
 use zeroset_syntax::Options;
 
@@ -163,7 +163,7 @@ impl Functions {
     }
 }
 
-fn answer<T: Real>(program: &Program, place: &Place) -> Result<Value, KernelError> {
+fn answer<T: KernelFloat>(program: &Program, place: &Place) -> Result<Value, KernelError> {
     let kernels = program.kernels::<T>(0);
     let bounds = kernels.bounds()?;
     Ok(match place {
@@ -187,7 +187,7 @@ fn interval(value: &Value) -> Result<Interval, String> {
     Interval::new(ends.0, ends.1).ok_or_else(|| format!("{} to {} is not a range", ends.0, ends.1))
 }
 
-fn sample<T: Real>(
+fn sample<T: KernelFloat>(
     gradient: &dyn Kernel<SampleGradient, T>,
     bounds: &dyn Kernel<Enclose, T>,
     point: [f64; 3],
@@ -210,7 +210,7 @@ fn sample<T: Real>(
     })
 }
 
-fn enclose<T: Real>(kernel: &dyn Kernel<Enclose, T>, bounds: [Interval; 3]) -> Value {
+fn enclose<T: KernelFloat>(kernel: &dyn Kernel<Enclose, T>, bounds: [Interval; 3]) -> Value {
     let (bounds, facts) = bounds_and_facts(kernel, bounds);
     json!({
         "lo": number::write(bounds.lo),
@@ -221,7 +221,7 @@ fn enclose<T: Real>(kernel: &dyn Kernel<Enclose, T>, bounds: [Interval; 3]) -> V
     })
 }
 
-fn bounds_and_facts<T: Real>(
+fn bounds_and_facts<T: KernelFloat>(
     kernel: &dyn Kernel<Enclose, T>,
     bounds: [Interval; 3],
 ) -> (Interval, Facts) {

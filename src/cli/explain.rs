@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use zeroset::picture::Precision;
 use zeroset::program::{Cleared, Form, Program};
 use zeroset::scene;
-use zeroset_eval::{FindZeros, Real, Step, Tape};
+use zeroset_eval::{FindZeros, KernelFloat, Real, Step, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::{NodeId, display};
 use zeroset_jit::intermediate_code;
@@ -32,7 +32,7 @@ pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
 ///
 /// # Errors
 /// If no code can be made.
-pub fn explain<T: Real>(subject: &Subject, with_code: bool) -> Result<String> {
+pub fn explain<T: KernelFloat>(subject: &Subject, with_code: bool) -> Result<String> {
     let document = &subject.document;
     let mut text = String::new();
     for note in &document.notes {
@@ -97,7 +97,7 @@ fn range(bounds: Interval) -> String {
 }
 
 /// How many of each operation: `7: 3 sqr, 2 +, 2 *`.
-fn operations<T: Real>(tape: &Tape<T>) -> String {
+fn operations<T: KernelFloat>(tape: &Tape<T>) -> String {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for step in tape.steps() {
         if let Step::Apply(op, _) = step {

@@ -69,7 +69,7 @@ fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {
         .map_err(|errors| anyhow!("{errors}"))?;
     let (region, _) = scene::region(&document, DomainChoice::Document, None)?;
     let camera = scene::camera(&document, &region, &CameraChoice::default())?;
-    let picture = picture::render(&document, &region, &camera, settings, &|_, _| {})?;
+    let picture = zeroset::model::render(&document, &region, &camera, settings, &|_, _| {})?;
     RgbImage::from_raw(settings.width as u32, settings.height as u32, picture.rgb)
         .context("a picture of the wrong size")
 }

@@ -36,7 +36,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let camera = scene::camera(document, &region, &choice)?;
         let pixels = settings.width * settings.height * document.surfaces.len();
         let bar = Progress::new(pixels as u64, "tracing");
-        let picture = picture::render(document, &region, &camera, &settings, &|done, _| {
+        let picture = zeroset::model::render(document, &region, &camera, &settings, &|done, _| {
             bar.reach(done as u64);
         })?;
         Ok((region, searched, camera, picture))

@@ -121,6 +121,7 @@ fn given(text: &str) -> Option<String> {
 }
 
 /// What may be left out: `Some(None)` if it is, `None` if it is wrong.
+#[allow(clippy::option_option)] // an argument left out, and one that cannot be read
 fn optional<T>(text: &str, read: impl FnOnce(&str) -> Option<T>) -> Option<Option<T>> {
     if text.is_empty() { Some(None) } else { read(text).map(Some) }
 }

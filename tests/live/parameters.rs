@@ -4,7 +4,7 @@
 use crate::live_support::{LIMIT, settled, start};
 use std::time::Duration;
 use zeroset::live::Rendering;
-use zeroset::picture::render;
+use zeroset::model::render;
 use zeroset::scene;
 use zeroset_syntax::Options;
 

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 use zeroset::gallery;
 use zeroset::live::{Live, Rendering, Reply, Request};
-use zeroset::picture::{Precision, Settings, render};
+use zeroset::model::render;
+use zeroset::picture::{Precision, Settings};
 use zeroset::scene;
 
 /// The picture that `zeroset render` would make of the same text from the same camera.

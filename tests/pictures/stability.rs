@@ -6,7 +6,8 @@ use glam::DVec3;
 use serde::Deserialize;
 use std::fmt::Write;
 use std::fs::File;
-use zeroset::picture::{Picture, Precision, Settings, render};
+use zeroset::model::render;
+use zeroset::picture::{Picture, Precision, Settings};
 use zeroset_syntax::{Document, Options};
 use zeroset_trace::{Camera, Projection, RayGrid, Region, Status};
 

@@ -1,7 +1,8 @@
 //! Solids with parts that have no value, with jumps and with poles: where they are, and that they have faces there.
 
 use glam::DVec3;
-use zeroset::picture::{Picture, Settings, render};
+use zeroset::model::render;
+use zeroset::picture::{Picture, Settings};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, Projection, RayGrid, Region};
 

@@ -3,40 +3,9 @@
 //! In a batch each quantity is contiguous and aligned to 64 bytes. A kernel takes it a register at a time, up to the
 //! lanes in use; what it leaves in other lanes has no meaning.
 
+use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
-use std::ops::{Deref, DerefMut};
 use zeroset_interval::{Facts, Interval};
-
-/// Lanes of a batch.
-pub const LANES: usize = 16;
-
-/// One quantity of a batch.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(64))]
-pub struct Lanes<T>(pub [T; LANES]);
-
-impl<T: Copy> Lanes<T> {
-    /// The same value in all lanes.
-    pub fn splat(value: T) -> Self {
-        Self([value; LANES])
-    }
-}
-
-impl<T> Deref for Lanes<T> {
-    type Target = [T; LANES];
-
-    #[inline]
-    fn deref(&self) -> &Self::Target {
-        &self.0
-    }
-}
-
-impl<T> DerefMut for Lanes<T> {
-    #[inline]
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.0
-    }
-}
 
 /// Memory that a kernel reads or writes: quantities first.
 ///
@@ -132,18 +101,6 @@ output!(Zeros: possible, unbounded, jumping);
 output!(GradientEnclosures<T>: lipschitz, differentiable);
 output!(Values<T>:);
 output!(Gradients<T>:);
-
-impl<T> AsRef<[Self]> for Lanes<T> {
-    fn as_ref(&self) -> &[Self] {
-        std::slice::from_ref(self)
-    }
-}
-
-impl<T> AsMut<[Self]> for Lanes<T> {
-    fn as_mut(&mut self) -> &mut [Self] {
-        std::slice::from_mut(self)
-    }
-}
 
 batch! {
     /// Boxes. Each coordinate is the pair (−lo, hi), so that rounding both up rounds outward.

@@ -1,9 +1,8 @@
 //! Parameter values as kernels read them.
 
-use crate::batch::Lanes;
 use crate::domain::PARAMETER_QUANTITIES;
-use crate::real::Real;
-use crate::tape::{middle, outward};
+use crate::lanes::Lanes;
+use crate::real::{Real, middle, outward};
 use std::sync::Arc;
 use zeroset_interval::Interval;
 

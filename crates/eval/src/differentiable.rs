@@ -3,8 +3,7 @@
 //! Together with enclosures of the derivatives these make slopes rigorous: over a segment within a box in which the
 //! function is Lipschitz continuous, it changes by what its slopes allow.
 
-use crate::domain::{Bounds, Term, ValueDomain};
-use crate::question::Loader;
+use crate::domain::{Bounds, Loader, Term, ValueDomain};
 use crate::real::Real;
 use zeroset_interval::{Enclosure, Exponent, Fact, Interval, Machine};
 use zeroset_ir::Axis;

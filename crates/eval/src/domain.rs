@@ -2,8 +2,7 @@
 //!
 //! A tape is walked in one place; what a step means is said here, by one implementation for each domain.
 
-use crate::question::Loader;
-use crate::real::Real;
+use crate::real::{Real, middle};
 use zeroset_interval::{
     Enclosure, Exponent, Interval, Machine, Operand, enclose, enclose_twins, evaluate,
     evaluate_twins,
@@ -31,6 +30,14 @@ pub trait ValueDomain<T: Real, M: Machine> {
         op: Op,
         operand: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]>;
+}
+
+/// Where code finds what it reads.
+pub trait Loader<M: Machine> {
+    /// The next lanes of the input's quantity with this number.
+    fn input(&mut self, m: &mut M, quantity: usize) -> M::V;
+    /// The quantity with this number of the [`Binding`](crate::Binding).
+    fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V;
 }
 
 /// The value of an earlier step, and what is known of it whatever the lanes hold.
@@ -114,7 +121,7 @@ impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Samples<'_, I> {
     }
 
     fn constant(&mut self, m: &mut M, bounds: Interval) -> M::V {
-        m.number(T::FORMAT, crate::tape::middle::<T>(bounds))
+        m.number(T::FORMAT, middle::<T>(bounds))
     }
 
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<M::V>]) -> M::V {

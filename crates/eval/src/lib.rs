@@ -11,6 +11,7 @@ mod binding;
 mod branches;
 mod differentiable;
 mod domain;
+mod lanes;
 mod question;
 mod real;
 mod reference;
@@ -18,15 +19,15 @@ mod surface;
 mod tape;
 
 pub use batch::{
-    Batch, Boxes, Enclosures, GradientEnclosures, Gradients, Input, LANES, Lanes, Output, Points,
-    Values, Zeros,
+    Batch, Boxes, Enclosures, GradientEnclosures, Gradients, Input, Output, Points, Values, Zeros,
 };
 pub use binding::Binding;
-pub use domain::{Term, ValueDomain};
+pub use domain::{Loader, Term, ValueDomain};
+pub use lanes::{LANES, Lanes};
 pub use question::{
-    Answer, Enclose, EncloseGradient, FindZeros, Kernel, Loader, Question, Sample, SampleGradient,
+    Answer, Enclose, EncloseGradient, FindZeros, Kernel, Question, Sample, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;
-pub use surface::{Asked, KernelError, Kernels, Surface, ZeroTest};
+pub use surface::{Asked, KernelError, KernelFloat, Kernels, Surface, ZeroTest};
 pub use tape::{Assumptions, Step, Tape};

@@ -6,8 +6,10 @@
 use crate::batch::{
     Boxes, Enclosures, GradientEnclosures, Gradients, Input, Output, Points, Values, Zeros,
 };
+use crate::binding::Binding;
 use crate::differentiable::Differentiable;
-use crate::domain::{Bounds, Samples};
+use crate::domain::{Bounds, Loader, Samples};
+use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
 use zeroset_interval::{Enclosure, Fact, Machine};
@@ -23,6 +25,35 @@ pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
     /// The answer.
     type Output<T: Real>: Output<T>;
 
+    /// Holds a tape and a binding against what this question needs.
+    ///
+    /// # Panics
+    /// If the tape computes another number of expressions, or assumes another number of parameters than are bound, or, in
+    /// debug builds, other values.
+    fn check<T: Real>(tape: &Tape<T>, binding: &Binding<T>) {
+        assert_eq!(tape.outputs(), Self::OUTPUTS, "expressions that answer for {}", Self::NAME);
+        assert_eq!(tape.parameters(), binding.bounds().len(), "parameters");
+        debug_assert!(
+            binding.is_within(&tape.assumptions().parameters),
+            "code for {:?} was bound to {:?}",
+            tape.assumptions().parameters,
+            binding.bounds(),
+        );
+    }
+
+    /// Holds what is asked about against what a tape is.
+    ///
+    /// # Panics
+    /// If no lane is in use or more than there are, or, in debug builds, if one is beyond the domain that the tape assumes.
+    #[inline]
+    fn check_input<T: Real>(tape: &Tape<T>, input: &Self::Input<T>) {
+        assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
+        debug_assert!(
+            input.is_within(&tape.assumptions().domain),
+            "a box reaches out of the domain"
+        );
+    }
+
     /// Writes the answer on `m`: its quantities and its masks.
     ///
     /// # Panics
@@ -32,14 +63,6 @@ pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V>;
-}
-
-/// Where code finds what it reads.
-pub trait Loader<M: Machine> {
-    /// The next lanes of the input's quantity with this number.
-    fn input(&mut self, m: &mut M, quantity: usize) -> M::V;
-    /// The quantity with this number of the [`Binding`](crate::Binding).
-    fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V;
 }
 
 /// An answer while code is written.

@@ -1,10 +1,9 @@
 //! The two float types in which kernels compute.
 
-use crate::batch::Lanes;
-use crate::surface::{Kernels, Surface};
+use crate::lanes::Lanes;
 use std::fmt::Debug;
 use std::ops::Neg;
-use zeroset_interval::{Format, Vector128 as Vector, round::f32_up};
+use zeroset_interval::{Format, Interval, Vector128 as Vector, round::f32_up};
 
 /// A float type in which kernels compute: `f32` or `f64`.
 ///
@@ -37,8 +36,6 @@ pub trait Real:
     fn store(vector: Vector, index: usize, lanes: &mut Lanes<Self>);
     /// The lanes of a vector in which a mask is set: a bit each, the lowest for the first.
     fn bits(mask: Vector) -> u32;
-    /// The kernels of a surface that compute in this type.
-    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self>;
 }
 
 impl Real for f32 {
@@ -60,9 +57,6 @@ impl Real for f32 {
     }
     fn bits(mask: Vector) -> u32 {
         gather(mask.bits_32().map(|lane| lane != 0))
-    }
-    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
-        surface.single()
     }
 }
 
@@ -86,9 +80,6 @@ impl Real for f64 {
     fn bits(mask: Vector) -> u32 {
         gather(mask.bits_64().map(|lane| lane != 0))
     }
-    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
-        surface.double()
-    }
 }
 
 fn vector<T: Copy, const N: usize>(lanes: &Lanes<T>, index: usize) -> [T; N] {
@@ -97,6 +88,20 @@ fn vector<T: Copy, const N: usize>(lanes: &Lanes<T>, index: usize) -> [T; N] {
 
 fn gather<const N: usize>(set: [bool; N]) -> u32 {
     (0..N).map(|lane| u32::from(set[lane]) << lane).sum()
+}
+
+/// The bounds with ends in `T`, rounded outward.
+pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
+    Interval { lo: -T::above(-bounds.lo).into(), hi: T::above(bounds.hi).into() }
+}
+
+/// A number of `T` within the bounds, near their middle; 0 for all reals.
+pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
+    // Nothing is known of some constants, like 0 times one beyond all floats.
+    let middle = if bounds == Interval::ENTIRE { 0.0 } else { 0.5 * bounds.lo + 0.5 * bounds.hi };
+    let most = T::LARGEST.into();
+    let nearest: f64 = T::nearest(middle.clamp(-most, most)).into();
+    nearest.clamp(bounds.lo, bounds.hi)
 }
 
 mod sealed {
@@ -108,7 +113,7 @@ mod sealed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::LANES;
+    use crate::lanes::LANES;
 
     #[test]
     fn vectors_hold_neighbouring_lanes() {
@@ -128,5 +133,14 @@ mod tests {
     fn masks_have_their_first_lane_lowest() {
         assert_eq!(f32::bits(Vector::F32([0, !0, 0, !0])), 0b1010);
         assert_eq!(f64::bits(Vector::F64([!0, 0])), 0b01);
+    }
+
+    #[test]
+    fn middles_are_numbers() {
+        let middle_of = |lo, hi| middle::<f32>(outward::<f32>(Interval { lo, hi }));
+        assert_eq!(middle_of(1.0, 2.0), 1.5);
+        assert_eq!(middle_of(f64::NEG_INFINITY, f64::INFINITY), 0.0);
+        assert_eq!(middle_of(f64::MAX, f64::INFINITY), f64::from(f32::MAX));
+        assert_eq!(middle_of(f64::NEG_INFINITY, -1e300), -f64::from(f32::MAX));
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::batch::{Batch, Input, Output};
 use crate::binding::Binding;
-use crate::question::{Answer, Kernel, Loader, Question};
+use crate::domain::Loader;
+use crate::question::{Answer, Kernel, Question};
 use crate::real::Real;
 use crate::tape::Tape;
 use std::marker::PhantomData;
@@ -25,7 +26,7 @@ impl<Q: Question, T: Real> Reference<Q, T> {
     /// If the tape computes another number of expressions than the question needs, or assumes another number of
     /// parameters than are bound, or, in debug builds, other values.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Self {
-        tape.check::<Q>(&binding);
+        Q::check(&tape, &binding);
         Self { tape, binding, question: PhantomData }
     }
 }
@@ -49,7 +50,7 @@ impl<Q: Question, T: Real> Loader<Software> for Cursor<'_, Q, T> {
 
 impl<Q: Question, T: Real> Kernel<Q, T> for Reference<Q, T> {
     fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
-        self.tape.check_input::<Q>(input);
+        Q::check_input(&self.tape, input);
         (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
         for vector in 0..input.count().div_ceil(T::VECTOR_LANES) {
             let mut cursor = Cursor::<Q, T> { input, binding: &self.binding, vector };

@@ -59,6 +59,24 @@ pub trait Kernels<T: Real>: Sync {
     }
 }
 
+/// A float type by which a surface's kernels are picked.
+pub trait KernelFloat: Real {
+    /// The kernels of a surface that compute in this type.
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self>;
+}
+
+impl KernelFloat for f32 {
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
+        surface.single()
+    }
+}
+
+impl KernelFloat for f64 {
+    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
+        surface.double()
+    }
+}
+
 /// Why there is no answer: the surface has no kernel for the question.
 #[derive(Clone, Copy, Debug)]
 struct Unanswered;

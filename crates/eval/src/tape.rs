@@ -1,11 +1,9 @@
 //! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
 
-use crate::batch::{Input, LANES, Lanes};
-use crate::binding::Binding;
 use crate::branches::Branches;
-use crate::domain::{Bounds, Term, ValueDomain};
-use crate::question::{Loader, Question};
-use crate::real::Real;
+use crate::domain::{Bounds, Loader, Term, ValueDomain};
+use crate::lanes::Lanes;
+use crate::real::{Real, outward};
 use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -170,32 +168,6 @@ impl<T: Real> Tape<T> {
         self.steps.iter().filter(|step| matches!(step, Step::Apply(..))).count()
     }
 
-    /// Holds what a question and a binding need against what this tape is.
-    ///
-    /// # Panics
-    /// If the number of expressions or of parameters differs, or, in debug builds, if a value is not within what the
-    /// tape assumes.
-    pub fn check<Q: Question>(&self, binding: &Binding<T>) {
-        assert_eq!(self.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
-        assert_eq!(self.parameters(), binding.bounds().len(), "parameters");
-        debug_assert!(
-            binding.is_within(&self.assumptions.parameters),
-            "code for {:?} was bound to {:?}",
-            self.assumptions.parameters,
-            binding.bounds(),
-        );
-    }
-
-    /// Holds what is asked about against what this tape is.
-    ///
-    /// # Panics
-    /// If no lane is in use or more than there are, or, in debug builds, if one is beyond the domain that the tape assumes.
-    #[inline]
-    pub fn check_input<Q: Question>(&self, input: &Q::Input<T>) {
-        assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
-        debug_assert!(input.is_within(&self.assumptions.domain), "a box reaches out of the domain");
-    }
-
     /// Whether the bounds of the first output are finite in every sample.
     pub(crate) fn is_bounded(&self) -> bool {
         let (range, largest) = (self.ranges[self.outputs[0]], T::LARGEST.into());
@@ -281,20 +253,6 @@ impl<V> Twins<V> {
     }
 }
 
-/// The bounds with ends in `T`, rounded outward.
-pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
-    Interval { lo: -T::above(-bounds.lo).into(), hi: T::above(bounds.hi).into() }
-}
-
-/// A number of `T` within the bounds, near their middle; 0 for all reals.
-pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
-    // Nothing is known of some constants, like 0 times one beyond all floats.
-    let middle = if bounds == Interval::ENTIRE { 0.0 } else { 0.5 * bounds.lo + 0.5 * bounds.hi };
-    let most = T::LARGEST.into();
-    let nearest: f64 = T::nearest(middle.clamp(-most, most)).into();
-    nearest.clamp(bounds.lo, bounds.hi)
-}
-
 /// How far, relatively, bounds of an elementary function over a part may stick out of those over the whole: its
 /// approximation is not exactly monotone. Far above twice the error of any text.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
@@ -375,14 +333,5 @@ mod tests {
             assert!(lo < end && end < hi && hi - end >= excess, "{end:e}: {lo:e} {hi:e}");
         }
         assert_eq!(inflate(Interval::ZERO, excess), Interval::ZERO);
-    }
-
-    #[test]
-    fn middles_are_numbers() {
-        let middle_of = |lo, hi| middle::<f32>(outward::<f32>(Interval { lo, hi }));
-        assert_eq!(middle_of(1.0, 2.0), 1.5);
-        assert_eq!(middle_of(f64::NEG_INFINITY, f64::INFINITY), 0.0);
-        assert_eq!(middle_of(f64::MAX, f64::INFINITY), f64::from(f32::MAX));
-        assert_eq!(middle_of(f64::NEG_INFINITY, -1e300), -f64::from(f32::MAX));
     }
 }

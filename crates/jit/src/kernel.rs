@@ -36,7 +36,7 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
     /// # Panics
     /// If the number of parameters differs, or, in debug builds, if a value is not within what the tape assumes.
     pub fn bind(&self, binding: Binding<T>) -> Native<Q, T> {
-        self.tape.check::<Q>(&binding);
+        Q::check(&self.tape, &binding);
         Native { compiled: self.clone(), binding }
     }
 
@@ -84,7 +84,7 @@ impl<Q: Question, T: Real> Kernel<Q, T> for Native<Q, T> {
     #[inline]
     fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         let Compiled { code, tape, .. } = &self.compiled;
-        tape.check_input::<Q>(input);
+        Q::check_input(tape, input);
         // SAFETY: the code was compiled for this question and format, and reads and writes batches as the sealed trait
         // `Batch` lays them out, at most as many lanes as were checked to be there; the binding has as many parameters as
         // the tape, checked when they were bound. Batches are aligned by their type. Kernels do not unwind.

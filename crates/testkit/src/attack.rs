@@ -16,7 +16,8 @@ const SHRINKING: u32 = 500;
 /// Tries a property on each file of a directory, then on random bytes, and adds up what it
 /// compared.
 ///
-/// # Panics If the property fails: on the first such file, or on bytes that were made as simple as
+/// # Panics
+/// If the property fails: on the first such file, or on bytes that were made as simple as
 /// possible. If the directory cannot be read.
 pub fn attack(
     property: &dyn Fn(&[u8]) -> Result<Tally, Failure>,

@@ -6,7 +6,7 @@
 //!   the table of operations, internal ones included.
 //! - The [`suite`] holds any evaluator against the oracle over the whole table.
 //! - A [`property`] is what must hold of one input, drawn from a seed or from a fuzzer's bytes;
-//! [`attack`] tries it on many.
+//!   [`attack`] tries it on many.
 //! - A [`Case`] is a function over a domain with its parameters; [`minimise`] makes a failing one
 //!   smaller.
 //! - [`reproduce`] prints a failing case as a line that `zeroset eval` reads.

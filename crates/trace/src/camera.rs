@@ -2,7 +2,6 @@
 //!
 //! A camera knows nothing of the surface, of pixels' contents, or of how rays are grouped.
 
-use crate::grid::RayGrid;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -184,11 +183,6 @@ impl Camera {
     /// How space is mapped to the picture.
     pub fn projection(&self) -> Projection {
         self.projection
-    }
-
-    /// The rays of a picture of `width` × `height` pixels.
-    pub fn rays(&self, width: usize, height: usize) -> RayGrid {
-        RayGrid::new(self, width, height)
     }
 }
 

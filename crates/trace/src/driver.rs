@@ -3,10 +3,10 @@
 //! How a ray is followed is not known here.
 
 use crate::camera::Ray;
-use crate::gbuffer::GBuffer;
+use crate::gbuffer::{Found, GBuffer};
 use crate::grid::RayGrid;
 use crate::light::Light;
-use crate::method::{Found, Segment, Start, Tracer};
+use crate::method::{Segment, Start, Tracer};
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -97,7 +97,9 @@ impl Driver<'_> {
         };
         let tiles = painted.par_chunks(TILE * TILE).map(|tile| (self.places(tile), 0));
         let (found, work) = self.follow(tiles, &segment, Start::OnSurface);
-        painted.iter().for_each(|&pixel| buffer.shadow[pixel] = false);
+        for &pixel in &painted {
+            buffer.shadow[pixel] = false;
+        }
         for (pixel, found) in found {
             buffer.shadow[self.index(pixel)] = found.drawn.is_finite();
         }

@@ -1,7 +1,5 @@
 //! What is known of each pixel before it has a colour.
 
-use crate::method::Found;
-
 /// What is proven of the ray through a pixel's centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
@@ -13,6 +11,23 @@ pub enum Status {
     Hit = 1,
     /// Neither is proven.
     Undecided = 2,
+}
+
+/// What became of one ray. Distances are values of its parameter t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// What is proven, whatever the distances are.
+    pub status: Status,
+    /// Of the hit, or of the start of the first undecided part; infinite for a miss.
+    pub distance: f64,
+    /// Of what is to be painted; infinite for nothing.
+    pub drawn: f64,
+}
+
+impl Found {
+    /// No zero.
+    pub const MISS: Self =
+        Self { status: Status::Miss, distance: f64::INFINITY, drawn: f64::INFINITY };
 }
 
 /// How many pixels have each status.

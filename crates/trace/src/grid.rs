@@ -15,6 +15,13 @@ pub struct RayGrid {
     parallel: bool,
 }
 
+impl Camera {
+    /// The rays of a picture of `width` × `height` pixels.
+    pub fn rays(&self, width: usize, height: usize) -> RayGrid {
+        RayGrid::new(self, width, height)
+    }
+}
+
 impl RayGrid {
     pub(crate) fn new(camera: &Camera, width: usize, height: usize) -> Self {
         let (scale, parallel) = match camera.projection() {

@@ -4,8 +4,8 @@
 //! It proves misses only. Where a slab of the last depth may hold a root it is drawn as one; nothing says that it does,
 //! so such pixels are undecided.
 
-use crate::gbuffer::Status;
-use crate::method::{Found, Method, MethodOption, Options, Precision, Segment, Start, Tracer};
+use crate::gbuffer::{Found, Status};
+use crate::method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer};
 use crate::packet::{Packet, RAYS};
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -26,7 +26,7 @@ pub const STEPS: u64 = 1 << 14;
 fn prepare<'a>(
     surface: &'a dyn Surface,
     region: &'a Region,
-    options: &Options,
+    options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
     Ok(match options.precision {
         Precision::F32 => Box::new(Knoll::<f32>::new(surface, region, options)?),
@@ -68,7 +68,7 @@ impl<'a, T: Scalar> Knoll<'a, T> {
     fn new(
         surface: &'a dyn Surface,
         region: &'a Region,
-        options: &Options,
+        options: Options,
     ) -> Result<Self, KernelError> {
         Ok(Self {
             kernel: T::kernels(surface).zeros()?,

@@ -13,6 +13,7 @@ mod grid;
 mod knoll;
 mod light;
 mod method;
+mod methods;
 mod normal;
 mod packet;
 mod region;
@@ -25,13 +26,12 @@ mod work;
 pub use camera::{Camera, CameraError, Projection, Ray};
 pub use colour::LinearRgb;
 pub use driver::Driver;
-pub use gbuffer::{GBuffer, PixelCounts, Status};
+pub use gbuffer::{Found, GBuffer, PixelCounts, Status};
 pub use grid::RayGrid;
 pub use knoll::STEPS;
 pub use light::Light;
-pub use method::{
-    Found, METHODS, Method, MethodOption, Options, Precision, Segment, Start, Tracer,
-};
+pub use method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer};
+pub use methods::METHODS;
 pub use normal::{NormalSource, normals};
 pub use region::{HalfSpace, Region, RegionError};
 pub use region_caps::cap;

@@ -1,21 +1,17 @@
-//! Methods: the ways to find where rays first meet a surface, as rows of one table.
+//! What a method is: a way to find where rays first meet a surface.
 //!
-//! A method is a file with a row, and a [`Tracer`] that the row makes. Which rays it is given, on which threads, and what
+//! It is a file with a row, and a [`Tracer`] that the row makes. Which rays it is given, on which threads, and what
 //! becomes of its findings, a method does not know: that is the [`Driver`](crate::Driver)'s.
 
 use crate::camera::Ray;
-use crate::gbuffer::Status;
-use crate::knoll;
+use crate::gbuffer::Found;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use std::fmt;
 use zeroset_eval::{KernelError, Surface};
 
-/// All methods; the first is the default.
-pub static METHODS: [Method; 1] = [knoll::METHOD];
-
-/// A way to find where rays first meet a surface: a row of [`METHODS`].
+/// A way to find where rays first meet a surface: a row of [`METHODS`](crate::METHODS).
 #[derive(Clone, Copy)]
 pub struct Method {
     /// What it is called, in one word.
@@ -29,7 +25,7 @@ pub struct Method {
 
 /// Asks a surface for kernels, and gets ready to follow rays through a region.
 pub(crate) type Prepare =
-    for<'a> fn(&'a dyn Surface, &'a Region, &Options) -> Result<Box<dyn Tracer + 'a>, KernelError>;
+    for<'a> fn(&'a dyn Surface, &'a Region, Options) -> Result<Box<dyn Tracer + 'a>, KernelError>;
 
 /// An option that a method may read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,29 +103,7 @@ pub enum Start {
     OnSurface,
 }
 
-/// What became of one ray. Distances are values of its parameter t.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
-    /// What is proven, whatever the distances are.
-    pub status: Status,
-    /// Of the hit, or of the start of the first undecided part; infinite for a miss.
-    pub distance: f64,
-    /// Of what is to be painted; infinite for nothing.
-    pub drawn: f64,
-}
-
-impl Found {
-    /// No zero.
-    pub const MISS: Self =
-        Self { status: Status::Miss, distance: f64::INFINITY, drawn: f64::INFINITY };
-}
-
 impl Method {
-    /// The method with this name.
-    pub fn named(name: &str) -> Option<&'static Self> {
-        METHODS.iter().find(|method| method.name == name)
-    }
-
     /// Asks a surface for the kernels that this needs, and gets ready to follow rays through `region`.
     ///
     /// # Errors
@@ -138,15 +112,9 @@ impl Method {
         &self,
         surface: &'a dyn Surface,
         region: &'a Region,
-        options: &Options,
+        options: Options,
     ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
         (self.prepare)(surface, region, options)
-    }
-}
-
-impl Default for &'static Method {
-    fn default() -> Self {
-        &METHODS[0]
     }
 }
 

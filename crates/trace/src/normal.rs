@@ -160,7 +160,9 @@ impl<T: Real> NormalSource<'_, T> {
                 &mut work.point,
             ),
         };
-        batches.iter().for_each(|batch| count.called(batch.count));
+        for batch in &batches {
+            count.called(batch.count);
+        }
         values
     }
 }
@@ -182,7 +184,9 @@ fn gradients<T: Real>(
 ) -> Vec<DVec3> {
     let points: Vec<DVec3> = points.collect();
     let batches = batches(&points);
-    batches.iter().for_each(|batch| work.gradient.called(batch.count));
+    for batch in &batches {
+        work.gradient.called(batch.count);
+    }
     let out = kernel.ask_all(&batches);
     (0..points.len())
         .map(|k| axes(|axis| out[k / LANES].gradient[axis][k % LANES].into()))

@@ -5,10 +5,10 @@
 use glam::{BVec4, BVec4A, DVec4, Vec4};
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
-use zeroset_eval::Real;
+use zeroset_eval::KernelFloat;
 
 /// A float type in which a traverser follows rays: that of the kernel which it asks.
-pub trait Scalar: Real + Add<Output = Self> + Mul<Output = Self> {
+pub trait Scalar: KernelFloat + Add<Output = Self> + Mul<Output = Self> {
     /// Four numbers.
     type Four: Four<Lane = Self>;
 

@@ -3,9 +3,10 @@
 //! Fuzz targets include this file.
 
 use glam::DVec3;
-use zeroset::picture::{Precision, Settings, render};
+use zeroset::model::render;
+use zeroset::picture::{Precision, Settings};
 use zeroset::program::Program;
-use zeroset_eval::{Boxes, FindZeros, Kernel, Real, Zeros};
+use zeroset_eval::{Boxes, FindZeros, Kernel, KernelFloat, Zeros};
 use zeroset_interval::Interval;
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
@@ -51,7 +52,7 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
 /// # Panics
 /// If its code does not compile.
 #[allow(dead_code)] // each fuzz target needs one of the two
-pub fn zero_kernel<T: Real>(formula: &Formula) -> Option<Box<dyn Kernel<FindZeros, T>>> {
+pub fn zero_kernel<T: KernelFloat>(formula: &Formula) -> Option<Box<dyn Kernel<FindZeros, T>>> {
     let domain = formula.region.map(|[lo, hi]| Interval { lo, hi });
     let program = Program::new(&formula.document, domain).ok()?;
     program.kernels::<T>(0).zeros().expect("compiles");
@@ -61,7 +62,7 @@ pub fn zero_kernel<T: Real>(formula: &Formula) -> Option<Box<dyn Kernel<FindZero
 /// A program's first surface.
 struct First(Program);
 
-impl<T: Real> Kernel<FindZeros, T> for First {
+impl<T: KernelFloat> Kernel<FindZeros, T> for First {
     fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
         self.0.kernels::<T>(0).zeros().expect("compiles").ask(boxes, zeros);
     }

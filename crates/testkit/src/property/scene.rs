@@ -249,9 +249,10 @@ impl Scene {
             // Next to nothing, or half of space.
             3 => *fov = Ok(180.0 / power(rng, 12)),
             _ => {
-                *fov = match rng.bool() {
-                    true => Ok(180.0 - 1.0 / power(rng, 14)),
-                    false => Err(power(rng, 200) / power(rng, 200)),
+                *fov = if rng.bool() {
+                    Ok(180.0 - 1.0 / power(rng, 14))
+                } else {
+                    Err(power(rng, 200) / power(rng, 200))
                 }
             }
         }

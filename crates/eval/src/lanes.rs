@@ -1,0 +1,46 @@
+//! One quantity of a batch: sixteen lanes, whatever the width of a register.
+
+use std::ops::{Deref, DerefMut};
+
+/// Lanes of a batch.
+pub const LANES: usize = 16;
+
+/// One quantity of a batch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Lanes<T>(pub [T; LANES]);
+
+impl<T: Copy> Lanes<T> {
+    /// The same value in all lanes.
+    pub fn splat(value: T) -> Self {
+        Self([value; LANES])
+    }
+}
+
+impl<T> Deref for Lanes<T> {
+    type Target = [T; LANES];
+
+    #[inline]
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Lanes<T> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}
+
+impl<T> AsRef<[Self]> for Lanes<T> {
+    fn as_ref(&self) -> &[Self] {
+        std::slice::from_ref(self)
+    }
+}
+
+impl<T> AsMut<[Self]> for Lanes<T> {
+    fn as_mut(&mut self) -> &mut [Self] {
+        std::slice::from_mut(self)
+    }
+}

@@ -1,0 +1,20 @@
+//! The table of methods, from which command line, prompt, status line and JSON follow.
+
+use crate::knoll;
+use crate::method::Method;
+
+/// All methods; the first is the default.
+pub static METHODS: [Method; 1] = [knoll::METHOD];
+
+impl Method {
+    /// The method with this name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        METHODS.iter().find(|method| method.name == name)
+    }
+}
+
+impl Default for &'static Method {
+    fn default() -> Self {
+        &METHODS[0]
+    }
+}

@@ -1,0 +1,187 @@
+//! Simplified surfaces, whatever their parameters' values, and the steps that are made of them.
+//!
+//! Which steps are asked for, and what becomes of them, is not known here.
+
+use crate::uniforms::Uniforms;
+use std::fmt;
+use std::sync::OnceLock;
+use thiserror::Error;
+use zeroset_eval::{Assumptions, KernelError, Real, Tape};
+use zeroset_ir::{Graph, IrError, NodeId, clear, compact, gradient, simplify};
+
+/// What does not depend on the parameters' values, as long as they are within what is assumed.
+pub(crate) struct Simplified {
+    pub graph: Graph,
+    pub roots: Vec<NodeId>,
+    /// Before constants are folded to bounds, so that derivatives simplify as well as the functions.
+    pub symbolic: (Graph, Vec<NodeId>),
+    /// As typed, but for exponents: what all of the above was made from.
+    pub typed: (Graph, Vec<NodeId>),
+    pub assumptions: Assumptions,
+    /// Nodes as typed.
+    pub nodes_before: usize,
+    /// Per surface, whether it bounds a solid.
+    pub solid: Vec<bool>,
+    /// Per surface, its cleared form.
+    pub cleared: Vec<OnceLock<Result<Option<Cleared>, IrError>>>,
+}
+
+/// Numerator and denominator of a function, and the function itself, in a graph of their own.
+#[derive(Clone, Debug)]
+pub struct Cleared {
+    /// The graph.
+    pub graph: Graph,
+    /// Vanishes where the function does.
+    pub numerator: NodeId,
+    /// Vanishes at its poles.
+    pub denominator: NodeId,
+    /// The function.
+    pub function: NodeId,
+}
+
+/// What kernels are made of: a form of a surface's function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Form {
+    /// The function.
+    Function,
+    /// The numerator of its cleared form.
+    Numerator,
+    /// The denominator of its cleared form.
+    Denominator,
+    /// The function, and the numerator if there is one, branch by branch where it jumps.
+    Branches,
+    /// The function and its three partial derivatives.
+    Gradient,
+}
+
+impl fmt::Display for Form {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Function => "the function",
+            Self::Numerator => "the numerator",
+            Self::Denominator => "the denominator",
+            Self::Branches => "the branches",
+            Self::Gradient => "function and derivatives",
+        })
+    }
+}
+
+/// Why a document cannot be drawn, though it reads well.
+#[derive(Debug, Error)]
+pub enum ProgramError {
+    /// A formula is the same at every point.
+    #[error("'{echo}' is constant: {value}, so it has no surface")]
+    Constant {
+        /// How the formula was read.
+        echo: String,
+        /// What is known of its value.
+        value: String,
+    },
+    /// A formula has no value anywhere.
+    #[error("'{echo}' is defined nowhere: it has no value at any point, so it has no surface")]
+    Nowhere {
+        /// How the formula was read.
+        echo: String,
+    },
+    /// The graph is too large.
+    #[error(transparent)]
+    Graph(#[from] IrError),
+    /// No code can be made.
+    #[error(transparent)]
+    Code(#[from] zeroset_jit::Error),
+    /// All surfaces together need too much code, though each alone does not.
+    #[error(
+        "all surfaces together need more than {limit} bytes of code; draw some of them at a time"
+    )]
+    TooMuchCode {
+        /// Bytes allowed.
+        limit: usize,
+    },
+    /// A kernel that was asked for cannot be had.
+    #[error("{0}")]
+    Kernel(KernelError),
+}
+
+impl From<KernelError> for ProgramError {
+    fn from(error: KernelError) -> Self {
+        Self::Kernel(error)
+    }
+}
+
+impl Simplified {
+    /// The steps that compute a form, and how they are given values; those values that depend on parameters alone are
+    /// computed beforehand if `hoisted`. `None` if there is no such form.
+    pub fn steps<T: Real>(
+        &self,
+        surface: usize,
+        form: Form,
+        hoisted: bool,
+    ) -> Result<Option<(Tape<T>, Uniforms)>, ProgramError> {
+        let function = || own(&self.graph, self.roots[surface]);
+        let (graph, roots) = match (form, self.cleared_for(surface, form)?) {
+            (Form::Function, _) | (Form::Branches, None) => {
+                let (graph, root) = function();
+                (graph, vec![root])
+            }
+            (Form::Gradient, _) => {
+                let (mut graph, root) = self.symbolic(surface);
+                let [x, y, z] = gradient(&mut graph, root);
+                self.simplify(&graph, &[root, x, y, z])?
+            }
+            (Form::Numerator | Form::Denominator, None) => return Ok(None),
+            (Form::Numerator, Some(cleared)) => (cleared.graph.clone(), vec![cleared.numerator]),
+            (Form::Denominator, Some(cleared)) => {
+                (cleared.graph.clone(), vec![cleared.denominator])
+            }
+            (Form::Branches, Some(cleared)) => {
+                (cleared.graph.clone(), vec![cleared.function, cleared.numerator])
+            }
+        };
+        let (uniforms, graph, roots) = Uniforms::split(&graph, &roots, &self.assumptions, hoisted);
+        let parameters = uniforms.assumed().to_vec();
+        let assumptions = Assumptions { domain: self.assumptions.domain, parameters };
+        let tape = if form == Form::Branches {
+            Tape::branches(&graph, &roots, &assumptions)
+        } else {
+            Some(Tape::new(&graph, &roots, &assumptions))
+        };
+        Ok(tape.map(|tape| (tape, uniforms)))
+    }
+
+    /// The cleared form, where a form is made of it.
+    fn cleared_for(&self, surface: usize, form: Form) -> Result<Option<&Cleared>, ProgramError> {
+        match form {
+            Form::Function | Form::Gradient => Ok(None),
+            Form::Numerator | Form::Denominator | Form::Branches => self.cleared(surface),
+        }
+    }
+
+    pub fn cleared(&self, surface: usize) -> Result<Option<&Cleared>, ProgramError> {
+        let make = || {
+            let (mut graph, function) = self.symbolic(surface);
+            let Some(cleared) = clear(&mut graph, function) else { return Ok(None) };
+            let typed = [cleared.numerator, cleared.denominator, function];
+            let (graph, roots) = self.simplify(&graph, &typed)?;
+            let [numerator, denominator, function] = [roots[0], roots[1], roots[2]];
+            Ok(Some(Cleared { graph, numerator, denominator, function }))
+        };
+        let cleared = self.cleared[surface].get_or_init(make);
+        Ok(cleared.as_ref().map_err(Clone::clone)?.as_ref())
+    }
+
+    /// A surface's function before constants are folded, alone.
+    fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
+        let (graph, roots) = &self.symbolic;
+        own(graph, roots[surface])
+    }
+
+    fn simplify(&self, graph: &Graph, roots: &[NodeId]) -> Result<(Graph, Vec<NodeId>), IrError> {
+        simplify(graph, roots, &self.assumptions.domain, &self.assumptions.parameters)
+    }
+}
+
+/// What `root` needs, in a graph of its own: what is done for one surface must not take time for all others.
+fn own(graph: &Graph, root: NodeId) -> (Graph, NodeId) {
+    let (graph, roots) = compact(graph, &[root]);
+    (graph, roots[0])
+}
