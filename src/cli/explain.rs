@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use zeroset::picture::Precision;
 use zeroset::program::{Cleared, Form, Program};
 use zeroset::scene;
-use zeroset_eval::{FindZeros, KernelFloat, Real, Step, Tape};
+use zeroset_eval::{FindZeros, KernelFloat, Step, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::{NodeId, display};
 use zeroset_jit::intermediate_code;

@@ -12,7 +12,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset::gallery::{Example, examples};
-use zeroset::picture::{self, Settings};
+use zeroset::picture::Settings;
 use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::Options;
 

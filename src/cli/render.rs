@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset::domain::AutoDomain;
-use zeroset::picture::{self, Picture, Precision, Settings};
+use zeroset::picture::{Picture, Precision, Settings};
 use zeroset::scene;
 use zeroset_syntax::SrgbColor;
 use zeroset_trace::{LinearRgb, Status};

@@ -134,7 +134,7 @@ impl Session {
             match change {
                 Change::Text(text) => session.live.load(&session.live.request().name, &text, true),
                 Change::Lost(message) => {
-                    session.say(&format!("note: {message}; its last version is still shown"))
+                    session.say(&format!("note: {message}; its last version is still shown"));
                 }
             }
         };

@@ -253,7 +253,7 @@ fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
         let live = Live::new(request);
         std::thread::scope(|scope| {
             scope.spawn(|| {
-                (0..4).for_each(|_| drop(live.enter(":set r = 1/0").expect_err("no value")))
+                (0..4).for_each(|_| drop(live.enter(":set r = 1/0").expect_err("no value")));
             });
             live.enter(":set q = 3").expect("a value");
         });

@@ -204,7 +204,9 @@ mod tests {
                         );
                         assert!(rows.clone().max().expect("four") < rows.min().expect("four") + 2);
                     }
-                    tile.iter().for_each(|[i, j]| seen[*j as usize * width + *i as usize] += 1);
+                    for [i, j] in tile {
+                        seen[j as usize * width + i as usize] += 1;
+                    }
                 }
             }
             assert!(seen.iter().all(|&times| times > 0), "{width}×{height}");
