@@ -358,6 +358,10 @@ pub struct GalleryArgs {
 
 /// The rows of the table of methods, as values of an argument.
 fn methods() -> impl TypedValueParser<Value = &'static Method> {
-    let values = METHODS.iter().map(|row| PossibleValue::new(row.name).help(row.help));
+    let values = METHODS.iter().map(|row| {
+        let options: Vec<String> =
+            row.reads.iter().map(|option| format!("--{}", option.name())).collect();
+        PossibleValue::new(row.name).help(format!("{}; reads {}", row.help, options.join(", ")))
+    });
     PossibleValuesParser::new(values).try_map(|name| Method::named(&name).ok_or("no such method"))
 }

@@ -51,8 +51,9 @@ impl<'a> Pick<'a> {
             Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
             Status::Hit => "hit: proven".to_owned(),
             Status::Undecided => format!(
-                "undecided: the surface may lie in a slab of 1/{} of the domain; knoll proves misses only",
-                1_u64 << self.rendering.request.settings.max_depth
+                "undecided: the surface may lie in a slab of 1/{} of the domain; {} proves misses only",
+                1_u64 << self.rendering.request.settings.max_depth,
+                self.rendering.picture.method.name,
             ),
         };
         let mut text = format!("pixel {column}, {row}: {status}");

@@ -8,6 +8,7 @@ mod contributing;
 #[cfg(unix)]
 #[path = "../edit_support/mod.rs"]
 mod edit_support;
+mod readme;
 #[cfg(unix)]
 mod window_frame;
 #[cfg(unix)]

@@ -36,6 +36,16 @@ pub enum MethodOption {
     Depth,
 }
 
+impl MethodOption {
+    /// What it is called where it is typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Precision => "precision",
+            Self::Depth => "max-depth",
+        }
+    }
+}
+
 /// How a method is to work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {

@@ -53,15 +53,15 @@ fn live(op: Op, width: usize) -> (Graph, NodeId) {
 #[test]
 fn each_limit_has_its_own_message() {
     let (graph, root) = tower(Op::Sqr, 20_001);
-    let error = compile(&graph, root).err().expect("too large");
+    let error = compile(&graph, root).expect_err("too large");
     assert_eq!(error.to_string(), "the formula has 20001 operations; a kernel holds at most 20000");
     let (graph, root) = tower(Op::Atan, 20_000);
-    let error = compile(&graph, root).err().expect("too long");
+    let error = compile(&graph, root).expect_err("too long");
     assert!(matches!(error, Error::TooLong { .. }), "{error}");
     assert!(error.to_string().ends_with("a kernel holds at most 200000"), "{error}");
     // Each has a table of its own on the stack.
     let (graph, root) = tower(Op::Atan, 2200);
-    let error = compile(&graph, root).err().expect("too deep");
+    let error = compile(&graph, root).expect_err("too deep");
     assert!(matches!(error, Error::TooDeep { .. }), "{error}");
     assert!(error.to_string().ends_with("bytes of stack; a kernel may use at most 524288"));
 }
