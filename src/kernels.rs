@@ -1,6 +1,6 @@
 //! The kernels of surfaces: made when they are first asked for, compiled once whatever the parameters' values, counted.
 //!
-//! What is simplified and which values parameters have is said by [`Program`](crate::program::Program); what kernels are
+//! What is simplified and which values parameters have is said elsewhere; what kernels are
 //! asked about is not known here.
 
 use crate::simplified::{Form, ProgramError, Simplified};

@@ -7,7 +7,7 @@ use crate::domain::{Bounds, Loader, Term, ValueDomain};
 use crate::real::Real;
 use zeroset_interval::{Enclosure, Exponent, Fact, Interval, Machine};
 use zeroset_ir::Axis;
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Law, Op};
 
 /// An enclosure, and how smooth the expression is over the box.
 #[derive(Clone, Copy, Debug)]
@@ -71,50 +71,31 @@ fn smooth<T: Real, M: Machine>(
 ) -> Smooth<M::V> {
     let a = &operands[0];
     let continuous = value.continuous;
-    let (own_lipschitz, own_differentiable) = match op {
-        // Smooth throughout their domains, which are open, or flat or linear between jumps.
-        Op::Neg
-        | Op::Sign
-        | Op::Floor
-        | Op::Ceil
-        | Op::Round
-        | Op::Trunc
-        | Op::Fract
-        | Op::Sqr
-        | Op::Exp
-        | Op::Ln
-        | Op::Log2
-        | Op::Log10
-        | Op::Sin
-        | Op::Cos
-        | Op::Tan
-        | Op::Atan
-        | Op::Sinh
-        | Op::Cosh
-        | Op::Tanh
-        | Op::Asinh
-        | Op::Atanh
-        | Op::Add
-        | Op::Sub
-        | Op::Mul
-        | Op::Div
-        | Op::Mod
-        | Op::Atan2 => (continuous, continuous),
-        Op::Abs => (continuous, differs::<T, M>(m, a, 0.0)),
-        Op::Cbrt => both(differs::<T, M>(m, a, 0.0)),
-        Op::Sqrt => both(above::<T, M>(m, a, 0.0)),
-        Op::Acosh => both(above::<T, M>(m, a, 1.0)),
-        Op::Asin | Op::Acos => {
-            let above = above::<T, M>(m, a, -1.0);
-            both(below::<T, M>(m, a, 1.0).and(m, above))
+    let row = op.row();
+    let (own_lipschitz, own_differentiable) = match row.class {
+        Class::Negation
+        | Class::Sum
+        | Class::Product
+        | Class::Quotient
+        | Class::Square
+        | Class::Remainder => both(continuous),
+        Class::Function(_) | Class::FunctionOfTwo => {
+            let mut away = if row.corners.is_some() { Fact::True } else { Fact::False };
+            for &corner in row.corners.unwrap_or_default() {
+                let differs = differs::<T, M>(m, a, f64::from(corner));
+                away = away.and(m, differs);
+            }
+            // The slopes at the corner of a magnitude are 1 and −1; at other corners they are infinite.
+            let is_magnitude = row.class == Class::Function(Law::Magnitude);
+            (if is_magnitude { continuous } else { away }, away)
         }
-        Op::Pow => match operands[1].exponent {
-            Exponent::Integer(_) => (continuous, continuous),
+        Class::Power => match operands[1].exponent {
+            Exponent::Integer(_) => both(continuous),
             Exponent::Real => both(above::<T, M>(m, a, 0.0)),
             Exponent::LargeInteger { .. } => both(Fact::False),
         },
-        Op::Min | Op::Max => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
-        Op::SelectNegative => {
+        Class::Extremum => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
+        Class::Choice => {
             // The bounds of a choice that is defined in places only say nothing of the others.
             let defined = a.value.value.defined;
             let negative = below::<T, M>(m, a, 0.0).and(m, defined);
@@ -131,11 +112,7 @@ fn smooth<T: Real, M: Machine>(
             };
         }
         // Restricted to where the other operand allows it, and equal to the first there.
-        Op::Otherwise
-        | Op::WhereNonneg
-        | Op::WherePositive
-        | Op::WhereNonzero
-        | Op::WhereDefined => {
+        Class::Fallback | Class::Restriction(_) => {
             let defined = value.defined.and(m, a.value.value.defined);
             return Smooth {
                 value,
@@ -152,7 +129,6 @@ fn smooth<T: Real, M: Machine>(
     }
     Smooth { value, lipschitz, differentiable }
 }
-
 fn both<V: Copy>(fact: Fact<V>) -> (Fact<V>, Fact<V>) {
     (fact, fact)
 }

@@ -1,7 +1,10 @@
-//! The table of methods, from which command line, prompt, status line and JSON follow.
+//! The table of methods, from which command line, prompt, status line and JSON follow, and a file for each.
 
-use crate::knoll;
+mod knoll;
+
 use crate::method::Method;
+
+pub use knoll::STEPS;
 
 /// All methods; the first is the default.
 pub static METHODS: [Method; 1] = [knoll::METHOD];
