@@ -68,14 +68,12 @@ impl Driver<'_> {
             ray: self.rays.ray(column as usize, row as usize),
             to: f64::INFINITY,
         };
-        let (found, work) = self.follow(tiles, &segment, Start::Anywhere);
-        for (pixel, found) in found {
-            let ray = segment(pixel).ray;
-            let world = |t: f64| ray.distance(t);
-            buffer.set(
-                self.index(pixel),
-                &Found { distance: world(found.distance), drawn: world(found.drawn), ..found },
-            );
+        let mut work = Work::default();
+        for (found, part) in self.follow(tiles, &segment, Start::Anywhere) {
+            work += part;
+            for (pixel, found) in found {
+                buffer.set(self.index(pixel), &found);
+            }
         }
         work
     }
@@ -96,12 +94,15 @@ impl Driver<'_> {
             Segment { ray: Ray { origin, direction: way }, to: distance }
         };
         let tiles = painted.par_chunks(TILE * TILE).map(|tile| (self.places(tile), 0));
-        let (found, work) = self.follow(tiles, &segment, Start::OnSurface);
         for &pixel in &painted {
             buffer.shadow[pixel] = false;
         }
-        for (pixel, found) in found {
-            buffer.shadow[self.index(pixel)] = found.drawn.is_finite();
+        let mut work = Work::default();
+        for (found, part) in self.follow(tiles, &segment, Start::OnSurface) {
+            work += part;
+            for (pixel, found) in found {
+                buffer.shadow[self.index(pixel)] = found.drawn.is_finite();
+            }
         }
         work
     }
@@ -115,43 +116,39 @@ impl Driver<'_> {
         pixels.iter().map(|pixel| [(pixel % width) as u32, (pixel / width) as u32]).collect()
     }
 
-    /// Follows a ray for each pixel; returns what is no miss.
+    /// Follows a ray for each pixel; returns what is no miss, tile by tile, distances in world units.
     fn follow(
         &self,
         tiles: impl IndexedParallelIterator<Item = (Vec<Pixel>, usize)>,
         segment: &(impl Fn(Pixel) -> Segment + Sync),
         start: Start,
-    ) -> (Vec<(Pixel, Found)>, Work) {
-        let done: Vec<(Vec<(Pixel, Found)>, Work)> = tiles
-            .map(|(tile, size)| {
-                let mut work = Work::default();
-                let mut all = Vec::new();
-                if !(self.advance)(0) {
-                    return (all, work);
+    ) -> Vec<(Vec<(Pixel, Found)>, Work)> {
+        let follow = |(tile, size): (Vec<Pixel>, usize)| {
+            let (mut all, mut work) = (Vec::new(), Work::default());
+            if !(self.advance)(0) {
+                return (all, work);
+            }
+            let unset = Segment { ray: Ray { origin: DVec3::ZERO, direction: DVec3::Z }, to: 0.0 };
+            let (mut rays, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
+            for pixels in tile.chunks(RAYS) {
+                let (rays, found) = (&mut rays[..pixels.len()], &mut found[..pixels.len()]);
+                for (ray, &pixel) in rays.iter_mut().zip(pixels) {
+                    *ray = segment(pixel);
                 }
-                let unset =
-                    Segment { ray: Ray { origin: DVec3::ZERO, direction: DVec3::Z }, to: 0.0 };
-                let (mut rays, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
-                for pixels in tile.chunks(RAYS) {
-                    let (rays, found) = (&mut rays[..pixels.len()], &mut found[..pixels.len()]);
-                    for (ray, &pixel) in rays.iter_mut().zip(pixels) {
-                        *ray = segment(pixel);
+                self.tracer.follow(rays, start, found, &mut work);
+                for ((&pixel, found), Segment { ray, .. }) in pixels.iter().zip(found).zip(rays) {
+                    if *found != Found::MISS {
+                        let length = ray.distance(1.0);
+                        found.distance *= length;
+                        found.drawn *= length;
+                        all.push((pixel, *found));
                     }
-                    self.tracer.follow(rays, start, found, &mut work);
-                    let kept = pixels.iter().zip(found).filter(|(_, found)| **found != Found::MISS);
-                    all.extend(kept.map(|(&pixel, found)| (pixel, *found)));
                 }
-                (self.advance)(size);
-                (all, work)
-            })
-            .collect();
-        let mut work = Work::default();
-        let mut all = Vec::with_capacity(done.iter().map(|(found, _)| found.len()).sum());
-        for (found, part) in done {
-            work += part;
-            all.extend(found);
-        }
-        (all, work)
+            }
+            (self.advance)(size);
+            (all, work)
+        };
+        tiles.map(follow).collect()
     }
 }
 
