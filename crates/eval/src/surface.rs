@@ -105,6 +105,8 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     #[inline]
     fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
         self.function.ask(boxes, zeros);
+        // What a kernel leaves in lanes that are not in use has no meaning, and is asked no further.
+        zeros.possible &= u16::MAX >> (u16::BITS - boxes.count);
         if let Some(numerator) = &self.numerator
             && zeros.possible != 0
         {
@@ -136,4 +138,32 @@ fn ask_some<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes:
         spread.jumping |= (zeros.jumping >> from & 1) << lane;
     }
     spread
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Assumptions, Binding, Reference, Tape};
+    use zeroset_interval::Interval;
+    use zeroset_ir::{Axis, Graph};
+    use zeroset_ops::Op;
+
+    /// Lanes not in use hold zeros here, which are out of the domain: asking about them would be refused.
+    #[test]
+    fn lanes_that_are_not_in_use_are_asked_no_further() {
+        let mut graph = Graph::new();
+        let [x, y, _] = Axis::ALL.map(|axis| graph.variable(axis));
+        let root = graph.apply(Op::Sub, &[x, y]);
+        let domain = [Interval { lo: 1.0, hi: 2.0 }; 3];
+        let assumptions = Assumptions { domain, parameters: Vec::new() };
+        let tape = Tape::<f32>::new(&graph, &[root], &assumptions);
+        let kernel = || Box::new(Reference::<FindZeros>::new(tape.clone(), Binding::empty()));
+        let test = ZeroTest { function: kernel(), numerator: Some(kernel()), branches: None };
+        let at = |x: f64, y: f64| [x, y, 1.0].map(|c| Interval { lo: c, hi: c });
+        let mut places = [at(1.0, 2.0); 9];
+        places[4] = at(1.5, 1.5);
+        let mut zeros = Zeros::default();
+        test.ask(&Boxes::around(&places)[0], &mut zeros);
+        assert_eq!(zeros.possible, 1 << 4);
+    }
 }

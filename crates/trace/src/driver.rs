@@ -24,12 +24,15 @@ pub struct Driver<'a> {
     /// What follows them.
     pub tracer: &'a dyn Tracer,
     /// Told how many pixels were finished since it was last called; ends the work early by returning `false`. Pixels not
-    /// reached are then left as they were.
+    /// reached then stay as they were, in a new picture misses: it is of no use.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
 /// A pixel's column and row: an index would have to be divided again for each ray.
 type Pixel = [u32; 2];
+
+/// What became of a tile's rays, but for misses.
+type Findings = Vec<(Pixel, Found)>;
 
 impl Driver<'_> {
     /// Traces all pixels.
@@ -42,7 +45,13 @@ impl Driver<'_> {
             (squares(left, top, width, height), size)
         });
         let mut buffer = GBuffer::new(width, height, 0);
-        let work = self.scatter(tiles, &mut buffer);
+        let mut work = Work::default();
+        for (found, part) in
+            self.follow(tiles, &self.primary(), Start::Anywhere).into_iter().flatten()
+        {
+            work += part;
+            self.write(found, &mut buffer);
+        }
         (buffer, work)
     }
 
@@ -53,29 +62,33 @@ impl Driver<'_> {
     pub fn pixels(&self, pixels: &[usize], buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         let tiles = pixels.par_chunks(TILE * TILE).map(|tile| (self.places(tile), tile.len()));
-        for &pixel in pixels {
-            buffer.set(pixel, &Found::MISS);
-        }
-        self.scatter(tiles, buffer)
-    }
-
-    fn scatter(
-        &self,
-        tiles: impl IndexedParallelIterator<Item = (Vec<Pixel>, usize)>,
-        buffer: &mut GBuffer,
-    ) -> Work {
-        let segment = |[column, row]: Pixel| Segment {
-            ray: self.rays.ray(column as usize, row as usize),
-            to: f64::INFINITY,
-        };
         let mut work = Work::default();
-        for (found, part) in self.follow(tiles, &segment, Start::Anywhere) {
+        let done = self.follow(tiles, &self.primary(), Start::Anywhere);
+        for (tile, done) in pixels.chunks(TILE * TILE).zip(done) {
+            // A pixel that was not reached keeps what is known of it: to call it a miss would be a claim.
+            let Some((found, part)) = done else { continue };
             work += part;
-            for (pixel, found) in found {
-                buffer.set(self.index(pixel), &found);
+            for &pixel in tile {
+                buffer.set(pixel, &Found::MISS);
             }
+            self.write(found, buffer);
         }
         work
+    }
+
+    /// The rays through the pixels' centres.
+    fn primary(&self) -> impl Fn(Pixel) -> Segment + Sync {
+        let rays = *self.rays;
+        move |[column, row]| Segment {
+            ray: rays.ray(column as usize, row as usize),
+            to: f64::INFINITY,
+        }
+    }
+
+    fn write(&self, found: Findings, buffer: &mut GBuffer) {
+        for (pixel, found) in found {
+            buffer.set(self.index(pixel), &found);
+        }
     }
 
     /// Finds which painted points of `buffer` do not see the light. A ray starts `offset` away from its point (in world
@@ -98,7 +111,7 @@ impl Driver<'_> {
             buffer.shadow[pixel] = false;
         }
         let mut work = Work::default();
-        for (found, part) in self.follow(tiles, &segment, Start::OnSurface) {
+        for (found, part) in self.follow(tiles, &segment, Start::OnSurface).into_iter().flatten() {
             work += part;
             for (pixel, found) in found {
                 buffer.shadow[self.index(pixel)] = found.drawn.is_finite();
@@ -116,18 +129,19 @@ impl Driver<'_> {
         pixels.iter().map(|pixel| [(pixel % width) as u32, (pixel / width) as u32]).collect()
     }
 
-    /// Follows a ray for each pixel; returns what is no miss, tile by tile, distances in world units.
+    /// Follows a ray for each pixel; returns what is no miss, tile by tile, distances in world units. `None` for a tile
+    /// that was no longer wanted.
     fn follow(
         &self,
         tiles: impl IndexedParallelIterator<Item = (Vec<Pixel>, usize)>,
         segment: &(impl Fn(Pixel) -> Segment + Sync),
         start: Start,
-    ) -> Vec<(Vec<(Pixel, Found)>, Work)> {
+    ) -> Vec<Option<(Findings, Work)>> {
         let follow = |(tile, size): (Vec<Pixel>, usize)| {
-            let (mut all, mut work) = (Vec::new(), Work::default());
             if !(self.advance)(0) {
-                return (all, work);
+                return None;
             }
+            let (mut all, mut work) = (Vec::new(), Work::default());
             let unset = Segment { ray: Ray { origin: DVec3::ZERO, direction: DVec3::Z }, to: 0.0 };
             let (mut rays, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
             for pixels in tile.chunks(RAYS) {
@@ -146,7 +160,7 @@ impl Driver<'_> {
                 }
             }
             (self.advance)(size);
-            (all, work)
+            Some((all, work))
         };
         tiles.map(follow).collect()
     }

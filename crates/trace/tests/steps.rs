@@ -124,4 +124,9 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
             if [3, 9, 10].contains(&pixel) { whole.distance[pixel] } else { f64::INFINITY };
         assert_eq!(buffer.distance[pixel], expected, "{pixel}");
     }
+    // What is no longer wanted stays as it was: nothing is proven of it.
+    let before = buffer.clone();
+    let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| false };
+    driver.pixels(&[3, 9, 10], &mut buffer);
+    assert_eq!(buffer, before);
 }
