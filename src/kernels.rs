@@ -9,8 +9,9 @@ use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use zeroset_eval::{
-    Asked, Binding, Enclose, EncloseGradient, FindZeros, Kernel, KernelError, Kernels, Question,
-    Real, Reference, Sample, SampleGradient, Surface, Tape, ZeroTest,
+    Asked, Binding, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel,
+    KernelError, Kernels, Question, Real, Reference, Sample, SampleGradient, Surface, Tape,
+    ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::Compiled;
@@ -56,6 +57,10 @@ impl Made {
     /// Why a picture needs it.
     pub fn reason(&self) -> &'static str {
         match (self.form, self.question) {
+            (_, question) if question == ContractTiles::NAME => "to find the surface, tile by tile",
+            (_, question) if question == ContractSegments::NAME => {
+                "to find the surface, ray by ray"
+            }
             (Form::Function, question) if question == FindZeros::NAME => "to find the surface",
             (Form::Function, question) if question == Sample::NAME => "for normals by differences",
             (Form::Function, _) => "to tell inside from outside",
@@ -143,6 +148,10 @@ struct Codes<T: Real> {
     bounds: Slot<Enclose, T>,
     numerator: Slot<Enclose, T>,
     denominator: Slot<Enclose, T>,
+    segments: Slot<ContractSegments, T>,
+    numerator_segments: Slot<ContractSegments, T>,
+    tiles: Slot<ContractTiles, T>,
+    numerator_tiles: Slot<ContractTiles, T>,
     gradient_bounds: Slot<EncloseGradient, T>,
     values: Slot<Sample, T>,
     gradients: Slot<SampleGradient, T>,
@@ -161,6 +170,8 @@ struct Bindings<T: Real> {
     zeros: Once<Bound<FindZeros, T>>,
     bounds: Once<Bound<Enclose, T>>,
     cleared: Once<Option<[Bound<Enclose, T>; 2]>>,
+    segments: Once<Bound<ContractSegments, T>>,
+    tiles: Once<Bound<ContractTiles, T>>,
     gradient_bounds: Once<Bound<EncloseGradient, T>>,
     values: Once<Bound<Sample, T>>,
     gradients: Once<Bound<SampleGradient, T>>,
@@ -288,6 +299,8 @@ impl<T: Real> Bindings<T> {
             zeros: OnceLock::new(),
             bounds: OnceLock::new(),
             cleared: OnceLock::new(),
+            segments: OnceLock::new(),
+            tiles: OnceLock::new(),
             gradient_bounds: OnceLock::new(),
             values: OnceLock::new(),
             gradients: OnceLock::new(),
@@ -307,6 +320,22 @@ impl<T: Real> Bindings<T> {
             return Ok(function);
         }
         Ok(Box::new(ZeroTest { function, numerator, branches }))
+    }
+
+    /// A kernel of the cleared form's numerator, or of the function where there is none.
+    fn without_poles<Q: Question>(
+        &self,
+        numerator: &Slot<Q, T>,
+        function: &Slot<Q, T>,
+    ) -> Result<Bound<Q, T>, KernelError> {
+        let source = &self.source;
+        // The boundary of a solid is also where its function changes sign at a pole.
+        if !source.simplified.solid[source.surface]
+            && let Some(cleared) = source.bind(numerator, Form::Numerator)?
+        {
+            return Ok(cleared);
+        }
+        source.bind_always(function, Form::Function)
     }
 
     fn both_of_cleared(&self) -> Result<Option<[Bound<Enclose, T>; 2]>, KernelError> {
@@ -333,6 +362,18 @@ impl<T: Real> Kernels<T> for Bindings<T> {
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         let both = known(self.cleared.get_or_init(|| self.both_of_cleared()))?;
         Ok(both.as_ref().map(|[numerator, denominator]| [&**numerator, &**denominator]))
+    }
+
+    fn segments(&self) -> Asked<'_, ContractSegments, T> {
+        let Codes { numerator_segments, segments, .. } = &*self.codes;
+        let make = || self.without_poles(numerator_segments, segments);
+        Ok(&**known(self.segments.get_or_init(make))?)
+    }
+
+    fn tiles(&self) -> Asked<'_, ContractTiles, T> {
+        let Codes { numerator_tiles, tiles, .. } = &*self.codes;
+        let make = || self.without_poles(numerator_tiles, tiles);
+        Ok(&**known(self.tiles.get_or_init(make))?)
     }
 
     fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T> {

@@ -99,6 +99,8 @@ macro_rules! output {
 output!(Enclosures<T>: nowhere, defined, continuous);
 output!(Zeros: possible, unbounded, jumping);
 output!(GradientEnclosures<T>: lipschitz, differentiable);
+output!(Contractions<T>: possible, crossing);
+output!(Planes<T>: possible, crossing);
 output!(Values<T>:);
 output!(Gradients<T>:);
 
@@ -123,6 +125,95 @@ batch! {
         ;
         /// Lanes in use.
         count: u32,
+    }
+}
+
+batch! {
+    /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. Each coordinate of the real point is
+    /// within `error` of that for the real numbers that these floats are.
+    Segments {
+        /// Per axis, where t is 0.
+        origin: [Lanes<T>; 3] = 3,
+        /// Per axis, the way from t to t + 1.
+        direction: [Lanes<T>; 3] = 3,
+        /// Per axis, how far the point may be off.
+        error: [Lanes<T>; 3] = 3,
+        /// The lower end.
+        near: Lanes<T> = 1,
+        /// The upper end.
+        far: Lanes<T> = 1,
+        ;
+        /// Lanes in use.
+        count: u32,
+    }
+}
+
+batch! {
+    /// Tiles of rays, each a segment deep: the points o + a·oₐ + b·o_b + t·(d + a·dₐ + b·d_b), for screen coordinates (a, b)
+    /// within `half` of `centre`, and t from `near` to `far`. As in [`Segments`], within `error`.
+    ///
+    /// The frame of the picture is the same in all lanes.
+    Tiles {
+        /// The screen coordinates of the tile's centre.
+        centre: [Lanes<T>; 2] = 2,
+        /// How far the tile reaches on either side of it.
+        half: [Lanes<T>; 2] = 2,
+        /// The lower end of t.
+        near: Lanes<T> = 1,
+        /// The upper end.
+        far: Lanes<T> = 1,
+        /// o, oₐ and o_b; per axis.
+        origin: [Lanes<T>; 9] = 9,
+        /// d, dₐ and d_b; per axis.
+        direction: [Lanes<T>; 9] = 9,
+        /// Per axis, how far the point may be off.
+        error: [Lanes<T>; 3] = 3,
+        ;
+        /// Lanes in use.
+        count: u32,
+    }
+}
+
+batch! {
+    /// Where zeros may lie on segments. Masks have a bit per lane, the lowest for the first.
+    Contractions {
+        /// The lower end of the part that may hold zeros.
+        near: Lanes<T> = 1,
+        /// Its upper end.
+        far: Lanes<T> = 1,
+        ;
+        /// Lanes that may have a zero: where the bit is clear, there is none in the part of the segment that lies in the
+        /// domain.
+        possible: u16,
+        /// Lanes in which, if all of the segment lies in the domain, the function is continuous on it, and its values at
+        /// the two ends have opposite signs, neither of them 0.
+        crossing: u16,
+    }
+}
+
+batch! {
+    /// Where zeros may lie in tiles, and by what linear function: with symbols εₐ, ε_b and ε from −1 to 1 for the two screen
+    /// axes and for t = `middle` + `half`·ε, the function's value is within `error` of `value` + Σ `slope`·ε.
+    Planes {
+        /// The lower end of the part of t that may hold zeros, on any ray of the tile.
+        near: Lanes<T> = 1,
+        /// Its upper end.
+        far: Lanes<T> = 1,
+        /// In the centre of the tile.
+        value: Lanes<T> = 1,
+        /// What a symbol adds: the two screen axes, then t.
+        slope: [Lanes<T>; 3] = 3,
+        /// How far the function may be off.
+        error: Lanes<T> = 1,
+        /// The middle of the segment.
+        middle: Lanes<T> = 1,
+        /// At least half its length.
+        half: Lanes<T> = 1,
+        ;
+        /// As in [`Contractions`], for all rays of the tile.
+        possible: u16,
+        /// As in [`Contractions`], on every ray of the tile.
+        crossing: u16,
     }
 }
 
@@ -296,6 +387,25 @@ impl<T: Real> Input<T> for Points<T> {
         true
     }
 }
+
+macro_rules! rays {
+    ($name:ident) => {
+        impl<T: Real> Input<T> for $name<T> {
+            #[inline]
+            fn count(&self) -> usize {
+                self.count as usize
+            }
+
+            /// What is answered holds for those points that lie in the domain.
+            fn is_within(&self, _: &[Interval; 3]) -> bool {
+                true
+            }
+        }
+    };
+}
+
+rays!(Segments);
+rays!(Tiles);
 
 mod sealed {
     pub trait Sealed {}

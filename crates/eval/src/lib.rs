@@ -11,6 +11,7 @@ mod binding;
 mod branches;
 mod differentiable;
 mod domain;
+mod forms;
 mod lanes;
 mod question;
 mod real;
@@ -19,13 +20,15 @@ mod surface;
 mod tape;
 
 pub use batch::{
-    Batch, Boxes, Enclosures, GradientEnclosures, Gradients, Input, Output, Points, Values, Zeros,
+    Batch, Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output, Planes,
+    Points, Segments, Tiles, Values, Zeros,
 };
 pub use binding::Binding;
 pub use domain::{Loader, Term, ValueDomain};
 pub use lanes::{LANES, Lanes};
 pub use question::{
-    Answer, Enclose, EncloseGradient, FindZeros, Kernel, Question, Sample, SampleGradient,
+    Answer, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Question,
+    Sample, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;

@@ -4,15 +4,18 @@
 //! the domain, parameters within their ranges. Debug builds assert that.
 
 use crate::batch::{
-    Boxes, Enclosures, GradientEnclosures, Gradients, Input, Output, Points, Values, Zeros,
+    Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output, Planes, Points,
+    Segments, Tiles, Values, Zeros,
 };
 use crate::binding::Binding;
 use crate::differentiable::Differentiable;
 use crate::domain::{Bounds, Loader, Samples};
+use crate::forms::{Across, Along, Ends, Forms};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
-use zeroset_interval::{Enclosure, Fact, Machine};
+use std::marker::PhantomData;
+use zeroset_interval::{Enclosure, Fact, Machine, contract};
 
 /// A question, as a type without values.
 pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
@@ -111,6 +114,14 @@ pub struct FindZeros;
 #[derive(Clone, Copy, Debug)]
 pub struct EncloseGradient;
 
+/// Between which ends of a segment of a ray do all zeros lie that it has in the domain, and do its ends prove one?
+#[derive(Clone, Copy, Debug)]
+pub struct ContractSegments;
+
+/// As [`ContractSegments`], for all rays of a tile at once, and by what linear function.
+#[derive(Clone, Copy, Debug)]
+pub struct ContractTiles;
+
 /// About what is the function's value at a point? Computed in `T` rounded up; no error bound is claimed.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample;
@@ -194,6 +205,50 @@ impl Question for EncloseGradient {
     }
 }
 
+impl Question for ContractSegments {
+    const NAME: &'static str = "segments";
+    const OUTPUTS: usize = 1;
+    type Input<T: Real> = Segments<T>;
+    type Output<T: Real> = Contractions<T>;
+
+    fn answer<T: Real, M: Machine>(
+        tape: &Tape<T>,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+    ) -> Answer<M::V> {
+        let ends = Ends::load(m, T::FORMAT, loader, Along::<M::V>::ENDS);
+        let path = Along::new(&ends);
+        let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
+        let Ends { ends, middle, half } = ends;
+        let new = contract(m, T::FORMAT, &form, [middle, half], ends);
+        Answer { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
+    }
+}
+
+impl Question for ContractTiles {
+    const NAME: &'static str = "tiles";
+    const OUTPUTS: usize = 1;
+    type Input<T: Real> = Tiles<T>;
+    type Output<T: Real> = Planes<T>;
+
+    fn answer<T: Real, M: Machine>(
+        tape: &Tape<T>,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+    ) -> Answer<M::V> {
+        let ends = Ends::load(m, T::FORMAT, loader, Across::<M::V>::ENDS);
+        let path = Across::load(m, loader, &ends);
+        let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
+        let Ends { ends, middle, half } = ends;
+        let new = contract(m, T::FORMAT, &form, [middle, half], ends);
+        let zero = m.number(T::FORMAT, 0.0);
+        let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
+        let error = form.error.unwrap_or(zero);
+        let quantities = vec![new.near, new.far, form.centre, a, b, depth, error, middle, half];
+        Answer { quantities, masks: vec![new.possible, new.crossing] }
+    }
+}
+
 /// Samples of all that a tape computes.
 fn samples<T: Real, M: Machine>(
     tape: &Tape<T>,
@@ -238,6 +293,8 @@ mod sealed {
     impl Sealed for super::Enclose {}
     impl Sealed for super::FindZeros {}
     impl Sealed for super::EncloseGradient {}
+    impl Sealed for super::ContractSegments {}
+    impl Sealed for super::ContractTiles {}
     impl Sealed for super::Sample {}
     impl Sealed for super::SampleGradient {}
 }

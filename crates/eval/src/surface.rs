@@ -1,7 +1,10 @@
 //! One function as a method sees it: the kernels that answer for it.
 
 use crate::batch::{Boxes, Zeros};
-use crate::question::{Enclose, EncloseGradient, FindZeros, Kernel, Sample, SampleGradient};
+use crate::question::{
+    ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Sample,
+    SampleGradient,
+};
 use crate::real::Real;
 use std::error::Error;
 use std::fmt;
@@ -43,6 +46,14 @@ pub trait Kernels<T: Real>: Sync {
     /// is defined, it vanishes where the numerator does and the denominator does not, and it has its poles where the
     /// denominator vanishes.
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
+        Err(Arc::new(Unanswered))
+    }
+    /// Contractions of segments of rays: of the numerator of the function's cleared form, if it has one, else of the function.
+    fn segments(&self) -> Asked<'_, ContractSegments, T> {
+        Err(Arc::new(Unanswered))
+    }
+    /// Contractions of tiles of rays, of the same function as [`Kernels::segments`].
+    fn tiles(&self) -> Asked<'_, ContractTiles, T> {
         Err(Arc::new(Unanswered))
     }
     /// Bounds of function and gradient.

@@ -24,5 +24,8 @@ pub use facts::Facts;
 pub use fold::{Decorated, fold};
 pub use machine::{Format, Machine};
 pub use point::{evaluate, evaluate_twins};
+pub use rules::affine::{
+    Claims, Contraction, Form, FormOperand, contract, linearise, linearise_twins,
+};
 pub use rules::{enclose, enclose_branch, enclose_twins};
 pub use software::{Software, Vector128};

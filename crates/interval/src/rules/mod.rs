@@ -3,6 +3,7 @@
 //! A rule may assume what [`Operand::range`] states, and only that; it is then sound for every box.
 //! Where an operand may be infinite, rules close each bound so that no NaN leaves them.
 
+pub mod affine;
 mod arithmetic;
 mod choice;
 mod elementary;

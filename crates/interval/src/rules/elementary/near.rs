@@ -84,6 +84,16 @@ impl<M: Machine> Rule<'_, M> {
         [sin, cos].map(|[neg_lo, hi]| Enclosure { neg_lo, hi, ..a.value })
     }
 
+    /// Sine and cosine of one number up to the limit.
+    pub(crate) fn near_waves_of_point(&mut self, x: M::V) -> [Enclosure<M::V>; 2] {
+        let End { sin, cos, .. } = self.near_end(x);
+        let one = self.number(1.0);
+        [sin, cos].map(|bounds| {
+            let [neg_lo, hi] = bounds.map(|bound| self.m.min(bound, one));
+            Enclosure::total(neg_lo, hi)
+        })
+    }
+
     /// (−lo, hi) over the interval from those at its ends, and from where it has a minimum and a
     /// maximum.
     fn near_wave(&mut self, [at_lo, at_hi]: [[M::V; 2]; 2], extrema: [M::V; 2]) -> [M::V; 2] {

@@ -1,0 +1,160 @@
+//! Affine forms along rays: the domain of values in which segments are narrowed.
+
+use crate::domain::{Loader, PARAMETER_QUANTITIES, Term, ValueDomain};
+use crate::real::Real;
+use std::marker::PhantomData;
+use zeroset_interval::{
+    Enclosure, Form, FormOperand, Format, Interval, Machine, linearise, linearise_twins,
+};
+use zeroset_ir::Axis;
+use zeroset_ops::Op;
+
+/// How coordinates depend on `N` symbols, of which the last is the way along a ray.
+pub(crate) trait Path<M: Machine, const N: usize> {
+    /// A coordinate's form.
+    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, N>;
+}
+
+/// Segments of rays, from a batch of [`Segments`](crate::Segments).
+pub(crate) struct Along<V> {
+    middle: V,
+    half: V,
+}
+
+/// Tiles of rays, from a batch of [`Tiles`](crate::Tiles).
+pub(crate) struct Across<V> {
+    centre: [V; 2],
+    reach: [V; 2],
+    middle: V,
+    half: V,
+}
+
+/// Affine forms of points on a path.
+pub(crate) struct Forms<'a, T, I, P, const N: usize> {
+    pub loader: &'a mut I,
+    pub path: P,
+    pub format: PhantomData<T>,
+}
+
+/// The ends of a segment, and its middle and half: t is within `middle` ± `half` for t from the one end to the other.
+pub(crate) struct Ends<V> {
+    pub ends: [V; 2],
+    pub middle: V,
+    pub half: V,
+}
+
+impl<V: Copy> Ends<V> {
+    /// Reads the ends from quantities of the input.
+    pub fn load<M: Machine<V = V>>(
+        m: &mut M,
+        format: Format,
+        loader: &mut impl Loader<M>,
+        quantities: [usize; 2],
+    ) -> Self {
+        let ends = quantities.map(|quantity| loader.input(m, quantity));
+        let sum = m.add(ends[0], ends[1]);
+        let half = m.number(format, 0.5);
+        let middle = m.mul(sum, half);
+        let (after, before) = (m.sub(ends[1], middle), m.sub(middle, ends[0]));
+        Self { ends, middle, half: m.max(after, before) }
+    }
+}
+
+impl<V: Copy> Along<V> {
+    /// The places of the ends among the quantities.
+    pub const ENDS: [usize; 2] = [9, 10];
+
+    pub fn new(ends: &Ends<V>) -> Self {
+        Self { middle: ends.middle, half: ends.half }
+    }
+}
+
+impl<M: Machine> Path<M, 1> for Along<M::V> {
+    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, 1> {
+        let [origin, direction, error] =
+            [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
+        let way = m.mul(self.middle, direction);
+        let centre = m.add(origin, way);
+        Form::coordinate(centre, [m.mul(self.half, direction)], error)
+    }
+}
+
+impl<V: Copy> Across<V> {
+    /// The places of the ends among the quantities.
+    pub const ENDS: [usize; 2] = [4, 5];
+
+    pub fn load<M: Machine<V = V>>(m: &mut M, loader: &mut impl Loader<M>, ends: &Ends<V>) -> Self {
+        let centre = [0, 1].map(|quantity| loader.input(m, quantity));
+        let reach = [2, 3].map(|quantity| loader.input(m, quantity));
+        Self { centre, reach, middle: ends.middle, half: ends.half }
+    }
+}
+
+impl<M: Machine> Path<M, 3> for Across<M::V> {
+    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, 3> {
+        let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
+        let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
+        let error = loader.input(m, 24 + axis as usize);
+        let mut through_centre = |base, a, b| {
+            let (a, b) = (m.mul(self.centre[0], a), m.mul(self.centre[1], b));
+            let sum = m.add(base, a);
+            m.add(sum, b)
+        };
+        let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
+        let way = m.mul(self.middle, direction);
+        let centre = m.add(origin, way);
+        let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
+            let way = m.mul(self.middle, d);
+            let per_unit = m.add(o, way);
+            m.mul(self.reach[axis], per_unit)
+        });
+        let depth = m.mul(self.half, direction);
+        // Screen and depth together: rays spread.
+        let [spread_a, spread_b] = [(d_a, 0), (d_b, 1)].map(|(d, axis)| {
+            let size = m.abs(d);
+            m.mul(self.reach[axis], size)
+        });
+        let spread = m.add(spread_a, spread_b);
+        let spread = m.mul(self.half, spread);
+        Form::coordinate(centre, [across, upward, depth], m.add(spread, error))
+    }
+}
+
+impl<T: Real, M: Machine, I: Loader<M>, P: Path<M, N>, const N: usize> ValueDomain<T, M>
+    for Forms<'_, T, I, P, N>
+{
+    type Value = Form<M::V, N>;
+
+    fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value {
+        self.path.coordinate(m, self.loader, axis)
+    }
+
+    fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value {
+        let [neg_lo, hi] =
+            [0, 1].map(|end| self.loader.parameter(m, PARAMETER_QUANTITIES * number + end));
+        Form::between(m, T::FORMAT, &Enclosure::total(neg_lo, hi))
+    }
+
+    fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value {
+        let (neg_lo, hi) = (m.number(T::FORMAT, -bounds.lo), m.number(T::FORMAT, bounds.hi));
+        Form::between(m, T::FORMAT, &Enclosure::total(neg_lo, hi))
+    }
+
+    fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value {
+        let operands: Vec<_> = operands.iter().map(operand).collect();
+        linearise(m, T::FORMAT, op, &operands)
+    }
+
+    fn apply_twins(
+        &mut self,
+        m: &mut M,
+        op: Op,
+        term: &Term<Self::Value>,
+    ) -> Option<[Self::Value; 2]> {
+        linearise_twins(m, T::FORMAT, op, &operand(term))
+    }
+}
+
+fn operand<V: Copy, const N: usize>(term: &Term<Form<V, N>>) -> FormOperand<V, N> {
+    FormOperand { value: term.value, range: term.range, exponent: term.exponent }
+}

@@ -1,0 +1,388 @@
+//! Forms of sums, products and quotients.
+//!
+//! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result, a product also by the least number. So
+//! what a form's centre and slopes round, all together, is below a small number of units of the sum of their magnitudes;
+//! the factors here are rounded up to have room for the rounding of that sum itself.
+
+use super::{Claims, Form, FormOperand};
+use crate::bounds::Interval;
+use crate::branch::Branch;
+use crate::enclosure::{Enclosure, Exponent};
+use crate::machine::Machine;
+use crate::rules::{Base, Rule};
+use zeroset_ops::Op;
+
+impl<M: Machine> Rule<'_, M> {
+    pub(super) fn form_neg<const N: usize>(&mut self, a: &Form<M::V, N>) -> Form<M::V, N> {
+        Form {
+            centre: self.m.neg(a.centre),
+            slopes: a.slopes.map(|slopes| slopes.map(|slope| self.m.neg(slope))),
+            bounds: a.bounds.map(|[neg_lo, hi]| [hi, neg_lo]),
+            ..*a
+        }
+    }
+
+    pub(super) fn form_neg_operand<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+    ) -> FormOperand<M::V, N> {
+        let range = Interval { lo: -a.range.hi, hi: -a.range.lo };
+        FormOperand { value: self.form_neg(&a.value), range, exponent: Exponent::Real }
+    }
+
+    /// `error` plus `units` units of `magnitude`.
+    pub(super) fn rounded(&mut self, error: Option<M::V>, units: f64, magnitude: M::V) -> M::V {
+        let units = self.number(units * self.unit());
+        let rounding = self.m.mul(magnitude, units);
+        match error {
+            Some(error) => self.m.add(error, rounding),
+            None => rounding,
+        }
+    }
+
+    pub(super) fn form_sum<const N: usize>(
+        &mut self,
+        a: &Form<M::V, N>,
+        b: &Form<M::V, N>,
+    ) -> Form<M::V, N> {
+        let centre = self.m.add(a.centre, b.centre);
+        let slopes = match (a.slopes, b.slopes) {
+            (Some(a), Some(b)) => Some(std::array::from_fn(|k| self.m.add(a[k], b[k]))),
+            (a, b) => a.or(b),
+        };
+        let (a_magnitude, b_magnitude) = (self.magnitude_of(a), self.magnitude_of(b));
+        let magnitude = self.m.add(a_magnitude, b_magnitude);
+        let error = self.sum_of(a.error, b.error);
+        Form {
+            centre,
+            slopes,
+            error: Some(self.rounded(error, 1.25, magnitude)),
+            magnitude: Some(magnitude),
+            bounds: match (a.bounds, b.bounds) {
+                (Some(a), Some(b)) => Some([self.m.add(a[0], b[0]), self.m.add(a[1], b[1])]),
+                _ => None,
+            },
+            facts: a.facts.and(self.m, &b.facts),
+        }
+    }
+
+    pub(super) fn form_product<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+        b: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        if a.value.slopes.is_none() {
+            return self.form_product(b, a);
+        }
+        let (a_bounds, b_bounds) = (a.value.bounds, b.value.bounds);
+        let bounds = match (a_bounds, b_bounds) {
+            (Some(_), Some(_)) => {
+                let (a, b) = (self.operand(a), self.operand(b));
+                let value = self.mul(&a, &b);
+                Some([value.neg_lo, value.hi])
+            }
+            _ => None,
+        };
+        let facts = a.value.facts.and(self.m, &b.value.facts);
+        let form = match b.value.slopes {
+            None => self.form_scaled(&a.value, b),
+            Some(_) => self.form_product_varying(&a.value, &b.value),
+        };
+        Form { bounds, facts, ..form }
+    }
+
+    /// A form times a value that depends on no symbol.
+    fn form_scaled<const N: usize>(
+        &mut self,
+        a: &Form<M::V, N>,
+        factor: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        let b = &factor.value;
+        let slopes = a.slopes.map(|slopes| slopes.map(|slope| self.m.mul(slope, b.centre)));
+        let size = match factor.range.singleton() {
+            Some(number) => self.number(number.abs()),
+            None => self.m.abs(b.centre),
+        };
+        let a_magnitude = self.magnitude_of(a);
+        let magnitude = self.m.mul(a_magnitude, size);
+        let mut error = a.error.map(|error| self.m.mul(error, size));
+        if factor.range.singleton().is_none()
+            && let Some(factor_error) = b.error
+        {
+            // All of a, its error too, times what the factor may be off by.
+            let most = match a.error {
+                Some(error) => self.m.add(a_magnitude, error),
+                None => a_magnitude,
+            };
+            let off = self.m.mul(most, factor_error);
+            error = self.sum_of(error, Some(off));
+        }
+        let tiny = self.tiny();
+        let error = self.sum_of(error, Some(tiny));
+        Form {
+            centre: self.m.mul(a.centre, b.centre),
+            slopes,
+            error: Some(self.rounded(error, 1.25, magnitude)),
+            magnitude: Some(magnitude),
+            ..*a
+        }
+    }
+
+    fn form_product_varying<const N: usize>(
+        &mut self,
+        a: &Form<M::V, N>,
+        b: &Form<M::V, N>,
+    ) -> Form<M::V, N> {
+        let (a_slopes, b_slopes) = (a.slopes.expect("it varies"), b.slopes.expect("it varies"));
+        let [a_spread, b_spread] = [a, b].map(|form| self.spread(form).expect("it varies"));
+        let [a_size, b_size] = [a, b].map(|form| self.m.abs(form.centre));
+        let a_magnitude = self.m.add(a_size, a_spread);
+        let b_magnitude = self.m.add(b_size, b_spread);
+        // The square of the last symbol, depth, is within [0, 1]: half its product is the middle.
+        let depth = self.m.mul(a_slopes[N - 1], b_slopes[N - 1]);
+        let half = self.number(0.5);
+        let middle = self.m.mul(depth, half);
+        let centre = self.m.mul(a.centre, b.centre);
+        let centre = self.m.add(centre, middle);
+        let slopes = std::array::from_fn(|k| {
+            let first = self.m.mul(a.centre, b_slopes[k]);
+            let second = self.m.mul(b.centre, a_slopes[k]);
+            self.m.add(first, second)
+        });
+        // Of all products of symbols, the half that is now in the centre need not be counted, but for its rounding.
+        let size = self.m.abs(depth);
+        let error = if N == 1 {
+            self.m.mul(size, half)
+        } else {
+            let spreads = self.m.mul(a_spread, b_spread);
+            let share = self.number(-0.5 * (1.0 - 8.0 * self.unit()));
+            let counted = self.m.mul(size, share);
+            self.m.add(spreads, counted)
+        };
+        let mut error = error;
+        let mut b_most = b_magnitude;
+        if let Some(b_error) = b.error {
+            let off = self.m.mul(a_magnitude, b_error);
+            error = self.m.add(error, off);
+            b_most = self.m.add(b_magnitude, b_error);
+        }
+        if let Some(a_error) = a.error {
+            let off = self.m.mul(a_error, b_most);
+            error = self.m.add(error, off);
+        }
+        let tiny = self.tiny();
+        let error = self.m.add(error, tiny);
+        let magnitude = self.m.mul(a_magnitude, b_magnitude);
+        Form {
+            centre,
+            slopes: Some(slopes),
+            error: Some(self.rounded(Some(error), 3.0, magnitude)),
+            magnitude: Some(magnitude),
+            bounds: None,
+            facts: Claims::TOTAL,
+        }
+    }
+
+    pub(super) fn form_square<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        let form = self.form_square_of(&a.value);
+        let bounds = a.value.bounds.map(|_| {
+            let a = self.operand(a);
+            let value = self.sqr(&a);
+            [value.neg_lo, value.hi]
+        });
+        Form { bounds, ..form }
+    }
+
+    /// The square, its bounds left out. (c + S)² = c² + 2c·S + S², and S² is within [0, R²] for R the sum of |slopes|.
+    fn form_square_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> Form<M::V, N> {
+        let slopes = a.slopes.expect("it varies");
+        let spread = self.spread(a).expect("it varies");
+        let size = self.m.abs(a.centre);
+        let most = self.m.add(size, spread);
+        let half = self.number(0.5);
+        let curved = self.m.mul(spread, spread);
+        let curved = self.m.mul(curved, half);
+        let centre = self.m.mul(a.centre, a.centre);
+        let twice = self.m.add(a.centre, a.centre);
+        let magnitude = self.m.mul(most, most);
+        let tiny = self.tiny();
+        let mut error = self.m.add(curved, tiny);
+        if let Some(a_error) = a.error {
+            let both = self.m.add(most, most);
+            let both = self.m.add(both, a_error);
+            let off = self.m.mul(a_error, both);
+            error = self.m.add(error, off);
+        }
+        Form {
+            centre: self.m.add(centre, curved),
+            slopes: Some(slopes.map(|slope| self.m.mul(twice, slope))),
+            error: Some(self.rounded(Some(error), 3.0, magnitude)),
+            magnitude: Some(magnitude),
+            bounds: None,
+            facts: a.facts,
+        }
+    }
+
+    /// Quotients are products with a reciprocal.
+    pub(super) fn form_quotient<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+        b: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        let (a_bounds, b_bounds) = (self.operand(a), self.operand(b));
+        let value = self.div(&a_bounds, &b_bounds);
+        let reciprocal = self.form_reciprocal(&b.value, &b_bounds.value);
+        let form = match (a.value.slopes, reciprocal.slopes) {
+            (Some(_), Some(_)) => self.form_product_varying(&a.value, &reciprocal),
+            (Some(_), None) => {
+                let factor = FormOperand { value: reciprocal, ..*b };
+                let factor = FormOperand { range: Interval::ENTIRE, ..factor };
+                self.form_scaled(&a.value, &factor)
+            }
+            (None, _) => {
+                let factor = FormOperand { range: Interval::ENTIRE, ..*a };
+                self.form_scaled(&reciprocal, &factor)
+            }
+        };
+        self.beside(&form, &value)
+    }
+
+    /// 1/b over [lo, hi] above 0: 1/x + βx is at most its greater end value, and at least 2√β. Below 0 the mirror image;
+    /// where b may be 0 nothing is claimed, by an infinite error.
+    fn form_reciprocal<const N: usize>(
+        &mut self,
+        b: &Form<M::V, N>,
+        bounds: &Enclosure<M::V>,
+    ) -> Form<M::V, N> {
+        let (zero, one) = (self.zero(), self.number(1.0));
+        let below = self.m.lt(bounds.hi, bounds.neg_lo);
+        let lo = self.m.neg(bounds.neg_lo);
+        let opposite = self.m.neg(bounds.hi);
+        let near = self.m.select(below, opposite, lo);
+        let far = self.m.select(below, bounds.neg_lo, bounds.hi);
+        let product = self.m.mul(near, far);
+        let steep = self.m.div(one, product);
+        let [at_near, at_far] = [near, far].map(|end| {
+            let inverse = self.m.div(one, end);
+            let linear = self.m.mul(steep, end);
+            self.m.add(inverse, linear)
+        });
+        let most = self.m.max(at_near, at_far);
+        // −2√β rounded up: −β over √β rounded up.
+        let root = self.m.sqrt(steep);
+        let negated = self.m.neg(steep);
+        let negated = self.m.div(negated, root);
+        let neg_least = self.m.add(negated, negated);
+        let (middle, half) = self.middle(neg_least, most);
+        let opposite = self.m.neg(middle);
+        let middle = self.m.select(below, opposite, middle);
+        let slope = self.m.neg(steep);
+        let form = self.form_line(b, slope, middle, half);
+        let apart = self.gt(near, zero);
+        let infinity = self.infinity();
+        let error = form.error.map(|error| self.m.select(apart, error, infinity));
+        Form { error, ..form }
+    }
+
+    /// slope·a + middle ± half.
+    pub(super) fn form_line<const N: usize>(
+        &mut self,
+        a: &Form<M::V, N>,
+        slope: M::V,
+        middle: M::V,
+        half: M::V,
+    ) -> Form<M::V, N> {
+        let size = self.m.abs(slope);
+        let a_magnitude = self.magnitude_of(a);
+        let magnitude = self.m.mul(a_magnitude, size);
+        let offset = self.m.abs(middle);
+        let magnitude = self.m.add(magnitude, offset);
+        let centre = self.m.mul(a.centre, slope);
+        let mut error = half;
+        if let Some(a_error) = a.error {
+            let carried = self.m.mul(a_error, size);
+            error = self.m.add(error, carried);
+        }
+        let tiny = self.tiny();
+        let error = self.m.add(error, tiny);
+        Form {
+            centre: self.m.add(centre, middle),
+            slopes: a.slopes.map(|slopes| slopes.map(|part| self.m.mul(part, slope))),
+            error: Some(self.rounded(Some(error), 2.5, magnitude)),
+            magnitude: Some(magnitude),
+            bounds: None,
+            facts: a.facts,
+        }
+    }
+
+    /// Powers with whole exponents are products; others are exp(b·ln a).
+    pub(super) fn form_power<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+        b: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        let (base, exponent) = (self.operand(a), self.operand(b));
+        let value = self.pow(&base, &exponent, Branch::Whole);
+        let form = match b.exponent {
+            Exponent::Integer(n)
+                if n.unsigned_abs() <= 64 && n != 0 && a.value.slopes.is_some() =>
+            {
+                let power = self.form_whole_power(&a.value, n.unsigned_abs());
+                if n > 0 {
+                    power
+                } else {
+                    let whole = Interval::ENTIRE;
+                    let operand =
+                        FormOperand { value: power, range: whole, exponent: Exponent::Real };
+                    let bounds = self.operand(&operand);
+                    self.form_reciprocal(&power, &bounds.value)
+                }
+            }
+            Exponent::Real => self.form_real_power(a, b),
+            Exponent::Integer(_) | Exponent::LargeInteger { .. } => {
+                return self.form_between(&value);
+            }
+        };
+        self.beside(&form, &value)
+    }
+
+    fn form_whole_power<const N: usize>(&mut self, a: &Form<M::V, N>, n: u32) -> Form<M::V, N> {
+        let (mut result, mut square, mut rest) = (None, *a, n);
+        loop {
+            if rest & 1 == 1 {
+                result = Some(match result {
+                    None => square,
+                    Some(result) => self.form_product_varying(&result, &square),
+                });
+            }
+            rest >>= 1;
+            if rest == 0 {
+                return result.expect("an exponent above 0");
+            }
+            square = self.form_square_of(&square);
+        }
+    }
+
+    /// exp(b·ln a); where a is not above 0 it is known by bounds alone.
+    fn form_real_power<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+        b: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        let logarithm = if a.value.slopes.is_some() {
+            self.form_curve(Op::Ln, a)
+        } else {
+            let a = self.operand(a);
+            let value = self.logarithm(&a, Base::E);
+            self.form_between(&value)
+        };
+        let operand =
+            |value| FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real };
+        let (logarithm, b) = (operand(logarithm), FormOperand { range: Interval::ENTIRE, ..*b });
+        let product = self.form_product(&logarithm, &b);
+        self.form_curve(Op::Exp, &operand(product))
+    }
+}

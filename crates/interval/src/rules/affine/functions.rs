@@ -1,0 +1,317 @@
+//! Forms of smooth functions of one variable.
+//!
+//! Over bounds with the middle m and the half-width h, f(x) = f(m) + f′(m)(x − m) + ½f″(ξ)(x − m)², where ξ is between x
+//! and m. The slope is any number α near f′(m): what it is off by, times h, is part of the error, as is the last term,
+//! which is one-sided where f″ has one sign. Square roots have a closed form.
+
+use super::{Claims, Form, FormOperand};
+use crate::bounds::Interval;
+use crate::enclosure::{Enclosure, Operand};
+use crate::machine::Machine;
+use crate::rules::{Rule, enclose};
+use zeroset_ops::Op;
+
+/// What is known of a function's slope at the middle, and of its bend over the bounds.
+struct Shape<V> {
+    /// α.
+    slope: V,
+    /// At least |f′(m) − α|.
+    off: V,
+    /// At least −f″ and f″ over the bounds, and at least 0.
+    bend: [V; 2],
+}
+
+/// Computed in so few operations, a number without cancellations is off by less than so many units of itself.
+const UNITS: f64 = 32.0;
+
+impl<M: Machine> Rule<'_, M> {
+    /// √x − αx for α = 1/(√lo + √hi) is at most 1/(4α), and least at one of the ends.
+    pub(super) fn form_sqrt<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
+        let bounds = self.operand(a);
+        let value = self.sqrt(&bounds);
+        let (zero, one, quarter) = (self.zero(), self.number(1.0), self.number(0.25));
+        let lo = self.m.neg(bounds.value.neg_lo);
+        let lo = self.m.max(lo, zero);
+        let sum = self.m.sub(value.hi, value.neg_lo);
+        let slope = self.m.div(one, sum);
+        let most = self.m.div(quarter, slope);
+        let at_lo = self.m.mul(slope, lo);
+        let at_lo = self.m.add(at_lo, value.neg_lo);
+        // √hi is at least hi over its own upper bound.
+        let opposite = self.m.neg(bounds.value.hi);
+        let neg_root = self.m.div(opposite, value.hi);
+        let at_hi = self.m.mul(slope, bounds.value.hi);
+        let at_hi = self.m.add(at_hi, neg_root);
+        let neg_least = self.m.max(at_lo, at_hi);
+        let (middle, half) = self.middle(neg_least, most);
+        let form = self.form_line(&a.value, slope, middle, half);
+        self.beside(&form, &value)
+    }
+
+    /// Sine and cosine: each is the other's slope, and its own bend.
+    pub(super) fn form_waves<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+    ) -> [Form<M::V, N>; 2] {
+        let bounds = self.operand(a);
+        let (middle, reach) = self.middle(bounds.value.neg_lo, bounds.value.hi);
+        let point = self.point(middle, &bounds);
+        let [sin, cos] = if self.is_near(point.range) {
+            self.near_waves_of_point(middle)
+        } else {
+            [self.sin(&point), self.cos(&point)]
+        };
+        let minus_sin = Enclosure { neg_lo: sin.hi, hi: sin.neg_lo, ..sin };
+        [(sin, cos), (cos, minus_sin)].map(|(here, derivative)| {
+            let (zero, one) = (self.zero(), self.number(1.0));
+            // Within reach it changes by no more than that.
+            let wide = [here.neg_lo, here.hi].map(|end| {
+                let end = self.m.add(end, reach);
+                self.m.min(end, one)
+            });
+            let bend = [wide[1], wide[0]].map(|bend| self.m.max(bend, zero));
+            let (slope, off) = self.middle(derivative.neg_lo, derivative.hi);
+            let shape = Shape { slope, off, bend };
+            let form = self.form_taylor(&a.value, [middle, reach], &here, &shape);
+            let value = Claims::of(&bounds.value).with(wide);
+            self.beside(&form, &value)
+        })
+    }
+
+    pub(super) fn form_curve<const N: usize>(
+        &mut self,
+        op: Op,
+        a: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        let bounds = self.operand(a);
+        let value = enclose(self.m, self.format, op, &[bounds]);
+        let (middle, reach) = self.middle(bounds.value.neg_lo, bounds.value.hi);
+        let point = self.point(middle, &bounds);
+        let here = enclose(self.m, self.format, op, &[point]);
+        let Some(shape) = self.shape(op, &bounds, &point, &here, &value) else {
+            return self.form_between(&value);
+        };
+        let form = self.form_taylor(&a.value, [middle, reach], &here, &shape);
+        self.beside(&form, &value)
+    }
+
+    /// One number within an operand's bounds.
+    fn point(&mut self, at: M::V, bounds: &Operand<M::V>) -> Operand<M::V> {
+        Operand { value: Enclosure::total(self.m.neg(at), at), ..*bounds }
+    }
+
+    /// f(m) + α(a − m) and the rest.
+    fn form_taylor<const N: usize>(
+        &mut self,
+        a: &Form<M::V, N>,
+        [middle, reach]: [M::V; 2],
+        here: &Enclosure<M::V>,
+        shape: &Shape<M::V>,
+    ) -> Form<M::V, N> {
+        let off = self.m.mul(shape.off, reach);
+        let half = self.number(0.5);
+        let square = self.m.mul(reach, reach);
+        let square = self.m.mul(square, half);
+        let ends = [(here.neg_lo, shape.bend[0]), (here.hi, shape.bend[1])];
+        let [neg_lo, hi] = ends.map(|(end, bend)| {
+            let curved = self.m.mul(bend, square);
+            let rest = self.m.add(curved, off);
+            self.m.add(end, rest)
+        });
+        let (offset, half) = self.middle(neg_lo, hi);
+        // What a − m rounds is far below what is counted for centres of its size.
+        let moved = self.m.sub(a.centre, middle);
+        let size = self.m.abs(moved);
+        let magnitude = match self.spread(a) {
+            Some(spread) => self.m.add(size, spread),
+            None => size,
+        };
+        let moved = Form { centre: moved, magnitude: Some(magnitude), ..*a };
+        let rounding = self.rounded(None, 1.0, size);
+        let error = self.sum_of(a.error, Some(rounding));
+        self.form_line(&Form { error, ..moved }, shape.slope, offset, half)
+    }
+
+    /// The slope of `op` at a point, and its bend over bounds in which it has the enclosure `value`; `None` if only bounds
+    /// of it are known. Where it is not smooth the bend is not finite, or the bounds are.
+    fn shape(
+        &mut self,
+        op: Op,
+        bounds: &Operand<M::V>,
+        point: &Operand<M::V>,
+        here: &Enclosure<M::V>,
+        value: &Enclosure<M::V>,
+    ) -> Option<Shape<M::V>> {
+        let (zero, one) = (self.zero(), self.number(1.0));
+        let x = point.value.hi;
+        let square = self.m.mul(x, x);
+        let most = self.m.max(bounds.value.neg_lo, bounds.value.hi);
+        Some(match op {
+            // Its own slope and bend.
+            Op::Exp => {
+                let (slope, off) = self.middle(here.neg_lo, here.hi);
+                Shape { slope, off, bend: [zero, value.hi] }
+            }
+            // 1/x and −1/x².
+            Op::Ln | Op::Log2 | Op::Log10 => {
+                let base = match op {
+                    Op::Log2 => std::f64::consts::LOG2_E,
+                    Op::Log10 => std::f64::consts::LOG10_E,
+                    _ => 1.0,
+                };
+                let base = self.nearest(base);
+                let slope = self.m.div(base, x);
+                let lo = self.m.neg(bounds.value.neg_lo);
+                let least = self.m.max(lo, zero);
+                let bend = self.m.div(base, least);
+                let bend = self.m.div(bend, least);
+                let shape = self.algebraic(slope, bend);
+                Shape { bend: [shape.bend[0], zero], ..shape }
+            }
+            // 1/(3c²) and −2/(9c⁵) for c = ∛x: the bend is greatest nearest to 0.
+            Op::Cbrt => {
+                let (near, _) = self.middle(here.neg_lo, here.hi);
+                let width = self.m.add(here.neg_lo, here.hi);
+                let three = self.number(3.0);
+                let square = self.m.mul(near, near);
+                let triple = self.m.mul(square, three);
+                let slope = self.m.div(one, triple);
+                let share = self.number(0.25);
+                // How far a relative error of c makes the slope off, twice over.
+                let size = self.m.abs(near);
+                let relative = self.m.div(width, size);
+                let four = self.number(4.0);
+                let relative = self.m.mul(relative, four);
+                let carried = self.m.mul(relative, slope);
+                // From the value's side nearer to 0.
+                let least = self.m.min(value.neg_lo, value.hi);
+                let least = self.m.neg(least);
+                let power = self.m.mul(least, least);
+                let fourth = self.m.mul(power, power);
+                let fifth = self.m.mul(fourth, least);
+                let bend = self.m.div(share, fifth);
+                let positive = self.gt(least, zero);
+                let infinity = self.infinity();
+                let bend = self.m.select(positive, bend, infinity);
+                let shape = self.algebraic(slope, bend);
+                Shape { off: self.m.add(shape.off, carried), ..shape }
+            }
+            // 1 + tan² and 2·tan·(1 + tan²).
+            Op::Tan => {
+                let [neg_lo, hi] = self.one_plus_square(here);
+                let (slope, off) = self.middle(neg_lo, hi);
+                let most = self.m.max(value.neg_lo, value.hi);
+                let power = self.m.mul(most, most);
+                let power = self.m.add(power, one);
+                let twice = self.m.add(most, most);
+                let bend = self.m.mul(power, twice);
+                Shape { slope, off, bend: [bend, bend] }
+            }
+            // ±1/√(1 − x²) and x/(1 − x²)^1.5.
+            Op::Asin | Op::Acos => {
+                let (above, below) = (self.m.add(one, x), self.m.sub(one, x));
+                let product = self.m.mul(above, below);
+                let root = self.m.sqrt(product);
+                let slope = self.m.div(one, root);
+                let (above, below) = (self.m.add(one, most), self.m.sub(one, most));
+                let product = self.m.mul(above, below);
+                let root = self.m.sqrt(product);
+                let cube = self.m.mul(root, product);
+                let bend = self.m.div(most, cube);
+                let shape = self.algebraic(slope, bend);
+                let slope = if op == Op::Acos { self.m.neg(slope) } else { slope };
+                Shape { slope, ..shape }
+            }
+            // 1/(1 + x²) and −2x/(1 + x²)², at most 3√3/8.
+            Op::Atan => {
+                let divisor = self.m.add(square, one);
+                let slope = self.m.div(one, divisor);
+                let bend = self.m.add(most, most);
+                let limit = self.number(0.65625);
+                let bend = self.m.min(bend, limit);
+                self.algebraic(slope, bend)
+            }
+            // Each is the other's slope, and its own bend.
+            Op::Sinh | Op::Cosh => {
+                let other = if op == Op::Sinh { Op::Cosh } else { Op::Sinh };
+                let derivative = enclose(self.m, self.format, other, &[*point]);
+                let (slope, off) = self.middle(derivative.neg_lo, derivative.hi);
+                let bend = [value.neg_lo, value.hi].map(|end| self.m.max(end, zero));
+                Shape { slope, off, bend }
+            }
+            // 1 − tanh² and −2·tanh·(1 − tanh²), at most 4/(3√3).
+            Op::Tanh => {
+                let [neg_lo, hi] = self.one_plus_square(here);
+                // 1 − t² = 2 − (1 + t²).
+                let two = self.number(2.0);
+                let (most, neg_least) = (self.m.add(two, neg_lo), self.m.sub(hi, two));
+                let (slope, off) = self.middle(neg_least, most);
+                let limit = self.number(0.78125);
+                Shape { slope, off, bend: [limit, limit] }
+            }
+            // 1/√(x² + 1) and −x/(x² + 1)^1.5, at most 2/(3√3).
+            Op::Asinh => {
+                let sum = self.m.add(square, one);
+                let root = self.m.sqrt(sum);
+                let slope = self.m.div(one, root);
+                let limit = self.number(0.390625);
+                let bend = self.m.min(most, limit);
+                self.algebraic(slope, bend)
+            }
+            // 1/√(x² − 1) and −x/(x² − 1)^1.5, greatest at the lower end.
+            Op::Acosh => {
+                let (above, below) = (self.m.add(x, one), self.m.sub(x, one));
+                let product = self.m.mul(above, below);
+                let root = self.m.sqrt(product);
+                let slope = self.m.div(one, root);
+                let lo = self.m.neg(bounds.value.neg_lo);
+                let lo = self.m.max(lo, one);
+                let (above, below) = (self.m.add(lo, one), self.m.sub(lo, one));
+                let product = self.m.mul(above, below);
+                let root = self.m.sqrt(product);
+                let cube = self.m.mul(root, product);
+                let bend = self.m.div(lo, cube);
+                self.algebraic(slope, bend)
+            }
+            // 1/(1 − x²) and 2x/(1 − x²)².
+            Op::Atanh => {
+                let (above, below) = (self.m.add(one, x), self.m.sub(one, x));
+                let product = self.m.mul(above, below);
+                let slope = self.m.div(one, product);
+                let (above, below) = (self.m.add(one, most), self.m.sub(one, most));
+                let below = self.m.max(below, zero);
+                let product = self.m.mul(above, below);
+                let product = self.m.mul(product, product);
+                let twice = self.m.add(most, most);
+                let bend = self.m.div(twice, product);
+                self.algebraic(slope, bend)
+            }
+            _ => return None,
+        })
+    }
+
+    /// The float nearest to a number.
+    fn nearest(&mut self, number: f64) -> M::V {
+        match self.format {
+            crate::Format::F32 => self.number(f64::from(number as f32)),
+            crate::Format::F64 => self.number(number),
+        }
+    }
+
+    /// −lo and hi of 1 + x².
+    fn one_plus_square(&mut self, x: &Enclosure<M::V>) -> [M::V; 2] {
+        let square = self.sqr(&Operand::new(*x, Interval::ENTIRE));
+        let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+        [self.m.add(square.neg_lo, minus_one), self.m.add(square.hi, one)]
+    }
+
+    /// A slope and a bound on the bend, to either side, that a few operations without cancellation gave.
+    fn algebraic(&mut self, slope: M::V, bend: M::V) -> Shape<M::V> {
+        let share = self.number(UNITS * self.unit());
+        let size = self.m.abs(slope);
+        let (off, more) = (self.m.mul(size, share), self.m.mul(bend, share));
+        let tiny = self.tiny();
+        let bend = self.m.add(bend, more);
+        Shape { slope, off: self.m.add(off, tiny), bend: [bend, bend] }
+    }
+}

@@ -1,0 +1,308 @@
+//! Affine forms: values as linear functions of a few symbols, and what is left over.
+//!
+//! Over a segment of a ray, or a tile of rays, a value is c + Σ sₖ·εₖ ± e with every symbol εₖ in [−1, 1]. Symbols are
+//! shared between values, so that what is correlated cancels (Comba and Stolfi 1993; Knoll, Hijazi, Kensler, Schott,
+//! Hansen and Hagen 2009 for rays). Each operation adds what it rounds, and what it leaves of curvature, to e.
+//!
+//! A form claims its value only at those points of the tile that lie in the domain for which the code is made: ranges that
+//! hold there may be used although the tile sticks out.
+
+mod arithmetic;
+mod functions;
+mod pieces;
+mod solve;
+
+use crate::bounds::Interval;
+use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
+use crate::machine::{Format, Machine};
+use crate::rules::Rule;
+use zeroset_ops::Op;
+
+pub use solve::{Contraction, contract};
+
+/// Lanes of affine forms of `N` symbols, and facts as of an [`Enclosure`].
+///
+/// A centre, slope or error that is not finite claims nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Form<V, const N: usize> {
+    /// The value where all symbols are 0.
+    pub centre: V,
+    /// What a symbol adds, per symbol; `None` if the value depends on none.
+    pub slopes: Option<[V; N]>,
+    /// At least the distance of the value from the linear function; `None` if that is 0.
+    pub error: Option<V>,
+    /// At least |centre| + Σ |slopes|, where it is known without work.
+    magnitude: Option<V>,
+    /// −lo and hi of bounds that were found without the form, where they were.
+    bounds: Option<[V; 2]>,
+    /// What is known of the expression's domain.
+    pub facts: Claims<V>,
+}
+
+/// The facts of an [`Enclosure`], without its bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Claims<V> {
+    /// Lanes where the expression is defined nowhere.
+    pub nowhere: Fact<V>,
+    /// Lanes where it is defined throughout.
+    pub defined: Fact<V>,
+    /// Lanes where it is defined and continuous throughout.
+    pub continuous: Fact<V>,
+}
+
+/// An operand of [`linearise`].
+#[derive(Clone, Copy, Debug)]
+pub struct FormOperand<V, const N: usize> {
+    /// The lanes.
+    pub value: Form<V, N>,
+    /// Bounds of the value at all points of the domain.
+    pub range: Interval,
+    /// What it is as an exponent.
+    pub exponent: Exponent,
+}
+
+impl<V: Copy> Claims<V> {
+    const TOTAL: Self = Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
+
+    fn of(value: &Enclosure<V>) -> Self {
+        Self { nowhere: value.nowhere, defined: value.defined, continuous: value.continuous }
+    }
+
+    fn with(self, bounds: [V; 2]) -> Enclosure<V> {
+        let Self { nowhere, defined, continuous } = self;
+        Enclosure { neg_lo: bounds[0], hi: bounds[1], nowhere, defined, continuous }
+    }
+
+    fn and<M: Machine<V = V>>(self, m: &mut M, other: &Self) -> Self {
+        Self {
+            nowhere: self.nowhere.or(m, other.nowhere),
+            defined: self.defined.and(m, other.defined),
+            continuous: self.continuous.and(m, other.continuous),
+        }
+    }
+}
+
+impl<V: Copy, const N: usize> Form<V, N> {
+    /// A coordinate: defined everywhere, and linear but for `error`.
+    pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
+        Self {
+            centre,
+            slopes: Some(slopes),
+            error: Some(error),
+            magnitude: None,
+            bounds: None,
+            facts: Claims::TOTAL,
+        }
+    }
+
+    /// The form of a value that is only known by bounds: a constant, a parameter.
+    pub fn between<M: Machine<V = V>>(m: &mut M, format: Format, value: &Enclosure<V>) -> Self {
+        Rule { m, format }.form_between(value)
+    }
+}
+
+/// The form of `op` over lanes of operands, all in `format`.
+///
+/// # Panics
+/// If the number of operands is not the arity of `op`.
+pub fn linearise<M: Machine, const N: usize>(
+    m: &mut M,
+    format: Format,
+    op: Op,
+    operands: &[FormOperand<M::V, N>],
+) -> Form<M::V, N> {
+    assert_eq!(operands.len(), op.arity(), "{op:?}");
+    let mut rule = Rule { m, format };
+    let a = &operands[0];
+    // What varies with no symbol is as well known by its bounds.
+    if operands.iter().all(|operand| operand.value.slopes.is_none()) {
+        return rule.bounded(op, operands);
+    }
+    match op {
+        Op::Neg => rule.form_neg(&a.value),
+        Op::Add => rule.form_sum(&a.value, &operands[1].value),
+        Op::Sub => {
+            let b = rule.form_neg(&operands[1].value);
+            rule.form_sum(&a.value, &b)
+        }
+        Op::Mul => rule.form_product(a, &operands[1]),
+        Op::Div => rule.form_quotient(a, &operands[1]),
+        Op::Sqr => rule.form_square(a),
+        Op::Pow => rule.form_power(a, &operands[1]),
+        Op::Abs => rule.form_abs(a),
+        Op::Min => {
+            let (a, b) = (rule.form_neg_operand(a), rule.form_neg_operand(&operands[1]));
+            let most = rule.form_max(&a, &b);
+            rule.form_neg(&most)
+        }
+        Op::Max => rule.form_max(a, &operands[1]),
+        Op::Fract => rule.form_fract(a),
+        Op::Mod => rule.form_remainder(a, &operands[1]),
+        Op::SelectNegative => rule.form_choice(operands),
+        Op::Otherwise => rule.form_otherwise(operands),
+        Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero | Op::WhereDefined => {
+            rule.form_restricted(op, operands)
+        }
+        Op::Sqrt => rule.form_sqrt(a),
+        Op::Sin | Op::Cos => {
+            let both = rule.form_waves(a);
+            both[usize::from(op == Op::Cos)]
+        }
+        Op::Exp
+        | Op::Ln
+        | Op::Log2
+        | Op::Log10
+        | Op::Cbrt
+        | Op::Tan
+        | Op::Asin
+        | Op::Acos
+        | Op::Atan
+        | Op::Sinh
+        | Op::Cosh
+        | Op::Tanh
+        | Op::Asinh
+        | Op::Acosh
+        | Op::Atanh => rule.form_curve(op, a),
+        Op::Sign | Op::Floor | Op::Ceil | Op::Round | Op::Trunc | Op::Atan2 => {
+            rule.bounded(op, operands)
+        }
+    }
+}
+
+/// The forms of `op` and its twin on the same operand, or `None` if they share no work.
+pub fn linearise_twins<M: Machine, const N: usize>(
+    m: &mut M,
+    format: Format,
+    op: Op,
+    a: &FormOperand<M::V, N>,
+) -> Option<[Form<M::V, N>; 2]> {
+    if op.row().twin.is_none() || a.value.slopes.is_none() {
+        return None;
+    }
+    let [sin, cos] = Rule { m, format }.form_waves(a);
+    Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
+}
+
+impl<M: Machine> Rule<'_, M> {
+    /// The unit of rounding: an operation that rounds up errs by less than this share of its result.
+    fn unit(&self) -> f64 {
+        match self.format {
+            Format::F32 => 2f64.powi(-23),
+            Format::F64 => 2f64.powi(-52),
+        }
+    }
+
+    /// More than a dozen results below the normal numbers can err by together.
+    fn tiny(&mut self) -> M::V {
+        self.m.bits(self.format, 64)
+    }
+
+    /// An operation by its interval rule alone.
+    fn bounded<const N: usize>(
+        &mut self,
+        op: Op,
+        operands: &[FormOperand<M::V, N>],
+    ) -> Form<M::V, N> {
+        let operands: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
+        let value = crate::rules::enclose(self.m, self.format, op, &operands);
+        self.form_between(&value)
+    }
+
+    /// The middle of the bounds, and at least half their width: −lo and hi are within centre ± error.
+    fn middle(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
+        let half = self.number(0.5);
+        let sum = self.m.sub(hi, neg_lo);
+        let middle = self.m.mul(sum, half);
+        let above = self.m.sub(hi, middle);
+        let below = self.m.add(neg_lo, middle);
+        (middle, self.m.max(above, below))
+    }
+
+    fn form_between<const N: usize>(&mut self, value: &Enclosure<M::V>) -> Form<M::V, N> {
+        let (centre, error) = self.middle(value.neg_lo, value.hi);
+        Form {
+            centre,
+            slopes: None,
+            error: Some(error),
+            magnitude: None,
+            bounds: Some([value.neg_lo, value.hi]),
+            facts: Claims::of(value),
+        }
+    }
+
+    /// Σ |slopes|.
+    fn spread<const N: usize>(&mut self, a: &Form<M::V, N>) -> Option<M::V> {
+        let slopes = a.slopes?;
+        let sizes = slopes.map(|slope| self.m.abs(slope));
+        let (first, rest) = sizes.split_first().expect("a symbol");
+        Some(rest.iter().fold(*first, |sum, size| self.m.add(sum, *size)))
+    }
+
+    /// At least |centre| + Σ |slopes|.
+    fn magnitude_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> M::V {
+        if let Some(magnitude) = a.magnitude {
+            return magnitude;
+        }
+        let size = self.m.abs(a.centre);
+        match self.spread(a) {
+            Some(spread) => self.m.add(size, spread),
+            None => size,
+        }
+    }
+
+    fn sum_of(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {
+        match (a, b) {
+            (Some(a), Some(b)) => Some(self.m.add(a, b)),
+            (a, b) => a.or(b),
+        }
+    }
+
+    /// An operand's bounds as the rules of intervals take them: from the form, from bounds known beside it, and within
+    /// what holds all over the domain.
+    fn operand<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
+        let bounds = match (a.value.slopes, a.value.bounds) {
+            (None, Some(bounds)) => bounds,
+            (_, known) => {
+                let spread = self.spread(&a.value);
+                let [mut neg_lo, mut hi] = match self.sum_of(spread, a.value.error) {
+                    Some(reach) => {
+                        [self.m.sub(reach, a.value.centre), self.m.add(reach, a.value.centre)]
+                    }
+                    None => [self.m.neg(a.value.centre), a.value.centre],
+                };
+                // Where the form is not a number, the other bound is taken.
+                if let Some([known_neg_lo, known_hi]) = known {
+                    neg_lo = self.m.min(neg_lo, known_neg_lo);
+                    hi = self.m.min(hi, known_hi);
+                }
+                let (range_neg_lo, range_hi) = (self.number(-a.range.lo), self.number(a.range.hi));
+                [self.m.min(neg_lo, range_neg_lo), self.m.min(hi, range_hi)]
+            }
+        };
+        Operand { value: a.value.facts.with(bounds), range: a.range, exponent: a.exponent }
+    }
+
+    /// A form, with bounds and facts by the interval rule; in lanes where its error alone is more than half the bounds'
+    /// width, the bounds are taken for it.
+    fn beside<const N: usize>(
+        &mut self,
+        form: &Form<M::V, N>,
+        value: &Enclosure<M::V>,
+    ) -> Form<M::V, N> {
+        let plain = self.form_between::<N>(value);
+        let (Some(error), Some(width)) = (form.error, plain.error) else {
+            return Form { facts: Claims::of(value), bounds: plain.bounds, ..*form };
+        };
+        let better = self.m.lt(error, width);
+        let zero = self.zero();
+        Form {
+            centre: self.m.select(better, form.centre, plain.centre),
+            slopes: form
+                .slopes
+                .map(|slopes| slopes.map(|slope| self.m.select(better, slope, zero))),
+            error: Some(self.m.select(better, error, width)),
+            magnitude: None,
+            ..plain
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Forms of what is put together from pieces: magnitudes, extrema, remainders, choices, restrictions.
+//!
+//! In lanes where it is clear which piece counts, its form is taken; elsewhere a line between the pieces, or bounds.
+
+use super::{Claims, Form, FormOperand};
+use crate::bounds::Interval;
+use crate::branch::Branch;
+use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
+use crate::machine::Machine;
+use crate::rules::{Rule, enclose};
+use zeroset_ops::Op;
+
+impl<M: Machine> Rule<'_, M> {
+    /// |x| − αx over [lo, hi] around 0 is at least 0 and at most its greater end value, for α from −1 to 1.
+    pub(super) fn form_abs<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
+        let bounds = self.operand(a);
+        let value = self.abs(&bounds);
+        let (one, minus_one) = (self.number(1.0), self.number(-1.0));
+        let Enclosure { neg_lo, hi, .. } = bounds.value;
+        let (above, below) = (self.m.sub(hi, neg_lo), self.m.add(hi, neg_lo));
+        let slope = self.m.div(above, below);
+        let slope = self.m.min(slope, one);
+        let slope = self.m.max(slope, minus_one);
+        let at_lo = self.m.mul(slope, neg_lo);
+        let at_lo = self.m.add(neg_lo, at_lo);
+        let opposite = self.m.neg(slope);
+        let at_hi = self.m.mul(opposite, hi);
+        let at_hi = self.m.add(hi, at_hi);
+        let most = self.m.max(at_lo, at_hi);
+        let form = self.form_of_pieces(&a.value, &bounds, slope, most, [-1.0, 1.0]);
+        self.beside(&form, &value)
+    }
+
+    /// The line through two pieces with these slopes that meet at 0: between `slope`·a and that plus `most`, and in lanes
+    /// that have one sign just the piece.
+    fn form_of_pieces<const N: usize>(
+        &mut self,
+        a: &Form<M::V, N>,
+        bounds: &Operand<M::V>,
+        slope: M::V,
+        most: M::V,
+        pieces: [f64; 2],
+    ) -> Form<M::V, N> {
+        let zero = self.zero();
+        let [below, above] = pieces.map(|slope| self.number(slope));
+        let half = self.number(0.5);
+        let rest = self.m.mul(most, half);
+        let positive = self.m.le(bounds.value.neg_lo, zero);
+        let negative = self.m.le(bounds.value.hi, zero);
+        let either = self.m.or(positive, negative);
+        let slope = self.m.select(negative, below, slope);
+        let slope = self.m.select(positive, above, slope);
+        let rest = self.m.select(either, zero, rest);
+        self.form_line(a, slope, rest, rest)
+    }
+
+    /// max(a, b) = b + max(a − b, 0).
+    pub(super) fn form_max<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+        b: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        let (a_bounds, b_bounds) = (self.operand(a), self.operand(b));
+        let value = self.max(&a_bounds, &b_bounds);
+        let (zero, one) = (self.zero(), self.number(1.0));
+        let opposite = self.form_neg(&b.value);
+        let difference = self.form_sum(&a.value, &opposite);
+        let operand = whole(difference);
+        let bounds = self.operand(&operand);
+        let Enclosure { neg_lo, hi, .. } = bounds.value;
+        let width = self.m.add(hi, neg_lo);
+        let slope = self.m.div(hi, width);
+        let slope = self.m.min(slope, one);
+        let slope = self.m.max(slope, zero);
+        // max(d, 0) − αd is at most −α·lo or (1 − α)·hi.
+        let at_lo = self.m.mul(slope, neg_lo);
+        let opposite = self.m.neg(slope);
+        let at_hi = self.m.mul(opposite, hi);
+        let at_hi = self.m.add(hi, at_hi);
+        let most = self.m.max(at_lo, at_hi);
+        let above = self.form_of_pieces(&difference, &bounds, slope, most, [0.0, 1.0]);
+        let sum = self.form_sum(&b.value, &above);
+        let first = self.m.le(neg_lo, zero);
+        let second = self.m.le(hi, zero);
+        let form = self.form_select(second, &b.value, &sum);
+        let form = self.form_select(first, &a.value, &form);
+        self.beside(&form, &value)
+    }
+
+    /// `a` in the lanes of a mask, else `b`; bounds and facts left out.
+    fn form_select<const N: usize>(
+        &mut self,
+        mask: M::V,
+        a: &Form<M::V, N>,
+        b: &Form<M::V, N>,
+    ) -> Form<M::V, N> {
+        let zero = self.zero();
+        let slopes = match (a.slopes, b.slopes) {
+            (None, None) => None,
+            (a, b) => {
+                let [a, b] = [a, b].map(|slopes| slopes.unwrap_or([zero; N]));
+                Some(std::array::from_fn(|k| self.m.select(mask, a[k], b[k])))
+            }
+        };
+        let error = match (a.error, b.error) {
+            (None, None) => None,
+            (a, b) => Some(self.m.select(mask, a.unwrap_or(zero), b.unwrap_or(zero))),
+        };
+        Form {
+            centre: self.m.select(mask, a.centre, b.centre),
+            slopes,
+            error,
+            magnitude: None,
+            bounds: None,
+            facts: Claims::TOTAL,
+        }
+    }
+
+    /// x − floor(x).
+    pub(super) fn form_fract<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
+        let bounds = self.operand(a);
+        let value = self.fract(&bounds, Branch::Whole);
+        let floor = self.floor(&bounds, Branch::Whole);
+        let floor = self.form_between(&floor);
+        let opposite = self.form_neg(&floor);
+        let form = self.form_sum(&a.value, &opposite);
+        self.beside(&form, &value)
+    }
+
+    /// a − b·floor(a/b).
+    pub(super) fn form_remainder<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+        b: &FormOperand<M::V, N>,
+    ) -> Form<M::V, N> {
+        let (a_bounds, b_bounds) = (self.operand(a), self.operand(b));
+        let value = self.modulo(&a_bounds, &b_bounds, Branch::Whole);
+        let quotient = self.div(&a_bounds, &b_bounds);
+        let cells = self.floor(&Operand::new(quotient, Interval::ENTIRE), Branch::Whole);
+        let cells = whole(self.form_between(&cells));
+        let multiple = if b.value.slopes.is_some() {
+            self.form_product(&FormOperand { range: Interval::ENTIRE, ..*b }, &cells)
+        } else {
+            let bounds = [&cells, b].map(|operand| self.operand(operand));
+            let product = self.mul(&bounds[0], &bounds[1]);
+            self.form_between(&product)
+        };
+        let opposite = self.form_neg(&multiple);
+        let form = self.form_sum(&a.value, &opposite);
+        self.beside(&form, &value)
+    }
+
+    /// b where a < 0, c where a ≥ 0.
+    pub(super) fn form_choice<const N: usize>(
+        &mut self,
+        operands: &[FormOperand<M::V, N>],
+    ) -> Form<M::V, N> {
+        let bounds: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
+        let value = enclose(self.m, self.format, Op::SelectNegative, &bounds);
+        let plain = self.form_between(&value);
+        let zero = self.zero();
+        let a = &bounds[0].value;
+        let defined = a.defined.mask(self.m, self.format);
+        let negative = self.m.lt(a.hi, zero);
+        let negative = self.m.and(negative, defined);
+        let other = self.m.le(a.neg_lo, zero);
+        let other = self.m.and(other, defined);
+        let form = self.form_select(other, &operands[2].value, &plain);
+        let form = self.form_select(negative, &operands[1].value, &form);
+        Form { facts: Claims::of(&value), bounds: plain.bounds, ..form }
+    }
+
+    /// a where it is defined, else b.
+    pub(super) fn form_otherwise<const N: usize>(
+        &mut self,
+        operands: &[FormOperand<M::V, N>],
+    ) -> Form<M::V, N> {
+        let bounds: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
+        let value = enclose(self.m, self.format, Op::Otherwise, &bounds);
+        let plain = self.form_between(&value);
+        let defined = match operands[0].value.facts.defined {
+            Fact::False => return plain,
+            defined => defined.mask(self.m, self.format),
+        };
+        let form = self.form_select(defined, &operands[0].value, &plain);
+        Form { facts: Claims::of(&value), bounds: plain.bounds, ..form }
+    }
+
+    /// The first operand, defined only where the second allows it.
+    pub(super) fn form_restricted<const N: usize>(
+        &mut self,
+        op: Op,
+        operands: &[FormOperand<M::V, N>],
+    ) -> Form<M::V, N> {
+        let bounds: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
+        let value = enclose(self.m, self.format, op, &bounds);
+        Form { facts: Claims::of(&value), ..operands[0].value }
+    }
+}
+
+/// A form as an operand of which nothing else is known.
+fn whole<V: Copy, const N: usize>(value: Form<V, N>) -> FormOperand<V, N> {
+    FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real }
+}

@@ -1,0 +1,77 @@
+//! Where along a ray, or along the rays of a tile, a form may vanish.
+
+use super::Form;
+use crate::enclosure::Fact;
+use crate::machine::{Format, Machine};
+use crate::rules::Rule;
+
+/// What a form says of the zeros on a segment, which is its last symbol.
+#[derive(Clone, Copy, Debug)]
+pub struct Contraction<V> {
+    /// The new ends: all zeros lie between them, on every ray.
+    pub near: V,
+    /// As `near`.
+    pub far: V,
+    /// Lanes that may have a zero.
+    pub possible: Fact<V>,
+    /// Lanes where, on every ray, the function is continuous throughout the segment and its signs at the two ends of it
+    /// are opposite and neither is 0.
+    pub crossing: Fact<V>,
+}
+
+/// Narrows the segment from `near` to `far`, over which `form` was made with the last symbol ε for t = `middle` + `half`·ε.
+///
+/// With w what the other symbols and the error can add, 0 = c + r·ε ± w gives ε within (−c ± w)/r. Every bound is rounded
+/// outward: as −lo and hi, both up. The parameter itself is t ≤ m + h·hi and −t ≤ h·(−lo) − m.
+pub fn contract<M: Machine, const N: usize>(
+    m: &mut M,
+    format: Format,
+    form: &Form<M::V, N>,
+    [middle, half]: [M::V; 2],
+    [near, far]: [M::V; 2],
+) -> Contraction<M::V> {
+    let mut rule = Rule { m, format };
+    let (zero, one) = (rule.zero(), rule.number(1.0));
+    let c = form.centre;
+    let mut rest = form.error.unwrap_or(zero);
+    let mut depth = zero;
+    if let Some(slopes) = form.slopes {
+        depth = slopes[N - 1];
+        for slope in &slopes[..N - 1] {
+            let size = rule.m.abs(*slope);
+            rest = rule.m.add(rest, size);
+        }
+    }
+    let (above, below) = (rule.m.add(rest, c), rule.m.sub(rest, c));
+    let size = rule.m.abs(depth);
+    // Lanes in which even the whole segment does not reach 0. What is not a number proves nothing.
+    let reach = [above, below].map(|side| {
+        let reach = rule.m.add(side, size);
+        rule.m.lt(reach, zero)
+    });
+    let empty = rule.m.or(reach[0], reach[1]);
+    let mut possible = Fact::Lanes(empty).not(rule.m, format);
+    let [above_share, below_share] = [above, below].map(|side| {
+        let share = rule.m.div(side, size);
+        rule.m.min(share, one)
+    });
+    let neg_lo = rule.m.select_signed(depth, below_share, above_share);
+    let hi = rule.m.select_signed(depth, above_share, below_share);
+    let [neg_near, farthest] = {
+        let (first, last) = (rule.m.mul(half, neg_lo), rule.m.mul(half, hi));
+        [rule.m.sub(first, middle), rule.m.add(last, middle)]
+    };
+    let nearest = rule.m.neg(neg_near);
+    let new = [rule.m.max(nearest, near), rule.m.min(farthest, far)];
+    // |depth| > |c| + rest: at either end the segment's symbol decides the sign.
+    let most = rule.m.max(above, below);
+    let crossing = rule.m.lt(most, size);
+    let crossing = Fact::Lanes(crossing).and(rule.m, form.facts.continuous);
+    if let Some([neg_lo, hi]) = form.bounds {
+        let least = rule.m.min(neg_lo, hi);
+        let away = Fact::Lanes(rule.m.lt(least, zero)).not(rule.m, format);
+        possible = possible.and(rule.m, away);
+    }
+    let somewhere = form.facts.nowhere.not(rule.m, format);
+    Contraction { near: new[0], far: new[1], possible: possible.and(rule.m, somewhere), crossing }
+}
