@@ -190,15 +190,23 @@ impl Model {
         let tracer = |surface: usize, depth| {
             // At a pole a surface has no point, but a solid may have a face.
             let suppress_asymptotes = self.styles[surface].kind == SurfaceKind::Equation;
-            let options = Options { precision: settings.precision, depth, suppress_asymptotes };
+            let options = Options {
+                precision: settings.precision,
+                depth,
+                tolerance: settings.tolerance,
+                suppress_asymptotes,
+            };
             settings.method.prepare(self.program.surface(surface), region, options)
         };
         let mut buffer = GBuffer::new(settings.width, settings.height, 0);
         for (index, style) in self.styles.iter().enumerate() {
             let kernels = self.program.kernels::<T>(index);
             let tracer = tracer(index, settings.max_depth)?;
-            let (mut layer, done) = Driver { rays: &rays, tracer: &*tracer, advance }.picture();
-            work += done;
+            let mut layer = GBuffer::new(settings.width, settings.height, 0);
+            if settings.brackets {
+                layer = layer.with_brackets();
+            }
+            work += Driver { rays: &rays, tracer: &*tracer, advance }.picture(&mut layer);
             layer.surface.fill(index as u16);
             if style.kind == SurfaceKind::Solid {
                 work += cap(&mut layer, &rays, region, kernels.bounds()?);

@@ -13,6 +13,24 @@ pub enum Status {
     Undecided = 2,
 }
 
+/// Why nothing is proven of an undecided ray, by the first part of it that is so.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Reason {
+    /// It is decided, or the method does not tell.
+    #[default]
+    None = 0,
+    /// The function comes as near to 0 as arithmetic can tell, and shows no change of sign: it touches 0, or the surface
+    /// meets itself.
+    Touching = 1,
+    /// It is not known to be defined there.
+    Undefined = 2,
+    /// It is not known to be continuous there.
+    Discontinuous = 3,
+    /// What was to be spent on one ray was not enough.
+    Budget = 4,
+}
+
 /// What became of one ray. Distances are values of its parameter t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
@@ -22,12 +40,36 @@ pub struct Found {
     pub distance: f64,
     /// Of what is to be painted; infinite for nothing.
     pub drawn: f64,
+    /// Why it is undecided.
+    pub reason: Reason,
+    /// Of a hit: the part of the ray that is proven to hold its first zero, and nothing before it. Else NaN.
+    pub bracket: [f64; 2],
 }
 
 impl Found {
     /// No zero.
-    pub const MISS: Self =
-        Self { status: Status::Miss, distance: f64::INFINITY, drawn: f64::INFINITY };
+    pub const MISS: Self = Self {
+        status: Status::Miss,
+        distance: f64::INFINITY,
+        drawn: f64::INFINITY,
+        reason: Reason::None,
+        bracket: [f64::NAN; 2],
+    };
+
+    /// Whether this says anything but that there is no zero.
+    pub(crate) fn is_miss(&self) -> bool {
+        self.status == Status::Miss
+    }
+
+    /// The same with distances in world units, for a ray whose direction has this length.
+    pub(crate) fn scaled(self, length: f64) -> Self {
+        Self {
+            distance: self.distance * length,
+            drawn: self.drawn * length,
+            bracket: self.bracket.map(|t| t * length),
+            ..self
+        }
+    }
 }
 
 /// How many pixels have each status.
@@ -50,6 +92,10 @@ pub struct GBuffer {
     pub height: usize,
     /// What is proven.
     pub status: Vec<Status>,
+    /// Why a pixel is undecided.
+    pub reason: Vec<Reason>,
+    /// Of hits, the distances between which the zero is proven to lie; NaN elsewhere. Empty if that is not wanted.
+    pub bracket: Vec<[f64; 2]>,
     /// Distance from the ray's origin, in world units: of the hit, or of the start of the first
     /// undecided segment; infinite for a miss, but the status alone says what is one. Over kernels
     /// of `f32` it is known to some 24 bits.
@@ -76,6 +122,8 @@ impl GBuffer {
             width,
             height,
             status: vec![Status::Miss; pixels],
+            reason: vec![Reason::None; pixels],
+            bracket: Vec::new(),
             distance: vec![f64::INFINITY; pixels],
             drawn: vec![f64::INFINITY; pixels],
             surface: vec![surface; pixels],
@@ -90,6 +138,16 @@ impl GBuffer {
         self.status[pixel] = found.status;
         self.distance[pixel] = found.distance;
         self.drawn[pixel] = found.drawn;
+        self.reason[pixel] = found.reason;
+        if let Some(bracket) = self.bracket.get_mut(pixel) {
+            *bracket = found.bracket;
+        }
+    }
+
+    /// Keeps brackets of hits from now on.
+    #[must_use]
+    pub fn with_brackets(self) -> Self {
+        Self { bracket: vec![[f64::NAN; 2]; self.status.len()], ..self }
     }
 
     /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and the nearer painted
@@ -104,6 +162,10 @@ impl GBuffer {
             if theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided) {
                 self.distance[pixel] = theirs;
                 self.status[pixel] = other.status[pixel];
+                self.reason[pixel] = other.reason[pixel];
+                if let Some(bracket) = self.bracket.get_mut(pixel) {
+                    *bracket = other.bracket[pixel];
+                }
             }
             if other.drawn[pixel] < self.drawn[pixel] {
                 self.drawn[pixel] = other.drawn[pixel];

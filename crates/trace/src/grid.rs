@@ -82,6 +82,27 @@ impl RayGrid {
         }
     }
 
+    /// Screen coordinates of the point half way between the centres of two pixels, by the sum of their columns and the sum of
+    /// their rows: a ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin is moved so.
+    #[inline]
+    pub(crate) fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
+        let across = (columns as i64 + 1 - self.width as i64) as f64 * self.unit;
+        let upward = (self.height as i64 - 1 - rows as i64) as f64 * self.unit;
+        [across, upward]
+    }
+
+    /// Half the distance of neighbouring pixels' screen coordinates.
+    #[inline]
+    pub(crate) fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// Whether the picture is orthographic.
+    #[inline]
+    pub(crate) fn is_parallel(&self) -> bool {
+        self.parallel
+    }
+
     /// The ray of the pixel with this index, counted row by row from the top.
     pub fn ray_of(&self, index: usize) -> Ray {
         self.ray(index % self.width, index / self.width)
