@@ -3,6 +3,9 @@
 //! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result, a product also by the least number. So
 //! what a form's centre and slopes round, all together, is below a small number of units of the sum of their magnitudes;
 //! the factors here are rounded up to have room for the rounding of that sum itself.
+//!
+//! A sum that overflows downward rounds up to a finite number. No centre and no slope is greater than its form's magnitude,
+//! as rounded, so that the magnitude then is infinite, and with it the error.
 
 use super::{Claims, Form, FormOperand};
 use crate::bounds::Interval;
@@ -98,10 +101,12 @@ impl<M: Machine> Rule<'_, M> {
         factor: &FormOperand<M::V, N>,
     ) -> Form<M::V, N> {
         let b = &factor.value;
-        let slopes = a.slopes.map(|slopes| slopes.map(|slope| self.m.mul(slope, b.centre)));
+        // The middle of bounds beyond half the largest float is not the number itself.
+        let by = factor.range.singleton().map_or(b.centre, |number| self.number(number));
+        let slopes = a.slopes.map(|slopes| slopes.map(|slope| self.m.mul(slope, by)));
         let size = match factor.range.singleton() {
             Some(number) => self.number(number.abs()),
-            None => self.m.abs(b.centre),
+            None => self.m.abs(by),
         };
         let a_magnitude = self.magnitude_of(a);
         let magnitude = self.m.mul(a_magnitude, size);
@@ -120,7 +125,7 @@ impl<M: Machine> Rule<'_, M> {
         let tiny = self.tiny();
         let error = self.sum_of(error, Some(tiny));
         Form {
-            centre: self.m.mul(a.centre, b.centre),
+            centre: self.m.mul(a.centre, by),
             slopes,
             error: Some(self.rounded(error, 1.25, magnitude)),
             magnitude: Some(magnitude),
@@ -172,7 +177,9 @@ impl<M: Machine> Rule<'_, M> {
         }
         let tiny = self.tiny();
         let error = self.m.add(error, tiny);
+        // The error is more than the centre got of it: a centre that overflows has an infinite magnitude.
         let magnitude = self.m.mul(a_magnitude, b_magnitude);
+        let magnitude = self.m.add(magnitude, error);
         Form {
             centre,
             slopes: Some(slopes),
@@ -207,9 +214,10 @@ impl<M: Machine> Rule<'_, M> {
         let curved = self.m.mul(curved, half);
         let centre = self.m.mul(a.centre, a.centre);
         let twice = self.m.add(a.centre, a.centre);
-        let magnitude = self.m.mul(most, most);
         let tiny = self.tiny();
         let mut error = self.m.add(curved, tiny);
+        let magnitude = self.m.mul(most, most);
+        let magnitude = self.m.add(magnitude, error);
         if let Some(a_error) = a.error {
             let both = self.m.add(most, most);
             let both = self.m.add(both, a_error);

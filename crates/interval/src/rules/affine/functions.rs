@@ -187,9 +187,10 @@ impl<M: Machine> Rule<'_, M> {
                 let least = self.m.min(value.neg_lo, value.hi);
                 let least = self.m.neg(least);
                 let power = self.m.mul(least, least);
-                let fourth = self.m.mul(power, power);
-                let fifth = self.m.mul(fourth, least);
-                let bend = self.m.div(share, fifth);
+                // Divided one by one: a quotient that underflows is rounded up, a power that overflows would hide it.
+                let bend = self.m.div(share, power);
+                let bend = self.m.div(bend, power);
+                let bend = self.m.div(bend, least);
                 let positive = self.gt(least, zero);
                 let infinity = self.infinity();
                 let bend = self.m.select(positive, bend, infinity);
@@ -267,10 +268,13 @@ impl<M: Machine> Rule<'_, M> {
                 let lo = self.m.neg(bounds.value.neg_lo);
                 let lo = self.m.max(lo, one);
                 let (above, below) = (self.m.add(lo, one), self.m.sub(lo, one));
-                let product = self.m.mul(above, below);
-                let root = self.m.sqrt(product);
-                let cube = self.m.mul(root, product);
-                let bend = self.m.div(lo, cube);
+                let square = self.m.mul(above, below);
+                let root = self.m.sqrt(square);
+                let bend = self.m.div(lo, square);
+                let bend = self.m.div(bend, root);
+                let infinity = self.infinity();
+                let fits = self.m.lt(product, infinity);
+                let bend = self.m.select(fits, bend, infinity);
                 self.algebraic(slope, bend)
             }
             // 1/(1 − x²) and 2x/(1 − x²)².

@@ -63,9 +63,10 @@ pub fn contract<M: Machine, const N: usize>(
     };
     let nearest = rule.m.neg(neg_near);
     let new = [rule.m.max(nearest, near), rule.m.min(farthest, far)];
-    // |depth| > |c| + rest: at either end the segment's symbol decides the sign.
-    let most = rule.m.max(above, below);
-    let crossing = rule.m.lt(most, size);
+    // Both ends are outside of the zeros' bounds, one on either side. A segment of a few floats may have its middle at an
+    // end, so that slopes alone would not tell.
+    let (from_near, to_far) = (rule.m.lt(near, nearest), rule.m.lt(farthest, far));
+    let crossing = rule.m.and(from_near, to_far);
     let crossing = Fact::Lanes(crossing).and(rule.m, form.facts.continuous);
     if let Some([neg_lo, hi]) = form.bounds {
         let least = rule.m.min(neg_lo, hi);
