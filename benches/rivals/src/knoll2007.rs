@@ -93,7 +93,8 @@ impl Knoll2007 {
         Ok(known.then_some(this))
     }
 
-    /// Draws the rows from `top` on that the buffers have room for, and returns how often boxes were evaluated; `None` if there is no such surface.
+    /// Draws the rows from `top` on that the buffers have room for, and returns how often boxes were evaluated; `None` if
+    /// there is no such surface.
     #[allow(unsafe_code)] // the only call
     fn band(&self, top: usize, rgb: &mut [u8], distance: &mut [f32]) -> Option<u64> {
         let rows = distance.len() / self.size;

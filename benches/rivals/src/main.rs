@@ -51,6 +51,9 @@ struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "128,256,512,1024", value_name = "SIZES",
         value_parser = clap::value_parser!(u32).range(16..=4096))]
     fidget: Vec<u32>,
+    /// Leave the C++ out
+    #[arg(long)]
+    no_cpp: bool,
     /// Leave fidget out
     #[arg(long)]
     no_fidget: bool,
@@ -83,7 +86,7 @@ impl Arguments {
         for method in self.methods() {
             sides.push(Box::new(Ours::new(surface, method, size, depth)?));
         }
-        for width in WIDTHS {
+        for width in WIDTHS.iter().filter(|_| !self.no_cpp) {
             if let Some(side) = Knoll2007::new(width, surface.name, size, depth)? {
                 sides.push(Box::new(side));
             }
@@ -150,15 +153,16 @@ fn main() -> Result<()> {
 }
 
 fn print_head(arguments: &Arguments) {
-    println!("{}, {} threads of {}", machine::processor(), arguments.threads, machine::threads());
+    println!("{}, {} of {} threads", machine::processor(), arguments.threads, machine::threads());
     println!("C++ by {} {}", env!("RIVALS_COMPILER"), env!("RIVALS_FLAGS"));
     if WIDTHS.len() < 2 {
         println!("no C++ on 16 lanes: the processor has no AVX-512");
     }
     println!(
         "{0}×{0} pixels, depth {1}, medians of {2} interleaved rounds; ratios are a side's time over a method's\n\
-         rootless, missed: of {3}×{3} rays, those drawn without a root, and not drawn with one; off: median distance of what is \
-         drawn from the first root, in half extents of the domain; boxes: how many were evaluated\n",
+         rootless, missed: of {3}×{3} rays, those drawn without a root, and not drawn with one; off: \
+         median distance of what is drawn from the first root, in half extents of the domain; boxes: \
+         how many were evaluated\n",
         arguments.size, arguments.depth, arguments.rounds, arguments.samples
     );
 }
