@@ -193,7 +193,7 @@ impl Model {
             let options = Options { precision: settings.precision, depth, suppress_asymptotes };
             settings.method.prepare(self.program.surface(surface), region, options)
         };
-        let mut buffer = GBuffer::new(settings.width, settings.height, 0);
+        let mut picture: Option<GBuffer> = None;
         for (index, style) in self.styles.iter().enumerate() {
             let kernels = self.program.kernels::<T>(index);
             let tracer = tracer(index, settings.max_depth)?;
@@ -213,10 +213,12 @@ impl Model {
                 work += normals(&mut layer, &rays, source, step);
             }
             // One layer at a time, so that many surfaces take no more memory than one.
-            if index == 0 {
-                buffer = layer;
-            } else {
-                buffer.merge(&layer);
+            match &mut picture {
+                None => picture = Some(layer),
+                Some(picture) => {
+                    picture.merge(&layer);
+                    layer.hand_back();
+                }
             }
             times.shade += watch.lap();
             if !advance(0) {
@@ -224,6 +226,8 @@ impl Model {
             }
         }
 
+        let mut buffer =
+            picture.unwrap_or_else(|| GBuffer::new(settings.width, settings.height, 0));
         if let Some(depth) = settings.shadow_depth {
             // A slab of the last depth may lie on either side of the surface that it holds.
             let offset =

@@ -346,7 +346,9 @@ impl Worker {
         self.shared.changed.notify_all();
         drop(state);
         // The last user of a model frees its code; that need not be done under the lock.
-        drop(before);
+        if let Some(before) = before.and_then(Arc::into_inner) {
+            before.picture.buffer.hand_back();
+        }
     }
 
     fn wanted(&self, job: &Job) -> bool {

@@ -15,6 +15,7 @@ mod method;
 mod methods;
 mod normal;
 mod packet;
+mod painted;
 mod region;
 mod region_caps;
 mod scalar;
