@@ -53,8 +53,7 @@ fn main() {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);
         let settings = Settings::default();
-        let model =
-            Model::new(&document, &region, settings.normals, settings.precision).expect(name);
+        let model = Model::new(&document, &region, &settings).expect(name);
         let mut times = vec![(Vec::new(), Vec::new()); METHODS.len()];
         let mut pictures = Vec::new();
         for round in 0..=ROUNDS {

@@ -37,7 +37,7 @@ impl Ours {
             ..Settings::default()
         };
         let (document, region) = (surface.document()?, surface.region()?);
-        let model = Model::new(&document, &region, settings.normals, settings.precision)?;
+        let model = Model::new(&document, &region, &settings)?;
         Ok(Self { model, camera: surface.camera()?, settings, picture: None })
     }
 }

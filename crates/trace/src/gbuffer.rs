@@ -1,5 +1,7 @@
 //! What is known of each pixel before it has a colour.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 /// What is proven of the ray through a pixel's centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
@@ -113,11 +115,25 @@ pub struct GBuffer {
     pub shadow: Vec<bool>,
 }
 
+/// A picture is traced while the last one is shown, and a layer beside what it is merged into.
+const SPARES: usize = 2;
+
+/// Pictures that were handed back.
+fn spares() -> MutexGuard<'static, Vec<GBuffer>> {
+    static SPARE: Mutex<Vec<GBuffer>> = Mutex::new(Vec::new());
+    SPARE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
-    /// number.
+    /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let pixels = width * height;
+        let spare = spares().pop().filter(|spare| spare.status.capacity() >= pixels);
+        if let Some(mut spare) = spare {
+            spare.reset(width, height, surface);
+            return spare;
+        }
         Self {
             width,
             height,
@@ -130,6 +146,33 @@ impl GBuffer {
             normal: vec![[0.0; 3]; pixels],
             cap: vec![false; pixels],
             shadow: vec![false; pixels],
+        }
+    }
+
+    /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that goes.
+    pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
+        fn fill<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
+            all.clear();
+            all.resize(pixels, value);
+        }
+        let pixels = width * height;
+        (self.width, self.height) = (width, height);
+        fill(&mut self.status, pixels, Status::Miss);
+        fill(&mut self.distance, pixels, f64::INFINITY);
+        fill(&mut self.drawn, pixels, f64::INFINITY);
+        fill(&mut self.surface, pixels, surface);
+        fill(&mut self.normal, pixels, [0.0; 3]);
+        fill(&mut self.cap, pixels, false);
+        fill(&mut self.shadow, pixels, false);
+    }
+
+    /// Leaves the memory to the next pictures. To get new pages from the system takes several times as long as to fill them,
+    /// and longer than all else that is done about a pixel of the background. Up to two pictures are kept, until the end of
+    /// the process.
+    pub fn hand_back(self) {
+        let mut spares = spares();
+        if spares.len() < SPARES {
+            spares.push(self);
         }
     }
 
@@ -206,6 +249,22 @@ mod tests {
         buffer.distance[0] = distance;
         buffer.drawn[0] = drawn;
         buffer
+    }
+
+    #[test]
+    fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
+        let mut old = pixel(Status::Hit, 5.0, 5.0, 7);
+        (old.normal[0], old.cap[0], old.shadow[0]) = ([1.0, 0.0, 0.0], true, true);
+        let mut reset = old.clone();
+        reset.reset(1, 1, 3);
+        old.hand_back();
+        let new = GBuffer::new(1, 1, 3);
+        assert_eq!(new, reset);
+        let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
+        assert_eq!((new.status[0], new.distance[0], new.drawn[0], new.surface[0]), expected);
+        assert_eq!((new.normal[0], new.cap[0], new.shadow[0]), ([0.0; 3], false, false));
+        reset.reset(3, 2, 0);
+        assert_eq!(reset, GBuffer::new(3, 2, 0));
     }
 
     #[test]

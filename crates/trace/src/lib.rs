@@ -16,6 +16,7 @@ mod method;
 mod methods;
 mod normal;
 mod packet;
+mod painted;
 mod region;
 mod region_caps;
 mod scalar;
