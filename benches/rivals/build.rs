@@ -33,7 +33,7 @@ fn main() {
 fn rival(lanes: &str) -> cc::Build {
     let mut build = cc::Build::new();
     // Its counter is no more than a memory operand in a program of one piece.
-    build.cpp(true).cpp_link_stdlib(None).opt_level(3).flag("-ftls-model=local-exec");
+    build.cpp(true).opt_level(3).flag("-ftls-model=local-exec");
     build.flags(FLAGS).define("W", lanes).file(SOURCE);
     build
 }

@@ -3,16 +3,19 @@
 //! The only unsafe code here: the call.
 
 use crate::side::{Asked, Side};
+use crate::surfaces::EYE;
 use anyhow::{Result, ensure};
 use rayon::prelude::*;
 use std::ffi::{CString, c_char, c_int, c_long, c_uchar};
 
-/// `(name, size, top, bottom, depth, rgb, distance, drawn, boxes)`: see the end of `cpp/knoll2007.cpp`.
+/// `(name, size, top, bottom, depth, eye, repeats, rgb, distance, drawn, boxes)`: see the end of `cpp/knoll2007.cpp`.
 type Draw = unsafe extern "C" fn(
     *const c_char,
     c_int,
     c_int,
     c_int,
+    c_int,
+    *const f32,
     c_int,
     *mut c_uchar,
     *mut f32,
@@ -33,6 +36,8 @@ mod library {
                     top: c_int,
                     bottom: c_int,
                     depth: c_int,
+                    eye: *const f32,
+                    repeats: c_int,
                     rgb: *mut c_uchar,
                     distance: *mut f32,
                     drawn: *mut c_long,
@@ -102,10 +107,12 @@ impl Knoll2007 {
         let [size, first, last] = [self.size, top, top + rows].map(|n| n as c_int);
         let (mut drawn, mut boxes) = (0, 0);
         let depth = self.depth as c_int;
-        // SAFETY: the name ends with 0, and the two counts are written once. Of the buffers, pixels of columns below `size`
-        // and rows from `first` to before `last` are written, counted from `first`: the assertion says that the slices have
-        // these. `new` keeps the depth within the C++'s arrays and indices within `int`. The function keeps no pointer, has
-        // no state but its thread's own, and restores the register of rounding modes.
+        let eye = EYE.as_vec3().to_array();
+        // SAFETY: the name ends with 0, the eye has three numbers, and of the counts there is one each. Of the buffers,
+        // pixels of columns below `size` and rows from `first` to before `last` are written, counted from `first`: the
+        // assertion says that the slices have these. `new` keeps the depth within the C++'s arrays and indices within
+        // `int`. The function keeps no pointer, has no state but its thread's own, and restores the register of rounding
+        // modes.
         let known = unsafe {
             (self.width.draw)(
                 self.name.as_ptr(),
@@ -113,6 +120,8 @@ impl Knoll2007 {
                 first,
                 last,
                 depth,
+                eye.as_ptr(),
+                1,
                 rgb.as_mut_ptr(),
                 distance.as_mut_ptr(),
                 &raw mut drawn,

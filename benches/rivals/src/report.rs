@@ -62,11 +62,11 @@ impl Report {
     /// Prints each side's geometric means and worst cases, and what sides cannot draw.
     pub fn summarise(&self) {
         println!(
-            "\nGeometric mean and worst ratio to each method over the surfaces that a side can draw:\n"
+            "\nGeometric mean and worst (least) ratio to each method over the surfaces that a side can draw:\n"
         );
         let mut head = format!("{:14}{:>9}", "side", "surfaces");
         for method in &self.methods {
-            write!(head, "{:>10}{:>9} on {:10}", format!("/{method}"), "least", "").expect("text");
+            write!(head, "{:>10}{:>9} on {:10}", format!("/{method}"), "worst", "").expect("text");
         }
         println!("{head}{:>10}{:>8}", "rootless", "missed");
         let mut sides: Vec<&str> = Vec::new();

@@ -55,7 +55,7 @@ pub const SURFACES: [Surface; 10] = [
 ];
 
 /// Of the eye, in half extents; the target is the origin.
-const EYE: DVec3 = DVec3::new(2.0, 1.5, 3.0);
+pub const EYE: DVec3 = DVec3::new(2.0, 1.5, 3.0);
 /// In degrees.
 pub const FOV: f64 = 40.0;
 
