@@ -1,14 +1,14 @@
 //! Whole pictures by every method: trace, normals and colours of 512×512 pixels on one thread.
 //!
-//! `cargo bench --bench frame [-- SURFACES…]` prints, for each surface and method, median milliseconds of interleaved rounds,
+//! `cargo bench --bench frame [-- SURFACES… METHODS…]` prints, for each surface and method, median milliseconds of interleaved rounds,
 //! what was asked of kernels, and how many pixels are decided.
 
 use glam::DVec3;
 use std::time::Duration;
 use zeroset::model::Model;
-use zeroset::picture::Settings;
+use zeroset::picture::{Picture, Settings};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Projection, Region};
+use zeroset_trace::{Camera, METHODS, Method, Projection, Region};
 
 const ROUNDS: usize = 15;
 
@@ -39,12 +39,16 @@ fn milliseconds(mut times: Vec<Duration>) -> f64 {
 fn main() {
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("first use of the pool");
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let named = |method: &&Method| wanted.iter().any(|wanted| wanted == method.name);
+    let some = METHODS.iter().any(|method| named(&method));
+    let methods: Vec<&Method> = METHODS.iter().filter(|method| !some || named(method)).collect();
     println!(
         "{:14}{:10}{:>8}{:>8}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}",
         "", "method", "trace", "shade", "boxes", "tiles", "segments", "hits", "open", "ms"
     );
     for (name, formula, half) in SURFACES {
-        if !wanted.is_empty() && !wanted.iter().any(|wanted| wanted == name) {
+        let given = |name| wanted.iter().any(|wanted| wanted == name);
+        if SURFACES.iter().any(|surface| given(surface.0)) && !given(name) {
             continue;
         }
         let document = read(formula, &Options::default()).expect(name);
@@ -54,21 +58,22 @@ fn main() {
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);
         let settings = Settings::default();
         let model = Model::new(&document, &region, &settings).expect(name);
-        let mut times = vec![(Vec::new(), Vec::new()); METHODS.len()];
-        let mut pictures = Vec::new();
+        let mut times = vec![(Vec::new(), Vec::new()); methods.len()];
+        let mut pictures: Vec<Picture> = Vec::new();
         for round in 0..=ROUNDS {
-            for (method, times) in METHODS.iter().zip(&mut times) {
+            for (method, times) in methods.iter().zip(&mut times) {
                 let settings = Settings { method, ..settings.clone() };
                 let picture = model.trace(&camera, &settings, &|_| true).expect(name);
                 if round > 0 {
                     times.0.push(picture.statistics.times.trace);
                     times.1.push(picture.statistics.times.shade);
+                    picture.buffer.hand_back();
                 } else {
                     pictures.push(picture);
                 }
             }
         }
-        for ((method, times), picture) in METHODS.iter().zip(times).zip(pictures) {
+        for ((method, times), picture) in methods.iter().zip(times).zip(pictures) {
             let (work, pixels) = (picture.statistics.work, picture.statistics.pixels);
             let (trace, shade) = (milliseconds(times.0), milliseconds(times.1));
             println!(

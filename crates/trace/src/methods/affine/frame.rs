@@ -7,7 +7,7 @@ use crate::grid::RayGrid;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use glam::DVec3;
-use zeroset_eval::{Lanes, Tiles};
+use zeroset_eval::{Lanes, Segments, Tiles};
 
 /// What the rays of a picture have in common.
 pub(super) struct Frame {
@@ -81,6 +81,14 @@ impl Frame {
             tiles.error[axis] = Lanes::splat(T::above(error[axis]));
         }
         tiles
+    }
+
+    /// A batch of rays of this picture, in which their error is set.
+    pub fn segments<T: Scalar>(&self) -> Segments<T> {
+        let most = self.span[0].abs().max(self.span[1].abs());
+        let error = self.error_in::<T>(most);
+        let error = [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)));
+        Segments { error, ..Segments::default() }
     }
 
     /// Origin (s = 0) and direction of the ray at screen coordinates.

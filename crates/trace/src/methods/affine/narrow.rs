@@ -26,7 +26,7 @@ pub(super) enum Step {
 
 /// Narrows segments in `T`.
 pub(super) struct Narrower<'a, T: Scalar> {
-    segments: &'a dyn Kernel<ContractSegments, T>,
+    pub segments: &'a dyn Kernel<ContractSegments, T>,
     /// Of the function and of its cleared form's denominator, where the segments' forms are those of the numerator.
     cleared: Option<[&'a dyn Kernel<Enclose, T>; 2]>,
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
@@ -84,9 +84,15 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             stacks[lane].clear();
             steps[lane] = Step::Empty;
             if let Some([near, far]) = *segment {
-                let (near, far) = (-T::above(-near).into(), T::above(far).into());
-                stacks[lane].push([near, far]);
                 let way = &ways[lane];
+                let slack = T::PATH_ERROR * (near.abs() + far.abs());
+                let outward = |end: f64, slack: f64| {
+                    let float: f64 = T::nearest(end).into();
+                    // Most ends are floats already.
+                    if float == end { end } else { T::nearest(end + slack).into() }
+                };
+                let (near, far) = (outward(near, -slack), outward(far, slack));
+                stacks[lane].push([near, far]);
                 let most = near.abs().max(far.abs()).max(way.span[1] - way.span[0]);
                 grain[lane] = T::GRAIN * most;
                 slots.push(lane);
@@ -186,6 +192,6 @@ fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &Way) {
         batch.origin[axis][lane] = T::nearest(origin);
         batch.direction[axis][lane] = T::nearest(direction);
         let rounding = T::PATH_ERROR * (origin.abs() + most * direction.abs());
-        batch.error[axis][lane] = T::above(way.error[axis] + rounding);
+        batch.error[axis][lane] = T::nearest(1.0001 * (way.error[axis] + rounding));
     }
 }

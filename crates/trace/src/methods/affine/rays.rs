@@ -8,7 +8,9 @@ use crate::scalar::Scalar;
 use crate::work::Work;
 use glam::DVec3;
 use std::sync::OnceLock;
-use zeroset_eval::{Boxes, Enclose, Kernel, KernelError, KernelFloat, LANES, Surface, Zeros};
+use zeroset_eval::{
+    Boxes, Contractions, Enclose, Kernel, KernelError, KernelFloat, LANES, Segments, Surface, Zeros,
+};
 use zeroset_interval::{Facts, Interval};
 
 /// A ray to be followed: the points `origin` + s·`direction`.
@@ -24,6 +26,18 @@ pub(super) struct Way {
     pub inside: [f64; 2],
     /// How long the bracket of a hit may be.
     pub tolerance: f64,
+}
+
+impl Way {
+    /// To fill an array with.
+    pub const NONE: Self = Self {
+        origin: DVec3::ZERO,
+        direction: DVec3::ZERO,
+        error: DVec3::ZERO,
+        span: [0.0; 2],
+        inside: [0.0; 2],
+        tolerance: 0.0,
+    };
 }
 
 /// What became of a ray. Places are values of s.
@@ -65,6 +79,12 @@ impl<'a, T: Scalar> Follower<'a, T> {
             region,
             suppress_asymptotes,
         })
+    }
+
+    /// Narrows segments once.
+    #[inline]
+    pub fn ask(&self, segments: &Segments<T>, out: &mut Contractions<T>) {
+        self.narrower.segments.ask(segments, out);
     }
 
     /// Follows up to [`LANES`] rays.

@@ -3,14 +3,14 @@
 use super::Affine;
 use super::frame::{Frame, Tile};
 use super::narrow::Scratch;
-use super::rays::{Way, inside};
+use super::rays::{Outcome, Way, inside};
 use crate::band::Band;
 use crate::gbuffer::{Found, Status};
 use crate::grid::RayGrid;
 use crate::method::Start;
 use crate::scalar::Scalar;
 use crate::work::Work;
-use zeroset_eval::{LANES, Planes, Tiles};
+use zeroset_eval::{Contractions, LANES, Planes, Segments, Tiles};
 
 /// Pixels on the side of a tile, by level. Each holds sixteen of the next.
 const SIDES: [usize; 2] = [16, 4];
@@ -39,20 +39,36 @@ pub(super) fn trace<T: Scalar>(
         }
     }
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
-    let mut tracer =
-        Tracer { method, rays, frame, band, open, across, scratch: Scratch::default(), work };
+    let size = frame.span[0].abs().max(frame.span[1].abs());
+    let mut tracer = Tracer {
+        method,
+        rays,
+        band,
+        open,
+        across,
+        size,
+        segments: frame.segments(),
+        contractions: Contractions::default(),
+        frame,
+        scratch: Scratch::default(),
+        work,
+    };
     let [mut coarse, mut fine] = levels;
     let places: Vec<[usize; 2]> =
         (0..tracer.band.width.div_ceil(SIDES[0])).map(|i| [i, 0]).collect();
-    let span = tracer.frame.span;
+    // Rounded outward once; all later ends are floats.
+    let [near, far] = tracer.frame.span;
+    let span = [-T::above(-near).into(), T::above(far).into()];
     for places in places.chunks(LANES) {
-        coarse.start(&tracer, places, 0, span);
+        coarse.start(&tracer, places, 0, span, false);
         tracer.run(&mut coarse, Some(&mut fine), 0);
     }
 }
 
 /// Up to sixteen tiles of one size, and what is still to be looked at of each.
 struct Level<T: Scalar> {
+    /// Whether all of the tiles' segments are in the region.
+    within: bool,
     places: [[usize; 2]; LANES],
     tiles: [Tile; LANES],
     stacks: [Vec<[f64; 2]>; LANES],
@@ -69,6 +85,10 @@ struct Tracer<'a, 'b, 'm, T: Scalar> {
     open: Vec<u16>,
     /// Tiles of 4×4 in a row.
     across: usize,
+    /// The farthest end of a segment.
+    size: f64,
+    segments: Segments<T>,
+    contractions: Contractions<T>,
     scratch: Scratch<T>,
     work: &'a mut Work,
 }
@@ -76,6 +96,7 @@ struct Tracer<'a, 'b, 'm, T: Scalar> {
 impl<T: Scalar> Level<T> {
     fn new(batch: Tiles<T>) -> Self {
         Self {
+            within: false,
             places: [[0; 2]; LANES],
             tiles: std::array::from_fn(|_| Tile { centre: [0.0; 2], half: [0.0; 2] }),
             stacks: Default::default(),
@@ -84,29 +105,44 @@ impl<T: Scalar> Level<T> {
         }
     }
 
-    /// Takes tiles of a level, by their columns and rows in units of tiles.
+    /// Takes tiles of a level, by their columns and rows in units of tiles. If they are `within` the region, they need not
+    /// be clipped to it.
     fn start(
         &mut self,
         tracer: &Tracer<'_, '_, '_, T>,
         places: &[[usize; 2]],
         level: usize,
         segment: [f64; 2],
+        within: bool,
     ) {
-        for stack in &mut self.stacks {
-            stack.clear();
-        }
+        self.within = within;
         for (lane, &place) in places.iter().enumerate() {
+            let stack = &mut self.stacks[lane];
+            stack.clear();
             if !tracer.is_open(place, level) {
                 continue;
             }
             let [columns, rows] = tracer.pixels(place, level);
             let top = tracer.band.top;
             let tile = Tile::new(tracer.rays, columns, rows.map(|row| top + row));
-            if let Some([near, far]) = tracer.frame.clip(&tile, tracer.method.region, segment) {
-                self.stacks[lane].push([-T::above(-near).into(), T::above(far).into()]);
+            if within {
+                stack.push(segment);
+            } else if let Some([near, far]) =
+                tracer.frame.clip(&tile, tracer.method.region, segment)
+            {
+                // Ends that are floats already stay as they are.
+                let slack = |end: f64, clipped: f64| {
+                    if end == clipped { 0.0 } else { T::PATH_ERROR * (clipped.abs() + tracer.size) }
+                };
+                let near = T::nearest(near - slack(segment[0], near));
+                let far = T::nearest(far + slack(segment[1], far));
+                stack.push([near.into(), far.into()]);
             }
             self.places[lane] = place;
             self.tiles[lane] = tile;
+        }
+        for stack in &mut self.stacks[places.len()..] {
+            stack.clear();
         }
     }
 
@@ -114,9 +150,9 @@ impl<T: Scalar> Level<T> {
         let tile = &self.tiles[lane];
         for axis in 0..2 {
             self.batch.centre[axis][slot] = T::nearest(tile.centre[axis]);
-            // The centre is rounded too.
+            // The centre is rounded too, and so is this.
             let half = tile.half[axis] + T::PATH_ERROR * reach[axis];
-            self.batch.half[axis][slot] = T::above(half);
+            self.batch.half[axis][slot] = T::nearest(half);
         }
     }
 }
@@ -193,50 +229,32 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         if shorter < 0.0 {
             return;
         }
-        let tile = &level.tiles[lane];
-        let place = level.places[lane];
         let footprint = self.footprint(new[0]);
         let crossing = level.out.crossing >> slot & 1 == 1;
-        if crossing
-            && !self.method.cleared
-            && self.method.region.clip().is_none()
-            && let error = level.out.error[slot].into()
-            && let slope = level.out.slope[2][slot].into()
-            && let half = level.out.half[slot].into()
-            && 2.0 * half * error <= self.method.tolerance * footprint * f64::abs(slope)
-            && self.frame.is_inside(tile, self.method.region, [near, far])
-        {
-            self.emit(level, depth, slot, place);
-            level.stacks[lane].clear();
-            return;
+        if crossing && !self.method.cleared {
+            let error: f64 = level.out.error[slot].into();
+            let slope: f64 = level.out.slope[2][slot].into();
+            let half: f64 = level.out.half[slot].into();
+            let enough = self.method.tolerance * footprint * slope.abs();
+            if 2.0 * half * error <= enough && self.is_within(level, lane, [near, far]) {
+                self.emit(level, depth, slot, level.places[lane]);
+                level.stacks[lane].clear();
+                return;
+            }
         }
-        let width = SIDES[depth] as f64 * footprint;
-        if shorter <= STALLED * (far - near) && (crossing || shorter > SLENDER * width) {
+        let slender = shorter <= SLENDER * SIDES[depth] as f64 * footprint;
+        if shorter <= STALLED * (far - near) && (crossing || !slender) {
             level.stacks[lane].push(new);
-        } else if crossing || shorter <= SLENDER * width {
+        } else if crossing || slender {
+            let within = self.is_within(level, lane, new);
             if let Some(fine) = next {
-                let [column, row] = place;
-                let children: [[usize; 2]; LANES] =
-                    std::array::from_fn(|i| [4 * column + i % 4, 4 * row + i / 4]);
-                let rows = self.band.height.div_ceil(SIDES[1]);
-                let children = children.map(|[column, row]| {
-                    // What sticks out of the picture is finished: any such place will do.
-                    [column.min(self.across - 1), row.min(rows - 1)]
-                });
-                let mut given = [[0; 2]; LANES];
-                let mut count = 0;
-                for child in children {
-                    if !given[..count].contains(&child) {
-                        given[count] = child;
-                        count += 1;
-                    }
-                }
-                fine.start(self, &given[..count], depth + 1, new);
-                self.run(fine, None, depth + 1);
+                self.split(level, fine, depth, lane, new, within);
+            } else if within {
+                self.follow_within(level, [slot, lane], new);
             } else {
                 self.follow(level, lane, new);
             }
-            if !self.is_open(place, depth) {
+            if !self.is_open(level.places[lane], depth) {
                 level.stacks[lane].clear();
             }
         } else {
@@ -244,6 +262,36 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             level.stacks[lane].push([cut, new[1]]);
             level.stacks[lane].push([new[0], cut]);
         }
+    }
+
+    fn is_within(&self, level: &Level<T>, lane: usize, segment: [f64; 2]) -> bool {
+        let region = self.method.region;
+        level.within
+            || region.clip().is_none() && self.frame.is_inside(&level.tiles[lane], region, segment)
+    }
+
+    /// Looks at the sixteen parts of a tile.
+    fn split(
+        &mut self,
+        level: &Level<T>,
+        fine: &mut Level<T>,
+        depth: usize,
+        lane: usize,
+        segment: [f64; 2],
+        within: bool,
+    ) {
+        let [column, row] = level.places[lane].map(|place| 4 * place);
+        let (columns, rows) = (self.across, self.band.height.div_ceil(SIDES[1]));
+        let mut parts = [[0; 2]; LANES];
+        let mut count = 0;
+        for row in row..(row + 4).min(rows) {
+            for column in column..(column + 4).min(columns) {
+                parts[count] = [column, row];
+                count += 1;
+            }
+        }
+        fine.start(self, &parts[..count], depth + 1, segment, within);
+        self.run(fine, None, depth + 1);
     }
 
     /// Writes the hits that a tile's form proves.
@@ -256,11 +304,12 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let centre: [f64; 2] = batch.centre.map(|lanes| lanes[slot].into());
         let reach: [f64; 2] = batch.half.map(|lanes| lanes[slot].into());
         let per_value = -half / slope[2];
+        let per_screen = [slope[0] / reach[0], slope[1] / reach[1]];
         // What these few operations round is far below what single precision leaves of the rest.
         let off = (per_value * error).abs() * (1.0 + 1e-9) + 1e-13 * (middle.abs() + half);
         for row in rows[0]..=rows[1] {
             let [_, b] = self.rays.screen(0, 2 * (self.band.top + row));
-            let up = value + slope[2 - 1] * (b - centre[1]) / reach[1];
+            let up = value + per_screen[1] * (b - centre[1]);
             for column in columns[0]..=columns[1] {
                 let bit = 1 << (column % 4 + 4 * (row % 4));
                 let open = &mut self.open[(row / 4) * self.across + column / 4];
@@ -269,10 +318,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 }
                 *open &= !bit;
                 let [a, _] = self.rays.screen(2 * column, 0);
-                let across = slope[0] * (a - centre[0]) / reach[0];
+                let across = per_screen[0] * (a - centre[0]);
                 let t = self.frame.start + middle + per_value * (up + across);
-                let length =
-                    if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
                 let found = Found {
                     status: Status::Hit,
                     distance: t,
@@ -280,65 +327,187 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                     bracket: [t - off, t + off],
                     ..Found::MISS
                 };
-                self.band.add(column, row, &found.scaled(length));
+                self.band.add(column, row, &found.scaled(self.length([a, b])));
             }
         }
     }
 
-    /// Follows the rays of a tile of 4×4 that are not finished.
+    /// Follows the rays of a tile of 4×4 that are not finished, all of the segment being in the region: first all at once,
+    /// each along what the tile's form leaves of it.
+    fn follow_within(&mut self, level: &Level<T>, [slot, lane]: [usize; 2], [near, far]: [f64; 2]) {
+        let place = level.places[lane];
+        let index = place[1] * self.across + place[0];
+        let [first_column, first_row] = place.map(|place| 4 * place);
+        let screens: [[f64; 2]; 4] = std::array::from_fn(|k| {
+            self.rays.screen(2 * (first_column + k), 2 * (self.band.top + first_row + k))
+        });
+        let open = self.open[index];
+        let plane = Plane::new(level, slot);
+        let batch = &mut self.segments;
+        let mut bits = [0_usize; LANES];
+        let mut count = 0;
+        let (mut across, mut upward) = ([T::default(); LANES], [T::default(); LANES]);
+        for bit in 0..16 {
+            if open >> bit & 1 == 1 {
+                let screen = [screens[bit % 4][0], screens[bit / 4][1]];
+                let [from, to] = plane.narrow(screen);
+                let (from, to) = (from.max(near), to.min(far));
+                if from <= to {
+                    bits[count] = bit;
+                    [across[count], upward[count]] = screen.map(T::nearest);
+                    (batch.near[count], batch.far[count]) = (T::nearest(from), T::nearest(to));
+                    count += 1;
+                }
+            }
+        }
+        if count == 0 {
+            return;
+        }
+        for axis in 0..3 {
+            for (parts, lanes) in [
+                (&level.batch.origin, &mut batch.origin[axis]),
+                (&level.batch.direction, &mut batch.direction[axis]),
+            ] {
+                let [base, a, b] = [0, 3, 6].map(|part| parts[part + axis][0]);
+                for lane in 0..LANES {
+                    lanes[lane] = base + across[lane] * a + upward[lane] * b;
+                }
+            }
+        }
+        batch.count = count as u32;
+        self.method.follower.ask(batch, &mut self.contractions);
+        self.work.segments.called(count as u32);
+        let tolerance = self.method.tolerance * self.footprint(near);
+        let (mut ways, mut rest) = ([Way::NONE; LANES], [0; LANES]);
+        let mut left = 0;
+        for (slot, &bit) in bits[..count].iter().enumerate() {
+            if self.contractions.possible >> slot & 1 == 0 {
+                continue;
+            }
+            let from: f64 = self.contractions.near[slot].into();
+            let to: f64 = self.contractions.far[slot].into();
+            let screen = [screens[bit % 4][0], screens[bit / 4][1]];
+            let crossing = self.contractions.crossing >> slot & 1 == 1;
+            if crossing && to - from <= tolerance && !self.method.cleared {
+                self.open[index] &= !(1 << bit);
+                let hit = Outcome { hit: Some([from, to]), ..Outcome::default() };
+                let found = hit.found(self.frame.start).scaled(self.length(screen));
+                self.band.add(first_column + bit % 4, first_row + bit / 4, &found);
+            } else if from <= to {
+                let [origin, direction] = self.frame.ray(screen);
+                let error = self.frame.error;
+                let inside = [f64::NEG_INFINITY, f64::INFINITY];
+                ways[left] = Way { origin, direction, error, span: [from, to], inside, tolerance };
+                rest[left] = bit;
+                left += 1;
+            }
+        }
+        if left > 0 {
+            self.follow_ways(place, &ways[..left], &rest);
+        }
+    }
+
+    /// The length of a ray's direction.
+    fn length(&self, [a, b]: [f64; 2]) -> f64 {
+        if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
+    }
+
+    /// Follows the rays of a tile of 4×4 that are not finished, each as far as it is in the region.
     fn follow(&mut self, level: &Level<T>, lane: usize, segment: [f64; 2]) {
         let place = level.places[lane];
         let [columns, rows] = self.pixels(place, 1);
         let region = self.method.region;
-        let is_inside =
-            region.clip().is_none() && self.frame.is_inside(&level.tiles[lane], region, segment);
         let index = place[1] * self.across + place[0];
         let tolerance = self.method.tolerance * self.footprint(segment[0]);
-        let mut ways = Vec::with_capacity(LANES);
-        let mut pixels = [[0; 2]; LANES];
+        let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
+        let mut count = 0;
         for row in rows[0]..=rows[1] {
             for column in columns[0]..=columns[1] {
-                if self.open[index] >> (column % 4 + 4 * (row % 4)) & 1 == 0 {
+                let bit = column % 4 + 4 * (row % 4);
+                if self.open[index] >> bit & 1 == 0 {
                     continue;
                 }
+                let ray = self.rays.ray(column, self.band.top + row);
+                let start = self.frame.start;
+                let Some((near, far)) = region.span(&ray) else { continue };
+                let slack = 1e-15 * (near.abs() + start.abs());
+                let span =
+                    [segment[0].max(near - start - slack), segment[1].min(far - start + slack)];
+                if span[0] > span[1] {
+                    continue;
+                }
+                let inside = inside(region, &ray, start, span);
                 let screen = self.rays.screen(2 * column, 2 * (self.band.top + row));
                 let [origin, direction] = self.frame.ray(screen);
-                let mut span = segment;
-                let mut within = [f64::NEG_INFINITY, f64::INFINITY];
-                if !is_inside {
-                    let ray = self.rays.ray(column, self.band.top + row);
-                    let start = self.frame.start;
-                    let Some((near, far)) = region.span(&ray) else { continue };
-                    let slack = 1e-15 * (near.abs() + start.abs());
-                    span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
-                    if span[0] > span[1] {
-                        continue;
-                    }
-                    within = inside(region, &ray, start, span);
-                }
                 let error = self.frame.error;
-                pixels[ways.len()] = [column, row];
-                ways.push(Way { origin, direction, error, span, inside: within, tolerance });
+                ways[count] = Way { origin, direction, error, span, inside, tolerance };
+                bits[count] = bit;
+                count += 1;
             }
         }
-        if ways.is_empty() {
-            return;
+        if count > 0 {
+            self.follow_ways(place, &ways[..count], &bits);
         }
-        let outcomes =
-            self.method.follower.follow(&ways, Start::Anywhere, &mut self.scratch, self.work);
-        for (outcome, [column, row]) in outcomes[..ways.len()].iter().zip(pixels) {
+    }
+
+    /// Follows rays of a tile of 4×4, given by their bits, one by one to the end.
+    fn follow_ways(&mut self, place: [usize; 2], ways: &[Way], bits: &[usize; LANES]) {
+        let index = place[1] * self.across + place[0];
+        let follower = &self.method.follower;
+        let outcomes = follower.follow(ways, Start::Anywhere, &mut self.scratch, self.work);
+        for (outcome, &bit) in outcomes[..ways.len()].iter().zip(bits) {
             let found = outcome.found(self.frame.start);
             if found.is_miss() {
                 continue;
             }
-            let [a, b] = self.rays.screen(2 * column, 2 * (self.band.top + row));
-            let length = if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
-            let found = found.scaled(length);
-            let is_over = found.drawn.is_finite();
-            self.band.add(column, row, &found);
-            if is_over {
-                self.open[index] &= !(1 << (column % 4 + 4 * (row % 4)));
+            let (column, row) = (4 * place[0] + bit % 4, 4 * place[1] + bit / 4);
+            let screen = self.rays.screen(2 * column, 2 * (self.band.top + row));
+            if found.drawn.is_finite() {
+                self.open[index] &= !(1 << bit);
             }
+            self.band.add(column, row, &found.scaled(self.length(screen)));
         }
+    }
+}
+
+/// What a tile's form says of the zeros on its rays.
+struct Plane {
+    centre: [f64; 2],
+    per_screen: [f64; 2],
+    value: f64,
+    middle: f64,
+    per_value: f64,
+    reach: f64,
+}
+
+impl Plane {
+    fn new<T: Scalar>(level: &Level<T>, slot: usize) -> Self {
+        let (out, batch) = (&level.out, &level.batch);
+        let [value, error, middle, half]: [f64; 4] =
+            [out.value[slot], out.error[slot], out.middle[slot], out.half[slot]].map(Into::into);
+        let slope: [f64; 3] = out.slope.map(|lanes| lanes[slot].into());
+        let per_value = -half / slope[2];
+        let size = value.abs() + slope[0].abs() + slope[1].abs() + error;
+        // Screen coordinates were rounded, and so are ends; more than what that comes to.
+        let error = error + T::PATH_ERROR * size;
+        Self {
+            centre: batch.centre.map(|lanes| lanes[slot].into()),
+            per_screen: [0, 1].map(|axis| slope[axis] / batch.half[axis][slot].into()),
+            value,
+            middle,
+            per_value,
+            reach: per_value.abs() * error + T::PATH_ERROR * (middle.abs() + half),
+        }
+    }
+
+    /// Bounds of s between which the ray at screen coordinates may have a zero.
+    #[inline]
+    fn narrow(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+        let value = self.value
+            + self.per_screen[0] * (a - self.centre[0])
+            + self.per_screen[1] * (b - self.centre[1]);
+        let s = self.middle + self.per_value * value;
+        // What is not a number bounds nothing.
+        [s - self.reach, s + self.reach]
     }
 }
