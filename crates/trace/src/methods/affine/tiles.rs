@@ -14,6 +14,8 @@ use zeroset_eval::{Contractions, LANES, Planes, Segments, Tiles};
 
 /// Pixels on the side of a tile, by level. Each holds sixteen of the next.
 const SIDES: [usize; 2] = [16, 4];
+/// The level of tiles whose parts are rays.
+const LAST: usize = SIDES.len() - 1;
 /// A tile is split once its segment is no longer than so many times what it is wide.
 const SLENDER: f64 = 2.0;
 /// A segment that stays longer than this share of what it was is cut.
@@ -30,7 +32,7 @@ pub(super) fn trace<T: Scalar>(
 ) {
     let frame = Frame::new(rays, method.region);
     let across = band.width.div_ceil(4);
-    let mut open = vec![0_u16; across * 4];
+    let mut open = vec![0_u16; across * band.height.div_ceil(4)];
     for (index, open) in open.iter_mut().enumerate() {
         let (left, top) = (4 * (index % across), 4 * (index / across));
         for bit in 0..16 {
@@ -53,15 +55,15 @@ pub(super) fn trace<T: Scalar>(
         scratch: Scratch::default(),
         work,
     };
-    let [mut coarse, mut fine] = levels;
+    let mut levels: [Level<T>; SIDES.len()] = levels;
     let places: Vec<[usize; 2]> =
         (0..tracer.band.width.div_ceil(SIDES[0])).map(|i| [i, 0]).collect();
     // Rounded outward once; all later ends are floats.
     let [near, far] = tracer.frame.span;
     let span = [-T::above(-near).into(), T::above(far).into()];
     for places in places.chunks(LANES) {
-        coarse.start(&tracer, places, 0, span, false);
-        tracer.run(&mut coarse, Some(&mut fine), 0);
+        levels[0].start(&tracer, places, 0, span, None, false);
+        tracer.run(&mut levels, 0);
     }
 }
 
@@ -105,14 +107,15 @@ impl<T: Scalar> Level<T> {
         }
     }
 
-    /// Takes tiles of a level, by their columns and rows in units of tiles. If they are `within` the region, they need not
-    /// be clipped to it.
+    /// Takes tiles of a level, by their columns and rows in units of tiles, each with what the form of the tile that they
+    /// are parts of leaves of a segment. If they are `within` the region, they need not be clipped to it.
     fn start(
         &mut self,
         tracer: &Tracer<'_, '_, '_, T>,
         places: &[[usize; 2]],
         level: usize,
         segment: [f64; 2],
+        plane: Option<&Plane>,
         within: bool,
     ) {
         self.within = within;
@@ -125,11 +128,15 @@ impl<T: Scalar> Level<T> {
             let [columns, rows] = tracer.pixels(place, level);
             let top = tracer.band.top;
             let tile = Tile::new(tracer.rays, columns, rows.map(|row| top + row));
-            if within {
-                stack.push(segment);
-            } else if let Some([near, far]) =
-                tracer.frame.clip(&tile, tracer.method.region, segment)
-            {
+            let mut left = Some(segment);
+            if let Some(plane) = plane {
+                left = plane.narrow_tile(&tile, segment);
+            }
+            if !within {
+                let clip = |segment| tracer.frame.clip(&tile, tracer.method.region, segment);
+                left = left.and_then(clip);
+            }
+            if let Some([near, far]) = left {
                 // Ends that are floats already stay as they are.
                 let slack = |end: f64, clipped: f64| {
                     if end == clipped { 0.0 } else { T::PATH_ERROR * (clipped.abs() + tracer.size) }
@@ -167,11 +174,14 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Whether some pixel of a tile is not finished.
     fn is_open(&self, [column, row]: [usize; 2], level: usize) -> bool {
-        if level == 1 {
-            return self.open[row * self.across + column] != 0;
-        }
-        let columns = 4 * column..(4 * column + 4).min(self.across);
-        (0..4).any(|row| columns.clone().any(|column| self.open[row * self.across + column] != 0))
+        let side = SIDES[level] / SIDES[LAST];
+        let range = |place: usize, size: usize| side * place..(side * place + side).min(size);
+        let (columns, rows) =
+            (range(column, self.across), range(row, self.open.len() / self.across));
+        rows.into_iter().any(|row| {
+            let start = row * self.across;
+            self.open[start + columns.start..start + columns.end].iter().any(|&open| open != 0)
+        })
     }
 
     /// The width of a pixel in units of s.
@@ -180,7 +190,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         if self.rays.is_parallel() { unit } else { unit * (self.frame.start + s) }
     }
 
-    fn run(&mut self, level: &mut Level<T>, mut next: Option<&mut Level<T>>, depth: usize) {
+    fn run(&mut self, levels: &mut [Level<T>], depth: usize) {
+        let (level, finer) = levels.split_first_mut().expect("a level");
         let mut slots: Vec<usize> =
             (0..LANES).filter(|&lane| !level.stacks[lane].is_empty()).collect();
         let mut moved = true;
@@ -204,7 +215,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 let Some(segment) = level.stacks[lane].pop() else { continue };
                 self.work.tiles.lanes += 1;
                 if level.out.possible >> slot & 1 == 1 {
-                    self.judge(level, next.as_deref_mut(), depth, [slot, lane], segment);
+                    self.judge(level, finer, depth, [slot, lane], segment);
                 }
                 live += usize::from(!level.stacks[lane].is_empty());
             }
@@ -219,7 +230,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     fn judge(
         &mut self,
         level: &mut Level<T>,
-        next: Option<&mut Level<T>>,
+        finer: &mut [Level<T>],
         depth: usize,
         [slot, lane]: [usize; 2],
         [near, far]: [f64; 2],
@@ -247,8 +258,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             level.stacks[lane].push(new);
         } else if crossing || slender {
             let within = self.is_within(level, lane, new);
-            if let Some(fine) = next {
-                self.split(level, fine, depth, lane, new, within);
+            if !finer.is_empty() {
+                self.split(level, finer, depth, [slot, lane], new, within);
             } else if within {
                 self.follow_within(level, [slot, lane], new);
             } else {
@@ -274,14 +285,15 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     fn split(
         &mut self,
         level: &Level<T>,
-        fine: &mut Level<T>,
+        finer: &mut [Level<T>],
         depth: usize,
-        lane: usize,
+        [slot, lane]: [usize; 2],
         segment: [f64; 2],
         within: bool,
     ) {
         let [column, row] = level.places[lane].map(|place| 4 * place);
-        let (columns, rows) = (self.across, self.band.height.div_ceil(SIDES[1]));
+        let side = SIDES[depth + 1];
+        let (columns, rows) = (self.band.width.div_ceil(side), self.band.height.div_ceil(side));
         let mut parts = [[0; 2]; LANES];
         let mut count = 0;
         for row in row..(row + 4).min(rows) {
@@ -290,8 +302,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 count += 1;
             }
         }
-        fine.start(self, &parts[..count], depth + 1, segment, within);
-        self.run(fine, None, depth + 1);
+        let plane = Plane::new(level, slot);
+        finer[0].start(self, &parts[..count], depth + 1, segment, Some(&plane), within);
+        self.run(finer, depth + 1);
     }
 
     /// Writes the hits that a tile's form proves.
@@ -415,7 +428,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     /// Follows the rays of a tile of 4×4 that are not finished, each as far as it is in the region.
     fn follow(&mut self, level: &Level<T>, lane: usize, segment: [f64; 2]) {
         let place = level.places[lane];
-        let [columns, rows] = self.pixels(place, 1);
+        let [columns, rows] = self.pixels(place, LAST);
         let region = self.method.region;
         let index = place[1] * self.across + place[0];
         let tolerance = self.method.tolerance * self.footprint(segment[0]);
@@ -509,5 +522,15 @@ impl Plane {
         let s = self.middle + self.per_value * value;
         // What is not a number bounds nothing.
         [s - self.reach, s + self.reach]
+    }
+
+    /// What is left of a segment on the rays of a part of the tile.
+    fn narrow_tile(&self, part: &Tile, [near, far]: [f64; 2]) -> Option<[f64; 2]> {
+        let [from, to] = self.narrow(part.centre);
+        let spread =
+            self.per_screen[0].abs() * part.half[0] + self.per_screen[1].abs() * part.half[1];
+        let spread = (self.per_value * spread).abs();
+        let (near, far) = ((from - spread).max(near), (to + spread).min(far));
+        (near <= far).then_some([near, far])
     }
 }
