@@ -17,9 +17,9 @@ const SIDES: [usize; 2] = [16, 4];
 /// The level of tiles whose parts are rays.
 const LAST: usize = SIDES.len() - 1;
 /// A tile is split once its segment is no longer than so many times what it is wide.
-const SLENDER: f64 = 2.0;
+const SLENDER: f64 = 3.0;
 /// A segment that stays longer than this share of what it was is cut.
-const STALLED: f64 = 0.6;
+const STALLED: f64 = 0.75;
 /// Where it is cut.
 const CUT: f64 = 0.4609375;
 
@@ -254,7 +254,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             }
         }
         let slender = shorter <= SLENDER * SIDES[depth] as f64 * footprint;
-        if shorter <= STALLED * (far - near) && (crossing || !slender) {
+        if shorter <= STALLED * (far - near) {
             level.stacks[lane].push(new);
         } else if crossing || slender {
             let within = self.is_within(level, lane, new);
