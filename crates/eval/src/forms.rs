@@ -156,10 +156,11 @@ impl<M: Machine> Path<M, 3> for Across<M::V> {
         let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
         let way = m.mul(self.middle, direction);
         let centre = m.add(origin, way);
+        // In the order of the magnitude below, so that this is infinite if anything overflows.
         let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
-            let way = m.mul(self.middle, d);
-            let per_unit = m.add(o, way);
-            m.mul(self.reach[axis], per_unit)
+            let (moved, turned) = (m.mul(self.reach[axis], o), m.mul(self.reach[axis], d));
+            let way = m.mul(self.middle, turned);
+            m.add(moved, way)
         });
         let depth = m.mul(self.half, direction);
         // Screen and depth together: rays spread.
