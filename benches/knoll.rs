@@ -13,17 +13,22 @@ use zeroset_eval::Surface;
 use zeroset_interval::Interval;
 use zeroset_syntax::read;
 use zeroset_trace::{
-    Camera, Driver, Method, Options, Precision, Projection, RayGrid, Region, StandardView,
+    Camera, Driver, GBuffer, Method, Options, Precision, Projection, RayGrid, Region, StandardView,
 };
 
 const SIZE: usize = 512;
 const ROUNDS: usize = 41;
 
 fn time(native: &dyn Surface, rival: &dyn Surface, rays: &RayGrid, region: &Region) -> Comparison {
-    let options = Options { precision: Precision::F32, depth: 10, suppress_asymptotes: true };
+    let options =
+        Options { precision: Precision::F32, depth: 10, tolerance: 0.5, suppress_asymptotes: true };
     let [native, rival] =
         [native, rival].map(|surface| knoll().prepare(surface, region, options).expect("kernels"));
-    let trace = |tracer| Driver { rays, tracer, advance: &|_| true }.picture();
+    let trace = |tracer| {
+        let mut buffer = GBuffer::new(SIZE, SIZE, 0);
+        let work = Driver { rays, tracer, advance: &|_| true }.picture(&mut buffer);
+        (buffer, work)
+    };
     let ((a, work), (b, _)) = (trace(&*native), trace(&*rival));
     let differ = a.drawn.iter().zip(&b.drawn).filter(|(a, b)| a.is_finite() != b.is_finite());
     assert!(differ.count() < SIZE * SIZE / 1000, "the same picture but for rounding");

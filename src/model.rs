@@ -46,10 +46,9 @@ impl Model {
     pub fn new(
         document: &Document,
         region: &Region,
-        normals: Option<Normals>,
-        precision: Precision,
+        settings: &Settings,
     ) -> Result<Self, ProgramError> {
-        let model = Self::new_while(document, region, normals, precision, &|| true)?;
+        let model = Self::new_while(document, region, settings, &|| true)?;
         Ok(model.expect("wanted to the end"))
     }
 
@@ -60,17 +59,17 @@ impl Model {
     pub fn new_while(
         document: &Document,
         region: &Region,
-        normals: Option<Normals>,
-        precision: Precision,
+        settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Self>, ProgramError> {
+        let precision = settings.precision;
         let mut watch = Stopwatch::start();
         let mut times = Times::default();
         let program = Program::new(document, scene::bounds(region))?;
         times.simplify = watch.lap();
         let made = match precision {
-            Precision::F32 => make_kernels::<f32>(&program, document, normals, wanted)?,
-            Precision::F64 => make_kernels::<f64>(&program, document, normals, wanted)?,
+            Precision::F32 => make_kernels::<f32>(&program, document, region, settings, wanted)?,
+            Precision::F64 => make_kernels::<f64>(&program, document, region, settings, wanted)?,
         };
         if !made {
             return Ok(None);
@@ -188,17 +187,18 @@ impl Model {
         };
         let mut work = Work::default();
         let tracer = |surface: usize, depth| {
-            // At a pole a surface has no point, but a solid may have a face.
-            let suppress_asymptotes = self.styles[surface].kind == SurfaceKind::Equation;
-            let options = Options { precision: settings.precision, depth, suppress_asymptotes };
+            let options = options(settings, self.styles[surface].kind, depth);
             settings.method.prepare(self.program.surface(surface), region, options)
         };
-        let mut buffer = GBuffer::new(settings.width, settings.height, 0);
+        let mut picture: Option<GBuffer> = None;
         for (index, style) in self.styles.iter().enumerate() {
             let kernels = self.program.kernels::<T>(index);
             let tracer = tracer(index, settings.max_depth)?;
-            let (mut layer, done) = Driver { rays: &rays, tracer: &*tracer, advance }.picture();
-            work += done;
+            let mut layer = GBuffer::new(settings.width, settings.height, 0);
+            if settings.brackets {
+                layer = layer.with_brackets();
+            }
+            work += Driver { rays: &rays, tracer: &*tracer, advance }.picture(&mut layer);
             layer.surface.fill(index as u16);
             if style.kind == SurfaceKind::Solid {
                 work += cap(&mut layer, &rays, region, kernels.bounds()?);
@@ -213,10 +213,12 @@ impl Model {
                 work += normals(&mut layer, &rays, source, step);
             }
             // One layer at a time, so that many surfaces take no more memory than one.
-            if index == 0 {
-                buffer = layer;
-            } else {
-                buffer.merge(&layer);
+            match &mut picture {
+                None => picture = Some(layer),
+                Some(picture) => {
+                    picture.merge(&layer);
+                    layer.hand_back();
+                }
             }
             times.shade += watch.lap();
             if !advance(0) {
@@ -224,6 +226,8 @@ impl Model {
             }
         }
 
+        let mut buffer =
+            picture.unwrap_or_else(|| GBuffer::new(settings.width, settings.height, 0));
         if let Some(depth) = settings.shadow_depth {
             // A slab of the last depth may lie on either side of the surface that it holds.
             let offset =
@@ -260,34 +264,50 @@ impl Model {
         };
         let undefined = (0..self.surfaces()).any(|surface| self.program.is_undefined(surface));
         let (method, precision) = (settings.method, settings.precision);
-        let flat = self.is_flat::<T>()?;
+        // Where it is 0 everywhere no ray through the region is decided.
+        let flat = statistics.pixels.undecided > 0 && self.is_flat::<T>()?;
         let remarks = self.remarks.clone();
         Ok(Picture { buffer, rgb, method, precision, statistics, undefined, remarks, flat })
     }
+}
+
+fn options(settings: &Settings, kind: SurfaceKind, depth: u32) -> Options {
+    let Settings { precision, tolerance, .. } = *settings;
+    // At a pole a surface has no point, but a solid may have a face.
+    let suppress_asymptotes = kind == SurfaceKind::Equation;
+    Options { precision, depth, tolerance, suppress_asymptotes }
 }
 
 /// Makes the kernels that a picture needs, all at once; returns whether they were wanted to the end.
 fn make_kernels<T: KernelFloat>(
     program: &Program,
     document: &Document,
-    normals: Option<Normals>,
+    region: &Region,
+    settings: &Settings,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<bool, ProgramError> {
     let one = |surface: usize| {
         let kernels = program.kernels::<T>(surface);
-        let zeros = || if wanted() { kernels.zeros().map(|_| ()) } else { Ok(()) };
-        let other = || match normals {
+        let kind = document.surfaces[surface].kind;
+        let traced = || {
+            if !wanted() {
+                return Ok(());
+            }
+            let options = options(settings, kind, settings.max_depth);
+            settings.method.prepare(program.surface(surface), region, options).map(drop)
+        };
+        let other = || match settings.normals {
             _ if !wanted() => Ok(()),
             None => Ok(()),
             Some(Normals::Gradient) => kernels.gradients().map(|_| ()),
             Some(Normals::Central) => kernels.values().map(|_| ()),
         };
-        let bounds = || match document.surfaces[surface].kind {
+        let bounds = || match kind {
             SurfaceKind::Solid if wanted() => kernels.bounds().map(|_| ()),
             SurfaceKind::Solid | SurfaceKind::Equation => Ok(()),
         };
-        let (zeros, (other, bounds)) = rayon::join(zeros, || rayon::join(other, bounds));
-        zeros.and(other).and(bounds)
+        let (traced, (other, bounds)) = rayon::join(traced, || rayon::join(other, bounds));
+        traced.and(other).and(bounds)
     };
     (0..document.surfaces.len()).into_par_iter().map(one).collect::<Result<(), _>>()?;
     Ok(wanted())
@@ -318,7 +338,7 @@ pub fn render(
     settings: &Settings,
     progress: Progress<'_>,
 ) -> Result<Picture, ProgramError> {
-    let model = Model::new(document, region, settings.normals, settings.precision)?;
+    let model = Model::new(document, region, settings)?;
     let pixels = settings.width * settings.height * document.surfaces.len();
     let done = AtomicUsize::new(0);
     let advance = |pixels_done: usize| {

@@ -20,6 +20,10 @@ pub struct Settings {
     pub precision: Precision,
     /// How often a ray's way through the domain is halved: at most [`Precision::max_depth`], beyond which it is brought within.
     pub max_depth: u32,
+    /// How far, in pixels, a hit may be from where it is drawn, for methods that bound it; proofs do not depend on it.
+    pub tolerance: f64,
+    /// Whether the brackets of hits are kept.
+    pub brackets: bool,
     /// The same depth for shadow rays; `None` for no shadows.
     pub shadow_depth: Option<u32>,
     /// Where normals come from; `None` if neither colours nor normals are wanted.
@@ -51,6 +55,8 @@ impl Default for Settings {
             method: Default::default(),
             precision: Precision::F32,
             max_depth: 10,
+            tolerance: 0.5,
+            brackets: false,
             shadow_depth: None,
             normals: Some(Normals::Gradient),
             undecided: UndecidedStyle::Shade,

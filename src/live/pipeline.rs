@@ -346,7 +346,9 @@ impl Worker {
         self.shared.changed.notify_all();
         drop(state);
         // The last user of a model frees its code; that need not be done under the lock.
-        drop(before);
+        if let Some(before) = before.and_then(Arc::into_inner) {
+            before.picture.buffer.hand_back();
+        }
     }
 
     fn wanted(&self, job: &Job) -> bool {
@@ -396,8 +398,7 @@ impl Worker {
             let wanted = || self.wanted(job);
             let found = scene::region_while(document, request.domain, request.clip, &wanted)?;
             let Some((region, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
-            let Settings { normals, precision, .. } = request.settings;
-            let model = Model::new_while(document, &region, normals, precision, &wanted)?;
+            let model = Model::new_while(document, &region, &request.settings, &wanted)?;
             let Some(model) = model else { return Ok(None) };
             self.pixel = None;
             (Arc::new(model), searched)

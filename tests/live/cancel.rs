@@ -23,8 +23,7 @@ fn a_compile_ends_between_kernels() {
     let compile = |last: usize| {
         let asked = AtomicUsize::new(0);
         let wanted = || asked.fetch_add(1, Ordering::Relaxed) < last;
-        let normals = Some(Normals::Gradient);
-        let model = Model::new_while(&document, &region, normals, Precision::F32, &wanted);
+        let model = Model::new_while(&document, &region, &Settings::default(), &wanted);
         (model.expect("compiles").is_some(), asked.into_inner())
     };
     let (made, asked) = compile(usize::MAX);
@@ -47,7 +46,7 @@ fn picture(model: &Model, settings: &Settings, last: usize) -> (Picture, usize) 
 #[test]
 fn shadows_end_between_tiles() {
     let (document, region) = document();
-    let model = Model::new(&document, &region, Some(Normals::Gradient), Precision::F32);
+    let model = Model::new(&document, &region, &Settings::default());
     let model = model.expect("compiles");
     let plain = Settings { width: 256, height: 256, max_depth: 8, ..Settings::default() };
     let shadowed = Settings { shadow_depth: Some(7), ..plain.clone() };

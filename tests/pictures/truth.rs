@@ -8,7 +8,7 @@ use zeroset::model::render;
 use zeroset::picture::{Precision, Settings};
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::{Camera, GBuffer, Projection, RayGrid, Status};
+use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, Reason, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -16,15 +16,23 @@ const DEPTH: u32 = 12;
 /// Rays with a crossing which the reference decided, over all surfaces.
 const CROSSINGS: usize = 95_746;
 
-/// What is varied.
+/// What is varied of the method `knoll`.
 #[derive(Clone, Copy, Debug)]
-struct Method(u32, Precision);
+struct Slabs(u32, Precision);
 
 /// That of the table.
-const TABLE: Method = Method(DEPTH, Precision::F32);
+const TABLE: Slabs = Slabs(DEPTH, Precision::F32);
+
+impl Slabs {
+    fn settings(self) -> Settings {
+        let Self(max_depth, precision) = self;
+        let method = Method::named("knoll").expect("a row");
+        Settings { method, max_depth, precision, ..Settings::default() }
+    }
+}
 
 /// The surface as seen by the reference's camera.
-fn picture(truth: &Truth, method: Method) -> (RayGrid, GBuffer) {
+fn picture(truth: &Truth, settings: Settings) -> (RayGrid, GBuffer) {
     let view = &truth.view;
     let example = example(&view.slug).unwrap_or_else(|| panic!("no example {}", view.slug));
     let document = read_document(example.text, &Options::default())
@@ -36,9 +44,7 @@ fn picture(truth: &Truth, method: Method) -> (RayGrid, GBuffer) {
     let projection = Projection::Perspective { fov: view.fov };
     let camera = Camera::new(eye, target, up, projection).expect("a camera");
     let (width, height) = (SIDE, SIDE);
-    let Method(max_depth, precision) = method;
-    let settings =
-        Settings { width, height, max_depth, precision, normals: None, ..Settings::default() };
+    let settings = Settings { width, height, normals: None, ..settings };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {})
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
     (camera.rays(SIDE, SIDE), picture.buffer)
@@ -82,7 +88,7 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     let mut rows = Vec::new();
     let mut false_claims = Vec::new();
     for truth in read("truth") {
-        let (frame, buffer) = picture(&truth, TABLE);
+        let (frame, buffer) = picture(&truth, TABLE.settings());
         false_claims.extend(contradictions(&truth, Precision::F32, &frame, &buffer));
         rows.push(Row::new(&truth, &buffer, DEPTH));
     }
@@ -97,15 +103,15 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
 #[test]
 fn no_claim_of_thinner_slabs_contradicts_an_exact_root() {
     let methods = [
-        Method(16, Precision::F32),
-        Method(Precision::F32.max_depth(), Precision::F32),
-        Method(DEPTH, Precision::F64),
-        Method(Precision::F64.max_depth(), Precision::F64),
+        Slabs(16, Precision::F32),
+        Slabs(Precision::F32.max_depth(), Precision::F32),
+        Slabs(DEPTH, Precision::F64),
+        Slabs(Precision::F64.max_depth(), Precision::F64),
     ];
     let mut false_claims = Vec::new();
     for truth in read("truth") {
         for method in methods {
-            let (frame, buffer) = picture(&truth, method);
+            let (frame, buffer) = picture(&truth, method.settings());
             let found = contradictions(&truth, method.1, &frame, &buffer);
             false_claims.extend(found.iter().map(|claim| format!("{method:?}: {claim}")));
         }
@@ -117,7 +123,7 @@ fn no_claim_of_thinner_slabs_contradicts_an_exact_root() {
 fn false_claims_are_noticed() {
     let truths = read("truth");
     let sphere = truths.iter().find(|truth| truth.view.slug == "sphere").expect("a sphere");
-    let (frame, right) = picture(sphere, TABLE);
+    let (frame, right) = picture(sphere, TABLE.settings());
     let noticed = |buffer: &GBuffer| contradictions(sphere, Precision::F32, &frame, buffer).len();
     assert_eq!(noticed(&right), 0);
     let roots = sphere.pixels.iter().filter(|pixel| pixel.zero.is_finite()).count();
@@ -133,4 +139,93 @@ fn false_claims_are_noticed() {
     let mut early = right.clone();
     early.drawn.iter_mut().for_each(|drawn| *drawn -= 1e-3);
     assert_eq!(noticed(&early), right.counts().undecided);
+}
+
+/// The tolerance at which the method `affine` is held against the truth, in pixels.
+const TOLERANCE: f64 = 5e-4;
+/// How far a proven hit may be from its root, as a share of the domain's diagonal.
+const DISTANCE: f64 = 1e-5;
+
+/// What the method `affine` made of one surface.
+#[derive(Default)]
+struct Proofs {
+    hits: usize,
+    misses: usize,
+    undecided: usize,
+    /// Undecided rays whose first root is a crossing, or that have none.
+    needless: usize,
+    /// Hits that are not within [`DISTANCE`] of their root.
+    far: usize,
+    /// Painted pixels without a root.
+    phantoms: usize,
+    reasons: [usize; 5],
+}
+
+#[test]
+fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
+    let mut wrong = Vec::new();
+    let mut all = Proofs::default();
+    let mut lines = String::new();
+    for truth in read("truth") {
+        let settings = Settings { brackets: true, tolerance: TOLERANCE, ..Settings::default() };
+        let (_, buffer) = picture(&truth, settings);
+        let [x0, x1, y0, y1, z0, z1] = truth.view.domain;
+        let diagonal = DVec3::new(x1 - x0, y1 - y0, z1 - z0).length();
+        let mut proofs = Proofs::default();
+        for (index, pixel) in truth.pixels.iter().enumerate() {
+            if pixel.open {
+                continue;
+            }
+            let place = (&truth.view.slug, index % SIDE, index / SIDE);
+            let distance = buffer.distance[index];
+            let slack = 1e-9 * (1.0 + pixel.zero.min(1e9));
+            match buffer.status[index] {
+                Status::Miss => {
+                    proofs.misses += 1;
+                    if pixel.zero.is_finite() {
+                        wrong.push(format!("{place:?} is called a miss: {pixel:?}"));
+                    }
+                }
+                Status::Hit => {
+                    proofs.hits += 1;
+                    let [near, far] = buffer.bracket[index];
+                    let inside = near - slack <= pixel.zero && pixel.zero <= far + slack;
+                    if !inside || pixel.crossing > far + slack {
+                        wrong.push(format!("{place:?} is hit from {near} to {far}: {pixel:?}"));
+                    }
+                    proofs.far += usize::from((distance - pixel.zero).abs() > DISTANCE * diagonal);
+                }
+                Status::Undecided => {
+                    proofs.undecided += 1;
+                    proofs.reasons[buffer.reason[index] as usize] += 1;
+                    proofs.needless += usize::from(pixel.zero == pixel.crossing);
+                    if distance > pixel.zero + slack {
+                        wrong.push(format!("{place:?} is open only from {distance}: {pixel:?}"));
+                    }
+                }
+            }
+            let is_phantom = buffer.is_drawn(index) && pixel.zero == f64::INFINITY;
+            proofs.phantoms += usize::from(is_phantom);
+        }
+        let Proofs { hits, misses, undecided, needless, far, phantoms, reasons } = proofs;
+        if undecided + far + phantoms > 0 {
+            lines += &format!(
+                "{:32} hit {hits:5} miss {misses:5} undecided {undecided:5} needless {needless:4} far {far:4} phantom {phantoms:4} {reasons:?}\n",
+                truth.view.slug
+            );
+        }
+        all.hits += hits;
+        all.misses += misses;
+        all.undecided += undecided;
+        all.needless += needless;
+        all.far += far;
+        all.phantoms += phantoms;
+    }
+    println!("{lines}");
+    println!(
+        "all: hit {} miss {} undecided {} needless {} far {} phantoms {}",
+        all.hits, all.misses, all.undecided, all.needless, all.far, all.phantoms
+    );
+    println!("{:?}", Reason::None);
+    expect_none(&wrong);
 }

@@ -6,38 +6,79 @@ use std::sync::OnceLock;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearRgb(pub [f32; 3]);
 
-/// The table of codes has one entry more. It is over the square root of the amount, which the code
-/// nearly follows: neighbouring entries differ by less than a tenth of a code.
-const LAST_CODE: usize = 4095;
+/// What finds the sRGB byte nearest to an amount of light, exactly, with one look and one sum.
+///
+/// Floats that agree in their upper half belong to two neighbouring bytes at most. The entry for that half has the lower byte
+/// above 16 bits that carry into it where the lower half reaches the next byte.
+pub(crate) struct Codes([u32; ENTRIES]);
 
-/// The nearest sRGB byte of an amount within [0, 1].
-fn encode(value: f32) -> u8 {
-    let encoded =
-        if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * encoded).round() as u8
+/// Bits of the lower half.
+const LOWER: u32 = 16;
+
+/// Amounts up to this one are black: byte 1 begins at 1.5e-4.
+const BLACK: f32 = 1.0 / 8192.0;
+
+/// Upper halves from black to full light differ in their last 11 bits, so an index need not be checked, only cut off.
+const ENTRIES: usize = 2048;
+
+impl Codes {
+    /// The table, made when it is first asked for.
+    pub fn get() -> &'static Self {
+        static CODES: OnceLock<Codes> = OnceLock::new();
+        CODES.get_or_init(|| {
+            // By byte, the least amount that belongs to the next one: where the curve is half way between the two, or just
+            // above.
+            let next: Vec<u32> = (0..255)
+                .map(|byte| {
+                    let half_way = decode((f64::from(byte) + 0.5) / 255.0);
+                    let nearest = half_way as f32;
+                    let is_below = f64::from(nearest) < half_way;
+                    (if is_below { nearest.next_up() } else { nearest }).to_bits()
+                })
+                .collect();
+            let mut codes = [0; ENTRIES];
+            for upper in BLACK.to_bits() >> LOWER..=1.0_f32.to_bits() >> LOWER {
+                let least = upper << LOWER;
+                let byte = next.partition_point(|&next| next <= least);
+                let until_next = next.get(byte).map_or(1 << LOWER, |next| next - least);
+                codes[upper as usize % ENTRIES] =
+                    (byte << LOWER) as u32 + (1 << LOWER) - until_next.min(1 << LOWER);
+            }
+            Self(codes)
+        })
+    }
+
+    /// The byte nearest to an amount that is [`within`] reach.
+    #[inline]
+    pub fn byte(&self, amount: f32) -> u8 {
+        let bits = amount.to_bits();
+        let entry = self.0[(bits >> LOWER) as usize % ENTRIES];
+        ((entry + (bits & ((1 << LOWER) - 1))) >> LOWER) as u8
+    }
+}
+
+/// An amount that is written as the same byte and is among those of the table: at most full light; NaN is black.
+#[inline]
+pub(crate) fn within(amount: f32) -> f32 {
+    // Comparisons, since with these a NaN becomes black at no further cost.
+    let amount = if amount > BLACK { amount } else { BLACK };
+    if amount < 1.0 { amount } else { 1.0 }
+}
+
+/// The amount of light that sRGB writes as this part of the full value (IEC 61966-2-1).
+fn decode(value: f64) -> f64 {
+    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 impl LinearRgb {
     /// The colour that sRGB encodes with these bytes (IEC 61966-2-1).
     pub fn from_srgb(bytes: [u8; 3]) -> Self {
-        Self(bytes.map(|byte| {
-            let value = f32::from(byte) / 255.0;
-            if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-        }))
+        Self(bytes.map(|byte| decode(f64::from(byte) / 255.0) as f32))
     }
 
-    /// The sRGB bytes, each within 0.55 of the exact code; amounts outside [0, 1] are clamped, NaN
-    /// is black.
+    /// The nearest sRGB bytes; amounts outside [0, 1] are clamped, NaN is black.
     pub fn to_srgb(self) -> [u8; 3] {
-        static CODES: OnceLock<Vec<u8>> = OnceLock::new();
-        let codes = CODES.get_or_init(|| {
-            (0..=LAST_CODE).map(|n| encode((n as f32 / LAST_CODE as f32).powi(2))).collect()
-        });
-        // A NaN becomes 0 in the conversion to an index.
-        self.0.map(|value| {
-            let root = value.clamp(0.0, 1.0).sqrt();
-            codes[(root * LAST_CODE as f32 + 0.5) as usize]
-        })
+        self.0.map(|amount| Codes::get().byte(within(amount)))
     }
 
     /// The colour written `#rrggbb` or `rrggbb`, or `None` if `text` is neither.
@@ -73,14 +114,35 @@ mod tests {
         for byte in 0..=255 {
             assert_eq!(LinearRgb::from_srgb([byte; 3]).to_srgb(), [byte; 3]);
         }
-        for n in 0..=10_000 {
-            let value = n as f32 / 10_000.0;
-            let [code, ..] = LinearRgb([value; 3]).to_srgb();
-            assert!(code.abs_diff(encode(value)) <= 1, "{value}");
-        }
         // Half of the light is much brighter than half of the code.
         assert_eq!(LinearRgb([0.5; 3]).to_srgb(), [188; 3]);
         assert_eq!(LinearRgb([f32::NAN, -1.0, 2.0]).to_srgb(), [0, 0, 255]);
+    }
+
+    /// The curve itself, in f64.
+    fn exact(amount: f32) -> u8 {
+        let amount = f64::from(amount);
+        let encoded = if amount <= 0.003_130_8 {
+            12.92 * amount
+        } else {
+            1.055 * amount.powf(1.0 / 2.4) - 0.055
+        };
+        (255.0 * encoded).round() as u8
+    }
+
+    #[test]
+    fn bytes_are_the_nearest() {
+        // Floats all over [0, 1], and those on either side of where bytes begin.
+        for bits in (0..=1.0_f32.to_bits()).step_by(997) {
+            let amount = f32::from_bits(bits);
+            assert_eq!(Codes::get().byte(within(amount)), exact(amount), "{amount:e}");
+        }
+        for byte in 0..255 {
+            let begin = decode((f64::from(byte) + 0.5) / 255.0) as f32;
+            for amount in [begin.next_down(), begin, begin.next_up()] {
+                assert_eq!(Codes::get().byte(within(amount)), exact(amount), "{amount:e}");
+            }
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! How a ray is followed is not known here.
 
+use crate::band::Band;
 use crate::camera::Ray;
 use crate::gbuffer::{Found, GBuffer};
 use crate::grid::RayGrid;
@@ -11,10 +12,12 @@ use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Pixels on the side of a tile: the unit of work that threads share and that may be cancelled.
-const TILE: usize = 32;
-/// Rays handed to a method at once: 8×8 pixels of a tile, whose data stay in the nearest cache.
-const RAYS: usize = 64;
+/// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the side of its squares.
+const ROWS: usize = 16;
+/// Rays handed to a method at once: 8×8 pixels, whose data stay in the nearest cache.
+pub(crate) const RAYS: usize = 64;
+/// Pixels of a list that go together.
+const LIST: usize = 1024;
 
 /// A method at work on one surface, as seen from one place.
 #[derive(Clone, Copy)]
@@ -35,24 +38,25 @@ type Pixel = [u32; 2];
 type Findings = Vec<(Pixel, Found)>;
 
 impl Driver<'_> {
-    /// Traces all pixels.
-    pub fn picture(&self) -> (GBuffer, Work) {
-        let (width, height) = (self.rays.width(), self.rays.height());
-        let across = width.div_ceil(TILE);
-        let tiles = (0..across * height.div_ceil(TILE)).into_par_iter().map(|tile| {
-            let (left, top) = (TILE * (tile % across), TILE * (tile / across));
-            let size = (width - left).min(TILE) * (height - top).min(TILE);
-            (squares(left, top, width, height), size)
-        });
-        let mut buffer = GBuffer::new(width, height, 0);
-        let mut work = Work::default();
-        for (found, part) in
-            self.follow(tiles, &self.primary(), Start::Anywhere).into_iter().flatten()
-        {
-            work += part;
-            self.write(found, &mut buffer);
-        }
-        (buffer, work)
+    /// Traces all pixels into a buffer of misses.
+    ///
+    /// # Panics
+    /// If the buffer has another size than the picture.
+    pub fn picture(&self, buffer: &mut GBuffer) -> Work {
+        assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
+        let trace = |mut band: Band<'_>| {
+            let mut work = Work::default();
+            if (self.advance)(0) {
+                self.tracer.band(self.rays, &mut band, &mut work);
+                (self.advance)(band.width * band.height);
+            }
+            work
+        };
+        let parts: Vec<Work> = buffer.bands(ROWS).map(trace).collect();
+        parts.into_iter().fold(Work::default(), |mut sum, part| {
+            sum += part;
+            sum
+        })
     }
 
     /// Traces these pixels of a picture anew, in the order in which they should go together.
@@ -61,10 +65,10 @@ impl Driver<'_> {
     /// If there is no such pixel, or the picture has another size.
     pub fn pixels(&self, pixels: &[usize], buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
-        let tiles = pixels.par_chunks(TILE * TILE).map(|tile| (self.places(tile), tile.len()));
+        let tiles = pixels.par_chunks(LIST).map(|tile| (self.places(tile), tile.len()));
         let mut work = Work::default();
         let done = self.follow(tiles, &self.primary(), Start::Anywhere);
-        for (tile, done) in pixels.chunks(TILE * TILE).zip(done) {
+        for (tile, done) in pixels.chunks(LIST).zip(done) {
             // A pixel that was not reached keeps what is known of it: to call it a miss would be a claim.
             let Some((found, part)) = done else { continue };
             work += part;
@@ -106,7 +110,7 @@ impl Driver<'_> {
             let origin = ray.at(t - ray.parameter(offset)) + way * offset;
             Segment { ray: Ray { origin, direction: way }, to: distance }
         };
-        let tiles = painted.par_chunks(TILE * TILE).map(|tile| (self.places(tile), 0));
+        let tiles = painted.par_chunks(LIST).map(|tile| (self.places(tile), 0));
         for &pixel in &painted {
             buffer.shadow[pixel] = false;
         }
@@ -151,11 +155,8 @@ impl Driver<'_> {
                 }
                 self.tracer.follow(rays, start, found, &mut work);
                 for ((&pixel, found), Segment { ray, .. }) in pixels.iter().zip(found).zip(rays) {
-                    if *found != Found::MISS {
-                        let length = ray.distance(1.0);
-                        found.distance *= length;
-                        found.drawn *= length;
-                        all.push((pixel, *found));
+                    if !found.is_miss() {
+                        all.push((pixel, found.scaled(ray.distance(1.0))));
                     }
                 }
             }
@@ -166,16 +167,15 @@ impl Driver<'_> {
     }
 }
 
-/// Columns and rows within a tile, square by square (Morton's order): each four in a row are 2×2 pixels, each sixteen
-/// 4×4, each 64 8×8.
-const ORDER: [Pixel; TILE * TILE] = {
-    let mut order = [[0; 2]; TILE * TILE];
+/// Columns and rows within a square, in Morton's order: each four in a row are 2×2 pixels, each sixteen 4×4.
+const ORDER: [[usize; 2]; RAYS] = {
+    let mut order = [[0; 2]; RAYS];
     let mut place = 0;
-    while place < order.len() {
+    while place < RAYS {
         let mut bit = 0;
-        while bit < TILE.ilog2() {
-            order[place][0] |= (place as u32 >> (2 * bit) & 1) << bit;
-            order[place][1] |= (place as u32 >> (2 * bit + 1) & 1) << bit;
+        while bit < RAYS.ilog2() / 2 {
+            order[place][0] |= (place >> (2 * bit) & 1) << bit;
+            order[place][1] |= (place >> (2 * bit + 1) & 1) << bit;
             bit += 1;
         }
         place += 1;
@@ -183,16 +183,17 @@ const ORDER: [Pixel; TILE * TILE] = {
     order
 };
 
-/// The pixels of a tile in this order. Squares of 2×2 that stick out of the picture repeat its last pixels.
-fn squares(left: usize, top: usize, width: usize, height: usize) -> Vec<Pixel> {
-    let [left, top, width, height] = [left, top, width, height].map(|place| place as u32);
-    let place = |&[x, y]: &Pixel| [left + x, top + y];
-    if left + TILE as u32 <= width && top + TILE as u32 <= height {
-        return ORDER.iter().map(place).collect();
-    }
-    let reaches = |&[x, y]: &Pixel| (x & !1) < width && (y & !1) < height;
-    let inside = ORDER.iter().map(place).filter(reaches);
-    inside.map(|[x, y]| [x.min(width - 1), y.min(height - 1)]).collect()
+/// The pixels of a band, square by square. Squares of 2×2 that stick out repeat its last pixels.
+pub(crate) fn squares(width: usize, height: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
+    let side = RAYS.isqrt();
+    let corners = (0..height.div_ceil(side))
+        .flat_map(move |down| (0..width.div_ceil(side)).map(move |right| [right, down]));
+    corners.map(move |corner| {
+        let place = |&[x, y]: &[usize; 2]| [side * corner[0] + x, side * corner[1] + y];
+        let reaches = |&[x, y]: &[usize; 2]| (x & !1) < width && (y & !1) < height;
+        let inside = ORDER.iter().map(place).filter(reaches);
+        inside.map(|[x, y]| [x.min(width - 1), y.min(height - 1)]).collect()
+    })
 }
 
 #[cfg(test)]
@@ -200,29 +201,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tiles_cover_the_picture_in_squares() {
-        for (width, height) in [(64, 32), (33, 35), (1, 7), (8, 1)] {
+    fn squares_cover_a_band() {
+        for (width, height) in [(64, 16), (33, 11), (1, 7), (8, 1)] {
             let mut seen = vec![0; width * height];
-            for top in (0..height).step_by(TILE) {
-                for left in (0..width).step_by(TILE) {
-                    let tile = squares(left, top, width, height);
-                    assert_eq!(tile.len() % 4, 0);
-                    for four in tile.chunks(4) {
-                        let columns = four.iter().map(|[column, _]| *column);
-                        let rows = four.iter().map(|[_, row]| *row);
-                        assert!(
-                            columns.clone().max().expect("four") < columns.min().expect("four") + 2
-                        );
-                        assert!(rows.clone().max().expect("four") < rows.min().expect("four") + 2);
-                    }
-                    for [i, j] in tile {
-                        seen[j as usize * width + i as usize] += 1;
-                    }
+            for square in squares(width, height) {
+                assert_eq!(square.len() % 4, 0);
+                for four in square.chunks(4) {
+                    let spread = |axis: usize| {
+                        let places = four.iter().map(|place| place[axis]);
+                        places.clone().max().expect("four") - places.min().expect("four")
+                    };
+                    assert!(spread(0) <= 1 && spread(1) <= 1, "{four:?}");
+                }
+                for [column, row] in square {
+                    seen[row * width + column] += 1;
                 }
             }
             assert!(seen.iter().all(|&times| times > 0), "{width}×{height}");
         }
-        let first = &squares(32, 0, 64, 32)[..16];
-        assert!(first.iter().all(|&[x, y]| x < 36 && y < 4), "{first:?}");
     }
 }

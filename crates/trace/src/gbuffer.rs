@@ -1,5 +1,7 @@
 //! What is known of each pixel before it has a colour.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 /// What is proven of the ray through a pixel's centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
@@ -13,6 +15,24 @@ pub enum Status {
     Undecided = 2,
 }
 
+/// Why nothing is proven of an undecided ray, by the first part of it that is so.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Reason {
+    /// It is decided, or the method does not tell.
+    #[default]
+    None = 0,
+    /// The function comes as near to 0 as arithmetic can tell, and shows no change of sign: it touches 0, or the surface
+    /// meets itself.
+    Touching = 1,
+    /// It is not known to be defined there.
+    Undefined = 2,
+    /// It is not known to be continuous there.
+    Discontinuous = 3,
+    /// What was to be spent on one ray was not enough.
+    Budget = 4,
+}
+
 /// What became of one ray. Distances are values of its parameter t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
@@ -22,12 +42,36 @@ pub struct Found {
     pub distance: f64,
     /// Of what is to be painted; infinite for nothing.
     pub drawn: f64,
+    /// Why it is undecided.
+    pub reason: Reason,
+    /// Of a hit: the part of the ray that is proven to hold its first zero, and nothing before it. Else NaN.
+    pub bracket: [f64; 2],
 }
 
 impl Found {
     /// No zero.
-    pub const MISS: Self =
-        Self { status: Status::Miss, distance: f64::INFINITY, drawn: f64::INFINITY };
+    pub const MISS: Self = Self {
+        status: Status::Miss,
+        distance: f64::INFINITY,
+        drawn: f64::INFINITY,
+        reason: Reason::None,
+        bracket: [f64::NAN; 2],
+    };
+
+    /// Whether this says anything but that there is no zero.
+    pub(crate) fn is_miss(&self) -> bool {
+        self.status == Status::Miss
+    }
+
+    /// The same with distances in world units, for a ray whose direction has this length.
+    pub(crate) fn scaled(self, length: f64) -> Self {
+        Self {
+            distance: self.distance * length,
+            drawn: self.drawn * length,
+            bracket: self.bracket.map(|t| t * length),
+            ..self
+        }
+    }
 }
 
 /// How many pixels have each status.
@@ -50,6 +94,10 @@ pub struct GBuffer {
     pub height: usize,
     /// What is proven.
     pub status: Vec<Status>,
+    /// Why a pixel is undecided.
+    pub reason: Vec<Reason>,
+    /// Of hits, the distances between which the zero is proven to lie; NaN elsewhere. Empty if that is not wanted.
+    pub bracket: Vec<[f64; 2]>,
     /// Distance from the ray's origin, in world units: of the hit, or of the start of the first
     /// undecided segment; infinite for a miss, but the status alone says what is one. Over kernels
     /// of `f32` it is known to some 24 bits.
@@ -67,15 +115,31 @@ pub struct GBuffer {
     pub shadow: Vec<bool>,
 }
 
+/// A picture is traced while the last one is shown, and a layer beside what it is merged into.
+const SPARES: usize = 2;
+
+/// Pictures that were handed back.
+fn spares() -> MutexGuard<'static, Vec<GBuffer>> {
+    static SPARE: Mutex<Vec<GBuffer>> = Mutex::new(Vec::new());
+    SPARE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
-    /// number.
+    /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let pixels = width * height;
+        let spare = spares().pop().filter(|spare| spare.status.capacity() >= pixels);
+        if let Some(mut spare) = spare {
+            spare.reset(width, height, surface);
+            return spare;
+        }
         Self {
             width,
             height,
             status: vec![Status::Miss; pixels],
+            reason: vec![Reason::None; pixels],
+            bracket: Vec::new(),
             distance: vec![f64::INFINITY; pixels],
             drawn: vec![f64::INFINITY; pixels],
             surface: vec![surface; pixels],
@@ -85,11 +149,48 @@ impl GBuffer {
         }
     }
 
+    /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that goes.
+    pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
+        fn fill<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
+            all.clear();
+            all.resize(pixels, value);
+        }
+        let pixels = width * height;
+        (self.width, self.height) = (width, height);
+        fill(&mut self.status, pixels, Status::Miss);
+        fill(&mut self.distance, pixels, f64::INFINITY);
+        fill(&mut self.drawn, pixels, f64::INFINITY);
+        fill(&mut self.surface, pixels, surface);
+        fill(&mut self.normal, pixels, [0.0; 3]);
+        fill(&mut self.cap, pixels, false);
+        fill(&mut self.shadow, pixels, false);
+    }
+
+    /// Leaves the memory to the next pictures. To get new pages from the system takes several times as long as to fill them,
+    /// and longer than all else that is done about a pixel of the background. Up to two pictures are kept, until the end of
+    /// the process.
+    pub fn hand_back(self) {
+        let mut spares = spares();
+        if spares.len() < SPARES {
+            spares.push(self);
+        }
+    }
+
     /// Writes what became of a pixel's ray, distances in world units.
     pub(crate) fn set(&mut self, pixel: usize, found: &Found) {
         self.status[pixel] = found.status;
         self.distance[pixel] = found.distance;
         self.drawn[pixel] = found.drawn;
+        self.reason[pixel] = found.reason;
+        if let Some(bracket) = self.bracket.get_mut(pixel) {
+            *bracket = found.bracket;
+        }
+    }
+
+    /// Keeps brackets of hits from now on.
+    #[must_use]
+    pub fn with_brackets(self) -> Self {
+        Self { bracket: vec![[f64::NAN; 2]; self.status.len()], ..self }
     }
 
     /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and the nearer painted
@@ -104,6 +205,10 @@ impl GBuffer {
             if theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided) {
                 self.distance[pixel] = theirs;
                 self.status[pixel] = other.status[pixel];
+                self.reason[pixel] = other.reason[pixel];
+                if let Some(bracket) = self.bracket.get_mut(pixel) {
+                    *bracket = other.bracket[pixel];
+                }
             }
             if other.drawn[pixel] < self.drawn[pixel] {
                 self.drawn[pixel] = other.drawn[pixel];
@@ -144,6 +249,22 @@ mod tests {
         buffer.distance[0] = distance;
         buffer.drawn[0] = drawn;
         buffer
+    }
+
+    #[test]
+    fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
+        let mut old = pixel(Status::Hit, 5.0, 5.0, 7);
+        (old.normal[0], old.cap[0], old.shadow[0]) = ([1.0, 0.0, 0.0], true, true);
+        let mut reset = old.clone();
+        reset.reset(1, 1, 3);
+        old.hand_back();
+        let new = GBuffer::new(1, 1, 3);
+        assert_eq!(new, reset);
+        let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
+        assert_eq!((new.status[0], new.distance[0], new.drawn[0], new.surface[0]), expected);
+        assert_eq!((new.normal[0], new.cap[0], new.shadow[0]), ([0.0; 3], false, false));
+        reset.reset(3, 2, 0);
+        assert_eq!(reset, GBuffer::new(3, 2, 0));
     }
 
     #[test]

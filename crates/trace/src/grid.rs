@@ -1,7 +1,9 @@
 //! The grid of rays of one picture: a camera together with a size in pixels.
 
 use crate::camera::{Basis, Camera, Projection, Ray};
+use crate::painted::Window;
 use glam::DVec3;
+use zeroset_eval::{LANES, Lanes};
 
 /// The rays of a picture, one through each pixel's centre.
 #[derive(Clone, Copy, Debug)]
@@ -70,9 +72,7 @@ impl RayGrid {
     /// height, move the origin. How exact that is: [`Camera`].
     #[inline]
     pub fn ray(&self, i: usize, j: usize) -> Ray {
-        // Integers until the last step.
-        let across = (2 * i as i64 + 1 - self.width as i64) as f64 * self.unit;
-        let upward = (self.height as i64 - 1 - 2 * j as i64) as f64 * self.unit;
+        let [across, upward] = self.offset(i, j).map(|offset| offset * self.unit);
         let Basis { forward, right, up } = self.basis;
         let offset = across * right + upward * up;
         if self.parallel {
@@ -82,9 +82,78 @@ impl RayGrid {
         }
     }
 
+    /// Screen coordinates of the point half way between the centres of two pixels, by the sum of their columns and the sum of
+    /// their rows: a ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin is moved so.
+    #[inline]
+    pub(crate) fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
+        let across = (columns as i64 + 1 - self.width as i64) as f64 * self.unit;
+        let upward = (self.height as i64 - 1 - rows as i64) as f64 * self.unit;
+        [across, upward]
+    }
+
+    /// Half the distance of neighbouring pixels' screen coordinates.
+    #[inline]
+    pub(crate) fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// Whether the picture is orthographic.
+    #[inline]
+    pub(crate) fn is_parallel(&self) -> bool {
+        self.parallel
+    }
+
+    /// Where a pixel is, to the right of the picture's middle and above it, in halves of a pixel.
+    #[inline]
+    fn offset(&self, i: usize, j: usize) -> [f64; 2] {
+        // Integers until the last step.
+        let across = 2 * i as i64 + 1 - self.width as i64;
+        let upward = self.height as i64 - 1 - 2 * j as i64;
+        [across as f64, upward as f64]
+    }
+
     /// The ray of the pixel with this index, counted row by row from the top.
     pub fn ray_of(&self, index: usize) -> Ray {
         self.ray(index % self.width, index / self.width)
+    }
+
+    /// The points at these distances in world units on the rays of a window: `ray.at(ray.parameter(distance))`, bit for bit.
+    pub(crate) fn points(&self, window: Window, distances: &[f64; LANES]) -> [Lanes<f64>; 3] {
+        let Basis { forward, right, up } = self.basis;
+        let [first, upward] = self.offset(window.column, window.row);
+        let upward = upward * self.unit * up;
+        let mut points = [Lanes::splat(0.0); 3];
+        for lane in 0..LANES {
+            let across = (first + (2 * lane) as f64) * self.unit;
+            let offset = across * right + upward;
+            let ray = if self.parallel {
+                Ray { origin: self.eye + offset, direction: forward }
+            } else {
+                Ray { origin: self.eye, direction: forward + offset }
+            };
+            let point = ray.at(ray.parameter(distances[lane]));
+            (0..3).for_each(|axis| points[axis][lane] = point[axis]);
+        }
+        points
+    }
+
+    /// The unit vectors from what is seen in a window to where it is seen from, to some units in the last place of `f32`,
+    /// which is enough for colours.
+    #[inline]
+    pub(crate) fn to_eye(&self, window: Window) -> [Lanes<f32>; 3] {
+        // A parallel picture has one direction.
+        let unit = if self.parallel { 0.0 } else { self.unit };
+        let Basis { forward, right, up } = self.basis;
+        let [across, upward] = self.offset(window.column, window.row);
+        let first = -(forward + unit * across * right + unit * upward * up).as_vec3();
+        let step = -(2.0 * unit * right).as_vec3();
+        let mut ways = [Lanes::splat(0.0); 3];
+        for lane in 0..LANES {
+            let way = first + lane as f32 * step;
+            let scale = 1.0 / way.length_squared().sqrt();
+            (0..3).for_each(|axis| ways[axis][lane] = way[axis] * scale);
+        }
+        ways
     }
 }
 

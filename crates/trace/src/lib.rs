@@ -5,6 +5,7 @@
 //! into colours without asking anything of the function. This crate never names a code generator, never reads a
 //! file and never prints: the reference evaluator drives it as well as native code does.
 
+mod band;
 mod camera;
 mod colour;
 mod driver;
@@ -15,6 +16,7 @@ mod method;
 mod methods;
 mod normal;
 mod packet;
+mod painted;
 mod region;
 mod region_caps;
 mod scalar;
@@ -22,10 +24,11 @@ mod shade;
 mod view;
 mod work;
 
+pub use band::Band;
 pub use camera::{Camera, CameraError, Projection, Ray};
 pub use colour::LinearRgb;
 pub use driver::Driver;
-pub use gbuffer::{Found, GBuffer, PixelCounts, Status};
+pub use gbuffer::{Found, GBuffer, PixelCounts, Reason, Status};
 pub use grid::RayGrid;
 pub use light::Light;
 pub use method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer};

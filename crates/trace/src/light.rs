@@ -2,6 +2,7 @@
 
 use crate::grid::RayGrid;
 use glam::DVec3;
+use zeroset_eval::{LANES, Lanes};
 
 /// Where light comes from, beside the ambient.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,22 @@ impl Light {
                 (way.normalize_or_zero(), way.length())
             }
         }
+    }
+
+    /// The unit vectors from sixteen points to the light, zero at the light itself.
+    pub(crate) fn all_towards(&self, points: impl FnOnce() -> [Lanes<f64>; 3]) -> [Lanes<f32>; 3] {
+        let at = match self {
+            Self::Directional(way) => return way.as_vec3().to_array().map(Lanes::splat),
+            Self::Positional(at) => at,
+        };
+        let (points, mut ways) = (points(), [Lanes::splat(0.0); 3]);
+        for lane in 0..LANES {
+            let way = *at - DVec3::from_array([0, 1, 2].map(|axis| points[axis][lane]));
+            // No branch: it would stand in the way of vectors.
+            let scale = 1.0 / way.length_squared().max(f64::MIN_POSITIVE).sqrt();
+            (0..3).for_each(|axis| ways[axis][lane] = (way[axis] * scale) as f32);
+        }
+        ways
     }
 }
 

@@ -3,8 +3,11 @@
 //! It is a file with a row, and a [`Tracer`] that the row makes. Which rays it is given, on which threads, and what
 //! becomes of its findings, a method does not know: that is the [`Driver`](crate::Driver)'s.
 
+use crate::band::Band;
 use crate::camera::Ray;
+use crate::driver::{RAYS, squares};
 use crate::gbuffer::Found;
+use crate::grid::RayGrid;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -34,6 +37,8 @@ pub enum MethodOption {
     Precision,
     /// [`Options::depth`].
     Depth,
+    /// [`Options::tolerance`].
+    Tolerance,
 }
 
 impl MethodOption {
@@ -42,17 +47,20 @@ impl MethodOption {
         match self {
             Self::Precision => "precision",
             Self::Depth => "max-depth",
+            Self::Tolerance => "tolerance",
         }
     }
 }
 
 /// How a method is to work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// What kernels compute in.
     pub precision: Precision,
     /// How often the region is halved along a ray, from 1 to [`Precision::max_depth`]; what lies beyond is brought within.
     pub depth: u32,
+    /// How far, in pixels, a hit may be from where it is said to be. Proofs do not depend on it.
+    pub tolerance: f64,
     /// Whether a place where the function is unbounded counts as an asymptote rather than a root: its pixel then is
     /// undecided, but not drawn there.
     pub suppress_asymptotes: bool,
@@ -93,6 +101,24 @@ pub trait Tracer: Sync {
     ///
     /// Each four in a row are neighbours if possible, as are each sixteen and so on. `found` has as many places.
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work);
+
+    /// Follows the rays through all pixels of a band, in which everything is a miss so far.
+    fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
+        let unset = Segment { ray: rays.ray(0, band.top), to: f64::INFINITY };
+        let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
+        for square in squares(band.width, band.height) {
+            let (segments, found) = (&mut segments[..square.len()], &mut found[..square.len()]);
+            for (segment, [column, row]) in segments.iter_mut().zip(&square) {
+                segment.ray = rays.ray(*column, band.top + row);
+            }
+            self.follow(segments, Start::Anywhere, found, work);
+            for (([column, row], found), segment) in square.iter().zip(found).zip(segments) {
+                if !found.is_miss() {
+                    band.set(*column, *row, &found.scaled(segment.ray.distance(1.0)));
+                }
+            }
+        }
+    }
 }
 
 /// The part of a ray for t from 0 to `to`.

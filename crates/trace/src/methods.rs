@@ -1,5 +1,6 @@
 //! The table of methods, from which command line, prompt, status line and JSON follow, and a file for each.
 
+mod affine;
 mod knoll;
 
 use crate::method::Method;
@@ -7,7 +8,7 @@ use crate::method::Method;
 pub use knoll::STEPS;
 
 /// All methods; the first is the default.
-pub static METHODS: [Method; 1] = [knoll::METHOD];
+pub static METHODS: [Method; 2] = [affine::METHOD, knoll::METHOD];
 
 impl Method {
     /// The method with this name.

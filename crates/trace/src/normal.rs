@@ -8,10 +8,11 @@
 use crate::camera::Ray;
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
+use crate::painted::{BAND, Window, bits, windows};
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
-use zeroset_eval::{Kernel, LANES, Points, Real, Sample, SampleGradient};
+use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, Sample, SampleGradient};
 
 /// Which kernel answers for normals.
 #[derive(Clone, Copy)]
@@ -22,7 +23,7 @@ pub enum NormalSource<'a, T: Real = f32> {
     Central(&'a (dyn Kernel<Sample, T> + 'a)),
 }
 
-/// Points per call of a kernel: enough to hide the call, few enough to share out among threads.
+/// Points for which other ways to a normal are tried together.
 const BATCH: usize = 256;
 
 /// Each failing step of the differences is followed by one this much longer.
@@ -44,33 +45,29 @@ pub fn normals<T: Real>(
     source: NormalSource<'_, T>,
     step: f64,
 ) -> Work {
-    let pixels: Vec<usize> = (0..buffer.drawn.len())
-        .filter(|&pixel| buffer.is_drawn(pixel) && buffer.normal[pixel] == [0.0; 3])
-        .collect();
-    let found: Vec<(Vec<[f32; 3]>, Work)> = pixels
-        .par_chunks(BATCH)
-        .map(|batch| {
-            let seen: Vec<Seen> = batch
-                .iter()
-                .map(|&pixel| {
-                    let ray = rays.ray_of(pixel);
-                    let t = ray.parameter(buffer.drawn[pixel]);
-                    Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
-                })
-                .collect();
-            let mut work = Work::default();
-            (source.of_batch(&seen, step, &mut work), work)
-        })
-        .collect();
-    let mut work = Work::default();
-    let mut pixels = pixels.into_iter();
-    for (normals, part) in found {
-        work += part;
-        for (normal, pixel) in normals.into_iter().zip(pixels.by_ref()) {
-            buffer.normal[pixel] = normal;
+    let width = buffer.width;
+    let size = (BAND * width).max(1);
+    let bands = buffer.normal.par_chunks_mut(size).zip(buffer.drawn.par_chunks(size));
+    let bands = bands.enumerate().map(|(band, (normal, drawn))| {
+        let (first, mut work) = (band * BAND, Work::default());
+        let seen = |pixel: usize| {
+            let ray = rays.ray_of(first * width + pixel);
+            let t = ray.parameter(drawn[pixel]);
+            Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
+        };
+        let open = source.of_band(first, drawn, rays, normal, &mut work);
+        for open in open.chunks(BATCH) {
+            let seen: Vec<Seen> = open.iter().map(|&pixel| seen(pixel)).collect();
+            for (&pixel, found) in open.iter().zip(source.of_batch(&seen, step, &mut work)) {
+                normal[pixel] = found;
+            }
         }
-    }
-    work
+        work
+    });
+    bands.reduce(Work::default, |mut sum, part| {
+        sum += part;
+        sum
+    })
 }
 
 /// What is left of a ray behind the point that it paints, and the t that makes one step.
@@ -80,6 +77,45 @@ struct Seen {
 }
 
 impl<T: Real> NormalSource<'_, T> {
+    /// Sets the normals of a band of rows where the gradient exists, and returns where it does not.
+    fn of_band(
+        &self,
+        first: usize,
+        drawn: &[f64],
+        rays: &RayGrid,
+        normal: &mut [[f32; 3]],
+        work: &mut Work,
+    ) -> Vec<usize> {
+        let (mut points, mut out) = (Points::<T>::default(), Gradients::<T>::default());
+        let mut open = Vec::new();
+        windows(drawn, first, rays.width(), |mut window| {
+            window.wanted &= unknown(window.load(normal, &mut [[0.0; 3]; LANES]));
+            let Self::Gradient(kernel) = self else {
+                open.extend(window.pixels());
+                return;
+            };
+            if window.wanted == 0 {
+                return;
+            }
+            let at = rays.points(window, window.load(drawn, &mut [0.0; LANES]));
+            for axis in 0..3 {
+                for lane in 0..LANES {
+                    points.at[axis][lane] = T::nearest(at[axis][lane]);
+                }
+            }
+            points.count = window.count();
+            work.gradient.called(window.wanted.count_ones());
+            kernel.ask(&points, &mut out);
+            let (units, found) = units(&out.gradient);
+            let missing = Window { wanted: window.wanted & !found, ..window };
+            open.extend(missing.pixels());
+            window.wanted &= found;
+            let [x, y, z] = units;
+            window.store(|lane| [x[lane], y[lane], z[lane]], normal);
+        });
+        open
+    }
+
     fn of_batch(&self, seen: &[Seen], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
         let points: Vec<DVec3> = seen.iter().map(|seen| seen.ray.origin).collect();
         let mut normals = vec![None; points.len()];
@@ -200,6 +236,37 @@ fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
 fn batches<T: Real>(points: &[DVec3]) -> Vec<Points<T>> {
     let points: Vec<[f64; 3]> = points.iter().map(|point| point.to_array()).collect();
     Points::near(&points)
+}
+
+/// The lanes whose normals are not known yet.
+fn unknown(normals: &[[f32; 3]; LANES]) -> u32 {
+    // Mostly none is, which is seen at once.
+    if normals.as_flattened().iter().fold(0, |all, component| all | component.to_bits()) == 0 {
+        return !0;
+    }
+    bits(|lane| normals[lane] == [0.0; 3])
+}
+
+/// The vectors at length 1, and the lanes in which that was found: not where a vector has no direction, nor where its largest
+/// component is near the ends of what `f32` has.
+fn units<T: Real>(vectors: &[Lanes<T>; 3]) -> ([Lanes<f32>; 3], u32) {
+    /// The bits of a float that are its exponent.
+    const EXPONENT: u32 = 0xff << 23;
+    let (mut units, mut squares) = ([Lanes::splat(0.0); 3], [0.0; LANES]);
+    for lane in 0..LANES {
+        let vector = [0, 1, 2].map(|axis| vectors[axis][lane].into() as f32);
+        let [x, y, z] = vector.map(f32::abs);
+        let largest = if x > y { x } else { y };
+        let largest = if largest > z { largest } else { z };
+        // Steep gradients overflow when squared: a power of two brings the largest component within [1, 2).
+        let scale = f32::from_bits((254_u32 << 23).wrapping_sub(largest.to_bits() & EXPONENT));
+        let [x, y, z] = vector.map(|component| component * scale);
+        squares[lane] = x * x + y * y + z * z;
+        let scale = 1.0 / squares[lane].sqrt();
+        [units[0][lane], units[1][lane], units[2][lane]] = [x * scale, y * scale, z * scale];
+    }
+    // Not so for NaN, nor where the power is none.
+    (units, bits(|lane| squares[lane] >= 1.0 && squares[lane] <= 12.0))
 }
 
 /// The vector at length 1, or `None` if it has no direction.

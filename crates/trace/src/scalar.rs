@@ -25,6 +25,10 @@ pub trait Scalar: KernelFloat + Add<Output = Self> + Mul<Output = Self> {
     const SHARE_ERROR: Self;
     /// The least normal number.
     const LEAST_NORMAL: Self;
+    /// The shortest segments that are looked at, as a share of the way: somewhat longer than what rounding adds.
+    const GRAIN: f64;
+    /// Eight units of a number that is rounded up.
+    const PATH_ERROR: f64;
 
     /// An integer, exactly if it is below 2^[`Scalar::MAX_DEPTH`].
     fn integer(value: u64) -> Self;
@@ -37,6 +41,8 @@ impl Scalar for f32 {
     const MAX_DEPTH: u32 = 20;
     const COORDINATE_ERROR: Self = 1.0 / 2_097_152.0; // 2^-21
     const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
+    const GRAIN: f64 = 1.0 / 262_144.0; // 2^-18
+    const PATH_ERROR: f64 = 1.0 / 1_048_576.0; // 2^-20
     const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
 
     #[inline]
@@ -54,6 +60,8 @@ impl Scalar for f64 {
     const MAX_DEPTH: u32 = 40;
     const COORDINATE_ERROR: Self = 8.0 * Self::EPSILON; // 2^-49
     const SHARE_ERROR: Self = 8.0 * Self::EPSILON;
+    const GRAIN: f64 = 1024.0 * Self::EPSILON; // 2^-42
+    const PATH_ERROR: f64 = 8.0 * Self::EPSILON; // 2^-49
     const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
 
     #[inline]

@@ -1,11 +1,13 @@
 //! From a G-buffer to colours: deferred shading, which asks nothing of the function.
 
-use crate::colour::LinearRgb;
+use crate::colour::{Codes, LinearRgb, within};
 use crate::gbuffer::{GBuffer, Status};
 use crate::grid::RayGrid;
 use crate::light::Light;
-use glam::Vec3;
+use crate::painted::{BAND, Window, bits, windows};
+use glam::Vec4;
 use rayon::prelude::*;
+use zeroset_eval::{LANES, Lanes};
 
 /// The colours of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,13 +51,8 @@ impl SurfaceColours {
     /// Pairs for surfaces without colours of their own: the first warm and cool, told apart in
     /// every common form of colour blindness (Okabe and Ito, "Color Universal Design", 2008).
     pub fn default_for(surface: usize) -> Self {
-        const PAIRS: [[[u8; 3]; 2]; 4] = [
-            [[230, 159, 0], [0, 114, 178]],   // orange, blue
-            [[240, 228, 66], [86, 180, 233]], // yellow, sky blue
-            [[213, 94, 0], [0, 158, 115]],    // vermilion, bluish green
-            [[204, 121, 167], [92, 92, 104]], // reddish purple, grey
-        ];
-        let [positive, negative] = PAIRS[surface % PAIRS.len()].map(LinearRgb::from_srgb);
+        let pair = DEFAULT_PAIRS[surface % DEFAULT_PAIRS.len()];
+        let [positive, negative] = pair.map(LinearRgb::from_srgb);
         Self { positive, negative }
     }
 }
@@ -72,18 +69,25 @@ impl Appearance {
         }
     }
 
-    fn colours(&self, surface: usize) -> SurfaceColours {
+    /// The colours of surfaces, from the first on until they start over.
+    fn palette(&self) -> Vec<SurfaceColours> {
         if self.surfaces.is_empty() {
-            SurfaceColours::default_for(surface)
+            (0..DEFAULT_PAIRS.len()).map(SurfaceColours::default_for).collect()
         } else {
-            self.surfaces[surface % self.surfaces.len()]
+            self.surfaces.clone()
         }
     }
 }
 
-/// Share of a white highlight in the direct light, and its sharpness.
+const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
+    [[230, 159, 0], [0, 114, 178]],   // orange, blue
+    [[240, 228, 66], [86, 180, 233]], // yellow, sky blue
+    [[213, 94, 0], [0, 158, 115]],    // vermilion, bluish green
+    [[204, 121, 167], [92, 92, 104]], // reddish purple, grey
+];
+
+/// Share of a white highlight in the direct light.
 const HIGHLIGHT: f32 = 0.18;
-const HIGHLIGHT_EXPONENT: f32 = 40.0;
 
 /// Distance of the stripes of a hatch, and their width, in pixels along a row.
 const HATCH_PERIOD: usize = 6;
@@ -97,60 +101,149 @@ const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 /// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
 /// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
 pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
-    let background = appearance.background.to_srgb();
-    let mut bytes = vec![0; 3 * buffer.status.len()];
-    bytes.par_chunks_mut((3 * buffer.width).max(1)).enumerate().for_each(|(row, line)| {
-        for (column, out) in line.chunks_exact_mut(3).enumerate() {
-            let pixel = row * buffer.width + column;
-            let colour = pixel_colour(buffer, rays, appearance, pixel, (column, row));
-            out.copy_from_slice(&colour.map_or(background, LinearRgb::to_srgb));
-        }
+    let mut bytes = appearance.background.to_srgb().repeat(buffer.status.len());
+    let (palette, codes) = (appearance.palette(), Codes::get());
+    let size = (BAND * buffer.width).max(1);
+    bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
+        let (bytes, first) = (bytes.as_chunks_mut().0, band * BAND);
+        let here = band * size..band * size + bytes.len();
+        let band = Band {
+            rays,
+            appearance,
+            palette: &palette,
+            codes,
+            status: &buffer.status[here.clone()],
+            drawn: &buffer.drawn[here.clone()],
+            surface: &buffer.surface[here.clone()],
+            normal: &buffer.normal[here.clone()],
+            cap: &buffer.cap[here.clone()],
+            shadow: &buffer.shadow[here],
+        };
+        windows(band.drawn, first, buffer.width, |window| band.paint(window, bytes));
     });
     bytes
 }
 
-/// The colour of what is painted in a pixel, or `None` for the background.
-fn pixel_colour(
-    buffer: &GBuffer,
-    rays: &RayGrid,
-    appearance: &Appearance,
-    pixel: usize,
-    (column, row): (usize, usize),
-) -> Option<LinearRgb> {
-    let undecided = buffer.status[pixel] == Status::Undecided;
-    if !buffer.is_drawn(pixel) || (undecided && appearance.undecided == UndecidedStyle::Miss) {
-        return None;
-    }
-    let ray = rays.ray(column, row);
-    let to_eye = -ray.direction.normalize().as_vec3();
-    let towards_positive = Vec3::from(buffer.normal[pixel]);
-    let facing = towards_positive.dot(to_eye);
-    let colours = appearance.colours(usize::from(buffer.surface[pixel]));
-    let base = if facing < 0.0 || buffer.cap[pixel] { colours.negative } else { colours.positive };
-    let normal = if facing < 0.0 { -towards_positive } else { towards_positive };
+/// What a buffer has of some rows.
+struct Band<'a> {
+    rays: &'a RayGrid,
+    appearance: &'a Appearance,
+    palette: &'a [SurfaceColours],
+    codes: &'a Codes,
+    status: &'a [Status],
+    drawn: &'a [f64],
+    surface: &'a [u16],
+    normal: &'a [[f32; 3]],
+    cap: &'a [bool],
+    shadow: &'a [bool],
+}
 
-    let point = ray.at(ray.parameter(buffer.drawn[pixel]));
-    let to_light = appearance.light.towards(point).0.as_vec3();
-    let (mut direct, mut highlight) = (0.0, 0.0);
-    if !buffer.shadow[pixel] {
-        direct = normal.dot(to_light).max(0.0);
-        let halfway = (to_light + to_eye).normalize_or_zero();
-        highlight =
-            HIGHLIGHT * direct.sqrt() * normal.dot(halfway).max(0.0).powf(HIGHLIGHT_EXPONENT);
-    }
-    // The ambient share falls off towards grazing angles, so that shapes stay readable in shadow.
-    let ambient = appearance.ambient * (0.5 + 0.5 * facing.abs());
-    let colour = base.lit(ambient + (1.0 - appearance.ambient) * direct, highlight);
-    Some(match appearance.undecided {
-        UndecidedStyle::Hatch if undecided && (column + row) % HATCH_PERIOD < HATCH_WIDTH => {
-            colour.lit(0.25, 0.0)
+impl Band<'_> {
+    /// Writes the bytes of a window's pixels.
+    fn paint(&self, mut window: Window, bytes: &mut [[u8; 3]]) {
+        let (mut status, mut surface) = ([Status::Miss; LANES], [0; LANES]);
+        let status = window.load(self.status, &mut status);
+        let undecided = bits(|lane| status[lane] == Status::Undecided);
+        if self.appearance.undecided == UndecidedStyle::Miss {
+            window.wanted &= !undecided;
         }
-        UndecidedStyle::Tint if undecided => colour.mixed(TINT, 0.5),
-        UndecidedStyle::Shade
-        | UndecidedStyle::Hatch
-        | UndecidedStyle::Tint
-        | UndecidedStyle::Miss => colour,
-    })
+        let surface = window.load(self.surface, &mut surface);
+        // One surface after another: most windows have one.
+        while let Some(first) = window.lanes().next() {
+            let mine = bits(|lane| surface[lane] == surface[first]);
+            let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
+            let amounts = self.amounts(window, colours, undecided);
+            let code = |primary: usize, lane: usize| self.codes.byte(amounts[primary][lane]);
+            let window_of_surface = Window { wanted: window.wanted & mine, ..window };
+            window_of_surface.store(|lane| [code(0, lane), code(1, lane), code(2, lane)], bytes);
+            window.wanted &= !mine;
+        }
+    }
+
+    /// The light that a window's pixels send to the eye, by primary, within reach of the codes.
+    fn amounts(&self, window: Window, colours: &SurfaceColours, undecided: u32) -> [Lanes<f32>; 3] {
+        let Self { rays, appearance, .. } = *self;
+        let (mut normal, mut spare) = ([[0.0; 3]; LANES], [[false; LANES]; 2]);
+        let [in_shadow, is_cap] = &mut spare;
+        let normal = window.load(self.normal, &mut normal);
+        let in_shadow = window.load(self.shadow, in_shadow);
+        let is_cap = window.load(self.cap, is_cap);
+        let points = || rays.points(window, window.load(self.drawn, &mut [0.0; LANES]));
+        let to_light = appearance.light.all_towards(points);
+        let to_eye = rays.to_eye(window);
+        let mut amounts = [Lanes::splat(0.0); 3];
+        // Four at a time by hand: what compilers make of a loop over lanes moves most of it to memory and back.
+        for at in (0..LANES).step_by(4) {
+            let four = |value: &dyn Fn(usize) -> f32| {
+                Vec4::new(value(at), value(at + 1), value(at + 2), value(at + 3))
+            };
+            let axes = [0, 1, 2];
+            let normal = axes.map(|axis| four(&|lane| normal[lane][axis]));
+            let eye = axes.map(|axis| Vec4::from_slice(&to_eye[axis][at..]));
+            let light = axes.map(|axis| Vec4::from_slice(&to_light[axis][at..]));
+            let facing = dot(normal, eye);
+            // The side that is seen is lit.
+            let side = Vec4::ONE.copysign(facing);
+            let towards_light = dot(normal, light);
+            let lit = four(&|lane| if in_shadow[lane] { 0.0 } else { 1.0 });
+            let direct = lit * (side * towards_light).max(Vec4::ZERO);
+            // The square of the cosine between the normal and the direction half way between eye and light, which is their
+            // sum. It is 0 if that is: light from straight behind.
+            let cosine = (side * (towards_light + facing)).max(Vec4::ZERO);
+            let square =
+                cosine * cosine / (2.0 + 2.0 * dot(light, eye)).max(Vec4::splat(f32::MIN_POSITIVE));
+            let white = HIGHLIGHT * direct.sqrt() * sharpened(square);
+            // The ambient share falls off towards grazing angles, so that shapes stay readable in shadow.
+            let ambient = appearance.ambient * (0.5 + 0.5 * facing.abs());
+            let factor = ambient + (1.0 - appearance.ambient) * direct;
+            let cap = four(&|lane| if is_cap[lane] { -1.0 } else { 1.0 });
+            let is_negative = facing.min(cap).cmplt(Vec4::ZERO);
+            for primary in 0..3 {
+                let [positive, negative] = [colours.positive, colours.negative]
+                    .map(|colour| Vec4::splat(colour.0[primary]));
+                let amount = Vec4::select(is_negative, negative, positive) * factor + white;
+                amount.write_to_slice(&mut amounts[primary][at..]);
+            }
+        }
+        if undecided != 0 {
+            self.mark_undecided(Window { wanted: undecided, ..window }, &mut amounts);
+        }
+        for amounts in &mut amounts {
+            for amount in &mut amounts.0 {
+                *amount = within(*amount);
+            }
+        }
+        amounts
+    }
+
+    /// Changes colours as undecided pixels are marked.
+    fn mark_undecided(&self, undecided: Window, amounts: &mut [Lanes<f32>; 3]) {
+        for lane in undecided.lanes() {
+            let colour = LinearRgb([0, 1, 2].map(|primary| amounts[primary][lane]));
+            let along = undecided.column + lane + undecided.row;
+            let marked = match self.appearance.undecided {
+                UndecidedStyle::Hatch if along % HATCH_PERIOD < HATCH_WIDTH => {
+                    colour.lit(0.25, 0.0)
+                }
+                UndecidedStyle::Tint => colour.mixed(TINT, 0.5),
+                UndecidedStyle::Shade | UndecidedStyle::Hatch | UndecidedStyle::Miss => continue,
+            };
+            (0..3).for_each(|primary| amounts[primary][lane] = marked.0[primary]);
+        }
+    }
+}
+
+fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The 40th power of a cosine, which makes a highlight as small as it is, given its square.
+fn sharpened(square: Vec4) -> Vec4 {
+    let fourth = square * square;
+    let eighth = fourth * fourth;
+    let tenth = eighth * square;
+    let twentieth = tenth * tenth;
+    twentieth * twentieth
 }
 
 #[cfg(test)]

@@ -16,6 +16,10 @@ pub struct Count {
 pub struct Work {
     /// Questions about boxes.
     pub interval: Count,
+    /// Tiles narrowed.
+    pub tiles: Count,
+    /// Segments of single rays narrowed.
+    pub segments: Count,
     /// Values at points.
     pub point: Count,
     /// Values and gradients at points.
@@ -43,6 +47,8 @@ impl AddAssign for Count {
 impl AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
         self.interval += other.interval;
+        self.tiles += other.tiles;
+        self.segments += other.segments;
         self.point += other.point;
         self.gradient += other.gradient;
         self.given_up += other.given_up;

@@ -58,10 +58,13 @@ fn frame() -> RayGrid {
 
 fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    let options = Options { precision: Precision::F32, depth, suppress_asymptotes: true };
+    let options =
+        Options { precision: Precision::F32, depth, tolerance: 0.5, suppress_asymptotes: true };
     let knoll = Method::named("knoll").expect("a row");
     let tracer = knoll.prepare(kernel, &region, options).expect("a kernel");
-    Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true }.picture()
+    let mut buffer = GBuffer::new(SIZE, SIZE, 0);
+    let work = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
+    (buffer, work)
 }
 
 #[test]
@@ -114,7 +117,8 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
     let kernel = Stubborn::new(-0.875, 2.1e-5);
     let (whole, _) = trace(&kernel, 12);
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    let options = Options { precision: Precision::F32, depth: 12, suppress_asymptotes: true };
+    let options =
+        Options { precision: Precision::F32, depth: 12, tolerance: 0.5, suppress_asymptotes: true };
     let tracer = <&Method>::default().prepare(&kernel, &region, options).expect("a kernel");
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
     let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true };

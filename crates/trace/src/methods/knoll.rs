@@ -252,6 +252,7 @@ impl<T: Scalar> Outcome<T> {
             share.map_or(f64::INFINITY, |share| packet.distance(share, lane, ray))
         };
         let drawn = at(self.drawn);
-        Found { status: Status::Undecided, distance: at(self.suppressed).min(drawn), drawn }
+        let distance = at(self.suppressed).min(drawn);
+        Found { status: Status::Undecided, distance, drawn, ..Found::MISS }
     }
 }

@@ -1,0 +1,25 @@
+//! What this runs on.
+
+use std::fs::read_to_string;
+
+/// The processor's name with its family and model, which a name may not tell; "unknown processor" where there is no
+/// `/proc/cpuinfo`.
+pub fn processor() -> String {
+    let text = read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let field = |name: &str| {
+        let mut fields = text.lines().filter_map(|line| line.split_once(':'));
+        fields.find(|(key, _)| key.trim() == name).map(|(_, value)| value.trim())
+    };
+    match (field("model name"), field("cpu family"), field("model")) {
+        (Some(name), Some(family), Some(model)) => {
+            format!("{name} (family {family}, model {model})")
+        }
+        (Some(name), _, _) => name.to_owned(),
+        (None, _, _) => "unknown processor".to_owned(),
+    }
+}
+
+/// How many threads it runs at a time.
+pub fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}

@@ -1,0 +1,168 @@
+//! zeroset beside its rivals: the same surfaces, views, sizes and threads, in turn, in one process.
+//!
+//! [README.md](../README.md) says what is measured, and what is not.
+
+mod knoll2007;
+mod machine;
+mod measure;
+mod ours;
+mod reference;
+mod report;
+mod side;
+mod surfaces;
+mod voxels;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use clap::builder::PossibleValuesParser;
+use knoll2007::{Knoll2007, WIDTHS};
+use measure::measure;
+use ours::Ours;
+use reference::{Entries, Reference};
+use report::{Report, Row};
+use side::Side;
+use std::collections::{BTreeMap, BTreeSet};
+use surfaces::{SURFACES, Surface};
+use voxels::Voxels;
+use zeroset_trace::{METHODS, Method};
+
+/// Measure zeroset beside its rivals.
+#[derive(Parser)]
+struct Arguments {
+    /// Surfaces, with commas between; all if not given
+    #[arg(long, value_delimiter = ',', value_parser = names(SURFACES.iter().map(|s| s.name)))]
+    surfaces: Vec<String>,
+    /// Methods of zeroset, with commas between; all if not given
+    #[arg(long, value_delimiter = ',', value_parser = names(METHODS.iter().map(|m| m.name)))]
+    methods: Vec<String>,
+    /// Rows of a picture, and pixels in a row
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=8192))]
+    size: u32,
+    /// Rounds, in each of which every side draws once
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
+    /// Threads
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
+    /// How often the domain is halved along a ray, by the C++ and by methods that read it
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=20))]
+    depth: u32,
+    /// Voxels along an edge of fidget's pictures, with commas between
+    #[arg(long, value_delimiter = ',', default_value = "128,256,512,1024", value_name = "SIZES",
+        value_parser = clap::value_parser!(u32).range(16..=4096))]
+    fidget: Vec<u32>,
+    /// Leave the C++ out
+    #[arg(long)]
+    no_cpp: bool,
+    /// Leave fidget out
+    #[arg(long)]
+    no_fidget: bool,
+    /// Errors are taken of so many times so many pixels of each picture; 0 for none
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(0..=8192))]
+    samples: u32,
+}
+
+fn names(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
+    PossibleValuesParser::new(names)
+}
+
+impl Arguments {
+    fn surfaces(&self) -> impl Iterator<Item = &'static Surface> {
+        SURFACES
+            .iter()
+            .filter(|s| self.surfaces.is_empty() || self.surfaces.iter().any(|n| n == s.name))
+    }
+
+    fn methods(&self) -> impl Iterator<Item = &'static Method> {
+        METHODS
+            .iter()
+            .filter(|m| self.methods.is_empty() || self.methods.iter().any(|n| n == m.name))
+    }
+
+    /// All sides that know the surface, methods first.
+    fn sides(&self, surface: &Surface) -> Result<Vec<Box<dyn Side + Send>>> {
+        let (size, depth) = (self.size as usize, self.depth);
+        let mut sides: Vec<Box<dyn Side + Send>> = Vec::new();
+        for method in self.methods() {
+            sides.push(Box::new(Ours::new(surface, method, size, depth)?));
+        }
+        for width in WIDTHS.iter().filter(|_| !self.no_cpp) {
+            if let Some(side) = Knoll2007::new(width, surface.name, size, depth)? {
+                sides.push(Box::new(side));
+            }
+        }
+        if !self.no_fidget {
+            let entries = Entries::new(surface, ENTRIES)?;
+            for size in &self.fidget {
+                let side = Voxels::new(surface, entries, *size as usize, self.threads > 1)?;
+                sides.push(Box::new(side));
+            }
+        }
+        Ok(sides)
+    }
+
+    /// What is certain of a picture, by its size.
+    fn references(
+        &self,
+        surface: &Surface,
+        sides: &[Box<dyn Side + Send>],
+    ) -> Result<BTreeMap<usize, Reference>> {
+        let samples = self.samples as usize;
+        let sizes = sides.iter().map(|side| side.size()).filter(|_| samples > 0);
+        // Each size once.
+        let sizes: BTreeSet<usize> = sizes.collect();
+        let reference = |size| Ok((size, Reference::new(surface, size, samples)?));
+        sizes.into_iter().map(reference).collect()
+    }
+}
+
+/// Rays in a row, and rows, that are looked at for where the eye's side of a surface is.
+const ENTRIES: usize = 64;
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let threads = arguments.threads as usize;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    print_head(&arguments);
+    let methods: Vec<String> = arguments.methods().map(|method| method.name.to_owned()).collect();
+    let mut report = Report::new(methods.clone());
+    for surface in arguments.surfaces() {
+        let mut sides = arguments.sides(surface).context(surface.name)?;
+        let times = pool.install(|| measure(&mut sides, arguments.rounds as usize));
+        let times = times.context(surface.name)?;
+        let ratios = times.iter().map(|own| times[..methods.len()].iter().map(|m| own.ratio(m)));
+        let ratios: Vec<Vec<f64>> = ratios.map(Iterator::collect).collect();
+        let references = arguments.references(surface, &sides).context(surface.name)?;
+        for ((side, times), ratios) in sides.iter().zip(times).zip(ratios) {
+            let reference = references.get(&side.size());
+            let errors = reference.map(|reference| reference.errors(&side.distances()));
+            let (side, asked, remark) = (side.name(), side.asked(), side.remark());
+            report.add(surface.name, Row { side, times, errors, asked, ratios, remark });
+        }
+        if let Some(reference) = references.get(&(arguments.size as usize)) {
+            let [none, roots, open] = reference.counts();
+            println!(
+                "{:12}of the rays looked at, {roots} have a root, {none} have none, {open} are open",
+                ""
+            );
+        }
+        println!();
+    }
+    report.summarise();
+    Ok(())
+}
+
+fn print_head(arguments: &Arguments) {
+    println!("{}, {} of {} threads", machine::processor(), arguments.threads, machine::threads());
+    println!("C++ by {} {}", env!("RIVALS_COMPILER"), env!("RIVALS_FLAGS"));
+    if WIDTHS.len() < 2 {
+        println!("no C++ on 16 lanes: the processor has no AVX-512");
+    }
+    println!(
+        "{0}×{0} pixels, depth {1}, medians of {2} interleaved rounds; ratios are a side's time over a method's\n\
+         rootless, missed: of {3}×{3} rays, those drawn without a root, and not drawn with one; off: \
+         median distance of what is drawn from the first root, in half extents of the domain; boxes: \
+         how many were evaluated\n",
+        arguments.size, arguments.depth, arguments.rounds, arguments.samples
+    );
+}

@@ -1,0 +1,68 @@
+//! zeroset's methods, by the library.
+
+use crate::side::{Asked, Side};
+use crate::surfaces::Surface;
+use anyhow::Result;
+use zeroset::model::Model;
+use zeroset::picture::{Normals, Picture, Precision, Settings};
+use zeroset_trace::{Camera, Method};
+
+/// A compiled surface, and its last picture.
+pub struct Ours {
+    model: Model,
+    camera: Camera,
+    settings: Settings,
+    picture: Option<Picture>,
+}
+
+impl Ours {
+    /// Compiles the surface.
+    ///
+    /// # Errors
+    /// If it has no kernels.
+    pub fn new(
+        surface: &Surface,
+        method: &'static Method,
+        size: usize,
+        depth: u32,
+    ) -> Result<Self> {
+        let settings = Settings {
+            width: size,
+            height: size,
+            method,
+            precision: Precision::F32,
+            max_depth: depth,
+            shadow_depth: None,
+            normals: Some(Normals::Gradient),
+            ..Settings::default()
+        };
+        let (document, region) = (surface.document()?, surface.region()?);
+        let model = Model::new(&document, &region, &settings)?;
+        Ok(Self { model, camera: surface.camera()?, settings, picture: None })
+    }
+}
+
+impl Side for Ours {
+    fn name(&self) -> String {
+        self.settings.method.name.to_owned()
+    }
+
+    fn size(&self) -> usize {
+        self.settings.width
+    }
+
+    fn draw(&mut self) -> Result<()> {
+        let picture = self.model.trace(&self.camera, &self.settings, &|_| true);
+        self.picture = Some(picture?);
+        Ok(())
+    }
+
+    fn distances(&self) -> Vec<f64> {
+        self.picture.as_ref().map_or_else(Vec::new, |picture| picture.buffer.drawn.clone())
+    }
+
+    fn asked(&self) -> Option<Asked> {
+        let work = &self.picture.as_ref()?.statistics.work.interval;
+        Some(Asked { calls: work.calls, lanes: work.lanes as f64 / work.calls as f64 })
+    }
+}

@@ -1,0 +1,145 @@
+//! What is certain of some pixels of a picture, by the certified tracer; and how far pictures are from that.
+//!
+//! The tracer shares no code with kernels, methods or rivals.
+
+use crate::surfaces::{Surface, line};
+use anyhow::Result;
+use rayon::prelude::*;
+use zeroset_testkit::certified::{BUDGET, Certificate, Function};
+
+/// What is certain of a ray. Distances are in world units.
+enum Truth {
+    /// It meets no zero.
+    Miss,
+    /// It meets one, and the first lies in one of these pieces.
+    Root(Vec<[f64; 2]>),
+    /// It comes near one, and perhaps touches it.
+    Open,
+}
+
+/// Pixels of pictures of one size, and what is certain of them.
+pub struct Reference {
+    half: f64,
+    pixels: Vec<(usize, Truth)>,
+}
+
+/// How a picture differs from what is certain.
+#[derive(Clone, Copy, Debug)]
+pub struct Errors {
+    /// Pixels that are drawn and have no root.
+    pub rootless: usize,
+    /// Pixels that have a root and are not drawn.
+    pub missed: usize,
+    /// The median distance of what is drawn from the first root, in half extents of the domain, if any pixel has both.
+    pub distance: Option<f64>,
+}
+
+/// The sign of the function where rays enter the domain.
+#[derive(Clone, Copy, Debug)]
+pub struct Entries {
+    below: usize,
+    above: usize,
+}
+
+/// The pixels in the middle of `samples`² equal parts of a picture, or all of a smaller one.
+fn sampled(size: usize, samples: usize) -> Vec<usize> {
+    let samples = samples.min(size);
+    let place = |n: usize| (2 * n + 1) * size / (2 * samples);
+    (0..samples * samples).map(|n| place(n / samples) * size + place(n % samples)).collect()
+}
+
+fn function(surface: &Surface) -> Result<Function> {
+    let document = surface.document()?;
+    Ok(Function::new(&document.graph, document.surfaces[0].root, &[]))
+}
+
+impl Truth {
+    /// Of a certificate for a direction of this length.
+    fn new(certificate: &Certificate, length: f64) -> Self {
+        let crossing = certificate.crossing.map(|crossing| [crossing.near, crossing.far]);
+        if certificate.is_miss() {
+            return Self::Miss;
+        }
+        let Some(crossing) = crossing else { return Self::Open };
+        let before = certificate.unresolved.iter().map(|piece| [piece.near, piece.far]);
+        Self::Root(before.chain([crossing]).map(|piece| piece.map(|t| t * length)).collect())
+    }
+}
+
+impl Reference {
+    /// Traces `samples`² rays of a picture of `size` rows.
+    ///
+    /// # Errors
+    /// If the surface cannot be seen.
+    pub fn new(surface: &Surface, size: usize, samples: usize) -> Result<Self> {
+        let (function, bounds) = (function(surface)?, surface.bounds());
+        let rays = surface.camera()?.rays(size, size);
+        let truth = |pixel: usize| {
+            let certificate = function.trace(&line(&rays, pixel), &bounds, BUDGET);
+            (pixel, Truth::new(&certificate, rays.ray_of(pixel).direction.length()))
+        };
+        let pixels = sampled(size, samples).into_par_iter().map(truth).collect();
+        Ok(Self { half: surface.half, pixels })
+    }
+
+    /// How many rays meet no zero, certainly meet one, and are open.
+    pub fn counts(&self) -> [usize; 3] {
+        let mut counts = [0; 3];
+        for (_, truth) in &self.pixels {
+            counts[match truth {
+                Truth::Miss => 0,
+                Truth::Root(_) => 1,
+                Truth::Open => 2,
+            }] += 1;
+        }
+        counts
+    }
+
+    /// How a picture differs from this, given its distances as of [`Side`](crate::side::Side).
+    pub fn errors(&self, distances: &[f64]) -> Errors {
+        let (mut rootless, mut missed, mut off) = (0, 0, Vec::new());
+        for (pixel, truth) in &self.pixels {
+            let drawn = distances[*pixel];
+            match truth {
+                Truth::Miss => rootless += usize::from(drawn.is_finite()),
+                Truth::Root(_) if drawn.is_infinite() => missed += 1,
+                Truth::Root(pieces) => {
+                    let outside = |[near, far]: &[f64; 2]| (near - drawn).max(drawn - far).max(0.0);
+                    let least = pieces.iter().map(outside).fold(f64::INFINITY, f64::min);
+                    off.push(least / self.half);
+                }
+                Truth::Open => {}
+            }
+        }
+        off.sort_by(f64::total_cmp);
+        Errors { rootless, missed, distance: off.get(off.len() / 2).copied() }
+    }
+}
+
+impl Entries {
+    /// Looks where `samples`² rays enter the domain.
+    ///
+    /// # Errors
+    /// If the surface cannot be seen.
+    pub fn new(surface: &Surface, samples: usize) -> Result<Self> {
+        let (function, bounds) = (function(surface)?, surface.bounds());
+        let rays = surface.camera()?.rays(samples, samples);
+        let below = (0..samples * samples).into_par_iter().filter_map(|pixel| {
+            function.entry(&line(&rays, pixel), &bounds).and_then(|entry| entry.below)
+        });
+        let below: Vec<bool> = below.collect();
+        let count = |side: bool| below.iter().filter(|below| **below == side).count();
+        Ok(Self { below: count(true), above: count(false) })
+    }
+
+    /// Whether the function is below 0 where most rays enter.
+    pub fn are_mostly_below(self) -> bool {
+        self.below > self.above
+    }
+
+    /// The share of rays that enter on the other side than most; `None` if none does.
+    pub fn minority(self) -> Option<f64> {
+        let (less, more) = (self.below.min(self.above), self.below.max(self.above));
+        (less > 0).then(|| less as f64 / (less + more) as f64)
+    }
+}

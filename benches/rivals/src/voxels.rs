@@ -1,0 +1,163 @@
+//! fidget: voxels from front to back, by interval pruning with native code.
+//!
+//! It draws solids, f < 0, not zero sets: which side is the solid's is chosen for it.
+
+use crate::reference::Entries;
+use crate::side::Side;
+use crate::surfaces::{FOV, Surface};
+use anyhow::{Result, anyhow, bail};
+use fidget::context::Tree;
+use fidget::jit::JitShape;
+use fidget::raster::voxel::{EvalConfig, Image, RenderConfig, render};
+use fidget::render::{CancelToken, ThreadPool, VoxelSize};
+use glam::DVec3;
+use nalgebra::{Matrix4, Vector4};
+use zeroset_ir::{Axis, Graph, Node, NodeId};
+use zeroset_ops::Op;
+use zeroset_trace::RayGrid;
+
+/// A shape, and its last picture.
+pub struct Voxels {
+    shape: JitShape,
+    config: RenderConfig,
+    rays: RayGrid,
+    /// Of the plane where z of fidget's world is 0, and from there to where it is 1.
+    inverse_depth: [f64; 2],
+    is_parallel: bool,
+    entries: Entries,
+    image: Image,
+}
+
+impl Voxels {
+    /// The surface in `size`³ voxels, with normals.
+    ///
+    /// # Errors
+    /// If fidget lacks an operation.
+    pub fn new(
+        surface: &Surface,
+        entries: Entries,
+        size: usize,
+        is_parallel: bool,
+    ) -> Result<Self> {
+        let document = surface.document()?;
+        let mut tree = tree(&document.graph, document.surfaces[0].root)?;
+        if entries.are_mostly_below() {
+            tree = -tree;
+        }
+        if surface.is_cut {
+            for axis in [Tree::x(), Tree::y(), Tree::z()] {
+                tree = tree.max(axis.abs() - surface.half as f32);
+            }
+        }
+        let rays = surface.camera()?.rays(size, size);
+        let (matrix, inverse_depth) = screen(&rays, surface.half);
+        let mut config = RenderConfig::from_size(VoxelSize::from(size as u32));
+        config.world_to_model = matrix;
+        let (shape, image) = (JitShape::from(tree), Image::default());
+        Ok(Self { shape, config, rays, inverse_depth, is_parallel, entries, image })
+    }
+}
+
+/// From fidget's world, which is all within ±1, to space: our own rays, along which z is linear in the inverse of depth. Also
+/// the inverse depth where z is 0, and how much it grows up to z = 1, which is in front of the domain.
+fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
+    let (eye, forward) = (rays.eye(), rays.forward());
+    let reach = (FOV / 2.0).to_radians().tan();
+    let extent = half * forward.abs().element_sum();
+    let (near, far) = (eye.length() - extent, eye.length() + extent);
+    let middle = f64::midpoint(1.0 / near, 1.0 / far);
+    let growth = (1.0 / near - 1.0 / far) / 2.0;
+    let [right, up] = [rays.right() * reach, rays.up() * reach];
+    // Where fidget has a pixel is half a pixel from its centre, towards the picture's left lower corner.
+    let centre = (right + up) / rays.width() as f64;
+    let column = |v: DVec3, w: f64| Vector4::from([v.x, v.y, v.z, w].map(|x| x as f32));
+    let matrix = Matrix4::from_columns(&[
+        column(right, 0.0),
+        column(up, 0.0),
+        column(eye * growth, growth),
+        column(eye * middle + forward + centre, middle),
+    ]);
+    (matrix, [middle, growth])
+}
+
+/// The function as typed, for fidget to simplify.
+fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
+    let needed = graph.reachable(&[root]);
+    let mut trees: Vec<Option<Tree>> = vec![None; graph.len()];
+    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+        let tree = match node {
+            Node::Variable(Axis::X) => Tree::x(),
+            Node::Variable(Axis::Y) => Tree::y(),
+            Node::Variable(Axis::Z) => Tree::z(),
+            Node::Constant(constant) => Tree::constant(constant.bounds().lo as f32),
+            Node::Parameter(_) => bail!("fidget would need values of parameters"),
+            Node::Apply(op, operands) => {
+                let at = |n: usize| trees[operands[n].index()].clone().expect("comes before");
+                match op {
+                    Op::Neg => -at(0),
+                    Op::Abs => at(0).abs(),
+                    Op::Sqr => at(0).square(),
+                    Op::Sqrt => at(0).sqrt(),
+                    Op::Sin => at(0).sin(),
+                    Op::Cos => at(0).cos(),
+                    Op::Add => at(0) + at(1),
+                    Op::Sub => at(0) - at(1),
+                    Op::Mul => at(0) * at(1),
+                    Op::Div => at(0) / at(1),
+                    Op::Pow => match graph.node(operands[1]) {
+                        Node::Constant(n) if n.as_integer().is_some_and(|n| n >= 0) => {
+                            at(0).pow(n.as_integer().expect("just seen"))
+                        }
+                        _ => bail!("fidget has whole powers only"),
+                    },
+                    // No surface of the table has another.
+                    other => bail!("`{}` was not told to fidget", other.row().name),
+                }
+            }
+        };
+        trees[id.index()] = Some(tree);
+    }
+    trees[root.index()].clone().ok_or_else(|| anyhow!("no formula"))
+}
+
+impl Side for Voxels {
+    fn name(&self) -> String {
+        format!("fidget {}³", self.size())
+    }
+
+    fn size(&self) -> usize {
+        self.rays.width()
+    }
+
+    fn draw(&mut self) -> Result<()> {
+        let shape = self.shape.clone().try_into()?;
+        // Its global pool is the one that this is called in.
+        let threads = self.is_parallel.then_some(&ThreadPool::Global);
+        let evaluation = EvalConfig { tile_sizes: None, threads, cancel: CancelToken::new() };
+        let image = render(shape, &self.config, &evaluation);
+        self.image = image.ok_or_else(|| anyhow!("nobody cancelled it"))?;
+        Ok(())
+    }
+
+    fn distances(&self) -> Vec<f64> {
+        let size = self.size() as f64;
+        let [middle, growth] = self.inverse_depth;
+        let distance = |(pixel, depth): (usize, u32)| {
+            if depth == 0 {
+                return f64::INFINITY;
+            }
+            // The first place inside was one less, and the one before it, on the near side, outside.
+            let z = (f64::from(depth) - 0.5 - size / 2.0) * 2.0 / size;
+            self.rays.ray_of(pixel).distance(1.0 / (middle + growth * z))
+        };
+        self.image.iter().map(|pixel| pixel.depth).enumerate().map(distance).collect()
+    }
+
+    fn remark(&self) -> Option<String> {
+        let share = self.entries.minority()?;
+        Some(format!(
+            "fidget cannot draw it: of solids it draws the cut face, and {:.0} % of the rays enter the domain inside",
+            100.0 * share
+        ))
+    }
+}

@@ -1,0 +1,73 @@
+//! Rows of a picture: what one thread fills at a time.
+
+use crate::gbuffer::{Found, GBuffer, Reason, Status};
+use rayon::prelude::*;
+
+/// Some neighbouring rows of a [`GBuffer`], and where what is found of their pixels goes.
+pub struct Band<'a> {
+    /// The first row, counted from the picture's top.
+    pub top: usize,
+    /// Pixels in a row.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+    status: &'a mut [Status],
+    reason: &'a mut [Reason],
+    distance: &'a mut [f64],
+    drawn: &'a mut [f64],
+    bracket: &'a mut [[f64; 2]],
+}
+
+impl GBuffer {
+    /// Bands of so many rows each, from the top; the last may have fewer.
+    pub(crate) fn bands(&mut self, rows: usize) -> impl IndexedParallelIterator<Item = Band<'_>> {
+        let width = self.width.max(1);
+        let size = rows * width;
+        let mut brackets: Vec<&mut [[f64; 2]]> = self.bracket.chunks_mut(size).collect();
+        let pixels = self.status.len();
+        brackets.resize_with(pixels.div_ceil(size), Default::default);
+        self.status
+            .par_chunks_mut(size)
+            .zip(self.reason.par_chunks_mut(size))
+            .zip(self.distance.par_chunks_mut(size).zip(self.drawn.par_chunks_mut(size)))
+            .zip(brackets)
+            .enumerate()
+            .map(move |(band, (((status, reason), (distance, drawn)), bracket))| Band {
+                top: band * rows,
+                width,
+                height: status.len() / width,
+                status,
+                reason,
+                distance,
+                drawn,
+                bracket,
+            })
+    }
+}
+
+impl Band<'_> {
+    /// Writes what became of the ray through a pixel, given by its column and its row in the band; distances in world units.
+    #[inline]
+    pub fn set(&mut self, column: usize, row: usize, found: &Found) {
+        let pixel = row * self.width + column;
+        self.status[pixel] = found.status;
+        self.reason[pixel] = found.reason;
+        self.distance[pixel] = found.distance;
+        self.drawn[pixel] = found.drawn;
+        if let Some(bracket) = self.bracket.get_mut(pixel) {
+            *bracket = found.bracket;
+        }
+    }
+
+    /// Writes what was found on a ray behind all that was found before: what is proven stays as it is where something was,
+    /// and only what is painted may be new.
+    #[inline]
+    pub fn add(&mut self, column: usize, row: usize, found: &Found) {
+        let pixel = row * self.width + column;
+        if self.status[pixel] == Status::Miss {
+            self.set(column, row, found);
+        } else {
+            self.drawn[pixel] = self.drawn[pixel].min(found.drawn);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Affine forms over tiles of rays, from coarse to fine, then along single rays.
+//!
+//! A tile's form is a linear function of its two screen axes and of depth: solved for depth, it narrows the segment in
+//! which the tile's rays may meet a zero, and where depth outweighs all else it proves one on every ray. Tiles of 16×16
+//! pixels are split into tiles of 4×4 and those into rays; what a tile proves its parts need not ask again. Segments that
+//! do not get much shorter are cut in two, and the nearer part comes first.
+//!
+//! A hit is a segment on which the function is continuous and whose ends have opposite signs, behind nothing but proven
+//! empty parts. Emptiness and signs are followed down to what arithmetic can tell, in `f64` where `f32` cannot.
+
+mod frame;
+mod narrow;
+mod rays;
+mod tiles;
+
+use crate::band::Band;
+use crate::gbuffer::Found;
+use crate::grid::RayGrid;
+use crate::method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer};
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use rays::Follower;
+use zeroset_eval::{ContractTiles, Kernel, KernelError, LANES, Surface};
+
+pub(crate) const METHOD: Method = Method {
+    name: "affine",
+    help: "tiles and rays narrowed by affine forms; proves hits and misses",
+    reads: &[MethodOption::Precision, MethodOption::Tolerance],
+    prepare,
+};
+
+fn prepare<'a>(
+    surface: &'a dyn Surface,
+    region: &'a Region,
+    options: Options,
+) -> Result<Box<dyn Tracer + 'a>, KernelError> {
+    Ok(match options.precision {
+        Precision::F32 => Box::new(Affine::<f32>::new(surface, region, options)?),
+        Precision::F64 => Box::new(Affine::<f64>::new(surface, region, options)?),
+    })
+}
+
+struct Affine<'a, T: Scalar> {
+    tiles: &'a dyn Kernel<ContractTiles, T>,
+    follower: Follower<'a, T>,
+    /// Whether the forms are those of a numerator, which proves no zero of the function.
+    cleared: bool,
+    region: &'a Region,
+    tolerance: f64,
+}
+
+impl<'a, T: Scalar> Affine<'a, T> {
+    fn new(
+        surface: &'a dyn Surface,
+        region: &'a Region,
+        options: Options,
+    ) -> Result<Self, KernelError> {
+        let kernels = T::kernels(surface);
+        Ok(Self {
+            tiles: kernels.tiles()?,
+            follower: Follower::new(surface, region, options.suppress_asymptotes)?,
+            cleared: kernels.cleared()?.is_some(),
+            region,
+            tolerance: options.tolerance,
+        })
+    }
+}
+
+impl<T: Scalar> Tracer for Affine<'_, T> {
+    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
+        for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
+            self.follower.follow_rays(rays, start, found, work);
+        }
+    }
+
+    fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
+        tiles::trace(self, rays, band, work);
+    }
+}

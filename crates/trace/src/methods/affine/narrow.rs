@@ -1,0 +1,191 @@
+//! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
+
+use super::rays::{Way, bounds};
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use zeroset_eval::{
+    Boxes, ContractSegments, Contractions, Enclose, FindZeros, Kernel, KernelError, LANES,
+    Segments, Surface, Zeros,
+};
+use zeroset_interval::Facts;
+
+/// How far a ray was followed.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Step {
+    /// To the end: there is no zero.
+    Empty,
+    /// To a bracket that holds the first zero.
+    Hit([f64; 2]),
+    /// To a segment of which nothing is proven, nor of what lies behind it. It is as short as arithmetic allows, unless
+    /// what may be spent on a ray was spent.
+    Open([f64; 2], bool),
+    /// Up to here there is no zero.
+    Resumed(f64),
+}
+
+/// Narrows segments in `T`.
+pub(super) struct Narrower<'a, T: Scalar> {
+    segments: &'a dyn Kernel<ContractSegments, T>,
+    /// Of the function and of its cleared form's denominator, where the segments' forms are those of the numerator.
+    cleared: Option<[&'a dyn Kernel<Enclose, T>; 2]>,
+    zeros: Option<&'a dyn Kernel<FindZeros, T>>,
+    region: &'a Region,
+}
+
+/// What is still to be looked at of a ray, the nearest part last. Memory that is used again and again.
+pub(super) struct Scratch<T: Scalar> {
+    stacks: [Vec<[f64; 2]>; LANES],
+    batch: Segments<T>,
+    out: Contractions<T>,
+}
+
+impl<T: Scalar> Default for Scratch<T> {
+    fn default() -> Self {
+        Self {
+            stacks: Default::default(),
+            batch: Segments::default(),
+            out: Contractions::default(),
+        }
+    }
+}
+
+/// A segment that stays longer than this share of what it was is cut.
+const STALLED: f64 = 0.6;
+/// Where it is cut: not in the middle, where symmetric surfaces have zeros whose sign could not be told.
+const CUT: f64 = 0.4609375;
+/// Segments looked at on one ray before the shortest get longer.
+const PATIENCE: u32 = 96;
+
+impl<'a, T: Scalar> Narrower<'a, T> {
+    pub fn new(surface: &'a dyn Surface, region: &'a Region) -> Result<Self, KernelError> {
+        let kernels = T::kernels(surface);
+        let cleared = match kernels.cleared()? {
+            Some([_, denominator]) => Some([kernels.bounds()?, denominator]),
+            None => None,
+        };
+        Ok(Self { segments: kernels.segments()?, cleared, zeros: kernels.zeros().ok(), region })
+    }
+
+    /// Follows each ray with a segment along it.
+    pub fn narrow(
+        &self,
+        ways: &[Way],
+        segments: &[Option<[f64; 2]>; LANES],
+        scratch: &mut Scratch<T>,
+        steps: &mut [Step; LANES],
+        work: &mut Work,
+    ) {
+        let Scratch { stacks, batch, out } = scratch;
+        let mut grain = [0.0; LANES];
+        let mut looked = [0_u32; LANES];
+        let mut slots: Vec<usize> = Vec::with_capacity(LANES);
+        for (lane, segment) in segments.iter().enumerate() {
+            stacks[lane].clear();
+            steps[lane] = Step::Empty;
+            if let Some([near, far]) = *segment {
+                let (near, far) = (-T::above(-near).into(), T::above(far).into());
+                stacks[lane].push([near, far]);
+                let way = &ways[lane];
+                let most = near.abs().max(far.abs()).max(way.span[1] - way.span[0]);
+                grain[lane] = T::GRAIN * most;
+                slots.push(lane);
+            }
+        }
+        let mut moved = true;
+        while !slots.is_empty() {
+            if moved {
+                for (slot, &lane) in slots.iter().enumerate() {
+                    place(batch, slot, &ways[lane]);
+                }
+                batch.count = slots.len() as u32;
+            }
+            for (slot, &lane) in slots.iter().enumerate() {
+                if let Some(&[near, far]) = stacks[lane].last() {
+                    batch.near[slot] = T::nearest(near);
+                    batch.far[slot] = T::nearest(far);
+                }
+            }
+            self.segments.ask(batch, out);
+            let mut live = 0;
+            for (slot, &lane) in slots.iter().enumerate() {
+                let stack = &mut stacks[lane];
+                let Some([near, far]) = stack.pop() else { continue };
+                work.segments.lanes += 1;
+                if out.possible >> slot & 1 == 1 {
+                    looked[lane] += 1;
+                    if looked[lane] > PATIENCE {
+                        grain[lane] *= 1.5;
+                    }
+                    let new = [out.near[slot].into(), out.far[slot].into()];
+                    let way = &ways[lane];
+                    let within = way.inside[0] <= near && far <= way.inside[1];
+                    let crossing = out.crossing >> slot & 1 == 1 && within;
+                    let (length, shorter) = (far - near, new[1] - new[0]);
+                    let enough = way.tolerance.max(grain[lane]);
+                    if shorter < 0.0 {
+                        // No part is left.
+                    } else if crossing && shorter <= enough && self.is_zero(way, new) {
+                        steps[lane] = Step::Hit(new);
+                        stack.clear();
+                    } else if shorter <= grain[lane] {
+                        if self.may_vanish(way, new) {
+                            steps[lane] = Step::Open(new, looked[lane] > PATIENCE);
+                            stack.clear();
+                        }
+                    } else if shorter > STALLED * length {
+                        let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
+                        if new[0] < cut && cut < new[1] {
+                            stack.push([cut, new[1]]);
+                            stack.push([new[0], cut]);
+                        } else {
+                            steps[lane] = Step::Open(new, false);
+                            stack.clear();
+                        }
+                    } else {
+                        stack.push(new);
+                    }
+                }
+                live += usize::from(!stack.is_empty());
+            }
+            work.segments.calls += 1;
+            // Lanes in use are moved together where that saves a vector.
+            moved = live.div_ceil(4) < slots.len().div_ceil(4);
+            if moved {
+                slots.retain(|&lane| !stacks[lane].is_empty());
+            }
+        }
+    }
+
+    /// Whether a bracket of the form's zero holds one of the function.
+    fn is_zero(&self, way: &Way, segment: [f64; 2]) -> bool {
+        let Some([function, denominator]) = self.cleared else { return true };
+        let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
+        let [function, denominator] =
+            [function, denominator].map(|kernel| kernel.ask_all(&boxes).remove(0));
+        let away = denominator.neg_lo[0] < T::default() || denominator.hi[0] < T::default();
+        away && function.facts(0).has(Facts::CONTINUOUS)
+            && denominator.facts(0).has(Facts::CONTINUOUS)
+    }
+
+    /// Whether there may be a zero in a segment, by intervals, and branch by branch where the function jumps.
+    fn may_vanish(&self, way: &Way, segment: [f64; 2]) -> bool {
+        let Some(kernel) = self.zeros else { return true };
+        let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
+        let mut zeros = Zeros::default();
+        kernel.ask(&boxes[0], &mut zeros);
+        zeros.possible & 1 == 1
+    }
+}
+
+/// Writes a ray into a lane.
+fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &Way) {
+    let most = way.span[0].abs().max(way.span[1].abs());
+    for axis in 0..3 {
+        let (origin, direction) = (way.origin[axis], way.direction[axis]);
+        batch.origin[axis][lane] = T::nearest(origin);
+        batch.direction[axis][lane] = T::nearest(direction);
+        let rounding = T::PATH_ERROR * (origin.abs() + most * direction.abs());
+        batch.error[axis][lane] = T::above(way.error[axis] + rounding);
+    }
+}

@@ -1,0 +1,281 @@
+//! Single rays, sixteen at a time: from a segment to a proven hit, to nothing, or to what stays open.
+
+use super::narrow::{Narrower, Scratch, Step};
+use crate::gbuffer::{Found, Reason, Status};
+use crate::method::{Segment, Start};
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use glam::DVec3;
+use std::sync::OnceLock;
+use zeroset_eval::{Boxes, Enclose, Kernel, KernelError, KernelFloat, LANES, Surface, Zeros};
+use zeroset_interval::{Facts, Interval};
+
+/// A ray to be followed: the points `origin` + s·`direction`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub origin: DVec3,
+    pub direction: DVec3,
+    /// How far the real ray may be from that, per axis.
+    pub error: DVec3,
+    /// s between which zeros are looked for.
+    pub span: [f64; 2],
+    /// s between which the ray is certainly in the region.
+    pub inside: [f64; 2],
+    /// How long the bracket of a hit may be.
+    pub tolerance: f64,
+}
+
+/// What became of a ray. Places are values of s.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Outcome {
+    /// The bracket of the first proven hit.
+    pub hit: Option<[f64; 2]>,
+    /// The start of the first part before it of which nothing is proven, and why.
+    pub open: Option<(f64, Reason)>,
+    /// The start of the first such part that is likely a zero.
+    pub likely: Option<f64>,
+}
+
+/// Follows single rays.
+pub(super) struct Follower<'a, T: Scalar> {
+    narrower: Narrower<'a, T>,
+    /// Made when the first ray needs it.
+    double: OnceLock<Option<Narrower<'a, f64>>>,
+    surface: &'a dyn Surface,
+    region: &'a Region,
+    suppress_asymptotes: bool,
+}
+
+/// A stretch that is looked at in `f64` is so many times as long as the part that stayed open in `f32`.
+const STRETCH: f64 = 256.0;
+/// Parts of a ray that stay open, at most: after so many the rest of it is given up.
+const OPEN_PARTS: u32 = 16;
+
+impl<'a, T: Scalar> Follower<'a, T> {
+    pub fn new(
+        surface: &'a dyn Surface,
+        region: &'a Region,
+        suppress_asymptotes: bool,
+    ) -> Result<Self, KernelError> {
+        Ok(Self {
+            narrower: Narrower::new(surface, region)?,
+            double: OnceLock::new(),
+            surface,
+            region,
+            suppress_asymptotes,
+        })
+    }
+
+    /// Follows up to [`LANES`] rays.
+    pub fn follow(
+        &self,
+        ways: &[Way],
+        start: Start,
+        scratch: &mut Scratch<T>,
+        work: &mut Work,
+    ) -> [Outcome; LANES] {
+        let mut outcomes = [Outcome::default(); LANES];
+        let mut parts = [0; LANES];
+        let mut stretch = [0.0; LANES];
+        let mut pending: [Option<[f64; 2]>; LANES] =
+            std::array::from_fn(|lane| ways.get(lane).map(|way| way.span));
+        while pending.iter().any(Option::is_some) {
+            let mut steps = [Step::Empty; LANES];
+            self.narrower.narrow(ways, &pending, scratch, &mut steps, work);
+            self.refine(ways, &mut steps, &mut stretch, work);
+            for (lane, way) in ways.iter().enumerate() {
+                if pending[lane].is_none() {
+                    continue;
+                }
+                let outcome = &mut outcomes[lane];
+                let rest = |from: f64| (from < way.span[1]).then_some([from, way.span[1]]);
+                pending[lane] = match steps[lane] {
+                    Step::Empty => None,
+                    // What a ray starts on does not count.
+                    Step::Hit([near, far]) | Step::Open([near, far], _)
+                        if start == Start::OnSurface && near <= way.span[0] =>
+                    {
+                        rest(far)
+                    }
+                    Step::Hit(bracket) => {
+                        outcome.hit = Some(bracket);
+                        None
+                    }
+                    Step::Resumed(from) => rest(from),
+                    Step::Open([near, far], spent) => {
+                        let (reason, likely) = self.judge(way, [near, far], spent);
+                        outcome.open.get_or_insert((near, reason));
+                        parts[lane] += 1;
+                        if likely {
+                            outcome.likely = Some(near);
+                            None
+                        } else if parts[lane] == OPEN_PARTS {
+                            work.given_up += 1;
+                            None
+                        } else {
+                            rest(far)
+                        }
+                    }
+                };
+            }
+        }
+        outcomes
+    }
+
+    /// Looks in `f64` at what stayed open in `f32`, and at what lies behind it: where one segment is below the rounding of
+    /// `f32`, so are many, and each time the stretch is longer.
+    fn refine(
+        &self,
+        ways: &[Way],
+        steps: &mut [Step; LANES],
+        stretch: &mut [f64; LANES],
+        work: &mut Work,
+    ) {
+        if size_of::<T>() == size_of::<f64>() {
+            return;
+        }
+        let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
+            Step::Open([near, far], _) => {
+                let longest = ways[lane].span[1];
+                stretch[lane] = (4.0 * stretch[lane]).max(STRETCH * (far - near));
+                Some([near, far.max(longest.min(near + stretch[lane]))])
+            }
+            _ => None,
+        });
+        if open.iter().all(Option::is_none) {
+            return;
+        }
+        let make = || Narrower::<f64>::new(self.surface, self.region).ok();
+        let Some(double) = self.double.get_or_init(make) else { return };
+        let mut refined = [Step::Empty; LANES];
+        double.narrow(ways, &open, &mut Scratch::default(), &mut refined, work);
+        for ((step, open), refined) in steps.iter_mut().zip(&open).zip(refined) {
+            if let Some([_, far]) = *open {
+                *step = if let Step::Empty = refined { Step::Resumed(far) } else { refined };
+            }
+        }
+    }
+
+    /// Why a part stays open, and whether it is likely a zero.
+    fn judge(&self, way: &Way, segment: [f64; 2], spent: bool) -> (Reason, bool) {
+        let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
+        let kernels = f64::kernels(self.surface);
+        let (mut zeros, mut facts) = (Zeros::default(), Facts::NONE);
+        if let Ok(kernel) = kernels.zeros() {
+            kernel.ask(&boxes[0], &mut zeros);
+        }
+        if let Ok(kernel) = kernels.bounds() {
+            facts = Kernel::<Enclose, f64>::ask_all(kernel, &boxes)[0].facts(0);
+        }
+        let asymptote = self.suppress_asymptotes && zeros.unbounded & 1 == 1;
+        let reason = if !facts.has(Facts::DEFINED) {
+            Reason::Undefined
+        } else if !facts.has(Facts::CONTINUOUS) {
+            Reason::Discontinuous
+        } else if spent {
+            Reason::Budget
+        } else {
+            Reason::Touching
+        };
+        (reason, !asymptote)
+    }
+
+    /// Follows arbitrary rays, and says what became of them.
+    pub fn follow_rays(
+        &self,
+        rays: &[Segment],
+        start: Start,
+        found: &mut [Found],
+        work: &mut Work,
+    ) {
+        let mut starts = [0.0; LANES];
+        let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
+        for (lane, segment) in rays.iter().enumerate() {
+            found[lane] = Found::MISS;
+            let Some((near, far)) = self.region.span(&segment.ray) else { continue };
+            let far = far.min(segment.to);
+            if near > far {
+                continue;
+            }
+            let ray = &segment.ray;
+            starts[lane] = near;
+            // The way to where s is 0: a few roundings.
+            let error = 4.0 * f64::EPSILON * (ray.origin.abs() + far.abs() * ray.direction.abs());
+            let span = [0.0, far - near];
+            ways.push(Way {
+                origin: ray.at(near),
+                direction: ray.direction,
+                error,
+                span,
+                inside: inside(self.region, ray, near, span),
+                tolerance: f64::INFINITY,
+            });
+            lanes.push(lane);
+        }
+        if ways.is_empty() {
+            return;
+        }
+        let outcomes = self.follow(&ways, start, &mut Scratch::default(), work);
+        for (outcome, lane) in outcomes.iter().zip(lanes) {
+            found[lane] = outcome.found(starts[lane]);
+        }
+    }
+}
+
+impl Outcome {
+    /// The same as a finding, for a ray whose t is `start` where s is 0.
+    pub fn found(&self, start: f64) -> Found {
+        let Self { hit, open, likely } = *self;
+        let place = |s: f64| start + s;
+        // The middle of the bracket, its ends rounded outward.
+        let bracket = hit.map(|[near, far]| [place(near).next_down(), place(far).next_up()]);
+        let middle = hit.map(|[near, far]| place(0.5 * (near + far)));
+        match (open, bracket, middle) {
+            (Some((from, reason)), _, _) => Found {
+                status: Status::Undecided,
+                distance: place(from),
+                drawn: likely.map(place).or(middle).unwrap_or(f64::INFINITY),
+                reason,
+                ..Found::MISS
+            },
+            (None, Some(bracket), Some(middle)) => Found {
+                status: Status::Hit,
+                distance: middle,
+                drawn: middle,
+                bracket,
+                ..Found::MISS
+            },
+            _ => Found::MISS,
+        }
+    }
+}
+
+/// Bounds of s between which a ray is certainly in the region, given that t is s + `start`.
+pub(super) fn inside(
+    region: &Region,
+    ray: &crate::camera::Ray,
+    start: f64,
+    span: [f64; 2],
+) -> [f64; 2] {
+    let Some((near, far)) = region.span(ray) else { return [f64::INFINITY, f64::NEG_INFINITY] };
+    // What the span was rounded outward by, and the difference here.
+    let slack =
+        32.0 * f64::EPSILON * (near.abs() + far.abs().min(1e300) + start.abs() + span[1].abs());
+    let near = if near == 0.0 { -start } else { near - start + slack };
+    [near, far - start - slack]
+}
+
+/// Bounds of a segment's points in the region.
+pub(super) fn bounds(way: &Way, [near, far]: [f64; 2], region: &Region) -> [Interval; 3] {
+    std::array::from_fn(|axis| {
+        let ends = [near, far].map(|s| way.origin[axis] + s * way.direction[axis]);
+        let size = way.origin[axis].abs() + near.abs().max(far.abs()) * way.direction[axis].abs();
+        let slack = way.error[axis] + 4.0 * f64::EPSILON * size;
+        let (low, high) = (region.low()[axis], region.high()[axis]);
+        Interval {
+            lo: (ends[0].min(ends[1]) - slack).clamp(low, high),
+            hi: (ends[0].max(ends[1]) + slack).clamp(low, high),
+        }
+    })
+}

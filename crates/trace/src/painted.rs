@@ -1,0 +1,157 @@
+//! Where a picture is painted: windows of sixteen pixels of a row, which are computed together.
+//!
+//! What is done with the pixels is not known here.
+
+use zeroset_eval::LANES;
+
+/// Rows of a band, the unit of work that threads share: few enough for the nearest caches. Windows are the same whatever the
+/// number of threads.
+pub(crate) const BAND: usize = 8;
+
+/// Pixels side by side, a lane each. The window may stick out of the row, and of the picture.
+#[derive(Clone, Copy)]
+pub(crate) struct Window {
+    /// Of the first pixel, counted from the left edge of the picture.
+    pub column: usize,
+    /// Counted from its top.
+    pub row: usize,
+    /// Of the first pixel within what is looked through.
+    pub index: usize,
+    /// The lanes that are painted and wanted, as bits: at least the first.
+    pub wanted: u32,
+}
+
+/// All lanes.
+const FULL: u32 = (1 << LANES) - 1;
+
+impl Window {
+    /// The lanes that are wanted.
+    #[inline]
+    pub fn lanes(self) -> impl Iterator<Item = usize> {
+        let mut left = self.wanted;
+        std::iter::from_fn(move || {
+            let lane = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            (lane < LANES).then_some(lane)
+        })
+    }
+
+    /// The indices of the pixels that are wanted.
+    #[inline]
+    pub fn pixels(self) -> impl Iterator<Item = usize> {
+        let index = self.index;
+        self.lanes().map(move |lane| index + lane)
+    }
+
+    /// Lanes up to the last that is wanted.
+    #[inline]
+    pub fn count(self) -> u32 {
+        u32::BITS - self.wanted.leading_zeros()
+    }
+
+    /// What `all` has of these pixels, and anything where they stick out of it; `spare` is room for that.
+    #[inline]
+    pub fn load<'a, T: Copy>(&self, all: &'a [T], spare: &'a mut [T; LANES]) -> &'a [T; LANES] {
+        let all = &all[self.index..];
+        if let Some(all) = all.first_chunk() {
+            return all;
+        }
+        spare[..all.len()].copy_from_slice(all);
+        spare
+    }
+
+    /// Writes what is wanted to `all`.
+    #[inline]
+    pub fn store<T: Copy>(&self, value: impl Fn(usize) -> T, all: &mut [T]) {
+        let all = &mut all[self.index..];
+        match all.first_chunk_mut::<LANES>() {
+            Some(all) if self.wanted == FULL => (0..LANES).for_each(|lane| all[lane] = value(lane)),
+            _ => self.lanes().for_each(|lane| all[lane] = value(lane)),
+        }
+    }
+}
+
+/// The lanes for which something holds, as bits.
+#[inline]
+pub(crate) fn bits(holds: impl Fn(usize) -> bool) -> u32 {
+    // The bytes of each half are shifted together by a product: byte k, times 2^(56 − 7k), begins at bit 56 + k.
+    const TOGETHER: u64 = 0x0102_0408_1020_4080;
+    let mut bytes = [[0; 8]; 2];
+    for lane in 0..LANES {
+        bytes.as_flattened_mut()[lane] = u8::from(holds(lane));
+    }
+    let [low, high] = bytes.map(|half| u64::from_le_bytes(half).wrapping_mul(TOGETHER) >> 56);
+    (low | high << 8) as u32
+}
+
+/// Windows over all that is painted in a band that begins in row `first` of a picture of this width, given its distances.
+/// Each starts with a painted pixel; no two overlap.
+pub(crate) fn windows(drawn: &[f64], first: usize, width: usize, mut each: impl FnMut(Window)) {
+    for (row, drawn) in drawn.chunks(width.max(1)).enumerate() {
+        let mut column = 0;
+        while column < drawn.len() {
+            let mut wanted = painted(&drawn[column..]);
+            // Once more from the first painted pixel on, so that few windows have lanes to spare.
+            if wanted & 1 == 0 {
+                column += (wanted | 1 << LANES).trailing_zeros() as usize;
+                if wanted == 0 {
+                    continue;
+                }
+                wanted = painted(&drawn[column..]);
+            }
+            each(Window { column, row: first + row, index: row * width + column, wanted });
+            column += LANES;
+        }
+    }
+}
+
+/// Which of the first sixteen of these distances are painted.
+#[inline]
+fn painted(drawn: &[f64]) -> u32 {
+    if let Some(drawn) = drawn.first_chunk::<LANES>() {
+        // Nearly always none is or all are. Bits show it, for several at once: only infinity is without a difference from
+        // itself, and adding to its exponent, or that of NaN, carries into the sign.
+        let (mut differences, mut signs) = (0, 0);
+        for distance in drawn {
+            differences |= distance.to_bits() ^ f64::INFINITY.to_bits();
+            signs |= distance.to_bits().wrapping_add(1 << (f64::MANTISSA_DIGITS - 1));
+        }
+        if differences == 0 {
+            return 0;
+        }
+        if signs >> 63 == 0 {
+            return FULL;
+        }
+    }
+    let painted = drawn.iter().take(LANES).map(|distance| distance.is_finite());
+    painted.enumerate().fold(0, |bits, (lane, painted)| bits | u32::from(painted) << lane)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_painted_pixel_is_in_one_window() {
+        for (width, height) in [(1, 1), (5, 3), (16, 4), (33, 8), (100, 7)] {
+            for step in [1, 2, 3, 17] {
+                let paint = |pixel| if pixel % step == 0 { pixel as f64 } else { f64::INFINITY };
+                let drawn: Vec<f64> = (0..width * height).map(paint).collect();
+                let mut copied = vec![f64::INFINITY; drawn.len()];
+                let mut seen = Vec::new();
+                windows(&drawn, 40, width, |window| {
+                    assert_eq!(window.index, (window.row - 40) * width + window.column);
+                    assert!(window.wanted & 1 == 1 && (1..=16).contains(&window.count()));
+                    seen.extend(window.pixels());
+                    let mut spare = [0.0; LANES];
+                    let values = window.load(&drawn, &mut spare);
+                    window.store(|lane| values[lane], &mut copied);
+                });
+                let expected: Vec<usize> =
+                    (0..width * height).filter(|pixel| pixel % step == 0).collect();
+                assert_eq!(seen, expected, "{width}×{height}, {step}");
+                assert_eq!(copied, drawn);
+            }
+        }
+    }
+}
