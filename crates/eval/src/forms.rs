@@ -53,7 +53,7 @@ pub(crate) struct Forms<'a, T, I, P, const N: usize> {
 
 /// The ends of a segment, and its middle and half: t is within `middle` ± `half` for t from the one end to the other.
 pub(crate) struct Ends<V> {
-    pub ends: [V; 2],
+    pub at: [V; 2],
     pub middle: V,
     pub half: V,
 }
@@ -71,7 +71,7 @@ impl<V: Copy> Ends<V> {
         let half = m.number(format, 0.5);
         let middle = m.mul(sum, half);
         let (after, before) = (m.sub(ends[1], middle), m.sub(middle, ends[0]));
-        Self { ends, middle, half: m.max(after, before) }
+        Self { at: ends, middle, half: m.max(after, before) }
     }
 }
 
