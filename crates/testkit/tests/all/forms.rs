@@ -173,7 +173,7 @@ fn errors_of_smooth_operations_shrink_quadratically() {
         let centres = match row.op {
             Op::Asin | Op::Acos | Op::Atanh | Op::Tan => [0.6, 0.0, 0.0],
             // Within one cell.
-            Op::Mod => [1.4, 0.9, 0.0],
+            Op::Mod => [1.2, 0.9, 0.0],
             _ => [1.7, 0.9, 1.3],
         };
         let errors = [1e-1, 1e-2, 1e-3, 1e-4].map(|spread| error_of(row.op, centres, spread));
