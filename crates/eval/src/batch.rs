@@ -149,7 +149,7 @@ batch! {
 }
 
 batch! {
-    /// Tiles of rays, each a segment deep: the points o + a·oₐ + b·o_b + t·(d + a·dₐ + b·d_b), for screen coordinates (a, b)
+    /// Tiles of rays, each a segment deep: the points `o + a·oₐ + b·o_b + t·(d + a·dₐ + b·d_b)`, for screen coordinates (a, b)
     /// within `half` of `centre`, and t from `near` to `far`. As in [`Segments`], within `error`.
     ///
     /// The frame of the picture is the same in all lanes.
@@ -162,9 +162,9 @@ batch! {
         near: Lanes<T> = 1,
         /// The upper end.
         far: Lanes<T> = 1,
-        /// o, oₐ and o_b; per axis.
+        /// `o`, `oₐ` and `o_b`; per axis.
         origin: [Lanes<T>; 9] = 9,
-        /// d, dₐ and d_b; per axis.
+        /// `d`, `dₐ` and `d_b`; per axis.
         direction: [Lanes<T>; 9] = 9,
         /// Per axis, how far the point may be off.
         error: [Lanes<T>; 3] = 3,
@@ -192,7 +192,7 @@ batch! {
 }
 
 batch! {
-    /// Where zeros may lie in tiles, and by what linear function: with symbols εₐ, ε_b and ε from −1 to 1 for the two screen
+    /// Where zeros may lie in tiles, and by what linear function: with symbols `εₐ`, `ε_b` and `ε` from −1 to 1 for the two screen
     /// axes and for t = `middle` + `half`·ε, the function's value is within `error` of `value` + Σ `slope`·ε.
     Planes {
         /// The lower end of the part of t that may hold zeros, on any ray of the tile.

@@ -53,7 +53,7 @@ pub(crate) struct Forms<'a, T, I, P, const N: usize> {
 
 /// The ends of a segment, and its middle and half: t is within `middle` ± `half` for t from the one end to the other.
 pub(crate) struct Ends<V> {
-    pub ends: [V; 2],
+    pub at: [V; 2],
     pub middle: V,
     pub half: V,
 }
@@ -71,7 +71,7 @@ impl<V: Copy> Ends<V> {
         let half = m.number(format, 0.5);
         let middle = m.mul(sum, half);
         let (after, before) = (m.sub(ends[1], middle), m.sub(middle, ends[0]));
-        Self { ends, middle, half: m.max(after, before) }
+        Self { at: ends, middle, half: m.max(after, before) }
     }
 }
 
@@ -156,10 +156,11 @@ impl<M: Machine> Path<M, 3> for Across<M::V> {
         let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
         let way = m.mul(self.middle, direction);
         let centre = m.add(origin, way);
+        // In the order of the magnitude below, so that this is infinite if anything overflows.
         let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
-            let way = m.mul(self.middle, d);
-            let per_unit = m.add(o, way);
-            m.mul(self.reach[axis], per_unit)
+            let (moved, turned) = (m.mul(self.reach[axis], o), m.mul(self.reach[axis], d));
+            let way = m.mul(self.middle, turned);
+            m.add(moved, way)
         });
         let depth = m.mul(self.half, direction);
         // Screen and depth together: rays spread.

@@ -219,7 +219,7 @@ impl Question for ContractSegments {
         let ends = Ends::load(m, T::FORMAT, loader, Along::<M::V>::ENDS);
         let path = Along::new(m, T::FORMAT, &ends);
         let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
-        let Ends { ends, middle, half } = ends;
+        let Ends { at: ends, middle, half } = ends;
         let new = contract(m, T::FORMAT, &form, [middle, half], ends);
         Answer { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
     }
@@ -239,7 +239,7 @@ impl Question for ContractTiles {
         let ends = Ends::load(m, T::FORMAT, loader, Across::<M::V>::ENDS);
         let path = Across::load(m, T::FORMAT, loader, &ends);
         let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
-        let Ends { ends, middle, half } = ends;
+        let Ends { at: ends, middle, half } = ends;
         let new = contract(m, T::FORMAT, &form, [middle, half], ends);
         let zero = m.number(T::FORMAT, 0.0);
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);

@@ -5,15 +5,23 @@
 //! failing case so that it can be reproduced. Which bytes are worth trying is not known here.
 
 mod agreement;
+mod contracting;
+mod dot;
 mod enclosing;
+mod linear;
+mod narrowing;
 mod picturing;
 mod reading;
 mod rewriting;
 mod scene;
+mod tile;
 mod vanishing;
 
 pub use agreement::{Subject, agree};
+pub use contracting::{Contracted, Manner, contract};
 pub use enclosing::{enclose, native_interval};
+pub use linear::{Lines, linear};
+pub use narrowing::narrow;
 pub use picturing::{Claimed, Pixel, picture};
 pub use reading::read_and_print;
 pub use rewriting::keep;

@@ -1,11 +1,13 @@
 //! Native code gives the bits of the reference evaluator; −0 equals +0 and NaN equals NaN.
 
+use super::tile::{Tile, pack_segments, pack_tiles};
 use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Case, Ends, Place, Rng, minimise, pack_boxes};
 use std::fmt::Debug;
 use zeroset_eval::{
-    Assumptions, Binding, Boxes, Enclose, EncloseGradient, FindZeros, Input, Kernel, LANES, Lanes,
-    Output, Points, Question, Real, Reference, Sample, SampleGradient, Tape,
+    Assumptions, Binding, Boxes, ContractSegments, ContractTiles, Enclose, EncloseGradient,
+    FindZeros, Input, Kernel, LANES, Lanes, Output, Points, Question, Real, Reference, Sample,
+    SampleGradient, Segments, Tape, Tiles,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::Native;
@@ -28,17 +30,23 @@ pub enum Subject {
     Branches,
     /// Enclosures of function and derivatives over boxes.
     GradientBounds,
+    /// Segments of rays, made narrower.
+    Segments,
+    /// Tiles of rays, made narrower, and planes.
+    Tiles,
 }
 
 impl Subject {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::Bounds,
         Self::Values,
         Self::Gradients,
         Self::Zeros,
         Self::Branches,
         Self::GradientBounds,
+        Self::Segments,
+        Self::Tiles,
     ];
 
     /// Whether derivatives are computed.
@@ -90,6 +98,7 @@ pub fn agree<T: Adversarial>(
 ) -> Result<Tally, Failure> {
     let tape = |case: &Case| subject.tape::<T>(simple, case);
     let (boxes, points) = (random_boxes, random_points);
+    let (segments, tiles) = (random_segments, random_tiles);
     match subject {
         Subject::Bounds => compare::<Enclose, T>(case, &tape, &batches(case, rng, inputs, boxes)),
         Subject::Zeros | Subject::Branches => {
@@ -97,6 +106,12 @@ pub fn agree<T: Adversarial>(
         }
         Subject::GradientBounds => {
             compare::<EncloseGradient, T>(case, &tape, &batches(case, rng, inputs, boxes))
+        }
+        Subject::Segments => {
+            compare::<ContractSegments, T>(case, &tape, &batches(case, rng, inputs, segments))
+        }
+        Subject::Tiles => {
+            compare::<ContractTiles, T>(case, &tape, &batches(case, rng, inputs, tiles))
         }
         Subject::Values => compare::<Sample, T>(case, &tape, &batches(case, rng, inputs, points)),
         Subject::Gradients => {
@@ -130,6 +145,32 @@ fn random_boxes<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Box
 fn random_points<T: Adversarial>(_: &Case, rng: &mut Rng, count: usize) -> Points<T> {
     let mut lanes = || Lanes([(); LANES].map(|()| T::adversarial(rng, Ends::Infinite)));
     Points { at: [(); 3].map(|()| lanes()), count: count as u32 }
+}
+
+/// Numbers of any kind in a share of the lanes: nothing is asked of rays.
+fn spoilt<T: Adversarial, B: Input<T>>(mut batch: B, rng: &mut Rng) -> B {
+    if rng.u32(0..4) == 0 {
+        for number in 0..B::QUANTITIES {
+            for lane in &mut batch.quantity_mut(number).0 {
+                if rng.u32(0..4) == 0 {
+                    *lane = T::adversarial(rng, Ends::Infinite);
+                }
+            }
+        }
+    }
+    batch
+}
+
+fn random_tiles<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Tiles<T> {
+    let tiles: Vec<_> = (0..count).map(|_| Tile::random::<T>(case, rng)).collect();
+    spoilt(pack_tiles(&tiles), rng)
+}
+
+fn random_segments<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Segments<T> {
+    let mut tile = Tile::random::<T>(case, rng);
+    let probe = tile.random_probes::<T>(case, rng, 4).first().copied().unwrap_or_default();
+    let tiles: Vec<_> = (0..count).map(|_| tile.narrower::<T>(rng, &probe)).collect();
+    spoilt(pack_segments(&tiles, &probe), rng)
 }
 
 /// Whether two answers are the same in the first `count` lanes.

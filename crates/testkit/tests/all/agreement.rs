@@ -25,7 +25,9 @@ impl Drop for Told {
 
 /// Compares until `effort.cases` inputs agreed, and tells the first that does not, made smaller.
 fn check<T: Adversarial>(seed: u64, subject: Subject, simple: bool, options: &GraphOptions) {
-    let effort = Effort::from_environment(seed, 100_000);
+    // Forms are longer.
+    let is_long = matches!(subject, Subject::Segments | Subject::Tiles);
+    let effort = Effort::from_environment(seed, if is_long { 25_000 } else { 100_000 });
     let mut compared = 0;
     for seed in effort.seed.. {
         if compared >= effort.cases {
@@ -102,4 +104,16 @@ fn gradients_agree() {
 fn gradient_bounds_agree() {
     check_all::<f32>(0x5eed_0580_0000, Subject::GradientBounds, [&short(), &options()]);
     check_all::<f64>(0x5eed_05c0_0000, Subject::GradientBounds, [&short(), &options()]);
+}
+
+#[test]
+fn segments_agree() {
+    check_all::<f32>(0x5eed_0700_0000, Subject::Segments, [&options(), &long()]);
+    check_all::<f64>(0x5eed_0740_0000, Subject::Segments, [&options(), &long()]);
+}
+
+#[test]
+fn tiles_agree() {
+    check_all::<f32>(0x5eed_0780_0000, Subject::Tiles, [&short(), &options()]);
+    check_all::<f64>(0x5eed_07c0_0000, Subject::Tiles, [&short(), &options()]);
 }

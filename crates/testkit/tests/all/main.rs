@@ -6,6 +6,7 @@ mod conformance;
 mod exact;
 mod exhaustive;
 mod findings;
+mod forms;
 mod properties;
 mod reference;
 mod reproduce;

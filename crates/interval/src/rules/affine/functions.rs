@@ -9,6 +9,7 @@ use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::Machine;
 use crate::rules::{Rule, enclose};
+use std::f64::consts::{LOG2_E, LOG10_E};
 use zeroset_ops::Op;
 
 /// What is known of a function's slope at the middle, and of its bend over the bounds.
@@ -132,8 +133,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_line(&Form { error, ..moved }, shape.slope, offset, half)
     }
 
-    /// The slope of `op` at a point, and its bend over bounds in which it has the enclosure `value`; `None` if only bounds
-    /// of it are known. Where it is not smooth the bend is not finite, or the bounds are.
+    /// The slope of `op` at a point, and its bend over bounds in which it has the enclosure `value`; `None` if this is not how
+    /// its form is made. Where it is not smooth the bend is not finite, or the bounds are.
     fn shape(
         &mut self,
         op: Op,
@@ -152,51 +153,10 @@ impl<M: Machine> Rule<'_, M> {
                 let (slope, off) = self.middle(here.neg_lo, here.hi);
                 Shape { slope, off, bend: [zero, value.hi] }
             }
-            // 1/x and −1/x².
-            Op::Ln | Op::Log2 | Op::Log10 => {
-                let base = match op {
-                    Op::Log2 => std::f64::consts::LOG2_E,
-                    Op::Log10 => std::f64::consts::LOG10_E,
-                    _ => 1.0,
-                };
-                let base = self.nearest(base);
-                let slope = self.m.div(base, x);
-                let lo = self.m.neg(bounds.value.neg_lo);
-                let least = self.m.max(lo, zero);
-                let bend = self.m.div(base, least);
-                let bend = self.m.div(bend, least);
-                let shape = self.algebraic(slope, bend);
-                Shape { bend: [shape.bend[0], zero], ..shape }
-            }
-            // 1/(3c²) and −2/(9c⁵) for c = ∛x: the bend is greatest nearest to 0.
-            Op::Cbrt => {
-                let (near, _) = self.middle(here.neg_lo, here.hi);
-                let width = self.m.add(here.neg_lo, here.hi);
-                let three = self.number(3.0);
-                let square = self.m.mul(near, near);
-                let triple = self.m.mul(square, three);
-                let slope = self.m.div(one, triple);
-                let share = self.number(0.25);
-                // How far a relative error of c makes the slope off, twice over.
-                let size = self.m.abs(near);
-                let relative = self.m.div(width, size);
-                let four = self.number(4.0);
-                let relative = self.m.mul(relative, four);
-                let carried = self.m.mul(relative, slope);
-                // From the value's side nearer to 0.
-                let least = self.m.min(value.neg_lo, value.hi);
-                let least = self.m.neg(least);
-                let power = self.m.mul(least, least);
-                // Divided one by one: a quotient that underflows is rounded up, a power that overflows would hide it.
-                let bend = self.m.div(share, power);
-                let bend = self.m.div(bend, power);
-                let bend = self.m.div(bend, least);
-                let positive = self.gt(least, zero);
-                let infinity = self.infinity();
-                let bend = self.m.select(positive, bend, infinity);
-                let shape = self.algebraic(slope, bend);
-                Shape { off: self.m.add(shape.off, carried), ..shape }
-            }
+            Op::Ln => self.shape_of_logarithm(1.0, x, bounds.value.neg_lo),
+            Op::Log2 => self.shape_of_logarithm(LOG2_E, x, bounds.value.neg_lo),
+            Op::Log10 => self.shape_of_logarithm(LOG10_E, x, bounds.value.neg_lo),
+            Op::Cbrt => self.shape_of_cbrt(here, value),
             // 1 + tan² and 2·tan·(1 + tan²).
             Op::Tan => {
                 let [neg_lo, hi] = self.one_plus_square(here);
@@ -208,27 +168,17 @@ impl<M: Machine> Rule<'_, M> {
                 let bend = self.m.mul(power, twice);
                 Shape { slope, off, bend: [bend, bend] }
             }
-            // ±1/√(1 − x²) and x/(1 − x²)^1.5.
-            Op::Asin | Op::Acos => {
-                let (above, below) = (self.m.add(one, x), self.m.sub(one, x));
-                let product = self.m.mul(above, below);
-                let root = self.m.sqrt(product);
-                let slope = self.m.div(one, root);
-                let (above, below) = (self.m.add(one, most), self.m.sub(one, most));
-                let product = self.m.mul(above, below);
-                let root = self.m.sqrt(product);
-                let cube = self.m.mul(root, product);
-                let bend = self.m.div(most, cube);
-                let shape = self.algebraic(slope, bend);
-                let slope = if op == Op::Acos { self.m.neg(slope) } else { slope };
-                Shape { slope, ..shape }
+            Op::Asin => self.shape_of_asin(x, most),
+            Op::Acos => {
+                let shape = self.shape_of_asin(x, most);
+                Shape { slope: self.m.neg(shape.slope), ..shape }
             }
             // 1/(1 + x²) and −2x/(1 + x²)², at most 3√3/8.
             Op::Atan => {
                 let divisor = self.m.add(square, one);
                 let slope = self.m.div(one, divisor);
                 let bend = self.m.add(most, most);
-                let limit = self.number(0.65625);
+                let limit = self.number(0.656_25);
                 let bend = self.m.min(bend, limit);
                 self.algebraic(slope, bend)
             }
@@ -247,7 +197,7 @@ impl<M: Machine> Rule<'_, M> {
                 let two = self.number(2.0);
                 let (most, neg_least) = (self.m.add(two, neg_lo), self.m.sub(hi, two));
                 let (slope, off) = self.middle(neg_least, most);
-                let limit = self.number(0.78125);
+                let limit = self.number(0.781_25);
                 Shape { slope, off, bend: [limit, limit] }
             }
             // 1/√(x² + 1) and −x/(x² + 1)^1.5, at most 2/(3√3).
@@ -255,43 +205,136 @@ impl<M: Machine> Rule<'_, M> {
                 let sum = self.m.add(square, one);
                 let root = self.m.sqrt(sum);
                 let slope = self.m.div(one, root);
-                let limit = self.number(0.390625);
+                let limit = self.number(0.390_625);
                 let bend = self.m.min(most, limit);
                 self.algebraic(slope, bend)
             }
-            // 1/√(x² − 1) and −x/(x² − 1)^1.5, greatest at the lower end.
-            Op::Acosh => {
-                let (above, below) = (self.m.add(x, one), self.m.sub(x, one));
-                let product = self.m.mul(above, below);
-                let root = self.m.sqrt(product);
-                let slope = self.m.div(one, root);
-                let lo = self.m.neg(bounds.value.neg_lo);
-                let lo = self.m.max(lo, one);
-                let (above, below) = (self.m.add(lo, one), self.m.sub(lo, one));
-                let square = self.m.mul(above, below);
-                let root = self.m.sqrt(square);
-                let bend = self.m.div(lo, square);
-                let bend = self.m.div(bend, root);
-                let infinity = self.infinity();
-                let fits = self.m.lt(product, infinity);
-                let bend = self.m.select(fits, bend, infinity);
-                self.algebraic(slope, bend)
-            }
-            // 1/(1 − x²) and 2x/(1 − x²)².
-            Op::Atanh => {
-                let (above, below) = (self.m.add(one, x), self.m.sub(one, x));
-                let product = self.m.mul(above, below);
-                let slope = self.m.div(one, product);
-                let (above, below) = (self.m.add(one, most), self.m.sub(one, most));
-                let below = self.m.max(below, zero);
-                let product = self.m.mul(above, below);
-                let product = self.m.mul(product, product);
-                let twice = self.m.add(most, most);
-                let bend = self.m.div(twice, product);
-                self.algebraic(slope, bend)
-            }
-            _ => return None,
+            Op::Acosh => self.shape_of_acosh(x, bounds.value.neg_lo),
+            Op::Atanh => self.shape_of_atanh(x, most),
+            Op::Neg
+            | Op::Abs
+            | Op::Sign
+            | Op::Floor
+            | Op::Ceil
+            | Op::Round
+            | Op::Trunc
+            | Op::Fract
+            | Op::Sqr
+            | Op::Sqrt
+            | Op::Sin
+            | Op::Cos
+            | Op::Add
+            | Op::Sub
+            | Op::Mul
+            | Op::Div
+            | Op::Pow
+            | Op::Mod
+            | Op::Atan2
+            | Op::Min
+            | Op::Max
+            | Op::SelectNegative
+            | Op::Otherwise
+            | Op::WhereNonneg
+            | Op::WherePositive
+            | Op::WhereNonzero
+            | Op::WhereDefined => return None,
         })
+    }
+
+    /// 1/x and −1/x², times the logarithm of e.
+    fn shape_of_logarithm(&mut self, log_e: f64, x: M::V, neg_lo: M::V) -> Shape<M::V> {
+        let zero = self.zero();
+        let base = self.nearest(log_e);
+        let slope = self.m.div(base, x);
+        let lo = self.m.neg(neg_lo);
+        let least = self.m.max(lo, zero);
+        let bend = self.m.div(base, least);
+        let bend = self.m.div(bend, least);
+        let shape = self.algebraic(slope, bend);
+        Shape { bend: [shape.bend[0], zero], ..shape }
+    }
+
+    /// 1/(3c²) and −2/(9c⁵) for c = ∛x: the bend is greatest nearest to 0.
+    fn shape_of_cbrt(&mut self, here: &Enclosure<M::V>, value: &Enclosure<M::V>) -> Shape<M::V> {
+        let one = self.number(1.0);
+        let zero = self.zero();
+        let (near, _) = self.middle(here.neg_lo, here.hi);
+        let width = self.m.add(here.neg_lo, here.hi);
+        let three = self.number(3.0);
+        let square = self.m.mul(near, near);
+        let triple = self.m.mul(square, three);
+        let slope = self.m.div(one, triple);
+        let share = self.number(0.25);
+        // How far a relative error of c makes the slope off, twice over.
+        let size = self.m.abs(near);
+        let relative = self.m.div(width, size);
+        let four = self.number(4.0);
+        let relative = self.m.mul(relative, four);
+        let carried = self.m.mul(relative, slope);
+        // From the value's side nearer to 0.
+        let least = self.m.min(value.neg_lo, value.hi);
+        let least = self.m.neg(least);
+        let power = self.m.mul(least, least);
+        // Divided one by one: a quotient that underflows is rounded up, a power that overflows would hide it.
+        let bend = self.m.div(share, power);
+        let bend = self.m.div(bend, power);
+        let bend = self.m.div(bend, least);
+        let positive = self.gt(least, zero);
+        let infinity = self.infinity();
+        let bend = self.m.select(positive, bend, infinity);
+        let shape = self.algebraic(slope, bend);
+        Shape { off: self.m.add(shape.off, carried), ..shape }
+    }
+
+    /// 1/√(1 − x²) and x/(1 − x²)^1.5.
+    fn shape_of_asin(&mut self, x: M::V, most: M::V) -> Shape<M::V> {
+        let one = self.number(1.0);
+        let (above, below) = (self.m.add(one, x), self.m.sub(one, x));
+        let product = self.m.mul(above, below);
+        let root = self.m.sqrt(product);
+        let slope = self.m.div(one, root);
+        let (above, below) = (self.m.add(one, most), self.m.sub(one, most));
+        let product = self.m.mul(above, below);
+        let root = self.m.sqrt(product);
+        let cube = self.m.mul(root, product);
+        let bend = self.m.div(most, cube);
+        self.algebraic(slope, bend)
+    }
+
+    /// 1/√(x² − 1) and −x/(x² − 1)^1.5, greatest at the lower end.
+    fn shape_of_acosh(&mut self, x: M::V, neg_lo: M::V) -> Shape<M::V> {
+        let one = self.number(1.0);
+        let (above, below) = (self.m.add(x, one), self.m.sub(x, one));
+        let product = self.m.mul(above, below);
+        let root = self.m.sqrt(product);
+        let slope = self.m.div(one, root);
+        let lo = self.m.neg(neg_lo);
+        let lo = self.m.max(lo, one);
+        let (above, below) = (self.m.add(lo, one), self.m.sub(lo, one));
+        let square = self.m.mul(above, below);
+        let root = self.m.sqrt(square);
+        let bend = self.m.div(lo, square);
+        let bend = self.m.div(bend, root);
+        let infinity = self.infinity();
+        let fits = self.m.lt(product, infinity);
+        let bend = self.m.select(fits, bend, infinity);
+        self.algebraic(slope, bend)
+    }
+
+    /// 1/(1 − x²) and 2x/(1 − x²)².
+    fn shape_of_atanh(&mut self, x: M::V, most: M::V) -> Shape<M::V> {
+        let one = self.number(1.0);
+        let zero = self.zero();
+        let (above, below) = (self.m.add(one, x), self.m.sub(one, x));
+        let product = self.m.mul(above, below);
+        let slope = self.m.div(one, product);
+        let (above, below) = (self.m.add(one, most), self.m.sub(one, most));
+        let below = self.m.max(below, zero);
+        let product = self.m.mul(above, below);
+        let product = self.m.mul(product, product);
+        let twice = self.m.add(most, most);
+        let bend = self.m.div(twice, product);
+        self.algebraic(slope, bend)
     }
 
     /// The float nearest to a number.

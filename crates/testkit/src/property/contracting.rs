@@ -1,0 +1,293 @@
+//! Segments and tiles of rays: where a function is claimed to have no zero it has none, and the plane of a tile is as near to
+//! it as claimed.
+
+use super::Subject;
+use super::tile::{Probe, Tile, pack_segments, pack_tiles};
+use crate::suite::Failure;
+use crate::{Adversarial, Case, Claim, Defined, Oracle, Place, Rng, minimise};
+use zeroset_eval::{
+    Binding, ContractSegments, ContractTiles, Kernel, LANES, Planes, Question, Reference, Tape,
+};
+use zeroset_interval::Interval;
+use zeroset_ir::Constant;
+use zeroset_jit::Native;
+use zeroset_ops::Op;
+
+/// Points tried in each tile.
+const PROBES: usize = 8;
+/// Values of a case that are made roots.
+const ROOTS: usize = 2;
+
+/// What was looked at.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Contracted {
+    /// Points.
+    pub points: u64,
+    /// Those at which a value was held against a plane.
+    pub planes: u64,
+    /// Roots, each in one tile and on one segment.
+    pub roots: u64,
+    /// Those in lanes that were made narrower.
+    pub narrowed: u64,
+    /// Tiles in which each ray was said to have a zero.
+    pub crossings: u64,
+}
+
+impl Contracted {
+    /// Counts what `other` counts, too.
+    pub fn add(&mut self, other: Self) {
+        self.points += other.points;
+        self.planes += other.planes;
+        self.roots += other.roots;
+        self.narrowed += other.narrowed;
+        self.crossings += other.crossings;
+    }
+}
+
+/// How kernels are made.
+#[derive(Clone, Copy, Debug)]
+pub struct Manner {
+    /// Of the function as simplified.
+    pub simple: bool,
+    /// In native code.
+    pub native: bool,
+}
+
+impl Manner {
+    fn kernel<Q: Question, T: Adversarial>(self, case: &Case) -> Option<Box<dyn Kernel<Q, T>>> {
+        let tape: Tape<T> = Subject::Tiles.tape(self.simple, case)?;
+        let binding = Binding::new(&case.parameters);
+        Some(if self.native {
+            Box::new(Native::new(tape, binding).expect("compiles"))
+        } else {
+            Box::new(Reference::new(tape, binding))
+        })
+    }
+}
+
+/// Asks about `batches` of random tiles and segments of a case: the oracle's bounds at points of a tile must meet its plane;
+/// values at a crossing's ends must not have the same sign. Then roots are made of values at points, by subtracting them: no
+/// contraction may leave one out.
+///
+/// # Errors
+/// The first contradiction, made smaller.
+pub fn contract<T: Adversarial>(
+    manner: Manner,
+    case: &Case,
+    rng: &mut Rng,
+    batches: usize,
+) -> Result<Contracted, Failure> {
+    let mut all = Contracted::default();
+    let Some(kernel) = manner.kernel::<ContractTiles, T>(case) else { return Ok(all) };
+    let oracle = Oracle::new(&case.graph, &[case.root]);
+    let mut known = Vec::new();
+    for _ in 0..batches {
+        let mut lanes = Vec::new();
+        while lanes.len() < LANES {
+            let mut tile = Tile::random::<T>(case, rng);
+            let probes = tile.random_probes::<T>(case, rng, PROBES);
+            lanes.push((tile, probes));
+        }
+        let tiles: Vec<Tile> = lanes.iter().map(|(tile, _)| *tile).collect();
+        let planes = &kernel.ask_all(&[pack_tiles::<T>(&tiles)])[0];
+        for (lane, (tile, probes)) in lanes.iter().enumerate() {
+            let values = case.random_values(rng);
+            let claims: Vec<_> =
+                probes.iter().map(|probe| oracle.at(probe.at, &values)[0]).collect();
+            let plane = Plane::of(planes, lane);
+            all.points += claims.len() as u64;
+            let defined = claims.iter().filter(|claim| claim.defined == Defined::Yes).count();
+            all.planes += if plane.error.is_finite() { defined as u64 } else { 0 };
+            all.crossings += u64::from(plane.crossing && defined > 0);
+            if plane.contradiction(tile, probes, &claims).is_some() {
+                return Err(explain::<T>(manner, case, tile, probes, &values));
+            }
+            for (probe, claim) in probes.iter().zip(claims) {
+                if is_narrow(claim) {
+                    known.push((*tile, *probe, claim, values.clone()));
+                }
+            }
+        }
+    }
+    for _ in 0..ROOTS {
+        if known.is_empty() {
+            break;
+        }
+        let (tile, probe, claim, values) = &known[rng.u32(0..known.len() as u32) as usize];
+        let tiles: Vec<Tile> = (0..LANES).map(|_| tile.narrower::<T>(rng, probe)).collect();
+        let manner = Manner { native: false, ..manner };
+        if let Some(lost) = lost_root::<T>(manner, case, &tiles, probe, *claim, &mut all) {
+            return Err(explain_root::<T>(manner, case, &tiles[lost], probe, values));
+        }
+    }
+    Ok(all)
+}
+
+/// A case's function minus its value at a point, which is some number within bounds.
+fn with_root(case: &Case, claim: Claim) -> Case {
+    let mut case = case.clone();
+    let value = case.graph.constant(Constant::enclosed(Interval { lo: claim.lo, hi: claim.hi }));
+    case.root = case.graph.apply(Op::Sub, &[case.root, value]);
+    case
+}
+
+/// The tile of which the root at a probe is denied or left out.
+fn lost_root<T: Adversarial>(
+    manner: Manner,
+    case: &Case,
+    tiles: &[Tile],
+    probe: &Probe,
+    claim: Claim,
+    all: &mut Contracted,
+) -> Option<usize> {
+    let case = with_root(case, claim);
+    let planes = &manner.kernel::<ContractTiles, T>(&case)?.ask_all(&[pack_tiles(tiles)])[0];
+    let segments = pack_segments::<T>(tiles, probe);
+    let ends = &manner.kernel::<ContractSegments, T>(&case)?.ask_all(&[segments])[0];
+    (0..tiles.len()).find(|&lane| {
+        let [near, far] = tiles[lane].span;
+        let mut lost = false;
+        for (possible, from, to) in [
+            (planes.possible, planes.near[lane].into(), planes.far[lane].into()),
+            (ends.possible, ends.near[lane].into(), ends.far[lane].into()),
+        ] {
+            lost |= possible >> lane & 1 == 0 || !(from <= probe.t && probe.t <= to);
+            all.roots += 1;
+            all.narrowed += u64::from(to - from < 0.5 * (far - near));
+        }
+        lost
+    })
+}
+
+fn explain_root<T: Adversarial>(
+    manner: Manner,
+    case: &Case,
+    tile: &Tile,
+    probe: &Probe,
+    values: &[(f64, f64)],
+) -> Failure {
+    let value_of = |case: &Case| Oracle::new(&case.graph, &[case.root]).at(probe.at, values)[0];
+    let mut loses = |case: &Case| {
+        let claim = value_of(case);
+        is_narrow(claim)
+            && lost_root::<T>(manner, case, &[*tile], probe, claim, &mut Contracted::default())
+                .is_some()
+    };
+    let least = minimise(case, &mut loses);
+    let claim = value_of(&least);
+    let case = with_root(&least, claim).describe::<T>(&Place::At(probe.at));
+    Failure::new(format!("{manner:?} loses the root at {probe:?} of {tile:?}\n{case}"))
+}
+
+/// Whether a value is known well enough to be subtracted.
+fn is_narrow(claim: Claim) -> bool {
+    let size = claim.hi.abs().max(claim.lo.abs());
+    claim.defined == Defined::Yes && size.is_finite() && claim.hi - claim.lo <= size * 1e-9
+}
+
+/// One lane of an answer.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    value: f64,
+    slopes: [f64; 3],
+    error: f64,
+    middle: f64,
+    half: f64,
+    possible: bool,
+    crossing: bool,
+}
+
+impl Plane {
+    fn of<T: Adversarial>(planes: &Planes<T>, lane: usize) -> Self {
+        Self {
+            value: planes.value[lane].into(),
+            slopes: planes.slope.map(|slope| slope[lane].into()),
+            error: planes.error[lane].into(),
+            middle: planes.middle[lane].into(),
+            half: planes.half[lane].into(),
+            possible: planes.possible >> lane & 1 == 1,
+            crossing: planes.crossing >> lane & 1 == 1,
+        }
+    }
+
+    /// What is wrong with it, given what is certain at points.
+    fn contradiction(&self, tile: &Tile, probes: &[Probe], claims: &[Claim]) -> Option<String> {
+        for (probe, claim) in probes.iter().zip(claims) {
+            let is_defined = claim.defined == Defined::Yes;
+            if is_defined && !self.possible && claim.lo == 0.0 && claim.hi == 0.0 {
+                return Some(format!("a zero denied at {probe:?}"));
+            }
+            let misses = || {
+                tile.misses(
+                    probe,
+                    (self.value, self.slopes, self.error),
+                    [self.middle, self.half],
+                    claim,
+                )
+            };
+            if is_defined && self.error.is_finite() && misses() {
+                return Some(format!("{claim:?} at {probe:?} is off the plane"));
+            }
+        }
+        // Probes come ray by ray, its ends first.
+        let rays = probes.chunk_by(|a, b| a.ray == b.ray).zip(claims_by_ray(probes, claims));
+        for (probes, claims) in rays {
+            let [near, far] = [0, 1].map(|end| probes.get(end).map(|probe| probe.t));
+            if !self.crossing || near != Some(tile.span[0]) || far != Some(tile.span[1]) {
+                continue;
+            }
+            if claims.iter().any(|claim| claim.defined == Defined::No) {
+                return Some(format!("undefined on a ray that crosses, {probes:?}"));
+            }
+            let signs = [claims[0], claims[1]].map(|claim| match claim {
+                _ if claim.defined != Defined::Yes => None,
+                claim if claim.lo > 0.0 => Some(1),
+                claim if claim.hi < 0.0 => Some(-1),
+                claim if claim.lo == 0.0 && claim.hi == 0.0 => Some(0),
+                _ => None,
+            });
+            if signs.contains(&Some(0)) || (signs[0].is_some() && signs[0] == signs[1]) {
+                return Some(format!("no crossing: {claims:?} at {probes:?}"));
+            }
+        }
+        None
+    }
+}
+
+fn claims_by_ray<'a>(probes: &[Probe], claims: &'a [Claim]) -> Vec<&'a [Claim]> {
+    let mut rest = claims;
+    let lengths = probes.chunk_by(|a, b| a.ray == b.ray).map(<[Probe]>::len);
+    lengths
+        .map(|length| {
+            let (first, others) = rest.split_at(length);
+            rest = others;
+            first
+        })
+        .collect()
+}
+
+fn explain<T: Adversarial>(
+    manner: Manner,
+    case: &Case,
+    tile: &Tile,
+    probes: &[Probe],
+    values: &[(f64, f64)],
+) -> Failure {
+    let ask = |case: &Case| {
+        let kernel = manner.kernel::<ContractTiles, T>(case)?;
+        let plane = Plane::of(&kernel.ask_all(&[pack_tiles::<T>(&[*tile])])[0], 0);
+        let oracle = Oracle::new(&case.graph, &[case.root]);
+        let within = |probe: &Probe| {
+            probe.at.iter().zip(case.assumptions.domain).all(|(x, range)| range.contains(*x))
+        };
+        if !probes.iter().all(within) {
+            return None;
+        }
+        let claims: Vec<_> = probes.iter().map(|probe| oracle.at(probe.at, values)[0]).collect();
+        let what = plane.contradiction(tile, probes, &claims)?;
+        Some(format!("{what}\n{plane:?}\n{tile:?}"))
+    };
+    let least = minimise(case, &mut |case| ask(case).is_some());
+    let what = ask(&least).unwrap_or_else(|| "it depends on the other lanes".to_owned());
+    Failure::new(format!("{manner:?} {what}\n{}", least.describe::<T>(&Place::At(probes[0].at))))
+}

@@ -1,0 +1,337 @@
+//! Affine forms of single operations: what they claim of values is true.
+
+use super::dot::dot;
+use crate::suite::Failure;
+use crate::{Adversarial, Defined, Ends, Oracle, Rng, hexadecimal, random_constant};
+use std::f64::consts::FRAC_PI_2;
+use zeroset_eval::{LANES, Lanes};
+use zeroset_interval::{
+    Enclosure, Exponent, Form, FormOperand, Interval, Software, Vector128 as Vector, linearise,
+};
+use zeroset_ir::{Axis, Constant, Graph};
+use zeroset_ops::Op;
+
+/// Symbols of the forms.
+const SYMBOLS: usize = 3;
+/// Points tried in each lane.
+const POINTS: usize = 8;
+
+/// What was looked at.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lines {
+    /// Points at which a value was compared: the operation is defined there, and the form claims something.
+    pub compared: u64,
+    /// Lanes in which values were compared.
+    pub finite: u64,
+    /// Those whose form depends on a symbol: bounds alone were not better.
+    pub slanted: u64,
+    /// All lanes.
+    pub lanes: u64,
+}
+
+impl Lines {
+    /// Counts what `other` counts, too.
+    pub fn add(&mut self, other: Self) {
+        self.compared += other.compared;
+        self.finite += other.finite;
+        self.slanted += other.slanted;
+        self.lanes += other.lanes;
+    }
+}
+
+/// What an operand is, in all lanes.
+enum Kind {
+    /// c + Σ s·ε ± e.
+    Varying,
+    /// Known by bounds.
+    Between,
+    /// One number.
+    Fixed(Constant),
+}
+
+/// One operand in one lane.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lane {
+    centre: f64,
+    slopes: [f64; SYMBOLS],
+    error: f64,
+    bounds: [f64; 2],
+}
+
+/// An operand: its lanes, what is taken for granted of it, and its values at the points of each lane.
+struct Drawn {
+    kind: Kind,
+    range: Interval,
+    lanes: Vec<Lane>,
+    values: Vec<[f64; POINTS]>,
+}
+
+/// Values of the symbols, at the points of a lane.
+type Symbols = [[f64; SYMBOLS]; POINTS];
+
+/// Asks for the form of `op` over `rounds` vectors of random operands: at points of each lane the oracle's bounds of the
+/// operation must meet the form.
+///
+/// # Errors
+/// The first contradiction.
+pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Lines, Failure> {
+    let mut lines = Lines::default();
+    for _ in 0..rounds {
+        let symbols: Vec<Symbols> = (0..T::VECTOR_LANES).map(|_| random_symbols(rng)).collect();
+        let fixed = rng.u32(0..2 * op.arity() as u32) as usize;
+        let operands: Vec<Drawn> = (0..op.arity())
+            .map(|place| {
+                let kind = match rng.u32(0..4) {
+                    // A power's exponent is mostly a constant.
+                    _ if op == Op::Pow && place == 1 && fixed > 0 => Kind::Fixed(exponent(rng)),
+                    0 if op.arity() > 1 && fixed == place => {
+                        Kind::Fixed(random_constant(rng, true))
+                    }
+                    1 if op.arity() > 1 && fixed == place => Kind::Between,
+                    _ => Kind::Varying,
+                };
+                Drawn::random::<T>(rng, kind, &symbols)
+            })
+            .collect();
+        lines.add(compare::<T>(op, &symbols, &operands)?);
+    }
+    Ok(lines)
+}
+
+fn compare<T: Adversarial>(
+    op: Op,
+    symbols: &[Symbols],
+    operands: &[Drawn],
+) -> Result<Lines, Failure> {
+    let mut lines = Lines::default();
+    let mut graph = Graph::new();
+    let nodes: Vec<_> = operands
+        .iter()
+        .zip(Axis::ALL)
+        .map(|(operand, axis)| match &operand.kind {
+            Kind::Fixed(value) => graph.constant(value.clone()),
+            Kind::Varying | Kind::Between => graph.variable(axis),
+        })
+        .collect();
+    let root = graph.apply(op, &nodes);
+    let oracle = Oracle::new(&graph, &[root]);
+    let forms: Vec<_> = operands.iter().map(Drawn::operand::<T>).collect();
+    let form = linearise(&mut Software, T::FORMAT, op, &forms);
+    let numbers = |vector| {
+        let mut lanes = Lanes::<T>::default();
+        T::store(vector, 0, &mut lanes);
+        lanes.map(Into::<f64>::into)
+    };
+    let centre = numbers(form.centre);
+    let slopes = form.slopes.map(|slopes| slopes.map(numbers));
+    let error = form.error.map_or([0.0; LANES], numbers);
+    for lane in 0..T::VECTOR_LANES {
+        let slopes = slopes.map_or([0.0; SYMBOLS], |slopes| slopes.map(|slope| slope[lane]));
+        let (centre, error) = (centre[lane], error[lane]);
+        lines.lanes += 1;
+        if !error.is_finite() {
+            continue;
+        }
+        let fail = |what: String| {
+            let operands = operands.iter().map(|operand| {
+                let constant = match &operand.kind {
+                    Kind::Fixed(value) => format!("{value:?}"),
+                    Kind::Varying | Kind::Between => String::new(),
+                };
+                format!("{constant} {:?} in {:?}", operand.lanes[lane], operand.range)
+            });
+            let operands = operands.collect::<Vec<_>>().join("\n  ");
+            let form = format!("{centre:e} + {slopes:?} ± {error:e}");
+            Err(Failure::new(format!("{op:?} in {:?} of\n  {operands}\n{what}: {form}", T::FORMAT)))
+        };
+        let is_number = centre.is_finite() && slopes.iter().all(|slope| slope.is_finite());
+        let before = lines.compared;
+        for (index, symbols) in symbols[lane].iter().enumerate() {
+            let mut point = [0.0; 3];
+            let values = operands.iter().map(|operand| operand.values[lane][index]);
+            point.iter_mut().zip(values).for_each(|(coordinate, value)| *coordinate = value);
+            let claims_nothing = point.iter().zip(operands).any(|(value, operand)| {
+                !matches!(operand.kind, Kind::Fixed(_)) && !operand.range.contains(*value)
+            });
+            let claim = oracle.at(point, &[])[0];
+            if claims_nothing || claim.defined != Defined::Yes {
+                continue;
+            }
+            lines.compared += 1;
+            if !is_number {
+                return fail("a form that is no number".into());
+            }
+            let line = || slopes.into_iter().zip(*symbols).chain([(centre, 1.0)]);
+            let above = dot(line().map(|(a, b)| (-a, b)).chain([(claim.lo, 1.0), (-error, 1.0)]));
+            let below = dot(line().chain([(-claim.hi, 1.0), (-error, 1.0)]));
+            if above.is_positive() || below.is_positive() {
+                let at = point.map(hexadecimal);
+                return fail(format!("at {at:?}, symbols {symbols:?}, {claim:?} is not within"));
+            }
+        }
+        // Elsewhere nothing is claimed: the operands have no values there.
+        if lines.compared > before {
+            lines.finite += 1;
+            lines.slanted += u64::from(slopes.iter().any(|slope| *slope != 0.0));
+        }
+    }
+    Ok(lines)
+}
+
+/// Mostly corners.
+fn random_symbols(rng: &mut Rng) -> Symbols {
+    [(); POINTS].map(|()| {
+        [(); SYMBOLS].map(|()| match rng.u32(0..4) {
+            0 => -1.0,
+            1 => 1.0,
+            2 => 0.0,
+            _ => f64::uniform(rng) * 2.0 - 1.0,
+        })
+    })
+}
+
+fn exponent(rng: &mut Rng) -> Constant {
+    match rng.u32(0..4) {
+        0 => random_constant(rng, true),
+        1 => Constant::ratio(i64::from(rng.i32(-9..=9)), 4).expect("a ratio"),
+        2 => Constant::integer(i64::from(rng.i32(-70..=70))),
+        _ => Constant::integer(i64::from(rng.i32(-3..=8))),
+    }
+}
+
+/// Where operations have corners, poles and ends of their domains, or overflow.
+const CORNERS: [f64; 12] =
+    [0.0, 0.0, 1.0, -1.0, 0.5, FRAC_PI_2, -FRAC_PI_2, 2.0, 88.7, -87.3, 709.0, -3.0];
+
+fn random_centre<T: Adversarial>(rng: &mut Rng) -> f64 {
+    let centre = match rng.u32(0..8) {
+        0 => T::adversarial(rng, Ends::Finite).into(),
+        1 | 2 => CORNERS[rng.u32(0..CORNERS.len() as u32) as usize],
+        3 => 2f64.powi(rng.i32(-30..=30)) * (f64::uniform(rng) - 0.5),
+        4 => 10f64.powi(rng.i32(-37..=38)) * f64::uniform(rng),
+        _ => f64::uniform(rng) * 8.0 - 4.0,
+    };
+    T::nearest(centre).into()
+}
+
+/// A size of spreads: from 1e-6 to 1e3, or any.
+fn random_size<T: Adversarial>(rng: &mut Rng, centre: f64) -> f64 {
+    let size = match rng.u32(0..8) {
+        0 => T::adversarial(rng, Ends::Finite).into().abs(),
+        1 => 0.0,
+        2 | 3 => centre.abs() * 10f64.powi(-rng.i32(0..=7)),
+        _ => 10f64.powi(rng.i32(-6..=1)),
+    };
+    size.min(T::LARGEST.into() / 8.0)
+}
+
+fn random_range<T: Adversarial>(rng: &mut Rng) -> Interval {
+    let size: f64 = T::nearest(10f64.powi(rng.i32(-3..=6))).into();
+    let (lo, hi) = match rng.u32(0..12) {
+        0 => (-size, size),
+        1 => (0.0, f64::INFINITY),
+        2 => (f64::NEG_INFINITY, 0.0),
+        3 => (0.0, size),
+        4 => (T::nearest(1e-3).into(), size.max(1.0)),
+        5 => (-1.0, 1.0),
+        6 => (1.0, f64::INFINITY),
+        7 => (-size, 0.0),
+        _ => return Interval::ENTIRE,
+    };
+    Interval { lo, hi }
+}
+
+impl Drawn {
+    fn random<T: Adversarial>(rng: &mut Rng, kind: Kind, symbols: &[Symbols]) -> Self {
+        let range = match &kind {
+            Kind::Fixed(value) => {
+                let Interval { lo, hi } = value.bounds();
+                Interval { lo: -T::above(-lo).into(), hi: T::above(hi).into() }
+            }
+            Kind::Varying | Kind::Between => random_range::<T>(rng),
+        };
+        let (mut lanes, mut values) = (Vec::new(), Vec::new());
+        for symbols in symbols {
+            let (lane, at) = match &kind {
+                Kind::Varying => varying::<T>(rng, symbols),
+                Kind::Between => {
+                    let mut end = || random_centre::<T>(rng).clamp(range.lo, range.hi);
+                    let (a, b) = (end(), end());
+                    let bounds = [a.min(b), a.max(b)];
+                    let share = f64::uniform(rng);
+                    let middle = bounds[0] * share + bounds[1] * (1.0 - share);
+                    let at = [bounds[0], bounds[1], middle.clamp(bounds[0], bounds[1])];
+                    let at = std::array::from_fn(|index| at[index % 3]);
+                    (Lane { bounds, ..Lane::default() }, at)
+                }
+                Kind::Fixed(_) => {
+                    (Lane { bounds: [range.lo, range.hi], ..Lane::default() }, [0.0; POINTS])
+                }
+            };
+            lanes.push(lane);
+            values.push(at);
+        }
+        Self { kind, range, lanes, values }
+    }
+
+    fn operand<T: Adversarial>(&self) -> FormOperand<Vector, SYMBOLS> {
+        let lanes = |number: &dyn Fn(&Lane) -> f64| {
+            let mut lanes = Lanes::<T>::default();
+            for (to, lane) in lanes.iter_mut().zip(&self.lanes) {
+                *to = T::nearest(number(lane));
+            }
+            T::load(&lanes, 0)
+        };
+        let value = match self.kind {
+            Kind::Varying => {
+                let slopes = [0, 1, 2].map(|k| lanes(&|lane| lane.slopes[k]));
+                let linear = (lanes(&|lane| lane.centre), slopes, lanes(&|lane| lane.error));
+                let up = |number: f64| T::above(number).into();
+                let magnitude = lanes(&|lane| {
+                    lane.slopes.iter().fold(lane.centre.abs(), |sum, slope| up(sum + slope.abs()))
+                });
+                Form::coordinate(&mut Software, T::FORMAT, linear, (magnitude, 0))
+            }
+            Kind::Between | Kind::Fixed(_) => {
+                let (neg_lo, hi) = (lanes(&|lane| -lane.bounds[0]), lanes(&|lane| lane.bounds[1]));
+                Form::between(&mut Software, T::FORMAT, &Enclosure::total(neg_lo, hi))
+            }
+        };
+        let exponent = match &self.kind {
+            Kind::Fixed(value) => value.exponent(),
+            Kind::Varying | Kind::Between => Exponent::Real,
+        };
+        FormOperand { value, range: self.range, exponent }
+    }
+}
+
+/// A lane, and values of its form: each the nearest float to that of the line, or up to an error off.
+fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (Lane, [f64; POINTS]) {
+    let mut centre = random_centre::<T>(rng);
+    let size = random_size::<T>(rng, centre);
+    let slopes = [(); SYMBOLS].map(|()| match rng.u32(0..4) {
+        0 => 0.0,
+        1 => T::nearest(if rng.bool() { size } else { -size }).into(),
+        _ => T::nearest((f64::uniform(rng) * 2.0 - 1.0) * size).into(),
+    });
+    if rng.u32(0..4) == 0 {
+        // So that an end touches where the centre was.
+        let spread: f64 = slopes.iter().map(|slope: &f64| slope.abs()).sum();
+        centre = T::nearest(centre + if rng.bool() { spread } else { -spread }).into();
+    }
+    let extra = match rng.u32(0..4) {
+        0 => size * 10f64.powi(-rng.i32(0..=6)),
+        1 => centre.abs() * 2f64.powi(-rng.i32(20..=30)),
+        _ => 0.0,
+    };
+    let line = |symbols: [f64; SYMBOLS]| slopes.into_iter().zip(symbols).chain([(centre, 1.0)]);
+    let mut error = 0.0_f64;
+    let values = symbols.map(|symbols| {
+        let off = [-extra, extra, 0.0][rng.u32(0..3) as usize];
+        let value = dot(line(symbols)).value + off;
+        error = error.max(dot(line(symbols).chain([(-value, 1.0)])).most());
+        value
+    });
+    let error = T::above(error).into();
+    (Lane { centre, slopes, error, bounds: [0.0; 2] }, values)
+}

@@ -1,0 +1,186 @@
+//! Affine forms hold the values that they claim, in both precisions: of every operation alone, and of random functions along
+//! segments and tiles of rays. Contractions lose no zero, and forms of smooth functions are as near as they should be.
+//!
+//! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all forms`.
+
+use zeroset_eval::{Lanes, Real};
+use zeroset_interval::{
+    Exponent, Form, FormOperand, Format, Interval, Software, Vector128, linearise,
+};
+use zeroset_ops::{Op, TABLE};
+use zeroset_testkit::property::{Contracted, Lines, Manner, contract, linear, narrow};
+use zeroset_testkit::suite::Tally;
+use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
+
+/// Vectors that are drawn from one seed.
+const ROUNDS: usize = 64;
+
+/// Operations whose forms are bounds, always.
+const STEPS: [Op; 6] = [Op::Sign, Op::Floor, Op::Ceil, Op::Round, Op::Trunc, Op::Atan2];
+
+fn operations<T: Adversarial>(seed: u64) {
+    let effort = Effort::from_environment(seed, 100_000);
+    let cases = effort.cases.div_ceil(TABLE.len() as u64);
+    let mut all = Lines::default();
+    for row in TABLE {
+        let mut lines = Lines::default();
+        for seed in effort.seed.. {
+            if lines.lanes >= cases {
+                break;
+            }
+            let drawn = linear::<T>(row.op, &mut Rng::with_seed(seed), ROUNDS);
+            lines.add(drawn.unwrap_or_else(|failure| {
+                panic!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
+            }));
+        }
+        // Some domains are small, and what is chosen at random is often outside.
+        assert!(lines.finite * 8 > lines.lanes, "{}: {lines:?}", row.name);
+        let slanted = lines.slanted * 16 > lines.lanes;
+        assert_eq!(slanted, !STEPS.contains(&row.op), "{}: {lines:?}", row.name);
+        all.add(lines);
+    }
+    println!("{:?}: {all:?}", T::FORMAT);
+}
+
+#[test]
+fn forms_of_every_operation_hold_its_values() {
+    operations::<f32>(0x5eed_0b00_0000);
+    operations::<f64>(0x5eed_0b10_0000);
+}
+
+fn contractions<T: Adversarial, const N: usize>(seed: u64) {
+    let effort = Effort::from_environment(seed, 20_000);
+    let mut tally = Tally::default();
+    for seed in effort.seed.. {
+        if tally.compared >= effort.cases {
+            break;
+        }
+        let drawn = narrow::<T, N>(&mut Rng::with_seed(seed), ROUNDS);
+        tally.add(
+            drawn.unwrap_or_else(|failure| {
+                panic!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
+            }),
+        );
+    }
+    println!("{:?}, {N}: {tally:?}", T::FORMAT);
+    assert!(tally.defined * 4 > tally.compared, "{tally:?}");
+}
+
+#[test]
+fn contractions_keep_the_zeros_of_lines() {
+    contractions::<f32, 1>(0x5eed_0b20_0000);
+    contractions::<f32, 3>(0x5eed_0b21_0000);
+    contractions::<f64, 1>(0x5eed_0b22_0000);
+    contractions::<f64, 3>(0x5eed_0b23_0000);
+}
+
+/// Random cases until `cases` values were held against planes.
+fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
+    let effort = Effort::from_environment(seed, 100_000);
+    let is_long = effort.cases > 1_000_000;
+    let mut all = Contracted::default();
+    for seed in effort.seed.. {
+        if all.planes >= effort.cases {
+            break;
+        }
+        let mut rng = Rng::with_seed(seed);
+        let options = GraphOptions { size: rng.u32(1..=options.size), ..options.clone() };
+        let case = Case::random(&mut rng, &options);
+        // Code is dear.
+        let manner = Manner { simple: rng.bool(), native: is_long };
+        let batches = if is_long { 32 } else { 2 };
+        let drawn = contract::<T>(manner, &case, &mut rng, batches);
+        all.add(
+            drawn.unwrap_or_else(|failure| {
+                panic!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
+            }),
+        );
+    }
+    println!("{name}, {:?}: {all:?}", T::FORMAT);
+    assert!(all.planes * 4 > all.points, "{all:?}");
+    assert!(all.roots > 0 && all.narrowed > 0 && all.crossings > 0, "{all:?}");
+}
+
+#[test]
+fn planes_of_typical_formulas_hold_their_values() {
+    let options = GraphOptions { adversarial: false, ..GraphOptions::default() };
+    check::<f32>("typical", 0x5eed_0b30_0000, &options);
+    check::<f64>("typical", 0x5eed_0b40_0000, &options);
+}
+
+#[test]
+fn planes_of_adversarial_formulas_with_parameters_hold_their_values() {
+    let options = GraphOptions { size: 6, parameters: 2, ..GraphOptions::default() };
+    check::<f32>("adversarial", 0x5eed_0b50_0000, &options);
+    check::<f64>("adversarial", 0x5eed_0b60_0000, &options);
+}
+
+#[test]
+fn planes_of_polynomials_hold_their_values() {
+    let ops = vec![Op::Add, Op::Sub, Op::Mul, Op::Sqr, Op::Pow, Op::Neg];
+    let options = GraphOptions { size: 12, ops, parameters: 1, adversarial: false };
+    check::<f32>("polynomials", 0x5eed_0b70_0000, &options);
+    check::<f64>("polynomials", 0x5eed_0b80_0000, &options);
+}
+
+/// Where operands need not be defined, or are cut off.
+#[test]
+fn planes_of_choices_hold_their_values() {
+    let ops = vec![
+        Op::Otherwise,
+        Op::SelectNegative,
+        Op::WhereNonneg,
+        Op::WherePositive,
+        Op::WhereNonzero,
+        Op::WhereDefined,
+        Op::Ln,
+        Op::Sqrt,
+        Op::Div,
+        Op::Asin,
+        Op::Sign,
+        Op::Mod,
+        Op::Sub,
+        Op::Min,
+        Op::Max,
+    ];
+    let options = GraphOptions { size: 8, ops, parameters: 0, adversarial: false };
+    check::<f32>("choices", 0x5eed_0b90_0000, &options);
+    check::<f64>("choices", 0x5eed_0ba0_0000, &options);
+}
+
+/// The error of `op` in `f64` where operands are about these numbers, up to some way off.
+fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
+    let lanes = |x: f64| Vector128::from_f64([x; 2]);
+    let operands = [(1.0, 0.5), (-0.25, 1.0), (0.5, -0.25)].into_iter().zip(centres);
+    let operands = operands.take(op.arity()).map(|((a, b), centre)| {
+        let slopes = [lanes(a * spread), lanes(b * spread)];
+        let magnitude = lanes(centre.abs() + 2.0 * spread);
+        let linear = (lanes(centre), slopes, lanes(0.0));
+        let value = Form::coordinate(&mut Software, Format::F64, linear, (magnitude, 0));
+        FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real }
+    });
+    let operands: Vec<_> = operands.collect();
+    let form = linearise(&mut Software, Format::F64, op, &operands);
+    let mut errors = Lanes::<f64>::default();
+    f64::store(form.error.expect("an error"), 0, &mut errors);
+    errors[0]
+}
+
+/// Everywhere but at kinks an error shrinks like the square of the spread, down to what is rounded.
+#[test]
+fn errors_of_smooth_operations_shrink_quadratically() {
+    for row in TABLE.iter().filter(|row| !STEPS.contains(&row.op)) {
+        let centres = match row.op {
+            Op::Asin | Op::Acos | Op::Atanh | Op::Tan => [0.6, 0.0, 0.0],
+            // Within one cell.
+            Op::Mod => [1.2, 0.9, 0.0],
+            _ => [1.7, 0.9, 1.3],
+        };
+        let errors = [1e-1, 1e-2, 1e-3, 1e-4].map(|spread| error_of(row.op, centres, spread));
+        println!("{}: {errors:?}", row.name);
+        assert!(errors[0] < 0.1, "{}: {errors:?}", row.name);
+        for pair in errors.windows(2) {
+            assert!(pair[1] <= pair[0] / 50.0 + 1e-14, "{}: {errors:?}", row.name);
+        }
+    }
+}
