@@ -3,7 +3,9 @@
 use crate::kernels::Made;
 use glam::DVec3;
 use std::time::Duration;
-use zeroset_trace::{GBuffer, LinearRgb, Method, PixelCounts, UndecidedStyle, Work};
+use zeroset_trace::{
+    GBuffer, LinearRgb, Method, PixelCounts, UndecidedStyle, Work, hand_back_colours,
+};
 
 pub use zeroset_trace::Precision;
 
@@ -86,6 +88,15 @@ pub struct Picture {
     pub remarks: Vec<String>,
     /// Whether some surface's function could not be told from 0 wherever it was looked at: it may be 0 everywhere.
     pub flat: bool,
+}
+
+impl Picture {
+    /// Leaves the memory to the next pictures, which then are made faster. Up to two pictures' is kept, until the end of the
+    /// process.
+    pub fn hand_back(self) {
+        self.buffer.hand_back();
+        hand_back_colours(self.rgb);
+    }
 }
 
 /// What a picture took to make.

@@ -347,7 +347,7 @@ impl Worker {
         drop(state);
         // The last user of a model frees its code; that need not be done under the lock.
         if let Some(before) = before.and_then(Arc::into_inner) {
-            before.picture.buffer.hand_back();
+            before.picture.hand_back();
         }
     }
 

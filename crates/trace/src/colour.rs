@@ -16,7 +16,7 @@ pub(crate) struct Codes([u32; ENTRIES]);
 const LOWER: u32 = 16;
 
 /// Amounts up to this one are black: byte 1 begins at 1.5e-4.
-const BLACK: f32 = 1.0 / 8192.0;
+pub(crate) const BLACK: f32 = 1.0 / 8192.0;
 
 /// Upper halves from black to full light differ in their last 11 bits, so an index need not be checked, only cut off.
 const ENTRIES: usize = 2048;
@@ -48,21 +48,13 @@ impl Codes {
         })
     }
 
-    /// The byte nearest to an amount that is [`within`] reach.
+    /// The byte nearest to an amount from [`BLACK`] to 1.
     #[inline]
     pub fn byte(&self, amount: f32) -> u8 {
         let bits = amount.to_bits();
         let entry = self.0[(bits >> LOWER) as usize % ENTRIES];
         ((entry + (bits & ((1 << LOWER) - 1))) >> LOWER) as u8
     }
-}
-
-/// An amount that is written as the same byte and is among those of the table: at most full light; NaN is black.
-#[inline]
-pub(crate) fn within(amount: f32) -> f32 {
-    // Comparisons, since with these a NaN becomes black at no further cost.
-    let amount = if amount > BLACK { amount } else { BLACK };
-    if amount < 1.0 { amount } else { 1.0 }
 }
 
 /// The amount of light that sRGB writes as this part of the full value (IEC 61966-2-1).
@@ -78,6 +70,7 @@ impl LinearRgb {
 
     /// The nearest sRGB bytes; amounts outside [0, 1] are clamped, NaN is black.
     pub fn to_srgb(self) -> [u8; 3] {
+        let within = |amount| if amount > BLACK { f32::min(amount, 1.0) } else { BLACK };
         self.0.map(|amount| Codes::get().byte(within(amount)))
     }
 
@@ -96,12 +89,6 @@ impl LinearRgb {
     #[must_use]
     pub fn lit(self, factor: f32, white: f32) -> Self {
         Self(self.0.map(|value| value * factor + white))
-    }
-
-    /// From this colour at 0 to `other` at 1, in linear light.
-    #[must_use]
-    pub fn mixed(self, other: Self, share: f32) -> Self {
-        Self([0, 1, 2].map(|k| self.0[k] + (other.0[k] - self.0[k]) * share))
     }
 }
 
@@ -135,12 +122,12 @@ mod tests {
         // Floats all over [0, 1], and those on either side of where bytes begin.
         for bits in (0..=1.0_f32.to_bits()).step_by(997) {
             let amount = f32::from_bits(bits);
-            assert_eq!(Codes::get().byte(within(amount)), exact(amount), "{amount:e}");
+            assert_eq!(Codes::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
         }
         for byte in 0..255 {
             let begin = decode((f64::from(byte) + 0.5) / 255.0) as f32;
             for amount in [begin.next_down(), begin, begin.next_up()] {
-                assert_eq!(Codes::get().byte(within(amount)), exact(amount), "{amount:e}");
+                assert_eq!(Codes::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What is known of each pixel before it has a colour.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use crate::spare::Spares;
 
 /// What is proven of the ray through a pixel's centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -115,22 +115,14 @@ pub struct GBuffer {
     pub shadow: Vec<bool>,
 }
 
-/// A picture is traced while the last one is shown, and a layer beside what it is merged into.
-const SPARES: usize = 2;
-
-/// Pictures that were handed back.
-fn spares() -> MutexGuard<'static, Vec<GBuffer>> {
-    static SPARE: Mutex<Vec<GBuffer>> = Mutex::new(Vec::new());
-    SPARE.lock().unwrap_or_else(PoisonError::into_inner)
-}
+static SPARES: Spares<GBuffer> = Spares::new();
 
 impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
     /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let pixels = width * height;
-        let spare = spares().pop().filter(|spare| spare.status.capacity() >= pixels);
-        if let Some(mut spare) = spare {
+        if let Some(mut spare) = SPARES.take(|spare| spare.status.capacity() >= pixels) {
             spare.reset(width, height, surface);
             return spare;
         }
@@ -166,14 +158,9 @@ impl GBuffer {
         fill(&mut self.shadow, pixels, false);
     }
 
-    /// Leaves the memory to the next pictures. To get new pages from the system takes several times as long as to fill them,
-    /// and longer than all else that is done about a pixel of the background. Up to two pictures are kept, until the end of
-    /// the process.
+    /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the process.
     pub fn hand_back(self) {
-        let mut spares = spares();
-        if spares.len() < SPARES {
-            spares.push(self);
-        }
+        SPARES.hand_back(self);
     }
 
     /// Writes what became of a pixel's ray, distances in world units.

@@ -140,7 +140,7 @@ impl RayGrid {
     /// The unit vectors from what is seen in a window to where it is seen from, to some units in the last place of `f32`,
     /// which is enough for colours.
     #[inline]
-    pub(crate) fn to_eye(&self, window: Window) -> [Lanes<f32>; 3] {
+    pub(crate) fn ways_to_eye(&self, window: Window) -> [Lanes<f32>; 3] {
         // A parallel picture has one direction.
         let unit = if self.parallel { 0.0 } else { self.unit };
         let Basis { forward, right, up } = self.basis;
@@ -148,10 +148,10 @@ impl RayGrid {
         let first = -(forward + unit * across * right + unit * upward * up).as_vec3();
         let step = -(2.0 * unit * right).as_vec3();
         let mut ways = [Lanes::splat(0.0); 3];
-        for lane in 0..LANES {
+        let [xs, ys, zs] = &mut ways;
+        for (lane, ((x, y), z)) in xs.iter_mut().zip(&mut ys.0).zip(&mut zs.0).enumerate() {
             let way = first + lane as f32 * step;
-            let scale = 1.0 / way.length_squared().sqrt();
-            (0..3).for_each(|axis| ways[axis][lane] = way[axis] * scale);
+            [*x, *y, *z] = (way / way.length()).to_array();
         }
         ways
     }

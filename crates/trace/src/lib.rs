@@ -21,6 +21,7 @@ mod region;
 mod region_caps;
 mod scalar;
 mod shade;
+mod spare;
 mod view;
 mod work;
 
@@ -37,6 +38,6 @@ pub use normal::{NormalSource, normals};
 pub use region::{HalfSpace, Region, RegionError};
 pub use region_caps::cap;
 pub use scalar::Scalar;
-pub use shade::{Appearance, SurfaceColours, UndecidedStyle, shade};
+pub use shade::{Appearance, SurfaceColours, UndecidedStyle, hand_back_colours, shade};
 pub use view::StandardView;
 pub use work::{Count, Work};

@@ -98,9 +98,9 @@ impl<T: Real> NormalSource<'_, T> {
                 return;
             }
             let at = rays.points(window, window.load(drawn, &mut [0.0; LANES]));
-            for axis in 0..3 {
-                for lane in 0..LANES {
-                    points.at[axis][lane] = T::nearest(at[axis][lane]);
+            for (coordinates, exact) in points.at.iter_mut().zip(&at) {
+                for (coordinate, &exact) in coordinates.iter_mut().zip(&exact.0) {
+                    *coordinate = T::nearest(exact);
                 }
             }
             points.count = window.count();
@@ -383,5 +383,72 @@ mod tests {
         let steep = Plain(|_: [f32; 3]| 0.0, |_: [f32; 3]| [0.0, f32::MAX, f32::MAX]);
         let half = std::f32::consts::FRAC_1_SQRT_2;
         assert!(near(normal_of(NormalSource::Gradient(&steep)), [0.0, half, half]));
+    }
+
+    #[test]
+    fn tiny_gradients_keep_their_direction() {
+        for size in [1e-20, 1e-40] {
+            let flat = Plain(|_: [f32; 3]| 0.0, move |_: [f32; 3]| [0.0, size, size]);
+            let half = std::f32::consts::FRAC_1_SQRT_2;
+            assert!(near(normal_of(NormalSource::Gradient(&flat)), [0.0, half, half]), "{size}");
+        }
+    }
+
+    /// A gradient of any size along x + 2y + 3z in `f64`.
+    struct Steep(f64);
+
+    impl Kernel<SampleGradient, f64> for Steep {
+        fn ask(&self, _: &Points<f64>, out: &mut Gradients<f64>) {
+            out.gradient = [1.0, 2.0, 3.0].map(|slope| Lanes::splat(slope * self.0));
+        }
+    }
+
+    /// An orthographic picture painted in two pixels of three, seen along +y, with x from −4 to 4.
+    fn striped() -> (GBuffer, RayGrid) {
+        let projection = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+        let mut buffer = GBuffer::new(80, 20, 0);
+        let drawn = buffer.drawn.iter_mut().enumerate().filter(|(pixel, _)| pixel % 3 != 0);
+        drawn.for_each(|(_, distance)| *distance = 5.0);
+        (buffer, camera.expect("valid").rays(80, 20))
+    }
+
+    #[test]
+    fn gradients_beyond_f32_have_directions() {
+        for size in [1e-300, 1e-40, 1.0, 1e40, 1e300] {
+            let (mut buffer, rays) = striped();
+            let kernel = Steep(size);
+            normals(&mut buffer, &rays, NormalSource::Gradient(&kernel), 1e-3);
+            let unit = [1.0, 2.0, 3.0].map(|slope: f32| slope / 14.0_f32.sqrt());
+            for pixel in 0..buffer.drawn.len() {
+                let expected = if buffer.is_drawn(pixel) { unit } else { [0.0; 3] };
+                assert!(near(buffer.normal[pixel], expected), "{size} {pixel}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_pixel_has_its_own_normal_whatever_its_neighbours_have() {
+        // No gradient right of x = 1, and normals that are known left of x = −2.
+        let gradient = |[x, _, z]: [f32; 3]| if x > 1.0 { [f32::NAN; 3] } else { [x, 0.0, z] };
+        let kernel = Plain(|[x, _, _]: [f32; 3]| x, gradient);
+        let (mut buffer, rays) = striped();
+        let middle = |pixel: usize| rays.ray_of(pixel).origin.as_vec3();
+        for pixel in (0..buffer.drawn.len()).filter(|&pixel| middle(pixel).x < -2.0) {
+            buffer.normal[pixel] = [0.0, 1.0, 0.0];
+        }
+        let work = normals(&mut buffer, &rays, NormalSource::Gradient(&kernel), 1e-3);
+        assert!(work.gradient.lanes > 0);
+        for pixel in (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)) {
+            let at = middle(pixel);
+            let expected = if at.x < -2.0 {
+                [0.0, 1.0, 0.0]
+            } else if at.x > 1.0 {
+                [1.0, 0.0, 0.0]
+            } else {
+                (at * glam::Vec3::new(1.0, 0.0, 1.0)).normalize().to_array()
+            };
+            assert!(near(buffer.normal[pixel], expected), "{at} {:?}", buffer.normal[pixel]);
+        }
     }
 }

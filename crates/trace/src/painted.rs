@@ -74,14 +74,17 @@ impl Window {
 /// The lanes for which something holds, as bits.
 #[inline]
 pub(crate) fn bits(holds: impl Fn(usize) -> bool) -> u32 {
-    // The bytes of each half are shifted together by a product: byte k, times 2^(56 − 7k), begins at bit 56 + k.
-    const TOGETHER: u64 = 0x0102_0408_1020_4080;
-    let mut bytes = [[0; 8]; 2];
+    let (mut any, mut all) = (false, true);
     for lane in 0..LANES {
-        bytes.as_flattened_mut()[lane] = u8::from(holds(lane));
+        any |= holds(lane);
+        all &= holds(lane);
     }
-    let [low, high] = bytes.map(|half| u64::from_le_bytes(half).wrapping_mul(TOGETHER) >> 56);
-    (low | high << 8) as u32
+    // Mostly it is none or all, which is found for several lanes at once.
+    match (any, all) {
+        (false, _) => 0,
+        (_, true) => FULL,
+        _ => (0..LANES).fold(0, |bits, lane| bits | u32::from(holds(lane)) << lane),
+    }
 }
 
 /// Windows over all that is painted in a band that begins in row `first` of a picture of this width, given its distances.

@@ -1,10 +1,11 @@
 //! From a G-buffer to colours: deferred shading, which asks nothing of the function.
 
-use crate::colour::{Codes, LinearRgb, within};
+use crate::colour::{BLACK, Codes, LinearRgb};
 use crate::gbuffer::{GBuffer, Status};
 use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::painted::{BAND, Window, bits, windows};
+use crate::spare::Spares;
 use glam::Vec4;
 use rayon::prelude::*;
 use zeroset_eval::{LANES, Lanes};
@@ -101,7 +102,12 @@ const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 /// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
 /// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
 pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
-    let mut bytes = appearance.background.to_srgb().repeat(buffer.status.len());
+    let pixels = buffer.status.len();
+    let mut bytes = SPARES.take(|spare| spare.capacity() >= 3 * pixels).unwrap_or_default();
+    bytes.clear();
+    let row = appearance.background.to_srgb().repeat(buffer.width);
+    bytes.reserve(3 * pixels);
+    (0..buffer.height).for_each(|_| bytes.extend_from_slice(&row));
     let (palette, codes) = (appearance.palette(), Codes::get());
     let size = (BAND * buffer.width).max(1);
     bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
@@ -124,6 +130,13 @@ pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u
     bytes
 }
 
+/// Leaves the memory of a picture to the next ones. Up to two pictures' are kept, until the end of the process.
+pub fn hand_back_colours(bytes: Vec<u8>) {
+    SPARES.hand_back(bytes);
+}
+
+static SPARES: Spares<Vec<u8>> = Spares::new();
+
 /// What a buffer has of some rows.
 struct Band<'a> {
     rays: &'a RayGrid,
@@ -141,27 +154,57 @@ struct Band<'a> {
 impl Band<'_> {
     /// Writes the bytes of a window's pixels.
     fn paint(&self, mut window: Window, bytes: &mut [[u8; 3]]) {
-        let (mut status, mut surface) = ([Status::Miss; LANES], [0; LANES]);
+        let mut status = [Status::Miss; LANES];
         let status = window.load(self.status, &mut status);
         let undecided = bits(|lane| status[lane] == Status::Undecided);
-        if self.appearance.undecided == UndecidedStyle::Miss {
-            window.wanted &= !undecided;
-        }
+        let marks = match self.appearance.undecided {
+            _ if undecided == 0 => None,
+            UndecidedStyle::Shade => None,
+            UndecidedStyle::Miss => {
+                window.wanted &= !undecided;
+                None
+            }
+            UndecidedStyle::Hatch | UndecidedStyle::Tint => {
+                Some(self.marks(Window { wanted: undecided, ..window }))
+            }
+        };
+        let mut surface = [0; LANES];
         let surface = window.load(self.surface, &mut surface);
+        let mut amounts = [Lanes::splat(0.0); 3];
         // One surface after another: most windows have one.
         while let Some(first) = window.lanes().next() {
-            let mine = bits(|lane| surface[lane] == surface[first]);
+            let of_surface = bits(|lane| surface[lane] == surface[first]);
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            let amounts = self.amounts(window, colours, undecided);
-            let code = |primary: usize, lane: usize| self.codes.byte(amounts[primary][lane]);
-            let window_of_surface = Window { wanted: window.wanted & mine, ..window };
-            window_of_surface.store(|lane| [code(0, lane), code(1, lane), code(2, lane)], bytes);
-            window.wanted &= !mine;
+            self.light(window, colours, marks.as_ref(), &mut amounts);
+            let [red, green, blue] = &amounts;
+            let code = |amounts: &Lanes<f32>, lane: usize| self.codes.byte(amounts[lane]);
+            Window { wanted: window.wanted & of_surface, ..window }
+                .store(|lane| [code(red, lane), code(green, lane), code(blue, lane)], bytes);
+            window.wanted &= !of_surface;
         }
     }
 
-    /// The light that a window's pixels send to the eye, by primary, within reach of the codes.
-    fn amounts(&self, window: Window, colours: &SurfaceColours, undecided: u32) -> [Lanes<f32>; 3] {
+    /// How undecided pixels are marked: what is left of their own light, and the share of the tint.
+    fn marks(&self, undecided: Window) -> [Lanes<f32>; 2] {
+        let [mut left, mut tint] = [1.0, 0.0].map(Lanes::splat);
+        for lane in undecided.lanes() {
+            if self.appearance.undecided == UndecidedStyle::Tint {
+                (left[lane], tint[lane]) = (0.5, 0.5);
+            } else if (undecided.column + lane + undecided.row) % HATCH_PERIOD < HATCH_WIDTH {
+                left[lane] = 0.25;
+            }
+        }
+        [left, tint]
+    }
+
+    /// Writes the light that a window's pixels send to the eye, by primary, clamped to what the codes know.
+    fn light(
+        &self,
+        window: Window,
+        colours: &SurfaceColours,
+        marks: Option<&[Lanes<f32>; 2]>,
+        amounts: &mut [Lanes<f32>; 3],
+    ) {
         let Self { rays, appearance, .. } = *self;
         let (mut normal, mut spare) = ([[0.0; 3]; LANES], [[false; LANES]; 2]);
         let [in_shadow, is_cap] = &mut spare;
@@ -170,8 +213,7 @@ impl Band<'_> {
         let is_cap = window.load(self.cap, is_cap);
         let points = || rays.points(window, window.load(self.drawn, &mut [0.0; LANES]));
         let to_light = appearance.light.all_towards(points);
-        let to_eye = rays.to_eye(window);
-        let mut amounts = [Lanes::splat(0.0); 3];
+        let to_eye = rays.ways_to_eye(window);
         // Four at a time by hand: what compilers make of a loop over lanes moves most of it to memory and back.
         for at in (0..LANES).step_by(4) {
             let four = |value: &dyn Fn(usize) -> f32| {
@@ -188,47 +230,28 @@ impl Band<'_> {
             let lit = four(&|lane| if in_shadow[lane] { 0.0 } else { 1.0 });
             let direct = lit * (side * towards_light).max(Vec4::ZERO);
             // The square of the cosine between the normal and the direction half way between eye and light, which is their
-            // sum. It is 0 if that is: light from straight behind.
+            // sum. Light from straight behind has none, and there the quotient means nothing.
             let cosine = (side * (towards_light + facing)).max(Vec4::ZERO);
             let square =
-                cosine * cosine / (2.0 + 2.0 * dot(light, eye)).max(Vec4::splat(f32::MIN_POSITIVE));
+                cosine * cosine / (2.0 + 2.0 * dot(light, eye)).max(Vec4::splat(f32::EPSILON));
             let white = HIGHLIGHT * direct.sqrt() * sharpened(square);
             // The ambient share falls off towards grazing angles, so that shapes stay readable in shadow.
             let ambient = appearance.ambient * (0.5 + 0.5 * facing.abs());
             let factor = ambient + (1.0 - appearance.ambient) * direct;
             let cap = four(&|lane| if is_cap[lane] { -1.0 } else { 1.0 });
             let is_negative = facing.min(cap).cmplt(Vec4::ZERO);
-            for primary in 0..3 {
-                let [positive, negative] = [colours.positive, colours.negative]
-                    .map(|colour| Vec4::splat(colour.0[primary]));
-                let amount = Vec4::select(is_negative, negative, positive) * factor + white;
-                amount.write_to_slice(&mut amounts[primary][at..]);
-            }
-        }
-        if undecided != 0 {
-            self.mark_undecided(Window { wanted: undecided, ..window }, &mut amounts);
-        }
-        for amounts in &mut amounts {
-            for amount in &mut amounts.0 {
-                *amount = within(*amount);
-            }
-        }
-        amounts
-    }
-
-    /// Changes colours as undecided pixels are marked.
-    fn mark_undecided(&self, undecided: Window, amounts: &mut [Lanes<f32>; 3]) {
-        for lane in undecided.lanes() {
-            let colour = LinearRgb([0, 1, 2].map(|primary| amounts[primary][lane]));
-            let along = undecided.column + lane + undecided.row;
-            let marked = match self.appearance.undecided {
-                UndecidedStyle::Hatch if along % HATCH_PERIOD < HATCH_WIDTH => {
-                    colour.lit(0.25, 0.0)
+            for (primary, amounts) in amounts.iter_mut().enumerate() {
+                let (positive, negative) =
+                    (colours.positive.0[primary], colours.negative.0[primary]);
+                let base = Vec4::select(is_negative, Vec4::splat(negative), Vec4::splat(positive));
+                let mut amount = base * factor + white;
+                if let Some([left, tint]) = marks {
+                    let own = amount * Vec4::from_slice(&left[at..]);
+                    amount = own + TINT.0[primary] * Vec4::from_slice(&tint[at..]);
                 }
-                UndecidedStyle::Tint => colour.mixed(TINT, 0.5),
-                UndecidedStyle::Shade | UndecidedStyle::Hatch | UndecidedStyle::Miss => continue,
-            };
-            (0..3).for_each(|primary| amounts[primary][lane] = marked.0[primary]);
+                let amount = amount.max(Vec4::splat(BLACK)).min(Vec4::ONE);
+                amount.write_to_slice(&mut amounts[at..]);
+            }
         }
     }
 }
@@ -239,6 +262,9 @@ fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
 
 /// The 40th power of a cosine, which makes a highlight as small as it is, given its square.
 fn sharpened(square: Vec4) -> Vec4 {
+    /// Of this the power is 3e-31: of less it would become subnormal, which takes processors far longer.
+    const LEAST: Vec4 = Vec4::splat(0.03);
+    let square = square.max(LEAST).min(Vec4::ONE);
     let fourth = square * square;
     let eighth = fourth * fourth;
     let tenth = eighth * square;
@@ -287,6 +313,17 @@ mod tests {
     }
 
     #[test]
+    fn light_from_straight_behind_leaves_the_ambient_share() {
+        for normal in [[0.0, -1.0, 0.0], [0.6, -0.8, 0.0], [1.0, 1e-4, 0.0]] {
+            let (mut buffer, rays) = painted(normal);
+            let behind = Appearance::new(Light::Positional(DVec3::Y * 5.0));
+            let lit = shade(&buffer, &rays, &behind);
+            buffer.shadow[0] = true;
+            assert_eq!(shade(&buffer, &rays, &behind), lit);
+        }
+    }
+
+    #[test]
     fn undecided_pixels_are_marked_as_asked() {
         let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
         let hit = shade(&buffer, &rays, &headlight());
@@ -304,5 +341,70 @@ mod tests {
         buffer.cap[0] = true;
         let cut = shade(&buffer, &rays, &headlight());
         assert!(cut[0] < cut[2], "{cut:?}");
+    }
+
+    /// The colour of one pixel in plain `f64`; not of an undecided one.
+    fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [u8; 3] {
+        if !buffer.is_drawn(pixel) {
+            return look.background.to_srgb();
+        }
+        let ray = rays.ray_of(pixel);
+        let to_eye = -ray.direction.normalize();
+        let normal = DVec3::from_array(buffer.normal[pixel].map(f64::from));
+        let (facing, ambient) = (normal.dot(to_eye), f64::from(look.ambient));
+        let colours = look.surfaces[usize::from(buffer.surface[pixel]) % look.surfaces.len()];
+        let is_negative = facing < 0.0 || buffer.cap[pixel];
+        let base = if is_negative { colours.negative } else { colours.positive };
+        let normal = if facing < 0.0 { -normal } else { normal };
+        let to_light = look.light.towards(ray.at(ray.parameter(buffer.drawn[pixel]))).0;
+        let halfway = (to_light + to_eye).normalize_or_zero();
+        let lit = f64::from(u8::from(!buffer.shadow[pixel]));
+        let direct = lit * normal.dot(to_light).max(0.0);
+        let highlight = 0.18 * direct.sqrt() * normal.dot(halfway).max(0.0).powi(40);
+        let factor = ambient * (0.5 + 0.5 * facing.abs()) + (1.0 - ambient) * direct;
+        base.lit(factor as f32, highlight as f32).to_srgb()
+    }
+
+    #[test]
+    fn every_pixel_is_lit_as_if_it_were_alone() {
+        let projection = Projection::Perspective { fov: 60.0 };
+        let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+        let (width, height) = (53, 19);
+        let rays = camera.expect("valid").rays(width, height);
+        let mut buffer = GBuffer::new(width, height, 0);
+        let mut state = 1_u32;
+        let mut random = |below: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 16) % below
+        };
+        for pixel in 0..width * height {
+            // Runs of several lengths, and lone pixels.
+            if random(8) == 0 || (pixel / 40) % 3 == 0 {
+                buffer.drawn[pixel] = 3.0 + f64::from(random(100)) / 30.0;
+            }
+            let normal = [(); 3].map(|()| f64::from(random(201)) - 100.0);
+            let normal = DVec3::from_array(normal).normalize_or(DVec3::Z);
+            buffer.normal[pixel] = normal.as_vec3().to_array();
+            buffer.surface[pixel] = if random(20) == 0 { random(7) as u16 } else { 1 };
+            (buffer.cap[pixel], buffer.shadow[pixel]) = (random(5) == 0, random(5) == 0);
+        }
+        let surfaces: Vec<_> = (0..3).map(SurfaceColours::default_for).collect();
+        for light in [Light::above_left(&rays), Light::Positional(DVec3::new(1.0, -2.0, 1.0))] {
+            let look = Appearance { surfaces: surfaces.clone(), ..Appearance::new(light) };
+            let bytes = shade(&buffer, &rays, &look);
+            for (pixel, bytes) in bytes.chunks_exact(3).enumerate() {
+                let plain = plain(&buffer, &rays, &look, pixel);
+                let close = bytes.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
+                assert!(close, "{pixel}: {bytes:?} {plain:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
+        let (buffer, rays) = painted([0.0, -1.0, 0.0]);
+        let before = shade(&buffer, &rays, &headlight());
+        hand_back_colours(vec![7; 300]);
+        assert_eq!(shade(&buffer, &rays, &headlight()), before);
     }
 }

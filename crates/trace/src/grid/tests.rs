@@ -226,3 +226,24 @@ fn parallel_rays_are_within_the_stated_share_of_the_height() {
     println!("{checked} checked, {refused} refused");
     assert!(refused > 20);
 }
+
+#[test]
+fn windows_have_the_rays_of_their_pixels() {
+    let perspective = Projection::Perspective { fov: 100.0 };
+    for projection in [perspective, Projection::Orthographic { height: 3.0 }] {
+        let (eye, target) = (DVec3::new(2.0, -3.0, 1.5), DVec3::new(0.1, 0.2, 0.3));
+        let rays = Camera::new(eye, target, DVec3::Z, projection).expect("valid").rays(37, 5);
+        for (column, row) in [(0, 0), (21, 2), (7, 4)] {
+            let window = Window { column, row, index: 0, wanted: 1 };
+            let distances = std::array::from_fn(|lane| 1.0 + 0.3 * lane as f64);
+            let (points, to_eye) = (rays.points(window, &distances), rays.ways_to_eye(window));
+            for lane in 0..LANES {
+                let ray = rays.ray(column + lane, row);
+                let point = ray.at(ray.parameter(distances[lane]));
+                assert_eq!([0, 1, 2].map(|axis| points[axis][lane]), point.to_array());
+                let way = DVec3::from_array([0, 1, 2].map(|axis| f64::from(to_eye[axis][lane])));
+                assert!((way + ray.direction.normalize()).length() < 1e-6, "{way}");
+            }
+        }
+    }
+}
