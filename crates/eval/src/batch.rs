@@ -130,7 +130,8 @@ batch! {
 
 batch! {
     /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. Each coordinate of the real point is
-    /// within `error` of that for the real numbers that these floats are.
+    /// within `error` of that for the real numbers that these floats are; and `error` has room for what a kernel rounds on
+    /// its way to the point ([`Segments::allow_rounding`]).
     Segments {
         /// Per axis, where t is 0.
         origin: [Lanes<T>; 3] = 3,
@@ -298,6 +299,63 @@ batch! {
         gradient: [Lanes<T>; 3] = 3,
         ;
     }
+}
+
+/// Units of the sum of the magnitudes of all terms of a coordinate that a kernel may round it by: each term is rounded up to
+/// six times, by up to a unit of itself.
+pub const PATH_UNITS: f64 = 8.0;
+
+/// `error` and what a kernel rounds a coordinate by: its terms have magnitudes of this sum, what is met on the way to it is at
+/// most `met`, and what underflows is multiplied by up to `scale`.
+fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
+    let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);
+    if met.max(magnitude) >= largest / 2.0 {
+        return T::above(f64::INFINITY);
+    }
+    T::above(error.into() + PATH_UNITS * T::UNIT * magnitude + least * scale)
+}
+
+impl<T: Real> Segments<T> {
+    /// Adds to the errors what kernels round.
+    pub fn allow_rounding(&mut self) {
+        for lane in 0..LANES {
+            let t = size(self.near[lane]).max(size(self.far[lane]));
+            for axis in 0..3 {
+                let [origin, direction] =
+                    [&self.origin, &self.direction].map(|part| size(part[axis][lane]));
+                let error = &mut self.error[axis][lane];
+                *error = with_rounding(*error, origin + t * direction, 0.0, 1.0 + t);
+            }
+        }
+    }
+}
+
+impl<T: Real> Tiles<T> {
+    /// Adds to the errors what kernels round.
+    pub fn allow_rounding(&mut self) {
+        for lane in 0..LANES {
+            let t = size(self.near[lane]).max(size(self.far[lane]));
+            let [a, b] =
+                [0, 1].map(|axis| size(self.centre[axis][lane]) + size(self.half[axis][lane]));
+            for axis in 0..3 {
+                let mut met = 0.0_f64;
+                let [origin, direction] = [&self.origin, &self.direction].map(|parts| {
+                    let [base, across, upward] =
+                        [0, 3, 6].map(|part| size(parts[part + axis][lane]));
+                    met = met.max(base).max(across).max(upward);
+                    base + a * across + b * upward
+                });
+                let scale = (1.0 + t) * (1.0 + a + b);
+                let error = &mut self.error[axis][lane];
+                *error = with_rounding(*error, origin + t * direction, scale * met, scale);
+            }
+        }
+    }
+}
+
+fn size<T: Real>(number: T) -> f64 {
+    let number: f64 = number.into();
+    number.abs()
 }
 
 impl<T: Real> Enclosures<T> {

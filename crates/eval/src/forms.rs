@@ -11,23 +11,14 @@ use zeroset_ops::Op;
 
 /// How coordinates depend on `N` symbols, of which the last is the way along a ray.
 pub(crate) trait Path<M: Machine, const N: usize> {
-    /// A coordinate's form, in `format`.
-    fn coordinate(
-        &mut self,
-        m: &mut M,
-        format: Format,
-        loader: &mut impl Loader<M>,
-        axis: Axis,
-    ) -> Form<M::V, N>;
+    /// A coordinate's form.
+    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, N>;
 }
 
 /// Segments of rays, from a batch of [`Segments`](crate::Segments).
 pub(crate) struct Along<V> {
     middle: V,
     half: V,
-    /// At least |t|.
-    most: V,
-    underflow: V,
 }
 
 /// Tiles of rays, from a batch of [`Tiles`](crate::Tiles).
@@ -36,13 +27,7 @@ pub(crate) struct Across<V> {
     reach: [V; 2],
     middle: V,
     half: V,
-    /// At least |a|, |b| and |t|.
-    most: [V; 3],
-    underflow: V,
 }
-
-/// More than a few products below the normal numbers can err by together.
-const UNDERFLOW: u64 = 16;
 
 /// Affine forms of points on a path.
 pub(crate) struct Forms<'a, T, I, P, const N: usize> {
@@ -79,32 +64,18 @@ impl<V: Copy> Along<V> {
     /// The places of the ends among the quantities.
     pub const ENDS: [usize; 2] = [9, 10];
 
-    pub fn new<M: Machine<V = V>>(m: &mut M, format: Format, ends: &Ends<V>) -> Self {
-        let &Ends { middle, half, .. } = ends;
-        let most = m.abs(middle);
-        let most = m.add(most, half);
-        Self { middle, half, most, underflow: m.bits(format, UNDERFLOW) }
+    pub fn new(ends: &Ends<V>) -> Self {
+        Self { middle: ends.middle, half: ends.half }
     }
 }
 
 impl<M: Machine> Path<M, 1> for Along<M::V> {
-    fn coordinate(
-        &mut self,
-        m: &mut M,
-        format: Format,
-        loader: &mut impl Loader<M>,
-        axis: Axis,
-    ) -> Form<M::V, 1> {
+    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, 1> {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
         let way = m.mul(self.middle, direction);
         let centre = m.add(origin, way);
-        let slope = m.mul(self.half, direction);
-        let (near, far) = (m.abs(origin), m.abs(direction));
-        let far = m.mul(self.most, far);
-        let magnitude = m.add(near, far);
-        let error = m.add(error, self.underflow);
-        Form::coordinate(m, format, (centre, [slope], error), (magnitude, 2))
+        Form::coordinate(centre, [m.mul(self.half, direction)], error)
     }
 }
 
@@ -112,39 +83,15 @@ impl<V: Copy> Across<V> {
     /// The places of the ends among the quantities.
     pub const ENDS: [usize; 2] = [4, 5];
 
-    pub fn load<M: Machine<V = V>>(
-        m: &mut M,
-        format: Format,
-        loader: &mut impl Loader<M>,
-        ends: &Ends<V>,
-    ) -> Self {
+    pub fn load<M: Machine<V = V>>(m: &mut M, loader: &mut impl Loader<M>, ends: &Ends<V>) -> Self {
         let centre = [0, 1].map(|quantity| loader.input(m, quantity));
         let reach = [2, 3].map(|quantity| loader.input(m, quantity));
-        let &Ends { middle, half, .. } = ends;
-        let most =
-            [(centre[0], reach[0]), (centre[1], reach[1]), (middle, half)].map(|(middle, half)| {
-                let size = m.abs(middle);
-                m.add(size, half)
-            });
-        // A product's underflow is multiplied by t, or by a screen coordinate.
-        let one = m.number(format, 1.0);
-        let across = m.add(most[0], most[1]);
-        let [across, along] = [across, most[2]].map(|most| m.add(most, one));
-        let factor = m.mul(across, along);
-        let underflow = m.bits(format, UNDERFLOW);
-        let underflow = m.mul(underflow, factor);
-        Self { centre, reach, middle, half, most, underflow }
+        Self { centre, reach, middle: ends.middle, half: ends.half }
     }
 }
 
 impl<M: Machine> Path<M, 3> for Across<M::V> {
-    fn coordinate(
-        &mut self,
-        m: &mut M,
-        format: Format,
-        loader: &mut impl Loader<M>,
-        axis: Axis,
-    ) -> Form<M::V, 3> {
+    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, 3> {
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
         let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
         let error = loader.input(m, 24 + axis as usize);
@@ -156,11 +103,10 @@ impl<M: Machine> Path<M, 3> for Across<M::V> {
         let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
         let way = m.mul(self.middle, direction);
         let centre = m.add(origin, way);
-        // In the order of the magnitude below, so that this is infinite if anything overflows.
         let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
-            let (moved, turned) = (m.mul(self.reach[axis], o), m.mul(self.reach[axis], d));
-            let way = m.mul(self.middle, turned);
-            m.add(moved, way)
+            let way = m.mul(self.middle, d);
+            let per_unit = m.add(o, way);
+            m.mul(self.reach[axis], per_unit)
         });
         let depth = m.mul(self.half, direction);
         // Screen and depth together: rays spread.
@@ -170,17 +116,7 @@ impl<M: Machine> Path<M, 3> for Across<M::V> {
         });
         let spread = m.add(spread_a, spread_b);
         let spread = m.mul(self.half, spread);
-        let [origins, directions] = [[o, o_a, o_b], [d, d_a, d_b]].map(|terms| {
-            let [base, a, b] = terms.map(|term| m.abs(term));
-            let (a, b) = (m.mul(self.most[0], a), m.mul(self.most[1], b));
-            let sum = m.add(base, a);
-            m.add(sum, b)
-        });
-        let ways = m.mul(self.most[2], directions);
-        let magnitude = m.add(origins, ways);
-        let error = m.add(spread, error);
-        let error = m.add(error, self.underflow);
-        Form::coordinate(m, format, (centre, [across, upward, depth], error), (magnitude, 5))
+        Form::coordinate(centre, [across, upward, depth], m.add(spread, error))
     }
 }
 
@@ -190,7 +126,7 @@ impl<T: Real, M: Machine, I: Loader<M>, P: Path<M, N>, const N: usize> ValueDoma
     type Value = Form<M::V, N>;
 
     fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value {
-        self.path.coordinate(m, T::FORMAT, self.loader, axis)
+        self.path.coordinate(m, self.loader, axis)
     }
 
     fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value {

@@ -20,8 +20,8 @@ mod surface;
 mod tape;
 
 pub use batch::{
-    Batch, Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output, Planes,
-    Points, Segments, Tiles, Values, Zeros,
+    Batch, Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output,
+    PATH_UNITS, Planes, Points, Segments, Tiles, Values, Zeros,
 };
 pub use binding::Binding;
 pub use domain::{Loader, Term, ValueDomain};

@@ -217,7 +217,7 @@ impl Question for ContractSegments {
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V> {
         let ends = Ends::load(m, T::FORMAT, loader, Along::<M::V>::ENDS);
-        let path = Along::new(m, T::FORMAT, &ends);
+        let path = Along::new(&ends);
         let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
         let Ends { at: ends, middle, half } = ends;
         let new = contract(m, T::FORMAT, &form, [middle, half], ends);
@@ -237,7 +237,7 @@ impl Question for ContractTiles {
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V> {
         let ends = Ends::load(m, T::FORMAT, loader, Across::<M::V>::ENDS);
-        let path = Across::load(m, T::FORMAT, loader, &ends);
+        let path = Across::load(m, loader, &ends);
         let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
         let Ends { at: ends, middle, half } = ends;
         let new = contract(m, T::FORMAT, &form, [middle, half], ends);

@@ -26,6 +26,11 @@ pub trait Real:
     /// The largest finite number.
     const LARGEST: Self;
 
+    /// The least normal number.
+    const LEAST_NORMAL: Self;
+    /// What a sum that is rounded up errs by, as a share of itself, at most.
+    const UNIT: f64;
+
     /// `value` rounded to nearest.
     fn nearest(value: f64) -> Self;
     /// `value` rounded up.
@@ -42,6 +47,8 @@ impl Real for f32 {
     const FORMAT: Format = Format::F32;
     const VECTOR_LANES: usize = 4;
     const LARGEST: Self = Self::MAX;
+    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
+    const UNIT: f64 = Self::EPSILON as f64;
 
     fn nearest(value: f64) -> Self {
         value as Self
@@ -64,6 +71,8 @@ impl Real for f64 {
     const FORMAT: Format = Format::F64;
     const VECTOR_LANES: usize = 2;
     const LARGEST: Self = Self::MAX;
+    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
+    const UNIT: f64 = Self::EPSILON;
 
     fn nearest(value: f64) -> Self {
         value

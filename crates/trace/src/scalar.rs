@@ -5,7 +5,7 @@
 use glam::{BVec4, BVec4A, DVec4, Vec4};
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
-use zeroset_eval::KernelFloat;
+use zeroset_eval::{KernelFloat, PATH_UNITS};
 
 /// A float type in which a traverser follows rays: that of the kernel which it asks.
 pub trait Scalar: KernelFloat + Add<Output = Self> + Mul<Output = Self> {
@@ -23,12 +23,10 @@ pub trait Scalar: KernelFloat + Add<Output = Self> + Mul<Output = Self> {
     /// What the ends of the range of τ are moved out by: above the error of a quotient that lies within [−1, 2], which is
     /// at most 4 units in `f32` and 10 in `f64`, where the operands are rounded too.
     const SHARE_ERROR: Self;
-    /// The least normal number.
-    const LEAST_NORMAL: Self;
     /// The shortest segments that are looked at, as a share of the way: somewhat longer than what rounding adds.
     const GRAIN: f64;
-    /// Eight units of a number that is rounded up.
-    const PATH_ERROR: f64;
+    /// What kernels round coordinates by, as a share of the sum of their terms' magnitudes.
+    const PATH_ERROR: f64 = PATH_UNITS * Self::UNIT;
 
     /// An integer, exactly if it is below 2^[`Scalar::MAX_DEPTH`].
     fn integer(value: u64) -> Self;
@@ -42,8 +40,6 @@ impl Scalar for f32 {
     const COORDINATE_ERROR: Self = 1.0 / 2_097_152.0; // 2^-21
     const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
     const GRAIN: f64 = 1.0 / 262_144.0; // 2^-18
-    const PATH_ERROR: f64 = 1.0 / 1_048_576.0; // 2^-20
-    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
 
     #[inline]
     fn integer(value: u64) -> Self {
@@ -61,8 +57,6 @@ impl Scalar for f64 {
     const COORDINATE_ERROR: Self = 8.0 * Self::EPSILON; // 2^-49
     const SHARE_ERROR: Self = 8.0 * Self::EPSILON;
     const GRAIN: f64 = 1024.0 * Self::EPSILON; // 2^-42
-    const PATH_ERROR: f64 = 8.0 * Self::EPSILON; // 2^-49
-    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
 
     #[inline]
     fn integer(value: u64) -> Self {

@@ -285,12 +285,8 @@ impl Drawn {
         let value = match self.kind {
             Kind::Varying => {
                 let slopes = [0, 1, 2].map(|k| lanes(&|lane| lane.slopes[k]));
-                let linear = (lanes(&|lane| lane.centre), slopes, lanes(&|lane| lane.error));
-                let up = |number: f64| T::above(number).into();
-                let magnitude = lanes(&|lane| {
-                    lane.slopes.iter().fold(lane.centre.abs(), |sum, slope| up(sum + slope.abs()))
-                });
-                Form::coordinate(&mut Software, T::FORMAT, linear, (magnitude, 0))
+                let centre = lanes(&|lane| lane.centre);
+                Form::coordinate(centre, slopes, lanes(&|lane| lane.error))
             }
             Kind::Between | Kind::Fixed(_) => {
                 let (neg_lo, hi) = (lanes(&|lane| -lane.bounds[0]), lanes(&|lane| lane.bounds[1]));

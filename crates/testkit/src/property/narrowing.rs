@@ -65,11 +65,8 @@ fn answers<T: Adversarial, const N: usize>(lanes: &[Lane<N>]) -> Vec<Answer> {
         }
         T::load(&loaded, 0)
     };
-    let zero = m.number(T::FORMAT, 0.0);
     let slopes: [_; N] = std::array::from_fn(|k| load(&|lane| lane.slopes[k]));
-    let linear = (load(&|lane| lane.centre), slopes, load(&|lane| lane.error));
-    // The error is given, and nothing is to be added to it.
-    let form = Form::coordinate(m, T::FORMAT, linear, (zero, 0));
+    let form = Form::coordinate(load(&|lane| lane.centre), slopes, load(&|lane| lane.error));
     let [middle, half] = [load(&|lane| lane.middle), load(&|lane| lane.half)];
     let ends = [load(&|lane| lane.near), load(&|lane| lane.far)];
     let new = contract(m, T::FORMAT, &form, [middle, half], ends);

@@ -289,6 +289,7 @@ pub(super) fn pack_tiles<T: Adversarial>(tiles: &[Tile]) -> Tiles<T> {
             batch.error[axis][lane] = T::nearest(tile.error[axis]);
         }
     }
+    batch.allow_rounding();
     batch
 }
 
@@ -307,5 +308,6 @@ pub(super) fn pack_segments<T: Adversarial>(tiles: &[Tile], probe: &Probe) -> Se
             batch.error[axis][lane] = T::above(dot(terms).most());
         }
     }
+    batch.allow_rounding();
     batch
 }

@@ -154,9 +154,7 @@ fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
     let operands = [(1.0, 0.5), (-0.25, 1.0), (0.5, -0.25)].into_iter().zip(centres);
     let operands = operands.take(op.arity()).map(|((a, b), centre)| {
         let slopes = [lanes(a * spread), lanes(b * spread)];
-        let magnitude = lanes(centre.abs() + 2.0 * spread);
-        let linear = (lanes(centre), slopes, lanes(0.0));
-        let value = Form::coordinate(&mut Software, Format::F64, linear, (magnitude, 0));
+        let value = Form::coordinate(lanes(centre), slopes, lanes(0.0));
         FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real }
     });
     let operands: Vec<_> = operands.collect();

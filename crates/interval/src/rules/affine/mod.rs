@@ -83,23 +83,13 @@ impl<V: Copy> Claims<V> {
 }
 
 impl<V: Copy, const N: usize> Form<V, N> {
-    /// A coordinate: defined everywhere, and linear but for `error` and for what its centre and slopes were rounded by.
-    ///
-    /// `magnitude` is at least the sum of the magnitudes of all terms of which they are sums, each rounded up to `roundings`
-    /// times on its way; what may have been lost to underflow is part of `error`.
-    pub fn coordinate<M: Machine<V = V>>(
-        m: &mut M,
-        format: Format,
-        (centre, slopes, error): (V, [V; N], V),
-        (magnitude, roundings): (V, u32),
-    ) -> Self {
-        let units = f64::from(roundings) + 0.25;
-        let error = Rule { m, format }.rounded(Some(error), units, magnitude);
+    /// A coordinate: defined everywhere, and linear but for `error`, which holds what its centre and slopes were rounded by.
+    pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
         Self {
             centre,
             slopes: Some(slopes),
             error: Some(error),
-            magnitude: Some(magnitude),
+            magnitude: None,
             bounds: None,
             facts: Claims::TOTAL,
         }

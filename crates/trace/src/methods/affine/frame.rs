@@ -59,12 +59,16 @@ impl Frame {
 
     /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within `most` of 0.
     ///
-    /// On the way to a coordinate and its slopes each part is rounded at most six times, by a unit of itself.
+    /// Room is left for underflow, and a part is rounded to `T` first.
     fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
         let sum = |parts: &[DVec3; 3]| {
             parts[0].abs() + self.reach[0] * parts[1].abs() + self.reach[1] * parts[2].abs()
         };
-        self.error + T::PATH_ERROR * (sum(&self.origin) + most * sum(&self.direction))
+        let least: f64 = T::LEAST_NORMAL.into();
+        let scale = (1.0 + most) * (1.0 + self.reach[0] + self.reach[1]);
+        let rounding =
+            (T::PATH_ERROR + T::UNIT) * (sum(&self.origin) + most * sum(&self.direction));
+        self.error + rounding + DVec3::splat(4.0 * least * scale)
     }
 
     /// A batch in which the frame is set.

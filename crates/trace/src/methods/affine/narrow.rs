@@ -191,7 +191,9 @@ fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &Way) {
         let (origin, direction) = (way.origin[axis], way.direction[axis]);
         batch.origin[axis][lane] = T::nearest(origin);
         batch.direction[axis][lane] = T::nearest(direction);
-        let rounding = T::PATH_ERROR * (origin.abs() + most * direction.abs());
+        let least: f64 = T::LEAST_NORMAL.into();
+        let rounding = (T::PATH_ERROR + T::UNIT) * (origin.abs() + most * direction.abs())
+            + 4.0 * least * (1.0 + most);
         batch.error[axis][lane] = T::nearest(1.0001 * (way.error[axis] + rounding));
     }
 }
