@@ -70,4 +70,18 @@ impl Band<'_> {
             self.drawn[pixel] = self.drawn[pixel].min(found.drawn);
         }
     }
+
+    /// As [`Band::add`] for a hit at `distance`, whose bracket reaches as far as `off` to either side.
+    #[inline]
+    pub fn add_hit(&mut self, column: usize, row: usize, distance: f64, off: f64) {
+        let pixel = row * self.width + column;
+        if self.status[pixel] == Status::Miss {
+            self.status[pixel] = Status::Hit;
+            self.distance[pixel] = distance;
+            if let Some(bracket) = self.bracket.get_mut(pixel) {
+                *bracket = [distance - off, distance + off];
+            }
+        }
+        self.drawn[pixel] = self.drawn[pixel].min(distance);
+    }
 }

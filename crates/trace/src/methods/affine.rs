@@ -11,6 +11,7 @@
 mod frame;
 mod narrow;
 mod rays;
+mod slots;
 mod tiles;
 
 use crate::band::Band;

@@ -131,6 +131,26 @@ impl Frame {
         (near <= far).then_some([near, far])
     }
 
+    /// Bounds of s between which a ray is certainly in the region, its clipping plane apart.
+    pub fn inside(&self, origin: &DVec3, direction: &DVec3, region: &Region) -> [f64; 2] {
+        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            let (o, d, slack) = (origin[axis], direction[axis], self.error[axis]);
+            let (low, high) = (region.low()[axis] + slack, region.high()[axis] - slack);
+            if d == 0.0 {
+                if o < low || high < o {
+                    far = f64::NEG_INFINITY;
+                }
+                continue;
+            }
+            let (first, last) = ((low - o) / d, (high - o) / d);
+            let (first, last) = (first.min(last), first.max(last));
+            near = near.max(first + 1e-12 * first.abs());
+            far = far.min(last - 1e-12 * last.abs());
+        }
+        [near, far]
+    }
+
     /// Whether all of a tile's rays are in the region from s = `near` to `far`, its clipping plane apart.
     pub fn is_inside(&self, tile: &Tile, region: &Region, [near, far]: [f64; 2]) -> bool {
         let [low, high] = [region.low(), region.high()];

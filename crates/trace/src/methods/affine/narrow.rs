@@ -1,6 +1,7 @@
 //! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
 
 use super::rays::{Way, bounds};
+use super::slots::{Slots, Stack};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -35,7 +36,7 @@ pub(super) struct Narrower<'a, T: Scalar> {
 
 /// What is still to be looked at of a ray, the nearest part last. Memory that is used again and again.
 pub(super) struct Scratch<T: Scalar> {
-    stacks: [Vec<[f64; 2]>; LANES],
+    stacks: [Stack; LANES],
     batch: Segments<T>,
     out: Contractions<T>,
 }
@@ -79,9 +80,10 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         let Scratch { stacks, batch, out } = scratch;
         let mut grain = [0.0; LANES];
         let mut looked = [0_u32; LANES];
-        let mut slots: Vec<usize> = Vec::with_capacity(LANES);
+        for stack in stacks.iter_mut() {
+            stack.clear();
+        }
         for (lane, segment) in segments.iter().enumerate() {
-            stacks[lane].clear();
             steps[lane] = Step::Empty;
             if let Some([near, far]) = *segment {
                 let way = &ways[lane];
@@ -95,26 +97,25 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 stacks[lane].push([near, far]);
                 let most = near.abs().max(far.abs()).max(way.span[1] - way.span[0]);
                 grain[lane] = T::GRAIN * most;
-                slots.push(lane);
             }
         }
+        let mut slots = Slots::new(stacks);
         let mut moved = true;
         while !slots.is_empty() {
             if moved {
-                for (slot, &lane) in slots.iter().enumerate() {
+                for (slot, lane) in slots.all() {
                     place(batch, slot, &ways[lane]);
                 }
                 batch.count = slots.len() as u32;
             }
-            for (slot, &lane) in slots.iter().enumerate() {
+            for (slot, lane) in slots.all() {
                 if let Some(&[near, far]) = stacks[lane].last() {
                     batch.near[slot] = T::nearest(near);
                     batch.far[slot] = T::nearest(far);
                 }
             }
             self.segments.ask(batch, out);
-            let mut live = 0;
-            for (slot, &lane) in slots.iter().enumerate() {
+            for (slot, lane) in slots.all() {
                 let stack = &mut stacks[lane];
                 let Some([near, far]) = stack.pop() else { continue };
                 work.segments.lanes += 1;
@@ -152,14 +153,9 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                         stack.push(new);
                     }
                 }
-                live += usize::from(!stack.is_empty());
             }
             work.segments.calls += 1;
-            // Lanes in use are moved together where that saves a vector.
-            moved = live.div_ceil(4) < slots.len().div_ceil(4);
-            if moved {
-                slots.retain(|&lane| !stacks[lane].is_empty());
-            }
+            moved = slots.pack(stacks);
         }
     }
 

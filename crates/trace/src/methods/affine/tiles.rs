@@ -3,9 +3,9 @@
 use super::Affine;
 use super::frame::{Frame, Tile};
 use super::narrow::Scratch;
-use super::rays::{Outcome, Way, inside};
+use super::rays::{self, Way};
+use super::slots::{Slots, Stack};
 use crate::band::Band;
-use crate::gbuffer::{Found, Status};
 use crate::grid::RayGrid;
 use crate::method::Start;
 use crate::scalar::Scalar;
@@ -32,14 +32,7 @@ pub(super) fn trace<T: Scalar>(
 ) {
     let frame = Frame::new(rays, method.region);
     let across = band.width.div_ceil(4);
-    let mut open = vec![0_u16; across * band.height.div_ceil(4)];
-    for (index, open) in open.iter_mut().enumerate() {
-        let (left, top) = (4 * (index % across), 4 * (index / across));
-        for bit in 0..16 {
-            let is_inside = left + bit % 4 < band.width && top + bit / 4 < band.height;
-            *open |= u16::from(is_inside) << bit;
-        }
-    }
+    let open = open_pixels(band.width, band.height);
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
     let size = frame.span[0].abs().max(frame.span[1].abs());
     let mut tracer = Tracer {
@@ -67,13 +60,30 @@ pub(super) fn trace<T: Scalar>(
     }
 }
 
+/// A bit for each pixel of each 4×4 tile, row by row: clear for what sticks out of the picture.
+fn open_pixels(width: usize, height: usize) -> Vec<u16> {
+    let (across, down) = (width.div_ceil(4), height.div_ceil(4));
+    let mut open = vec![u16::MAX; across * down];
+    let kept =
+        |size: usize| (0..4).map(move |k| if size % 4 == 0 || k < size % 4 { 1_u16 } else { 0 });
+    let columns: u16 = kept(width).enumerate().map(|(k, bit)| 0x1111 * bit << k).sum();
+    let rows: u16 = kept(height).enumerate().map(|(k, bit)| 0xf * bit << (4 * k)).sum();
+    for row in 0..down {
+        open[row * across + across - 1] &= columns;
+    }
+    for last in &mut open[(down - 1) * across..] {
+        *last &= rows;
+    }
+    open
+}
+
 /// Up to sixteen tiles of one size, and what is still to be looked at of each.
 struct Level<T: Scalar> {
     /// Whether all of the tiles' segments are in the region.
     within: bool,
     places: [[usize; 2]; LANES],
     tiles: [Tile; LANES],
-    stacks: [Vec<[f64; 2]>; LANES],
+    stacks: [Stack; LANES],
     batch: Tiles<T>,
     out: Planes<T>,
 }
@@ -192,17 +202,16 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     fn run(&mut self, levels: &mut [Level<T>], depth: usize) {
         let (level, finer) = levels.split_first_mut().expect("a level");
-        let mut slots: Vec<usize> =
-            (0..LANES).filter(|&lane| !level.stacks[lane].is_empty()).collect();
+        let mut slots = Slots::new(&level.stacks);
         let mut moved = true;
         while !slots.is_empty() {
             if moved {
-                for (slot, &lane) in slots.iter().enumerate() {
+                for (slot, lane) in slots.all() {
                     level.place(slot, lane, self.frame.reach);
                 }
                 level.batch.count = slots.len() as u32;
             }
-            for (slot, &lane) in slots.iter().enumerate() {
+            for (slot, lane) in slots.all() {
                 if let Some(&[near, far]) = level.stacks[lane].last() {
                     level.batch.near[slot] = T::nearest(near);
                     level.batch.far[slot] = T::nearest(far);
@@ -210,19 +219,14 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             }
             self.method.tiles.ask(&level.batch, &mut level.out);
             self.work.tiles.calls += 1;
-            let mut live = 0;
-            for (slot, &lane) in slots.iter().enumerate() {
+            for (slot, lane) in slots.all() {
                 let Some(segment) = level.stacks[lane].pop() else { continue };
                 self.work.tiles.lanes += 1;
                 if level.out.possible >> slot & 1 == 1 {
                     self.judge(level, finer, depth, [slot, lane], segment);
                 }
-                live += usize::from(!level.stacks[lane].is_empty());
             }
-            moved = live.div_ceil(4) < slots.len().div_ceil(4);
-            if moved {
-                slots.retain(|&lane| !level.stacks[lane].is_empty());
-            }
+            moved = slots.pack(&level.stacks);
         }
     }
 
@@ -320,6 +324,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let per_screen = [slope[0] / reach[0], slope[1] / reach[1]];
         // What these few operations round is far below what single precision leaves of the rest.
         let off = (per_value * error).abs() * (1.0 + 1e-9) + 1e-13 * (middle.abs() + half);
+        let base = self.frame.start + middle;
+        let parallel = self.rays.is_parallel();
         for row in rows[0]..=rows[1] {
             let [_, b] = self.rays.screen(0, 2 * (self.band.top + row));
             let up = value + per_screen[1] * (b - centre[1]);
@@ -331,16 +337,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 }
                 *open &= !bit;
                 let [a, _] = self.rays.screen(2 * column, 0);
-                let across = per_screen[0] * (a - centre[0]);
-                let t = self.frame.start + middle + per_value * (up + across);
-                let found = Found {
-                    status: Status::Hit,
-                    distance: t,
-                    drawn: t,
-                    bracket: [t - off, t + off],
-                    ..Found::MISS
-                };
-                self.band.add(column, row, &found.scaled(self.length([a, b])));
+                let t = base + per_value * (up + per_screen[0] * (a - centre[0]));
+                let length = if parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
+                self.band.add_hit(column, row, t * length, off * length);
             }
         }
     }
@@ -403,9 +402,16 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let crossing = self.contractions.crossing >> slot & 1 == 1;
             if crossing && to - from <= tolerance && !self.method.cleared {
                 self.open[index] &= !(1 << bit);
-                let hit = Outcome { hit: Some([from, to]), ..Outcome::default() };
-                let found = hit.found(self.frame.start).scaled(self.length(screen));
-                self.band.add(first_column + bit % 4, first_row + bit / 4, &found);
+                let length = self.length(screen);
+                let middle = self.frame.start + 0.5 * (from + to);
+                // What these sums round is far below what kernels leave of a bracket.
+                let off = (0.5 * (to - from) + 1e-13 * middle.abs()) * length;
+                self.band.add_hit(
+                    first_column + bit % 4,
+                    first_row + bit / 4,
+                    middle * length,
+                    off,
+                );
             } else if from <= to {
                 let [origin, direction] = self.frame.ray(screen);
                 let error = self.frame.error;
@@ -440,18 +446,22 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 if self.open[index] >> bit & 1 == 0 {
                     continue;
                 }
-                let ray = self.rays.ray(column, self.band.top + row);
-                let start = self.frame.start;
-                let Some((near, far)) = region.span(&ray) else { continue };
-                let slack = 1e-15 * (near.abs() + start.abs());
-                let span =
-                    [segment[0].max(near - start - slack), segment[1].min(far - start + slack)];
+                let screen = self.rays.screen(2 * column, 2 * (self.band.top + row));
+                let [origin, direction] = self.frame.ray(screen);
+                let ray = Tile { centre: screen, half: [0.0; 2] };
+                let Some(mut span) = self.frame.clip(&ray, region, segment) else { continue };
+                let mut inside = self.frame.inside(&origin, &direction, region);
+                if region.clip().is_some() {
+                    let ray = self.rays.ray(column, self.band.top + row);
+                    let start = self.frame.start;
+                    let Some((near, far)) = region.span(&ray) else { continue };
+                    let slack = 1e-15 * (near.abs() + start.abs());
+                    span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
+                    inside = rays::inside(region, &ray, start, span);
+                }
                 if span[0] > span[1] {
                     continue;
                 }
-                let inside = inside(region, &ray, start, span);
-                let screen = self.rays.screen(2 * column, 2 * (self.band.top + row));
-                let [origin, direction] = self.frame.ray(screen);
                 let error = self.frame.error;
                 ways[count] = Way { origin, direction, error, span, inside, tolerance };
                 bits[count] = bit;
