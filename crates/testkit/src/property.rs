@@ -30,6 +30,7 @@ pub use vanishing::{MakeZeros, vanish};
 
 use crate::suite::{Failure, Tally};
 use crate::{Case, GraphOptions, Rng};
+use zeroset_ops::TABLE;
 
 /// A case of any size, adversarial or plain, with parameters or without.
 pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
@@ -98,6 +99,29 @@ pub fn jit_vs_oracle(data: &[u8]) -> Result<Tally, Failure> {
     } else {
         enclose::<f32>(&case, &mut rng, BOXES)
     }
+}
+
+/// [`contract`] for a case and a precision that bytes choose, or [`linear`] for an operation.
+///
+/// # Errors
+/// The first contradiction.
+pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
+    /// Batches per kernel, and vectors of operands.
+    const BATCHES: usize = 2;
+    const VECTORS: usize = 8;
+    let mut rng = Rng::from_bytes(data);
+    let (double, alone) = (rng.bool(), rng.u32(0..4) == 0);
+    if alone {
+        let op = TABLE[rng.u32(0..TABLE.len() as u32) as usize].op;
+        let ask = if double { linear::<f64> } else { linear::<f32> };
+        let Lines { compared, lanes, .. } = ask(op, &mut rng, VECTORS)?;
+        return Ok(Tally { compared: lanes, defined: compared });
+    }
+    let manner = Manner { simple: rng.bool(), native: false };
+    let case = any_case(&mut rng, LARGEST);
+    let ask = if double { contract::<f64> } else { contract::<f32> };
+    let Contracted { points, planes, .. } = ask(manner, &case, &mut rng, BATCHES)?;
+    Ok(Tally { compared: points, defined: planes })
 }
 
 /// [`picture`] of a scene that bytes choose.
