@@ -46,6 +46,9 @@ pub(super) fn trace<T: Scalar>(
         (0..tracer.band.width.div_ceil(SIDES[0])).map(|i| [i, 0]).collect();
     let span = tracer.frame.span;
     for places in places.chunks(LANES) {
+        if !tracer.band.is_wanted() {
+            return tracer.band.give_up(SIDES[0] * places[0][0]);
+        }
         coarse.start(&tracer, places, 0, span);
         tracer.run(&mut coarse, Some(&mut fine), 0);
     }
@@ -211,9 +214,13 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             return;
         }
         let width = SIDES[depth] as f64 * footprint;
-        if shorter <= STALLED * (far - near) && (crossing || shorter > SLENDER * width) {
+        let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
+        // Too short for these floats, or not finite: such a segment would come back for ever.
+        let is_last = !(new[0] < cut && cut < new[1]);
+        let is_slender = crossing || shorter <= SLENDER * width;
+        if !is_last && shorter <= STALLED * (far - near) && (crossing || !is_slender) {
             level.stacks[lane].push(new);
-        } else if crossing || shorter <= SLENDER * width {
+        } else if is_slender || is_last {
             if let Some(fine) = next {
                 let [column, row] = place;
                 let children: [[usize; 2]; LANES] =
@@ -240,7 +247,6 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 level.stacks[lane].clear();
             }
         } else {
-            let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
             level.stacks[lane].push([cut, new[1]]);
             level.stacks[lane].push([new[0], cut]);
         }
