@@ -68,7 +68,9 @@ impl Model {
         let program = Program::new(document, scene::bounds(region))?;
         times.simplify = watch.lap();
         let made = match precision {
-            Precision::F32 => make_kernels::<f32>(&program, document, region, settings, wanted)?,
+            Precision::Auto | Precision::F32 => {
+                make_kernels::<f32>(&program, document, region, settings, wanted)?
+            }
             Precision::F64 => make_kernels::<f64>(&program, document, region, settings, wanted)?,
         };
         if !made {
@@ -120,13 +122,13 @@ impl Model {
         self.precision
     }
 
-    /// Value and gradient of a surface's function at a point, which is rounded to the model's precision; everything is NaN
-    /// if there is no such surface, or no code for it.
+    /// Value and gradient of a surface's function at a point, which is rounded to the model's precision, to `f64` if that is
+    /// [`Precision::Auto`]; everything is NaN if there is no such surface, or no code for it.
     pub fn sample(&self, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
         let values = (surface < self.surfaces()).then(|| self.program.surface(surface));
         let values = values.and_then(|surface| match self.precision {
             Precision::F32 => sample::<f32>(surface, point),
-            Precision::F64 => sample::<f64>(surface, point),
+            Precision::Auto | Precision::F64 => sample::<f64>(surface, point),
         });
         values.unwrap_or((f64::NAN, [f64::NAN; 3]))
     }
@@ -155,7 +157,8 @@ impl Model {
     }
 
     /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since it was last called,
-    /// and ends the work early by returning `false`: the picture then is incomplete and of no use.
+    /// and ends the work early by returning `false`, as the end of the settings' budget does: what was not reached then is
+    /// undecided, and not painted.
     ///
     /// # Errors
     /// If a kernel is needed that cannot be made. What [`Model::new`] compiled is there already.
@@ -165,9 +168,11 @@ impl Model {
         settings: &Settings,
         advance: &(dyn Fn(usize) -> bool + Sync),
     ) -> Result<Picture, ProgramError> {
+        let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
+        let advance = |done| advance(done) && end.is_none_or(|end| Instant::now() < end);
         match settings.precision {
-            Precision::F32 => self.trace_in::<f32>(camera, settings, advance),
-            Precision::F64 => self.trace_in::<f64>(camera, settings, advance),
+            Precision::Auto | Precision::F32 => self.trace_in::<f32>(camera, settings, &advance),
+            Precision::F64 => self.trace_in::<f64>(camera, settings, &advance),
         }
     }
 
@@ -222,6 +227,9 @@ impl Model {
             }
             times.shade += watch.lap();
             if !advance(0) {
+                if let Some(picture) = picture.as_mut().filter(|_| index + 1 < self.surfaces()) {
+                    picture.give_up();
+                }
                 break;
             }
         }
@@ -342,8 +350,10 @@ pub fn render(
     let pixels = settings.width * settings.height * document.surfaces.len();
     let done = AtomicUsize::new(0);
     let advance = |pixels_done: usize| {
-        let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
-        progress(done, pixels);
+        if pixels_done > 0 {
+            let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
+            progress(done, pixels);
+        }
         true
     };
     model.trace(camera, settings, &advance)

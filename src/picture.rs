@@ -4,7 +4,8 @@ use crate::kernels::Made;
 use glam::DVec3;
 use std::time::Duration;
 use zeroset_trace::{
-    GBuffer, LinearRgb, Method, PixelCounts, UndecidedStyle, Work, hand_back_colours,
+    GBuffer, LinearRgb, Method, MethodOption, PixelCounts, Reason, UndecidedStyle, Work,
+    hand_back_colours,
 };
 
 pub use zeroset_trace::Precision;
@@ -26,6 +27,8 @@ pub struct Settings {
     pub tolerance: f64,
     /// Whether the brackets of hits are kept.
     pub brackets: bool,
+    /// How long surfaces may be looked for: what was not reached by then is undecided and not painted.
+    pub budget: Option<Duration>,
     /// The same depth for shadow rays; `None` for no shadows.
     pub shadow_depth: Option<u32>,
     /// Where normals come from; `None` if neither colours nor normals are wanted.
@@ -38,6 +41,15 @@ pub struct Settings {
     pub ambient: f32,
     /// Shown where there is nothing; `None` for the default.
     pub background: Option<LinearRgb>,
+}
+
+/// Which tolerances there are, and why.
+pub const TOLERANCES: &str = "a tolerance is a number of pixels, above 0, since no arithmetic finds a root exactly, and at \
+     most 100; 0.5 is the default";
+
+/// Whether a picture can be made with this tolerance.
+pub fn is_tolerance(pixels: f64) -> bool {
+    pixels > 0.0 && pixels <= 100.0
 }
 
 /// Where normals come from.
@@ -55,10 +67,11 @@ impl Default for Settings {
             width: 512,
             height: 512,
             method: Default::default(),
-            precision: Precision::F32,
+            precision: Precision::Auto,
             max_depth: 10,
             tolerance: 0.5,
             brackets: false,
+            budget: None,
             shadow_depth: None,
             normals: Some(Normals::Gradient),
             undecided: UndecidedStyle::Shade,
@@ -96,6 +109,21 @@ impl Picture {
     pub fn hand_back(self) {
         self.buffer.hand_back();
         hand_back_colours(self.rgb);
+    }
+
+    /// Why pixels are undecided, and how many for each reason, in one line; `None` if none are.
+    pub fn why_undecided(&self) -> Option<String> {
+        let counts = self.buffer.reasons();
+        // It tells no reasons, and there is but one.
+        let is_one = counts[1..].iter().all(|count| *count == 0);
+        if is_one && counts[0] > 0 && self.method.reads.contains(&MethodOption::Depth) {
+            let why = "this method proves misses, and hits only where the domain cuts a solid";
+            return Some(why.to_owned());
+        }
+        let parts = Reason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0);
+        let parts: Vec<String> =
+            parts.map(|(reason, count)| format!("{count} {}", reason.describe())).collect();
+        (!parts.is_empty()).then(|| parts.join(", "))
     }
 }
 

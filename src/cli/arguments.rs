@@ -147,6 +147,10 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub shading: ShadingArgs,
 
+    /// Stop looking for surfaces after so long: what was not reached is undecided and not drawn
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub budget: Option<f64>,
+
     /// Exit with code 1 if any pixel is undecided
     #[arg(long)]
     pub strict: bool,
@@ -221,12 +225,20 @@ impl CameraArgs {
     }
 }
 
-/// How finely kernels resolve.
+/// How surfaces are found, and how finely.
 #[derive(Debug, Args)]
 pub struct KernelArgs {
-    /// Kernel precision; enclosures are rigorous in either
-    #[arg(long, value_parser = one_of::<Precision>(), default_value = "f32")]
+    /// How rays are traced
+    #[arg(long, value_parser = methods(), default_value = METHODS[0].name)]
+    pub method: &'static Method,
+
+    /// Kernel precision; enclosures are rigorous in all
+    #[arg(long, value_parser = one_of::<Precision>(), default_value = "auto")]
     pub precision: Precision,
+
+    /// How far, in pixels, a hit may be from where it is said to be: above 0, at most 100
+    #[arg(long, value_name = "PIXELS", default_value_t = 0.5, allow_hyphen_values = true)]
+    pub tolerance: f64,
 
     /// How many times a ray's path through the domain is halved: at most 20, or 40 in f64; beyond
     /// 14, rays that stay undecided are given up after 16384 steps
@@ -236,10 +248,6 @@ pub struct KernelArgs {
 
 #[derive(Debug, Args)]
 pub struct TracingArgs {
-    /// How rays are traced
-    #[arg(long, value_parser = methods(), default_value = METHODS[0].name)]
-    pub method: &'static Method,
-
     #[command(flatten)]
     pub kernels: KernelArgs,
 
@@ -285,6 +293,13 @@ fn one_of<T: Named>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(names).try_map(|name| T::named(&name).ok_or("no such value"))
 }
 
+/// Takes the name of a precision that one kernel can have.
+fn floats() -> impl TypedValueParser<Value = Precision> {
+    let one = Precision::NAMES.iter().filter(|(precision, ..)| *precision != Precision::Auto);
+    let names = one.map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(names).try_map(|name| Precision::named(&name).ok_or("no such value"))
+}
+
 /// Takes the name of a side to look from.
 fn side() -> impl TypedValueParser<Value = StandardView> {
     let names = PossibleValuesParser::new(StandardView::ALL.map(|(name, _)| name));
@@ -316,7 +331,7 @@ pub struct EvalArgs {
     pub source: PathBuf,
 
     /// Kernel precision, where a line does not say
-    #[arg(long, value_parser = one_of::<Precision>(), default_value = "f32")]
+    #[arg(long, value_parser = floats(), default_value = "f32")]
     pub precision: Precision,
 
     /// Use the reference evaluator instead of compiled code
@@ -330,7 +345,7 @@ pub struct ExplainArgs {
     pub document: DocumentArgs,
 
     /// Precision of the kernels that are shown
-    #[arg(long, value_parser = one_of::<Precision>(), default_value = "f32")]
+    #[arg(long, value_parser = floats(), default_value = "f32")]
     pub precision: Precision,
 
     /// Show the intermediate code of the interval kernels too

@@ -15,6 +15,8 @@ pub struct ArrayRow {
     help: &'static str,
     /// Whether normals have to be computed for it.
     pub needs_normals: bool,
+    /// Whether brackets of hits have to be kept for it.
+    pub needs_brackets: bool,
     pub write: fn(&Picture, &mut dyn Write) -> io::Result<()>,
 }
 
@@ -22,21 +24,33 @@ pub struct ArrayRow {
 pub const ARRAYS: &[ArrayRow] = &[
     ArrayRow {
         flag: "distance",
-        help: "Distance from the eye as a float32 array (float64 with --precision f64), inf where nothing is drawn",
+        help: "Distance from the eye as a float64 array (float32 with --precision f32), inf for a miss",
         needs_normals: false,
+        needs_brackets: false,
         write: |picture, out| {
             let distance = picture.buffer.distance.iter().copied();
             match picture.precision {
                 // Exact, as these kernels know no more.
                 Precision::F32 => write(out, &shape(picture), distance.map(|d| d as f32)),
-                Precision::F64 => write(out, &shape(picture), distance),
+                Precision::Auto | Precision::F64 => write(out, &shape(picture), distance),
             }
+        },
+    },
+    ArrayRow {
+        flag: "bracket",
+        help: "Of hits, the distances between which the first zero is proven to lie, as a float64 array of two values per pixel, NaN elsewhere",
+        needs_normals: false,
+        needs_brackets: true,
+        write: |picture, out| {
+            let [rows, columns] = shape(picture);
+            write(out, &[rows, columns, 2], picture.buffer.bracket.iter().flatten().copied())
         },
     },
     ArrayRow {
         flag: "status",
         help: "What is proven of each pixel as a uint8 array: 0 miss, 1 hit, 2 undecided",
         needs_normals: false,
+        needs_brackets: false,
         write: |picture, out| {
             write(out, &shape(picture), picture.buffer.status.iter().map(|&status| status as u8))
         },
@@ -45,9 +59,23 @@ pub const ARRAYS: &[ArrayRow] = &[
         flag: "normal",
         help: "Unit normals towards f > 0 as a float32 array, 0 where nothing is drawn",
         needs_normals: true,
+        needs_brackets: false,
         write: |picture, out| {
             let [rows, columns] = shape(picture);
             write(out, &[rows, columns, 3], picture.buffer.normal.iter().flatten().copied())
+        },
+    },
+    ArrayRow {
+        flag: "surface-id",
+        help: "Which surface is drawn as an int16 array: 0 for the first of the text, and so on; -1 for none",
+        needs_normals: false,
+        needs_brackets: false,
+        write: |picture, out| {
+            let buffer = &picture.buffer;
+            let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
+            // A text has at most a thousand surfaces.
+            let number = |pixel| drawn(pixel).map_or(-1, |surface| surface as i16);
+            write(out, &shape(picture), (0..buffer.surface.len()).map(number))
         },
     },
 ];

@@ -124,11 +124,12 @@ impl Functions {
             Some(name) => name
                 .as_str()
                 .and_then(Precision::named)
+                .filter(|precision| *precision != Precision::Auto)
                 .ok_or_else(|| format!("\"precision\" is \"f32\" or \"f64\", not {name}"))?,
         };
         let program = self.program(formula)?;
         let mut answer = match precision {
-            Precision::F32 => answer::<f32>(program, &place),
+            Precision::Auto | Precision::F32 => answer::<f32>(program, &place),
             Precision::F64 => answer::<f64>(program, &place),
         }
         .map_err(|error| error.to_string())?;

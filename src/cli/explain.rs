@@ -5,10 +5,11 @@ use super::notes;
 use super::output::print;
 use super::subject::Subject;
 use anyhow::Result;
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
-use zeroset::picture::Precision;
+use zeroset::picture::{Precision, Settings};
 use zeroset::program::{Cleared, Form, Program};
 use zeroset::scene;
 use zeroset_eval::{FindZeros, KernelFloat, Step, Tape};
@@ -16,23 +17,39 @@ use zeroset_interval::Interval;
 use zeroset_ir::{NodeId, display};
 use zeroset_jit::intermediate_code;
 use zeroset_syntax::SurfaceKind;
+use zeroset_trace::{Method, Options, Region};
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
-    let text = match arguments.precision {
-        Precision::F32 => explain::<f32>(&subject, arguments.code)?,
-        Precision::F64 => explain::<f64>(&subject, arguments.code)?,
-    };
+    let text = explain(&subject, <&Method>::default(), arguments.precision, arguments.code)?;
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// How a document is read, simplified and compiled to kernels of `T`: what can be read first, and
-/// the code last, if it is asked for.
+/// How a document is read, simplified and compiled to the kernels that a method begins with: what
+/// can be read first, and the code last, if it is asked for.
 ///
 /// # Errors
 /// If no code can be made.
-pub fn explain<T: KernelFloat>(subject: &Subject, with_code: bool) -> Result<String> {
+pub fn explain(
+    subject: &Subject,
+    method: &Method,
+    precision: Precision,
+    with_code: bool,
+) -> Result<String> {
+    let make: fn(&_, &_, _, _) -> _ = match precision {
+        Precision::Auto | Precision::F32 => explain_in::<f32>,
+        Precision::F64 => explain_in::<f64>,
+    };
+    make(subject, method, precision, with_code)
+}
+
+fn explain_in<T: KernelFloat>(
+    subject: &Subject,
+    method: &Method,
+    precision: Precision,
+    with_code: bool,
+) -> Result<String> {
     let document = &subject.document;
     let mut text = String::new();
     for note in &document.notes {
@@ -41,10 +58,10 @@ pub fn explain<T: KernelFloat>(subject: &Subject, with_code: bool) -> Result<Str
         writeln!(text, "{shown}\n")?;
     }
     // A formula without a surface can be explained too; nothing is then assumed of its domain.
-    let domain = match scene::region(document, subject.domain, None) {
-        Ok((region, _)) => scene::bounds(&region),
-        Err(_) => [Interval::ENTIRE; 3],
-    };
+    let region = scene::region(document, subject.domain, None).map(|(region, _)| region);
+    let domain = region.as_ref().map_or([Interval::ENTIRE; 3], scene::bounds);
+    // Kernels do not depend on it beyond the domain.
+    let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
     let [x, y, z] = domain;
     writeln!(text, "domain      x in {}, y in {}, z in {}", range(x), range(y), range(z))?;
     let mut code = String::new();
@@ -64,7 +81,10 @@ pub fn explain<T: KernelFloat>(subject: &Subject, with_code: bool) -> Result<Str
         }
         // Asked for what a picture needs, so that the kernels listed are those that it makes.
         let kernels = program.kernels::<T>(index);
-        kernels.zeros()?;
+        let Settings { max_depth: depth, tolerance, .. } = Settings::default();
+        let suppress_asymptotes = surface.kind == SurfaceKind::Equation;
+        let options = Options { precision, depth, tolerance, suppress_asymptotes };
+        drop(method.prepare(program.surface(index), &region, options)?);
         kernels.gradients()?;
         if surface.kind == SurfaceKind::Solid {
             kernels.bounds()?;

@@ -7,12 +7,14 @@ use zeroset::live::{Rendering, Request, quote};
 use zeroset::picture::Precision;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
-use zeroset_trace::Status;
+use zeroset_trace::{MethodOption, Reason, Status};
 
 /// A place of the surface that is seen in a pixel.
 pub struct Pick<'a> {
     rendering: &'a Rendering,
     pixel: usize,
+    /// How far off, about, the point may be, in world units.
+    reach: f64,
     /// The point that is painted; `None` where the background shows.
     pub point: Option<DVec3>,
 }
@@ -28,17 +30,24 @@ impl<'a> Pick<'a> {
         let column = scaled(place.0, window.0, buffer.width)?;
         let row = scaled(place.1, window.1, buffer.height)?;
         let pixel = row * buffer.width + column;
-        let ray = rendering.camera.rays(buffer.width, buffer.height).ray_of(pixel);
+        let rays = rendering.camera.rays(buffer.width, buffer.height);
+        let ray = rays.ray_of(pixel);
         let distance = buffer.drawn[pixel];
         let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
-        Some(Self { rendering, pixel, point })
+        let settings = &rendering.request.settings;
+        let reach = if settings.method.reads.contains(&MethodOption::Depth) {
+            let extent = 2.0 * rendering.model.region().half_extent();
+            extent * 0.5_f64.powi(settings.max_depth as i32)
+        } else {
+            settings.tolerance * rays.footprint(distance)
+        };
+        Some(Self { rendering, pixel, reach, point })
     }
 
     /// One line with the coordinates.
     pub fn coordinates(&self) -> Option<String> {
         let p = self.point?;
-        let extent = 2.0 * self.rendering.model.region().half_extent();
-        let digits = digits(extent, self.rendering.request.settings.max_depth);
+        let digits = digits(self.reach);
         Some(format!("x {:.digits$}  y {:.digits$}  z {:.digits$}", p.x, p.y, p.z))
     }
 
@@ -50,11 +59,13 @@ impl<'a> Pick<'a> {
         let status = match buffer.status[self.pixel] {
             Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
             Status::Hit => "hit: proven".to_owned(),
-            Status::Undecided => format!(
-                "undecided: the surface may lie in a slab of 1/{} of the domain; {} proves misses only",
-                1_u64 << self.rendering.request.settings.max_depth,
-                self.rendering.picture.method.name,
+            Status::Undecided if buffer.reason[self.pixel] == Reason::None => format!(
+                "undecided: the surface may lie within {:.1e}; {} proves misses only",
+                self.reach, self.rendering.picture.method.name,
             ),
+            Status::Undecided => {
+                format!("undecided: a point {}", buffer.reason[self.pixel].describe())
+            }
         };
         let mut text = format!("pixel {column}, {row}: {status}");
         let Some(p) = self.point else { return text };
@@ -65,7 +76,7 @@ impl<'a> Pick<'a> {
         // The shortest digits that say which float it is.
         let show = |value: f64| match precision {
             Precision::F32 => (value as f32).to_string(),
-            Precision::F64 => value.to_string(),
+            Precision::Auto | Precision::F64 => value.to_string(),
         };
         let [x, y, z] = p.to_array().map(show);
         let distance = show(buffer.drawn[self.pixel]);
@@ -76,9 +87,9 @@ impl<'a> Pick<'a> {
         let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}", show(value));
         let _ = write!(text, "\n  normal {a:.4}, {b:.4}, {c:.4}");
         let formula = formula(&self.rendering.request, surface);
-        let point = match precision {
-            Precision::F32 => json!(p.as_vec3().to_array()),
-            Precision::F64 => json!(p.to_array()),
+        let (point, precision) = match precision {
+            Precision::F32 => (json!(p.as_vec3().to_array()), Precision::F32),
+            Precision::Auto | Precision::F64 => (json!(p.to_array()), Precision::F64),
         };
         let precision = precision.to_string();
         let question = json!({ "f": formula, "at": point, "precision": precision }).to_string();
@@ -87,10 +98,9 @@ impl<'a> Pick<'a> {
     }
 }
 
-/// Decimals that a place deserves which is known to within a slab: those of the slab's first digit.
-fn digits(extent: f64, depth: u32) -> usize {
-    let slab = extent * 0.5_f64.powi(depth as i32);
-    (-slab.log10().floor()).clamp(0.0, 17.0) as usize
+/// Decimals that a place deserves which is known to within so much: those of its first digit.
+fn digits(reach: f64) -> usize {
+    (-reach.log10().floor()).clamp(0.0, 17.0) as usize
 }
 
 /// The definitions of a document and one of its surfaces, as a text of its own.
@@ -134,8 +144,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_have_the_digits_that_their_slab_gives_them() {
-        assert_eq!([digits(4.0, 10), digits(4.0, 16), digits(4.0, 40)], [3, 5, 12]);
-        assert_eq!([digits(1e6, 3), digits(0.0, 10)], [0, 17]);
+    fn places_have_the_digits_that_are_known_of_them() {
+        let slab = |depth| 4.0 * 0.5_f64.powi(depth);
+        assert_eq!([digits(slab(10)), digits(slab(16)), digits(slab(40))], [3, 5, 12]);
+        assert_eq!([digits(1e6), digits(0.0), digits(f64::INFINITY)], [0, 17, 0]);
     }
 }

@@ -11,11 +11,12 @@ use anyhow::{Context, Result, bail, ensure};
 use glam::DVec3;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
 use zeroset::domain::AutoDomain;
-use zeroset::picture::{Picture, Precision, Settings};
+use zeroset::picture::{Picture, Precision, Settings, TOLERANCES, is_tolerance};
 use zeroset::scene;
 use zeroset_syntax::SrgbColor;
-use zeroset_trace::{LinearRgb, Status};
+use zeroset_trace::{LinearRgb, MethodOption, Reason, Status};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
@@ -46,7 +47,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     if let Some(found) = searched {
         notes::note(&subject::describe_domain(&found));
     }
-    remark(&subject, &region, &picture, searched);
+    remark(&subject, &region, &settings, &picture, searched);
     files.finish(&picture)?;
     if arguments.outputs.json {
         let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
@@ -77,7 +78,7 @@ pub fn in_threads<T: Send>(
 pub fn check_depth(flag: &str, depth: u32, precision: Precision) -> Result<()> {
     let most = precision.max_depth();
     let hint = match precision {
-        Precision::F32 => {
+        Precision::Auto | Precision::F32 => {
             format!(", or {} with --precision f64", Precision::F64.max_depth())
         }
         Precision::F64 => String::new(),
@@ -86,25 +87,33 @@ pub fn check_depth(flag: &str, depth: u32, precision: Precision) -> Result<()> {
     Ok(())
 }
 
+/// What is asked for of the way in which surfaces are found; the rest by default.
+///
+/// # Errors
+/// If a number is out of range.
+pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
+    let KernelArgs { method, precision, tolerance, max_depth } = *kernels;
+    check_depth("--max-depth", max_depth, precision)?;
+    ensure!(is_tolerance(tolerance), "--tolerance {tolerance}: {TOLERANCES}");
+    Ok(Settings { method, precision, tolerance, max_depth, ..Settings::default() })
+}
+
 /// What the method's flags ask for, at a given size and with the default shading.
 ///
 /// # Errors
 /// If a number is out of range.
 pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
-    let KernelArgs { precision, max_depth } = method.kernels;
-    check_depth("--max-depth", max_depth, precision)?;
+    let settings = kernel_settings(&method.kernels)?;
+    let Settings { precision, max_depth, .. } = settings;
     let coarser = || max_depth.saturating_sub(SHADOW_COARSENESS).max(1);
     let shadow_depth = method.shadow_depth.unwrap_or_else(coarser);
     check_depth("--shadow-depth", shadow_depth, precision)?;
     Ok(Settings {
         width,
         height,
-        precision,
-        max_depth,
-        method: method.method,
         shadow_depth: method.shadows.then_some(shadow_depth),
         normals: Some(method.normals),
-        ..Settings::default()
+        ..settings
     })
 }
 
@@ -127,8 +136,20 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let method = method_settings(&arguments.tracing, outputs.size)?;
     let needs_normals =
         outputs.output.is_some() || outputs.arrays.0.iter().any(|(row, _)| row.needs_normals);
+    let budget = match arguments.budget {
+        None => None,
+        Some(seconds) if seconds > 0.0 => Some(
+            Duration::try_from_secs_f64(seconds)
+                .with_context(|| format!("--budget {seconds}: no such time"))?,
+        ),
+        Some(seconds) => {
+            bail!("--budget {seconds}: without time nothing can be found; give seconds above 0")
+        }
+    };
     Ok(Settings {
         normals: method.normals.filter(|_| needs_normals),
+        brackets: outputs.arrays.0.iter().any(|(row, _)| row.needs_brackets),
+        budget,
         undecided: shading.undecided,
         light: shading.light.map(|place| DVec3::from_array(place.0)),
         ambient: shading.ambient,
@@ -184,6 +205,7 @@ impl Files {
 fn remark(
     subject: &Subject,
     region: &zeroset_trace::Region,
+    settings: &Settings,
     picture: &Picture,
     searched: Option<AutoDomain>,
 ) {
@@ -195,31 +217,40 @@ fn remark(
     let seen = pixels.hit + pixels.undecided;
     if seen == 0 {
         notes::note(&subject::why_nothing_is_seen(subject, region, picture.undefined, searched));
-    } else if pixels.undecided > 0 {
+        return;
+    }
+    if let Some(why) = picture.why_undecided() {
+        let all = pixels.miss + seen;
+        notes::note(&format!("{} of {all} pixels are undecided: {why}", pixels.undecided));
+    }
+    let buffer = &picture.buffer;
+    let blank =
+        |pixel: &usize| buffer.status[*pixel] == Status::Undecided && !buffer.is_drawn(*pixel);
+    let is_unreached =
+        |pixel: &usize| buffer.reason[*pixel] == Reason::Budget && buffer.distance[*pixel] == 0.0;
+    let blank: Vec<usize> = (0..buffer.status.len()).filter(blank).collect();
+    let unreached = blank.iter().filter(|pixel| is_unreached(pixel)).count();
+    if let Some(budget) = settings.budget.filter(|_| unreached > 0) {
         notes::note(&format!(
-            "{} of {} pixels are undecided: this method proves misses, and hits only where the domain cuts a solid",
-            pixels.undecided,
-            pixels.miss + seen,
+            "{unreached} of these were not reached within {} s and are not drawn: a larger --budget \
+             shows more",
+            budget.as_secs_f64(),
         ));
-        let buffer = &picture.buffer;
-        let passed_over = buffer
-            .status
-            .iter()
-            .zip(&buffer.drawn)
-            .filter(|(status, drawn)| **status == Status::Undecided && drawn.is_infinite());
-        let passed_over = passed_over.count();
-        if picture.statistics.work.given_up > 0 {
-            notes::note(&format!(
-                "some rays were given up after {} steps and stay undecided: a smaller --max-depth takes \
-                 less time, --precision f64 may decide more of them",
-                zeroset_trace::STEPS,
-            ));
-        } else if passed_over > 0 {
-            notes::note(&format!(
-                "{passed_over} of these are not drawn: the function has no bounds along those rays, as near \
-                 a pole or beyond the range of floats, so a root there would not be seen; a larger \
-                 --max-depth or --precision f64 may decide more of them"
-            ));
-        }
+    }
+    let deepens = picture.method.reads.contains(&MethodOption::Depth);
+    let passed_over = blank.len() - unreached;
+    if deepens && picture.statistics.work.given_up > 0 {
+        notes::note(&format!(
+            "some rays were given up after {} steps and stay undecided: a smaller --max-depth takes \
+             less time, --precision f64 may decide more of them",
+            zeroset_trace::STEPS,
+        ));
+    } else if passed_over > 0 {
+        let deeper = if deepens { "a larger --max-depth or " } else { "" };
+        notes::note(&format!(
+            "{passed_over} of these are not drawn: the function has no bounds along those rays, as near \
+             a pole or beyond the range of floats, so a root there would not be seen; {deeper}--precision \
+             f64 may decide more of them"
+        ));
     }
 }

@@ -1,10 +1,10 @@
 //! What `zeroset render --json` prints.
 
 use super::subject::Subject;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use zeroset::domain::AutoDomain;
 use zeroset::picture::{Picture, Settings};
-use zeroset_trace::{Camera, Count, Projection, Region};
+use zeroset_trace::{Camera, Count, Projection, Reason, Region};
 
 /// Times, counts, camera and domain of a picture.
 pub fn object(
@@ -38,6 +38,11 @@ pub fn object(
             })
         })
         .collect();
+    let reasons: Map<String, Value> = Reason::ALL
+        .iter()
+        .zip(picture.buffer.reasons())
+        .map(|(reason, count)| (reason.name().to_owned(), count.into()))
+        .collect();
     let mut camera_object = json!({
         "eye": camera.eye().to_array(),
         "target": camera.target().to_array(),
@@ -48,6 +53,9 @@ pub fn object(
         "surfaces": echoes,
         "method": picture.method.name,
         "precision": picture.precision.to_string(),
+        "tolerance": settings.tolerance,
+        "max_depth": settings.max_depth,
+        "budget": settings.budget.map(|budget| budget.as_secs_f64()),
         "size": [settings.width, settings.height],
         "ms": {
             "parse": ms(subject.parse),
@@ -61,7 +69,10 @@ pub fn object(
             "miss": statistics.pixels.miss,
             "undecided": statistics.pixels.undecided,
         },
+        "undecided": reasons,
         "work": {
+            "tile": count(statistics.work.tiles),
+            "segment": count(statistics.work.segments),
             "interval": count(statistics.work.interval),
             "point": count(statistics.work.point),
             "gradient": count(statistics.work.gradient),

@@ -2,7 +2,7 @@
 
 use super::arguments::InteractiveArgs;
 use super::output::{Output, check_png, write_png};
-use super::render::check_depth;
+use super::render::kernel_settings;
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zeroset::live::{Live, Reply, Request};
-use zeroset::picture::{Precision, Settings};
+use zeroset::picture::Settings;
 
 /// What is shown when nothing is asked for.
 const FIRST: &str = "gyroid";
@@ -75,8 +75,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Session {
     pub fn new(arguments: &InteractiveArgs) -> Result<Self> {
-        let (precision, max_depth) = (arguments.kernels.precision, arguments.kernels.max_depth);
-        check_depth("--max-depth", max_depth, precision)?;
+        let settings = kernel_settings(&arguments.kernels)?;
         let given = arguments.source.as_deref();
         let Source { name, text } = source::find(given.unwrap_or(OsStr::new(FIRST)))?;
         let (mut width, mut height) = (arguments.size.width, arguments.size.height);
@@ -93,7 +92,7 @@ impl Session {
             clip: arguments.camera.clip(),
             choice: arguments.camera.choice(),
             orbit: None,
-            settings: Settings { width, height, precision, max_depth, ..Settings::default() },
+            settings: Settings { width, height, ..settings },
         };
         if let Ok(document) = request.read() {
             note_time(request.time, &document);
@@ -282,10 +281,8 @@ impl Session {
             domain: request.domain,
             parse: seen.parse,
         };
-        let text = match seen.picture.precision {
-            Precision::F32 => explain::explain::<f32>(&subject, code)?,
-            Precision::F64 => explain::explain::<f64>(&subject, code)?,
-        };
+        let (method, precision) = (seen.picture.method, seen.picture.precision);
+        let text = explain::explain(&subject, method, precision, code)?;
         self.say(text.trim_end());
         Ok(())
     }

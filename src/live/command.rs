@@ -5,11 +5,11 @@ use super::pipeline::Request;
 use super::session::{Live, Refusal, Reply};
 use super::status;
 use crate::names::Named;
-use crate::picture::{Precision, Settings};
+use crate::picture::{Precision, Settings, TOLERANCES, is_tolerance};
 use crate::scene::{self, CameraChoice, DomainChoice};
 use std::fmt::Write as _;
 use zeroset_syntax::language_names;
-use zeroset_trace::{METHODS, Method, Region, StandardView};
+use zeroset_trace::{METHODS, Method, MethodOption, Region, StandardView};
 
 /// What a line asks for.
 enum Line<'a> {
@@ -53,11 +53,11 @@ pub const COMMANDS: &[CommandRow] = &[
         run: |live, name| StandardView::named(name).map(|view| look_from(live, view)) },
     CommandRow { name: "method", arguments: "[NAME]", doc: "how rays are traced",
         run: |live, name| Some(method(live, name)) },
-    CommandRow { name: "tolerance", arguments: "[LENGTH]", doc: "how finely surfaces are located, in world units",
-        run: |live, length| Some(tolerance(live, optional(length, |length| {
-            length.parse().ok().filter(|length: &f64| length.is_finite() && *length > 0.0)
-        })?)) },
-    CommandRow { name: "precision", arguments: "[f32|f64]", doc: "kernel precision: f64 is slower but resolves more",
+    CommandRow { name: "tolerance", arguments: "[PIXELS]", doc: "how far a hit may be from where it is drawn, in pixels",
+        run: |live, pixels| Some(tolerance(live, optional(pixels, |pixels| pixels.parse().ok())?)) },
+    CommandRow { name: "depth", arguments: "[N]", doc: "how often a ray's way through the domain is halved",
+        run: |live, number| Some(depth(live, optional(number, |number| number.parse().ok())?)) },
+    CommandRow { name: "precision", arguments: "[auto|f32|f64]", doc: "kernel precision: f64 is slower but resolves more",
         run: |live, name| Some(precision(live, optional(name, Precision::named)?)) },
     CommandRow { name: "time", arguments: "T", doc: "set the time t",
         run: |live, time| Some(set_time(live, scene::number(time)?)) },
@@ -188,21 +188,38 @@ fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
     Ok(Reply::Done)
 }
 
-fn tolerance(live: &Live, length: Option<f64>) -> Result<Reply, Refusal> {
-    let Some(seen) = live.snapshot().rendering else {
-        return refused("there is no picture yet".to_owned());
-    };
-    let extent = 2.0 * seen.model.region().half_extent();
-    if let Some(length) = length {
-        live.change(|request| {
-            let most = request.settings.precision.max_depth();
-            let depth = (extent / length).log2().ceil().clamp(1.0, f64::from(most));
-            request.settings.max_depth = depth as u32;
-        });
+fn tolerance(live: &Live, wanted: Option<f64>) -> Result<Reply, Refusal> {
+    if let Some(pixels) = wanted {
+        if !is_tolerance(pixels) {
+            return refused(format!("{pixels}: {TOLERANCES}"));
+        }
+        live.change(|request| request.settings.tolerance = pixels);
     }
-    let depth = live.settings().max_depth;
-    let slab = extent * 0.5_f64.powi(depth as i32);
-    say(format!("depth {depth}: slabs of at most {slab:.2e}"))
+    let settings = live.settings();
+    let unread = unread(&settings, MethodOption::Tolerance);
+    say(format!("hits are within {} pixels of where they are drawn{unread}", settings.tolerance))
+}
+
+fn depth(live: &Live, wanted: Option<u32>) -> Result<Reply, Refusal> {
+    let most = live.settings().precision.max_depth();
+    if let Some(depth) = wanted {
+        if !(1..=most).contains(&depth) {
+            let hint = if most < Precision::F64.max_depth() {
+                format!(", or {} after :precision f64", Precision::F64.max_depth())
+            } else {
+                String::new()
+            };
+            return refused(format!("a depth is between 1 and {most}{hint}"));
+        }
+        live.change(|request| request.settings.max_depth = depth);
+    }
+    let settings = live.settings();
+    let unread = unread(&settings, MethodOption::Depth);
+    let slabs = live.snapshot().rendering.map_or_else(String::new, |seen| {
+        let extent = 2.0 * seen.model.region().half_extent();
+        format!(": slabs of at most {:.2e}", extent * 0.5_f64.powi(settings.max_depth as i32))
+    });
+    say(format!("depth {} of at most {most}{slabs}{unread}", settings.max_depth))
 }
 
 /// Slabs that are too thin for the new floats become as thin as they can be.
@@ -213,9 +230,25 @@ fn precision(live: &Live, wanted: Option<Precision>) -> Result<Reply, Refusal> {
             request.settings.max_depth = request.settings.max_depth.min(precision.max_depth());
         });
     }
-    let Settings { precision, max_depth, .. } = live.settings();
-    let most = precision.max_depth();
-    say(format!("{precision}: depth {max_depth} of at most {most} (:tolerance sets it)"))
+    let settings = live.settings();
+    let Settings { precision, max_depth, .. } = settings;
+    if settings.method.reads.contains(&MethodOption::Depth) {
+        let most = precision.max_depth();
+        return say(format!("{precision}: depth {max_depth} of at most {most} (:depth sets it)"));
+    }
+    let help = Precision::NAMES.iter().find(|row| row.0 == precision).map_or("", |row| row.2);
+    say(format!("{precision}: {help}"))
+}
+
+/// A remark on an option that the method does not look at.
+fn unread(settings: &Settings, option: MethodOption) -> String {
+    let method = settings.method;
+    if method.reads.contains(&option) {
+        return String::new();
+    }
+    let names = METHODS.iter().filter(|row| row.reads.contains(&option)).map(|row| row.name);
+    let names: Vec<&str> = names.collect();
+    format!("; the method {} does not use that, but {} does", method.name, names.join(", "))
 }
 
 /// Reads a line. A command may be shortened to any prefix that only it has.
@@ -350,6 +383,7 @@ mod tests {
         assert_eq!(command(":q"), ("quit", ""));
         assert_eq!(command(" :help  sin "), ("help", "sin"));
         assert_eq!(command(":tol 1e-3"), ("tolerance", "1e-3"));
+        assert_eq!(command(":de 12"), ("depth", "12"));
     }
 
     #[test]
@@ -390,14 +424,19 @@ mod tests {
         assert!(message(":xylophone").ends_with(":help lists them"));
         assert!(message(":").contains(":help"));
         assert!(message(":help qqqqqq").starts_with("no function or command named 'qqqqqq'"));
+        for text in [":tolerance -1", ":tolerance 0", ":tolerance nan", ":tolerance 101"] {
+            assert!(message(text).contains("above 0"), "{text}");
+        }
+        assert!(message(":depth 0").contains("between 1 and 20, or 40 after :precision f64"));
         assert!(message(":set t = soon").contains("'soon' is not a finite number"));
         for text in [
             ":domain nonsense",
             ":domain 1,2",
             ":time",
             ":time inf",
-            ":tolerance -1",
-            ":tolerance nan",
+            ":tolerance fine",
+            ":depth -1",
+            ":depth 1.5",
             ":view up",
             ":precision f16",
             ":explain all",

@@ -2,12 +2,12 @@
 
 use super::pipeline::{Rendering, Snapshot};
 use crate::names::Named;
-use crate::picture::Precision;
+use crate::picture::Settings;
 use crate::scene::DomainChoice;
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::time::Duration;
-use zeroset_trace::{Projection, UndecidedStyle};
+use zeroset_trace::{MethodOption, Projection, UndecidedStyle};
 
 /// What is said of a function that may be 0 everywhere.
 pub const FLAT: &str =
@@ -33,9 +33,13 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
         "domain      x {}..{}, y {}..{}, z {}..{}  {found}",
         low.x, high.x, low.y, high.y, low.z, high.z
     );
-    let (depth, precision) = (rendering.request.settings.max_depth, rendering.picture.precision);
-    let method = rendering.picture.method.name;
-    let _ = writeln!(text, "method      {method}, depth {depth}, {precision}");
+    let settings = &rendering.request.settings;
+    let options = options(settings, |option| match option {
+        MethodOption::Depth => Some(format!(", depth {}", settings.max_depth)),
+        MethodOption::Precision => Some(format!(", {}", settings.precision)),
+        MethodOption::Tolerance => Some(format!(", hits within {} pixels", settings.tolerance)),
+    });
+    let _ = writeln!(text, "method      {}{options}", settings.method.name);
     let pixels = statistics.pixels;
     let _ = writeln!(
         text,
@@ -47,6 +51,9 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
         pixels.undecided,
         if rendering.coarse { " (coarse)" } else { "" },
     );
+    if let Some(why) = rendering.picture.why_undecided() {
+        let _ = writeln!(text, "undecided   {why}");
+    }
     for remark in &rendering.picture.remarks {
         let _ = writeln!(text, "note        {remark}");
     }
@@ -69,6 +76,13 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     text
 }
 
+/// What is said of those options that the method reads.
+fn options(settings: &Settings, say: impl Fn(MethodOption) -> Option<String>) -> String {
+    let all = [MethodOption::Depth, MethodOption::Precision, MethodOption::Tolerance];
+    let read = all.into_iter().filter(|option| settings.method.reads.contains(option));
+    read.filter_map(say).collect()
+}
+
 /// A time in milliseconds, to two digits or so.
 fn ms(time: Duration) -> String {
     let ms = time.as_secs_f64() * 1e3;
@@ -76,7 +90,7 @@ fn ms(time: Duration) -> String {
 }
 
 impl Rendering {
-    /// One short line: time, size, method with depth and precision, undecided pixels, compile time.
+    /// One short line: time, size, method and the options that it reads, undecided pixels, compile time.
     pub fn summary(&self) -> String {
         let statistics = &self.picture.statistics;
         let (width, height) = (self.picture.buffer.width, self.picture.buffer.height);
@@ -87,12 +101,17 @@ impl Rendering {
         } else {
             format!("compiled in {}", ms(times.simplify + times.compile))
         };
+        let settings = &self.request.settings;
+        let options = options(settings, |option| match option {
+            MethodOption::Depth => Some(format!(" {}", settings.max_depth)),
+            MethodOption::Precision => Some(format!(" {}", settings.precision)),
+            MethodOption::Tolerance => (settings.tolerance != Settings::default().tolerance)
+                .then(|| format!(" {} px", settings.tolerance)),
+        });
         format!(
-            "{} · {width}x{height} · {} {} {} · {undecided} undecided · {made}{}",
+            "{} · {width}x{height} · {}{options} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
             self.picture.method.name,
-            self.request.settings.max_depth,
-            self.picture.precision,
             if self.picture.flat { " · 0 everywhere?" } else { "" },
         )
     }
@@ -132,14 +151,18 @@ impl Rendering {
             Projection::Perspective { fov } => write!(command, " --fov {fov}"),
             Projection::Orthographic { height } => write!(command, " --ortho {height}"),
         };
-        let _ = write!(
-            command,
-            " --size {}x{} --max-depth {}",
-            settings.width, settings.height, settings.max_depth
-        );
-        if settings.precision != Precision::F32 {
-            let _ = write!(command, " --precision {}", settings.precision);
+        let _ = write!(command, " --size {}x{}", settings.width, settings.height);
+        let usual = Settings::default();
+        if settings.method != usual.method {
+            let _ = write!(command, " --method {}", settings.method.name);
         }
+        command += &options(settings, |option| match option {
+            MethodOption::Depth => Some(format!(" --max-depth {}", settings.max_depth)),
+            MethodOption::Precision => (settings.precision != usual.precision)
+                .then(|| format!(" --precision {}", settings.precision)),
+            MethodOption::Tolerance => (settings.tolerance != usual.tolerance)
+                .then(|| format!(" --tolerance {}", settings.tolerance)),
+        });
         if settings.undecided != UndecidedStyle::Shade {
             let _ = write!(command, " --undecided {}", settings.undecided.name());
         }

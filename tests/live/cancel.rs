@@ -2,11 +2,12 @@
 //! picture, between tiles of its shadows.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 use zeroset::model::Model;
-use zeroset::picture::{Normals, Picture, Precision, Settings};
+use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::Region;
+use zeroset_trace::{METHODS, Reason, Region, Status};
 
 /// Two surfaces, of which one throws a shadow on the other.
 const TEXT: &str = "domain 2\nz = -1\nx^2+y^2+z^2 = 1/2";
@@ -60,7 +61,52 @@ fn shadows_end_between_tiles() {
     assert!(dark(&some) < dark(&whole), "{} of {} are dark", dark(&some), dark(&whole));
     // The picture itself is left off likewise.
     let (part, _) = picture(&model, &plain, before / 4);
-    let hits =
-        |picture: &Picture| picture.statistics.pixels.undecided + picture.statistics.pixels.hit;
-    assert!(hits(&part) < hits(&whole), "{} of {}", hits(&part), hits(&whole));
+    let drawn =
+        |picture: &Picture| (0..256 * 256).filter(|pixel| picture.buffer.is_drawn(*pixel)).count();
+    assert!(drawn(&part) < drawn(&whole), "{} of {}", drawn(&part), drawn(&whole));
+}
+
+/// What was not reached is neither a miss nor a hit, whatever was found of other surfaces.
+#[test]
+fn what_is_left_off_claims_nothing() {
+    let (document, region) = document();
+    for method in &METHODS {
+        let plain =
+            Settings { width: 256, height: 64, method, brackets: true, ..Settings::default() };
+        let model = Model::new(&document, &region, &plain).expect("compiles");
+        let (whole, all) = picture(&model, &plain, usize::MAX);
+        let mut unreached = Vec::new();
+        for quarter in 0..=4 {
+            let (part, _) = picture(&model, &plain, all * quarter / 4);
+            let (part, whole) = (&part.buffer, &whole.buffer);
+            let mut count = 0;
+            for pixel in 0..256 * 64 {
+                if part.status[pixel] == Status::Undecided && part.reason[pixel] == Reason::Budget {
+                    assert!(part.distance[pixel] == 0.0 && part.bracket[pixel][0].is_nan());
+                    count += 1;
+                } else {
+                    assert_eq!(part.status[pixel], whole.status[pixel], "{pixel}");
+                }
+                // The nearer surface may be the one that was not looked for.
+                assert!(part.drawn[pixel] >= whole.drawn[pixel]);
+            }
+            unreached.push(count);
+        }
+        // Of both surfaces little is known until the second is looked for.
+        assert_eq!((unreached[0], unreached[4]), (256 * 64, 0), "{method:?}: {unreached:?}");
+        assert!(unreached.is_sorted_by(|a, b| a >= b), "{method:?}: {unreached:?}");
+        assert!(0 < unreached[3] && unreached[3] < 256 * 64, "{method:?}: {unreached:?}");
+    }
+}
+
+#[test]
+fn a_budget_of_time_ends_a_picture() {
+    let (document, region) = document();
+    let settings = Settings { budget: Some(Duration::ZERO), ..Settings::default() };
+    let model = Model::new(&document, &region, &settings).expect("compiles");
+    let (none, _) = picture(&model, &settings, usize::MAX);
+    assert_eq!(none.buffer.reasons()[Reason::Budget as usize], 512 * 512);
+    assert!(none.buffer.drawn.iter().all(|drawn| drawn.is_infinite()));
+    let settings = Settings { budget: Some(Duration::MAX), ..settings };
+    assert_eq!(picture(&model, &settings, usize::MAX).0.statistics.pixels.undecided, 0);
 }

@@ -162,13 +162,29 @@ fn commands_are_answered() {
     assert!(say(":help sin").contains("radians"));
     assert!(say(":help :save").contains("document"));
     assert!(say(":list").contains("r = 2 in [0, 5]"));
-    assert!(say(":method").contains("knoll"));
-    assert!(say(":tolerance 0.001").contains("depth"));
-    assert_ne!(live.settings().max_depth, 10);
+    assert!(say(":method").starts_with("* affine") && say(":method").contains("  knoll"));
+    assert!(say(":precision").starts_with("auto: 32 bits"));
+    assert!(say(":tolerance 0.1").contains("within 0.1 pixels"));
+    assert!(say(":depth").contains("the method affine does not use that, but knoll does"));
+    let exact = settled(&live);
+    assert_eq!(exact.request.settings.tolerance, 0.1);
+    assert_eq!(exact.picture.statistics.pixels.undecided, 0);
+    assert!(exact.summary().contains(" · affine auto 0.1 px · 0 undecided"), "{}", exact.summary());
+    assert!(say(":status").contains("method      affine, auto, hits within 0.1 pixels"));
+    let command = exact.command("out.png");
+    assert!(command.contains(" --tolerance 0.1 ") && !command.contains("--method"), "{command}");
+    assert_eq!(live.enter(":method knoll").ok(), Some(Reply::Done));
+    assert!(say(":tolerance").contains("the method knoll does not use that, but affine does"));
+    live.enter(":precision f32").expect("a precision");
+    assert!(say(":depth 12").starts_with("depth 12 of at most 20: slabs of at most "));
+    assert_eq!(live.settings().max_depth, 12);
+    let coarse = settled(&live);
+    assert!(coarse.command("out.png").contains(" --method knoll --max-depth 12 --precision f32"));
+    assert!(say(":status").contains("undecided   this method proves misses"));
     // Doubles are finer, and what is too fine for floats goes with them.
     assert!(say(":precision").starts_with("f32: depth"));
     assert!(say(":precision f64").starts_with("f64: depth"));
-    assert!(say(":tolerance 1e-9").contains("depth 3"));
+    assert!(say(":depth 33").contains("depth 33"));
     let fine = settled(&live);
     assert!(fine.picture.precision == Precision::F64 && fine.picture.rgb == rendered(&fine));
     assert!(fine.summary().contains(" f64 · ") && say(":status").contains(", f64"));
@@ -197,7 +213,7 @@ fn commands_are_answered() {
         (":halp", "did you mean :help?"),
         (":help qqqqqq", "no function or command named 'qqqqqq'"),
         (":help sinn", "did you mean sin?"),
-        (":method march", "no method named 'march'; there is knoll"),
+        (":method march", "no method named 'march'; there is affine, knoll"),
         (":domain 1,0,1,2,1,2", "is empty"),
         (":set x = 1", "x"),
         (":add 2 +", "missing"),

@@ -5,6 +5,7 @@ mod properties;
 mod property_support;
 mod soundness;
 mod stability;
+mod stability_proofs;
 mod stability_solids;
 mod truth;
 mod truth_support;

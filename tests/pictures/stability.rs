@@ -9,43 +9,50 @@ use std::fs::File;
 use zeroset::model::render;
 use zeroset::picture::{Picture, Precision, Settings};
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::{Camera, Projection, RayGrid, Region, Status};
+use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, Region, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
 
 /// A formula, and what a correct picture of it shows.
 #[derive(Deserialize)]
-struct Case {
-    slug: String,
+pub struct Case {
+    pub slug: String,
     formula: String,
     domain: [f64; 6],
     want: String,
     /// The largest share of pixels that may be undecided.
     #[serde(default)]
-    max_undecided: f64,
+    pub max_undecided: f64,
     /// For a formula whose roots are not known.
     #[serde(default)]
-    expect: String,
+    pub expect: String,
 }
 
-fn cases(name: &str) -> Vec<Case> {
+pub fn cases(name: &str) -> Vec<Case> {
     let file = File::open(path(name)).expect("a list");
     serde_json::from_reader(file).expect("a valid list")
 }
 
-fn region(case: &Case) -> Region {
+pub fn region(case: &Case) -> Region {
     let [x0, x1, y0, y1, z0, z1] = case.domain;
     Region::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)).expect("a domain")
 }
 
-fn document(case: &Case) -> Document {
+pub fn document(case: &Case) -> Document {
     let document = zeroset_syntax::read(&case.formula, &Options::default());
     document.unwrap_or_else(|errors| panic!("{}: {errors}", case.slug))
 }
 
 fn settings() -> Settings {
-    Settings { width: SIDE, height: SIDE, max_depth: DEPTH, ..Settings::default() }
+    Settings {
+        width: SIDE,
+        height: SIDE,
+        method: Method::named("knoll").expect("a row"),
+        precision: Precision::F32,
+        max_depth: DEPTH,
+        ..Settings::default()
+    }
 }
 
 /// The formula as seen by the reference's camera.
@@ -53,7 +60,7 @@ fn picture(case: &Case, truth: &Truth) -> Picture {
     picture_with(case, truth, &settings())
 }
 
-fn picture_with(case: &Case, truth: &Truth, settings: &Settings) -> Picture {
+pub fn picture_with(case: &Case, truth: &Truth, settings: &Settings) -> Picture {
     let [eye, target, up] =
         [truth.view.eye, truth.view.target, truth.view.up].map(DVec3::from_array);
     let projection = Projection::Perspective { fov: truth.view.fov };
@@ -191,7 +198,7 @@ The test `stability` compares this table; ZEROSET_BLESS=1 cargo test --test pict
 ";
 
 /// Where f is 0 throughout a solid: a ray that meets it is undecided from its first point.
-fn check_zero_throughout(case: &Case, frame: &RayGrid, picture: &Picture) {
+pub fn check_zero_throughout(case: &Case, frame: &RayGrid, picture: &Picture) {
     let region = region(case);
     let is_inside = |point: DVec3| match case.slug.as_str() {
         "zero-times-inf" => true,
@@ -277,20 +284,22 @@ fn every_painted_point_has_a_normal() {
     ] {
         let document = zeroset_syntax::read(formula, &Options::default()).expect("reads");
         // From the front, rays meet kinks and edges exactly.
-        for eye in [DVec3::new(4.0, -6.0, 3.0), DVec3::new(0.0, -8.0, 0.0)] {
+        let eyes = [DVec3::new(4.0, -6.0, 3.0), DVec3::new(0.0, -8.0, 0.0)];
+        for (method, eye) in METHODS.iter().flat_map(|method| eyes.map(|eye| (method, eye))) {
             let projection = Projection::Perspective { fov: 40.0 };
             let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
-            let settings = Settings { width: SIDE + 1, height: SIDE + 1, ..settings() };
+            let (width, height) = (SIDE + 1, SIDE + 1);
+            let settings = Settings { width, height, method, ..settings() };
             let picture = render(&document, &region, &camera, &settings, &|_, _| {});
             let buffer = picture.expect("a picture").buffer;
             let mut painted = 0;
             for (drawn, normal) in buffer.drawn.iter().zip(&buffer.normal) {
                 let normal = DVec3::from_array(normal.map(f64::from));
                 let length = if drawn.is_finite() { 1.0 } else { 0.0 };
-                assert!((normal.length() - length).abs() < 1e-5, "{formula}: {normal}");
+                assert!((normal.length() - length).abs() < 1e-5, "{formula}, {method:?}: {normal}");
                 painted += usize::from(drawn.is_finite());
             }
-            assert!(painted > 20, "{formula} from {eye}: {painted}");
+            assert!(painted > 20, "{formula} by {method:?} from {eye}: {painted}");
         }
     }
 }

@@ -4,18 +4,20 @@ use glam::DVec3;
 use zeroset::model::render;
 use zeroset::picture::{Picture, Settings};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection, RayGrid, Region};
+use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, Region};
 
 const SIDE: usize = 41;
 
 /// A picture of the cube ±2 by parallel rays towards +x, or along another axis.
-fn picture(formula: &str, along: DVec3) -> (RayGrid, Picture) {
+fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Picture) {
     let document = read(formula, &Options::default()).expect("reads");
     let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a cube");
     let up = if along.z == 0.0 { DVec3::Z } else { DVec3::Y };
     let projection = Projection::Orthographic { height: 3.9 };
     let camera = Camera::new(along * -8.0, DVec3::ZERO, up, projection).expect("a camera");
-    let settings = Settings { width: SIDE, height: SIDE, max_depth: 12, ..Settings::default() };
+    let (max_depth, tolerance) = (12, 0.01);
+    let plain = Settings { width: SIDE, height: SIDE, ..Settings::default() };
+    let settings = Settings { method, max_depth, tolerance, ..plain };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
     (camera.rays(SIDE, SIDE), picture)
 }
@@ -23,7 +25,17 @@ fn picture(formula: &str, along: DVec3) -> (RayGrid, Picture) {
 /// Checks each ray along `along`: `expected` says, from where it passes the plane through the origin, how far along the
 /// axis the first face lies, `None` for no face; NaN for either.
 fn check(formula: &str, along: DVec3, expected: impl Fn(DVec3) -> Option<f64>) {
-    let (frame, picture) = picture(formula, along);
+    METHODS.iter().for_each(|method| check_with(method, formula, along, &expected));
+}
+
+fn check_with(
+    method: &'static Method,
+    formula: &str,
+    along: DVec3,
+    expected: &impl Fn(DVec3) -> Option<f64>,
+) {
+    let (frame, picture) = picture(formula, along, method);
+    let formula = format!("{method:?}: {formula}");
     let mut seen = 0;
     for pixel in 0..SIDE * SIDE {
         let ray = frame.ray_of(pixel);

@@ -33,14 +33,19 @@ fn a_formula_becomes_a_picture() {
 #[test]
 fn no_extreme_camera_hides_what_its_rays_meet() {
     let place = Place::new();
-    let render = |formula: &str, camera: &str| {
-        let arguments = ["render", formula, "--domain", "2", "--status", "status.npy"];
-        place.run(&[&arguments[..], &camera.split(' ').collect::<Vec<_>>()].concat())
+    let render = |formula: &str, camera: &str, method: &str| {
+        let fixed = ["render", formula, "--domain", "2", "--status", "status.npy"];
+        let method = ["--method", method];
+        place.run(&[&fixed[..], &method, &camera.split(' ').collect::<Vec<_>>()].concat())
     };
     let status = |formula: &str, camera: &str, [column, row]: [usize; 2]| {
-        render(formula, camera).ok();
-        let (shape, status) = array::<u8>(&place, "status.npy");
-        status[row * shape[1] as usize + column]
+        let by = |method: &str| {
+            render(formula, camera, method).ok();
+            let (shape, status) = array::<u8>(&place, "status.npy");
+            status[row * shape[1] as usize + column]
+        };
+        assert_ne!(by("affine"), 0, "{camera}");
+        by("knoll")
     };
     // Along an axis even the farthest rays are exact: 101 of them meet the ball.
     for eye in ["3e38", "4e38", "1e100"] {
@@ -49,8 +54,12 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
                 "--eye {eye},0,0 --target 0,0,0 --up 0,0,1 --ortho 3 --size 17 --precision {precision}"
             );
             assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");
-            let (_, status) = array::<u8>(&place, "status.npy");
-            assert_eq!(status.iter().filter(|&&status| status != 0).count(), 101, "{camera}");
+            for method in ["affine", "knoll"] {
+                render(SPHERE, &camera, method).ok();
+                let (_, status) = array::<u8>(&place, "status.npy");
+                let met = status.iter().filter(|&&status| status != 0).count();
+                assert_eq!(met, 101, "{camera}, {method}");
+            }
         }
     }
     // The middle ray passes through the origin exactly, from where the way's numbers overflow in f32.
@@ -58,7 +67,7 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
         let camera = format!("--eye={eye} --target 0,0,0 --up 0,0,1 --fov 40 --size 17");
         assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");
         let parallel = camera.replace("--fov 40", "--ortho 3");
-        let refused = render(SPHERE, &parallel);
+        let refused = render(SPHERE, &parallel, "affine");
         assert_eq!(refused.code, Some(2), "{parallel}");
         assert!(refused.stderr.contains("can tell the rays apart"), "{}", refused.stderr);
     }
@@ -88,15 +97,25 @@ fn arrays_hold_what_the_picture_shows() {
         "0,0,5",
         "--up",
         "0,1,0",
+        "--tolerance",
+        "0.01",
         "--distance",
         "distance.npy",
         "--status",
         "status.npy",
         "--normal",
         "normal.npy",
+        "--bracket",
+        "bracket.npy",
+        "--surface-id",
+        "surface.npy",
     ];
     place.run(&arguments).ok();
-    let (shape, distance) = array::<f32>(&place, "distance.npy");
+    let (shape, distance) = array::<f64>(&place, "distance.npy");
+    assert_eq!(shape, [10, 20]);
+    let (shape, bracket) = array::<f64>(&place, "bracket.npy");
+    assert_eq!(shape, [10, 20, 2]);
+    let (shape, surface) = array::<i16>(&place, "surface.npy");
     assert_eq!(shape, [10, 20]);
     let (shape, status) = array::<u8>(&place, "status.npy");
     assert_eq!(shape, [10, 20]);
@@ -105,6 +124,12 @@ fn arrays_hold_what_the_picture_shows() {
     for pixel in 0..200 {
         assert_eq!(status[pixel] == 0, distance[pixel].is_infinite(), "{pixel}");
         assert_eq!(status[pixel] == 0, normal[3 * pixel..][..3] == [0.0; 3], "{pixel}");
+        assert_eq!(status[pixel] == 1, bracket[2 * pixel].is_finite(), "{pixel}");
+        assert_eq!(surface[pixel], if status[pixel] == 0 { -1 } else { 0 }, "{pixel}");
+        if status[pixel] == 1 {
+            let [near, far] = [bracket[2 * pixel], bracket[2 * pixel + 1]];
+            assert!(near <= distance[pixel] && distance[pixel] <= far && far - near < 0.01);
+        }
     }
     // Just off the middle: row 4, column 10. The ray leaves (0, 0, 5) with slopes 0.05·s and 0.1·s.
     let s = 20.0_f64.to_radians().tan();
@@ -112,9 +137,11 @@ fn arrays_hold_what_the_picture_shows() {
     let direction = [a, b, -1.0].map(|c: f64| c / (a * a + b * b + 1.0).sqrt());
     let along = -5.0 * direction[2];
     let exact = along - (along * along - 24.0).sqrt();
-    let found = f64::from(distance[4 * 20 + 10]);
-    // The traverser is off by a slab: 4/1024.
-    assert!((found - exact).abs() < 0.006, "{found} is not {exact}");
+    let found = distance[4 * 20 + 10];
+    // A hundredth of a pixel.
+    assert!((found - exact).abs() < 0.003, "{found} is not {exact}");
+    let [near, far] = [0, 1].map(|end| bracket[2 * (4 * 20 + 10) + end]);
+    assert!(near <= exact && exact <= far, "{exact} is not from {near} to {far}");
     // There x and y are about 4 · 0.1 · s.
     assert!((normal[3 * (4 * 20 + 10) + 2] - 0.978).abs() < 0.005);
 }
@@ -130,8 +157,14 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
     let count = |path: &str| object.pointer(path).and_then(Value::as_u64).expect("a count");
     let pixels = ["/pixels/hit", "/pixels/miss", "/pixels/undecided"].map(count);
     assert_eq!(pixels.iter().sum::<u64>(), 32 * 32);
-    assert!(pixels[2] > 0 && pixels[0] == 0, "this method proves no hit");
-    assert!(count("/work/interval/calls") > 0 && count("/work/interval/lanes") > 0);
+    assert!(pixels[2] == 0 && pixels[0] > 0, "all is proven: {pixels:?}");
+    assert!(count("/work/tile/calls") > 0 && count("/work/tile/lanes") > 0);
+    assert!(count("/work/segment/calls") > 0 && count("/work/segment/lanes") > 0);
+    assert_eq!((&object["method"], &object["precision"]), (&"affine".into(), &"auto".into()));
+    assert_eq!((&object["tolerance"], &object["budget"]), (&0.5.into(), &Value::Null));
+    for reason in ["touching", "undefined", "discontinuous", "budget", "other"] {
+        assert_eq!(object["undecided"][reason], 0, "{reason}");
+    }
     // No colours were asked for, so no gradient kernel was made or called.
     assert_eq!(count("/work/gradient/calls"), 0);
     assert!(count("/code_bytes") > 0 && count("/nodes/before") >= count("/nodes/after"));
@@ -146,7 +179,10 @@ fn rays_that_stay_undecided_are_given_up_with_a_reason() {
     // (x - 1)^7: near x = 1 the terms cancel, and slabs stay undecided however thin they are.
     let formula = "x^7 - 7x^6 + 21x^5 - 35x^4 + 35x^3 - 21x^2 + 7x - 1 + 0*y + 1e-9";
     let render = |depth: &str| {
-        let arguments = ["render", formula, "--domain", "2", "--size", "8", "--json"];
+        let knoll = ["--method", "knoll"];
+        let arguments =
+            [&["render", formula, "--domain", "2", "--size", "8", "--json"], &knoll[..]];
+        let arguments = arguments.concat();
         place.run(&[&arguments[..], &["--max-depth", depth]].concat()).ok()
     };
     let deep = render("20");
@@ -163,7 +199,9 @@ fn rays_that_stay_undecided_are_given_up_with_a_reason() {
 fn depth_has_three_names_and_changes_the_work() {
     let place = Place::new();
     let lanes = |flag: &str, depth: &str| {
-        let arguments = ["render", SPHERE, "--json", "--size", "32", flag, depth];
+        let knoll = ["--method", "knoll"];
+        let arguments = [&["render", SPHERE, "--json", "--size", "32", flag, depth], &knoll[..]];
+        let arguments = arguments.concat();
         place.run(&arguments).ok().json()["work"]["interval"]["lanes"].clone()
     };
     let eight = lanes("--max-depth", "8");
@@ -224,7 +262,7 @@ fn definitions_and_time_change_the_surface() {
         let formula = "r = 1\nx^2+y^2+z^2 = (r+t)^2";
         let fixed = ["render", formula, "--json", "--size", "32", "--domain", "3"];
         let all = [&fixed[..], arguments].concat();
-        place.run(&all).ok().json()["pixels"]["undecided"].as_u64().expect("a count")
+        place.run(&all).ok().json()["pixels"]["hit"].as_u64().expect("a count")
     };
     let one = pixels(&[]);
     assert!(pixels(&["-D", "r=2"]) > 2 * one);
@@ -235,9 +273,11 @@ fn definitions_and_time_change_the_surface() {
 fn a_number_means_the_same_wherever_it_is_typed() {
     let place = Place::new();
     let status = |text: &str, arguments: &[&str]| {
-        let fixed = ["render", text, "--status", "s.npy", "--size", "64", "--domain", "1"];
-        place.run(&[&fixed[..], arguments].concat()).ok();
-        array::<u8>(&place, "s.npy").1
+        ["affine", "knoll"].map(|method| {
+            let fixed = ["render", text, "--status", "s.npy", "--size", "64", "--domain", "1"];
+            place.run(&[&fixed[..], &["--method", method], arguments].concat()).ok();
+            array::<u8>(&place, "s.npy").1
+        })
     };
     let literal = status("x^2+y^2+z^2 = 0.1", &[]);
     assert_eq!(literal, status("a = 1\nx^2+y^2+z^2 = a", &["-D", "a=0.1"]));
@@ -268,11 +308,11 @@ fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
         "cut.png",
     ]);
     let (_, status) = array::<u8>(&place, "s.npy");
-    let (_, distance) = array::<f32>(&place, "d.npy");
+    let (_, distance) = array::<f64>(&place, "d.npy");
     // The plane y = 0 cuts the ball; on it the solid is proven, 2·√15.25 from the eye.
     let middle = 16 * 32 + 16;
     assert_eq!(status[middle], 1);
-    let exact = 2.0 * 15.25_f32.sqrt();
+    let exact = 2.0 * 15.25_f64.sqrt();
     assert!((distance[middle] - exact).abs() < 0.01, "{}", distance[middle]);
     let [red, _, blue] = picture(&place, "cut.png").get_pixel(16, 16).0;
     assert!(blue > red, "a cut face has the colour of the inside");
@@ -283,16 +323,23 @@ fn undecided_pixels_can_be_told_apart_and_counted_against() {
     let place = Place::new();
     let render = |style: &str| {
         let name = format!("{style}.png");
-        let all = ["render", SPHERE, "--size", "32", "-o", &name, "--undecided", style];
-        place.run(&all).ok();
+        let fixed = ["render", SPHERE, "--size", "32", "-o", &name, "--undecided", style];
+        place.run(&[&fixed[..], &["--method", "knoll"]].concat()).ok();
         picture(&place, &name)
     };
     let shaded = render("shade");
     assert_ne!(shaded, render("hatch"));
     assert_ne!(shaded, render("tint"));
     assert_eq!(render("miss").get_pixel(16, 16).0, [244, 244, 246]);
-    let strict = place.run(&["render", SPHERE, "--json", "--size", "16", "--strict"]);
-    assert_eq!(strict.code, Some(1));
+    let strict = ["render", SPHERE, "--json", "--size", "16", "--strict"];
+    assert_eq!(place.run(&[&strict[..], &["--method", "knoll"]].concat()).code, Some(1));
+    let proven = place.run(&strict);
+    assert_eq!((proven.code, &proven.json()["pixels"]["undecided"]), (Some(0), &0.into()));
+    // It is 0 and nowhere negative.
+    let touching = place.run(&["render", "(x-y)^2", "--domain", "2", "--json", "--size", "16"]);
+    let object = touching.ok().json();
+    assert_eq!(object["undecided"]["touching"], object["pixels"]["undecided"]);
+    assert!(object["pixels"]["undecided"].as_u64() > Some(20), "{object}");
     let nothing = ["render", "x^2+y^2+z^2 = -1", "--json", "--size", "16", "--strict"];
     assert_eq!(place.run(&nothing).code, Some(0));
 }
@@ -379,13 +426,18 @@ fn shadows_central_normals_and_parallel_rays() {
 #[test]
 fn every_thread_count_gives_the_same_claim() {
     let place = Place::new();
-    let status = |arguments: &[&str]| {
-        let fixed = ["render", "tangle", "--size", "33x31", "--status", "s.npy"];
-        place.run(&[&fixed[..], arguments].concat()).ok();
-        array::<u8>(&place, "s.npy").1
+    let picture = |surface: &str, method: &str, threads: &str| {
+        let fixed = ["render", surface, "--size", "133x71", "--status", "s.npy", "-o", "p.png"];
+        let more = ["--distance", "d.npy", "--method", method, "--threads", threads];
+        place.run(&[&fixed[..], &more].concat()).ok();
+        ["s.npy", "p.png", "d.npy"].map(|name| std::fs::read(place.path(name)).expect("written"))
     };
-    let one = status(&["--threads", "1"]);
-    assert_eq!(one, status(&["--threads", "3"]));
+    for (surface, method) in
+        [("tangle", "affine"), ("tangle", "knoll"), ("double-root-sphere", "affine")]
+    {
+        let one = picture(surface, method, "1");
+        assert!(one == picture(surface, method, "3"), "{surface}, {method}");
+    }
 }
 
 #[test]
@@ -459,7 +511,7 @@ fn completions_are_generated() {
 fn double_precision_reaches_deeper_and_writes_wider_distances() {
     let place = Place::new();
     // A sphere of radius 10^4, of which f32 knows the squares to a few units only.
-    let far = |precision: &str, depth: &str| {
+    let far = |precision: &str, method: &[&str]| {
         let arguments = [
             "render",
             "x^2+y^2+z^2-1e8",
@@ -473,21 +525,27 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
             "9",
             "--precision",
             precision,
-            "--max-depth",
-            depth,
             "--distance",
             "far.npy",
             "--json",
         ];
-        let run = place.run(&arguments).ok();
+        let run = place.run(&[&arguments[..], method].concat()).ok();
         assert_eq!(run.json()["precision"], precision);
+        run.json()["pixels"]["undecided"].as_u64().expect("a count")
     };
-    far("f32", "20");
+    far("f32", &["--method", "knoll", "--max-depth", "20"]);
     let (_, single) = array::<f32>(&place, "far.npy");
-    far("f64", "36");
+    far("f64", &["--method", "knoll", "--max-depth", "36"]);
     let (shape, double) = array::<f64>(&place, "far.npy");
     assert_eq!(shape, [9, 9]);
     let middle = 4 * 9 + 4;
+    // What f32 cannot decide is decided in f64 by itself, unless it is told not to.
+    let fine = ["--tolerance", "1e-7"];
+    assert_eq!([far("auto", &fine), far("f64", &fine)], [0, 0]);
+    let (_, finished) = array::<f64>(&place, "far.npy");
+    assert!((finished[middle] - 50.0).abs() < 1e-6, "{}", finished[middle]);
+    assert!(far("f32", &fine) > 0);
+    assert_eq!(array::<f32>(&place, "far.npy").0, [9, 9]);
     assert!((double[middle] - 50.0).abs() < 1e-8, "{}", double[middle]);
     assert!((single[middle] - 50.0).abs() < 0.1, "{}", single[middle]);
     let refused = place.run(&["render", "x", "--max-depth", "21", "--json"]);
@@ -513,6 +571,20 @@ fn a_time_may_be_a_constant_expression_and_is_noted_where_nothing_depends_on_it(
     assert!(run.stderr.contains(note), "{}", run.stderr);
 }
 
+#[test]
+fn the_paper_s_method_proves_misses_only_and_is_accounted_for() {
+    let place = Place::new();
+    let run = place.run(&["render", SPHERE, "--json", "--size", "32", "--method", "knoll"]).ok();
+    let object = run.json();
+    let count = |path: &str| object.pointer(path).and_then(Value::as_u64).expect("a count");
+    let pixels = ["/pixels/hit", "/pixels/miss", "/pixels/undecided"].map(count);
+    assert_eq!(pixels.iter().sum::<u64>(), 32 * 32);
+    assert!(pixels[2] > 0 && pixels[0] == 0, "this method proves no hit");
+    assert_eq!(count("/undecided/other"), pixels[2]);
+    assert!(count("/work/interval/calls") > 0 && count("/work/interval/lanes") > 0);
+    assert!(run.stderr.contains("this method proves misses, and hits only"), "{}", run.stderr);
+}
+
 /// A formula without a surface on this domain takes nothing from the others; one without a surface
 /// anywhere is refused.
 #[test]
@@ -536,13 +608,13 @@ fn what_is_constant_on_this_domain_only_is_noted() {
     let run = render("x^2+y^2+z^2 = 1\nsign(x)-1/2", half).ok();
     let note = "note: 'sign(x) - 1/2' is constant on this domain: it is 0.5 at every point";
     assert!(run.stderr.contains(note), "{}", run.stderr);
-    assert!(run.json()["pixels"]["undecided"].as_u64() > Some(20), "{}", run.json());
+    assert!(run.json()["pixels"]["hit"].as_u64() > Some(20), "{}", run.json());
     let run = render("x^2+y^2+z^2 = 1\nsign(x)-1/2", whole).ok();
     assert!(!run.stderr.contains("is constant"), "{}", run.stderr);
     let run = render("sign(x)-1/2", half).ok();
     assert!(run.stderr.contains(note) && run.stderr.contains("nothing is seen"), "{}", run.stderr);
     let run = render("x^2+y^2+z^2 = 4\nnot (sqrt(x)<5)", "-2,-1,-2,2,-2,2").ok();
-    assert!(run.json()["pixels"]["undecided"].as_u64() > Some(20), "{}", run.json());
+    assert!(run.json()["pixels"]["hit"].as_u64() > Some(20), "{}", run.json());
     let run = render("x^2+y^2+z^2 = 1\nsign(x^2+1)-1/2", half);
     assert!(
         run.code == Some(2) && run.stderr.contains("it is 0.5 at every point"),

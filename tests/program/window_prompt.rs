@@ -144,8 +144,10 @@ fn pictures_fit_a_terminal_that_grows_or_shrinks() {
 fn precision_is_chosen_shown_and_kept_in_the_command() {
     let mut terminal =
         Terminal::start(&["--preview", "x^2+y^2+z^2 = 1", "--precision", "f64"], None);
+    terminal.shows("affine f64");
+    terminal.type_in(":method knoll\r");
     terminal.shows("knoll 10 f64");
-    terminal.type_in(":tolerance 1e-9\r");
+    terminal.type_in(":depth 32\r");
     terminal.shows("depth 32");
     terminal.type_in(":png fine.png\r");
     terminal.shows("--max-depth 32 --precision f64 -o fine.png");

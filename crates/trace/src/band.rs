@@ -16,11 +16,16 @@ pub struct Band<'a> {
     distance: &'a mut [f64],
     drawn: &'a mut [f64],
     bracket: &'a mut [[f64; 2]],
+    wanted: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl GBuffer {
-    /// Bands of so many rows each, from the top; the last may have fewer.
-    pub(crate) fn bands(&mut self, rows: usize) -> impl IndexedParallelIterator<Item = Band<'_>> {
+    /// Bands of so many rows each, from the top; the last may have fewer. `wanted` tells whether the work is to go on.
+    pub(crate) fn bands<'a>(
+        &'a mut self,
+        rows: usize,
+        wanted: &'a (dyn Fn() -> bool + Sync),
+    ) -> impl IndexedParallelIterator<Item = Band<'a>> {
         let width = self.width.max(1);
         let size = rows * width;
         let mut brackets: Vec<&mut [[f64; 2]]> = self.bracket.chunks_mut(size).collect();
@@ -41,11 +46,28 @@ impl GBuffer {
                 distance,
                 drawn,
                 bracket,
+                wanted,
             })
     }
 }
 
 impl Band<'_> {
+    /// Whether what is still to be found is wanted. To be asked every now and then; after a `false`, columns that were not
+    /// reached are to be [given up](Band::give_up).
+    pub fn is_wanted(&self) -> bool {
+        (self.wanted)()
+    }
+
+    /// Calls all pixels from this column on undecided from the eye on, for lack of time: to leave them misses would be a
+    /// claim.
+    pub fn give_up(&mut self, from: usize) {
+        for row in 0..self.height {
+            for column in from..self.width {
+                self.set(column, row, &Found::GIVEN_UP);
+            }
+        }
+    }
+
     /// Writes what became of the ray through a pixel, given by its column and its row in the band; distances in world units.
     #[inline]
     pub fn set(&mut self, column: usize, row: usize, found: &Found) {

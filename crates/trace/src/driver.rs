@@ -26,8 +26,8 @@ pub struct Driver<'a> {
     pub rays: &'a RayGrid,
     /// What follows them.
     pub tracer: &'a dyn Tracer,
-    /// Told how many pixels were finished since it was last called; ends the work early by returning `false`. Pixels not
-    /// reached then stay as they were, in a new picture misses: it is of no use.
+    /// Told how many pixels were finished since it was last called; ends the work early by returning `false`. Pixels of a
+    /// new picture that were not reached then are undecided and not painted, and those traced anew are as they were.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
@@ -44,15 +44,18 @@ impl Driver<'_> {
     /// If the buffer has another size than the picture.
     pub fn picture(&self, buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
+        let wanted = || (self.advance)(0);
         let trace = |mut band: Band<'_>| {
             let mut work = Work::default();
-            if (self.advance)(0) {
+            if band.is_wanted() {
                 self.tracer.band(self.rays, &mut band, &mut work);
                 (self.advance)(band.width * band.height);
+            } else {
+                band.give_up(0);
             }
             work
         };
-        let parts: Vec<Work> = buffer.bands(ROWS).map(trace).collect();
+        let parts: Vec<Work> = buffer.bands(ROWS, &wanted).map(trace).collect();
         parts.into_iter().fold(Work::default(), |mut sum, part| {
             sum += part;
             sum

@@ -29,9 +29,40 @@ pub enum Reason {
     Undefined = 2,
     /// It is not known to be continuous there.
     Discontinuous = 3,
-    /// What was to be spent on one ray was not enough.
+    /// What was to be spent on the ray, or on the picture, was not enough.
     Budget = 4,
 }
+
+impl Reason {
+    /// Every reason, in the order of its number.
+    pub const ALL: [Self; 5] =
+        [Self::None, Self::Touching, Self::Undefined, Self::Discontinuous, Self::Budget];
+
+    /// What it is called, in one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "other",
+            Self::Touching => "touching",
+            Self::Undefined => "undefined",
+            Self::Discontinuous => "discontinuous",
+            Self::Budget => "budget",
+        }
+    }
+
+    /// What it says of a ray, after "undecided".
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::None => "without a reason that is known",
+            Self::Touching => "where f comes near 0 and no change of sign is proven",
+            Self::Undefined => "where f may be undefined",
+            Self::Discontinuous => "where f may be discontinuous",
+            Self::Budget => "for which effort or time ran out",
+        }
+    }
+}
+
+/// A relative error above that of a direction's length, and of what is multiplied by it.
+pub(crate) const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
 
 /// What became of one ray. Distances are values of its parameter t.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,12 +94,17 @@ impl Found {
         self.status == Status::Miss
     }
 
+    /// Nothing is known of the ray, for lack of time.
+    pub(crate) const GIVEN_UP: Self =
+        Self { status: Status::Undecided, distance: 0.0, reason: Reason::Budget, ..Self::MISS };
+
     /// The same with distances in world units, for a ray whose direction has this length.
     pub(crate) fn scaled(self, length: f64) -> Self {
+        let [near, far] = self.bracket.map(|t| t * length);
         Self {
             distance: self.distance * length,
             drawn: self.drawn * length,
-            bracket: self.bracket.map(|t| t * length),
+            bracket: [near - LENGTH_ERROR * near.abs(), far + LENGTH_ERROR * far.abs()],
             ..self
         }
     }
@@ -150,6 +186,8 @@ impl GBuffer {
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         fill(&mut self.status, pixels, Status::Miss);
+        fill(&mut self.reason, pixels, Reason::None);
+        self.bracket.clear();
         fill(&mut self.distance, pixels, f64::INFINITY);
         fill(&mut self.drawn, pixels, f64::INFINITY);
         fill(&mut self.surface, pixels, surface);
@@ -176,8 +214,19 @@ impl GBuffer {
 
     /// Keeps brackets of hits from now on.
     #[must_use]
-    pub fn with_brackets(self) -> Self {
-        Self { bracket: vec![[f64::NAN; 2]; self.status.len()], ..self }
+    pub fn with_brackets(mut self) -> Self {
+        self.bracket.clear();
+        self.bracket.resize(self.status.len(), [f64::NAN; 2]);
+        self
+    }
+
+    /// Calls every pixel undecided from the eye on, for lack of time: one more surface was not looked for. What is painted
+    /// stays.
+    pub fn give_up(&mut self) {
+        self.status.fill(Status::Undecided);
+        self.reason.fill(Reason::Budget);
+        self.distance.fill(0.0);
+        self.bracket.fill([f64::NAN; 2]);
     }
 
     /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and the nearer painted
@@ -189,13 +238,23 @@ impl GBuffer {
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         for pixel in 0..self.status.len() {
             let (mine, theirs) = (self.distance[pixel], other.distance[pixel]);
-            if theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided) {
+            let is_nearer =
+                theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided);
+            if is_nearer {
                 self.distance[pixel] = theirs;
                 self.status[pixel] = other.status[pixel];
                 self.reason[pixel] = other.reason[pixel];
-                if let Some(bracket) = self.bracket.get_mut(pixel) {
-                    *bracket = other.bracket[pixel];
-                }
+            }
+            if let Some(bracket) = self.bracket.get_mut(pixel) {
+                let unknown = [f64::NAN; 2];
+                let [mine, theirs] =
+                    [*bracket, other.bracket.get(pixel).copied().unwrap_or(unknown)];
+                *bracket = if self.status[pixel] == Status::Hit {
+                    // Where both are hit, either may hold the first zero. What is not a number gives way.
+                    [mine[0].min(theirs[0]), mine[1].min(theirs[1])]
+                } else {
+                    unknown
+                };
             }
             if other.drawn[pixel] < self.drawn[pixel] {
                 self.drawn[pixel] = other.drawn[pixel];
@@ -220,6 +279,15 @@ impl GBuffer {
         PixelCounts { miss: self.status.len() - hit - undecided, hit, undecided }
     }
 
+    /// How many undecided pixels there are for each of [`Reason::ALL`].
+    pub fn reasons(&self) -> [usize; Reason::ALL.len()] {
+        let mut counts = [0; Reason::ALL.len()];
+        for (status, reason) in self.status.iter().zip(&self.reason) {
+            counts[*reason as usize] += usize::from(*status == Status::Undecided);
+        }
+        counts
+    }
+
     /// Whether anything is painted in the pixel with this index.
     pub fn is_drawn(&self, pixel: usize) -> bool {
         self.drawn[pixel].is_finite()
@@ -242,6 +310,8 @@ mod tests {
     fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
         let mut old = pixel(Status::Hit, 5.0, 5.0, 7);
         (old.normal[0], old.cap[0], old.shadow[0]) = ([1.0, 0.0, 0.0], true, true);
+        old.reason[0] = Reason::Touching;
+        old = old.with_brackets();
         let mut reset = old.clone();
         reset.reset(1, 1, 3);
         old.hand_back();
@@ -250,6 +320,7 @@ mod tests {
         let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
         assert_eq!((new.status[0], new.distance[0], new.drawn[0], new.surface[0]), expected);
         assert_eq!((new.normal[0], new.cap[0], new.shadow[0]), ([0.0; 3], false, false));
+        assert!(new.reason[0] == Reason::None && new.bracket.is_empty());
         reset.reset(3, 2, 0);
         assert_eq!(reset, GBuffer::new(3, 2, 0));
     }
@@ -265,6 +336,19 @@ mod tests {
         // A hit in front decides.
         buffer.merge(&pixel(Status::Hit, 2.0, 2.0, 2));
         assert_eq!((buffer.status[0], buffer.surface[0]), (Status::Hit, 2));
+        // A bracket holds the first zero of either.
+        let bracketed = |near: f64, far: f64| {
+            let mut buffer = pixel(Status::Hit, 0.5 * (near + far), 0.5 * (near + far), 0);
+            buffer.bracket = vec![[near, far]];
+            buffer
+        };
+        let mut two = bracketed(1.0, 2.0);
+        two.merge(&bracketed(0.5, 4.0));
+        assert_eq!((two.distance[0], two.bracket[0]), (1.5, [0.5, 2.0]));
+        two.merge(&GBuffer::new(1, 1, 3).with_brackets());
+        assert_eq!(two.bracket[0], [0.5, 2.0]);
+        two.merge(&pixel(Status::Undecided, 0.25, 0.25, 1).with_brackets());
+        assert!(two.status[0] == Status::Undecided && two.bracket[0][0].is_nan());
         // A miss changes nothing.
         let before = buffer.clone();
         buffer.merge(&GBuffer::new(1, 1, 3));

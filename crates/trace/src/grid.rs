@@ -91,6 +91,11 @@ impl RayGrid {
         [across, upward]
     }
 
+    /// About how wide a pixel is at a distance from the eye, in world units.
+    pub fn footprint(&self, distance: f64) -> f64 {
+        2.0 * self.unit * if self.is_parallel() { 1.0 } else { distance }
+    }
+
     /// Half the distance of neighbouring pixels' screen coordinates.
     #[inline]
     pub(crate) fn unit(&self) -> f64 {

@@ -69,8 +69,10 @@ pub struct Options {
 /// The floats in which kernels compute. Enclosures are rigorous in either.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {
-    /// 32 bits: twice as fast.
+    /// 32 bits, and 64 for what these leave undecided, in methods that do so; others take it as [`Precision::F32`].
     #[default]
+    Auto,
+    /// 32 bits: twice as fast.
     F32,
     /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their surroundings.
     F64,
@@ -80,7 +82,7 @@ impl Precision {
     /// The greatest depth at which slabs are still thicker than what rounding adds to them.
     pub fn max_depth(self) -> u32 {
         match self {
-            Self::F32 => f32::MAX_DEPTH,
+            Self::Auto | Self::F32 => f32::MAX_DEPTH,
             Self::F64 => f64::MAX_DEPTH,
         }
     }
@@ -89,6 +91,7 @@ impl Precision {
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::Auto => "auto",
             Self::F32 => "f32",
             Self::F64 => "f64",
         })
@@ -102,11 +105,18 @@ pub trait Tracer: Sync {
     /// Each four in a row are neighbours if possible, as are each sixteen and so on. `found` has as many places.
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work);
 
-    /// Follows the rays through all pixels of a band, in which everything is a miss so far.
+    /// Follows the rays through all pixels of a band, in which everything is a miss so far, as long as it
+    /// [is wanted](Band::is_wanted).
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
         let unset = Segment { ray: rays.ray(0, band.top), to: f64::INFINITY };
         let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
+        let mut wanted = true;
         for square in squares(band.width, band.height) {
+            wanted = wanted && band.is_wanted();
+            if !wanted {
+                square.iter().for_each(|&[column, row]| band.set(column, row, &Found::GIVEN_UP));
+                continue;
+            }
             let (segments, found) = (&mut segments[..square.len()], &mut found[..square.len()]);
             for (segment, [column, row]) in segments.iter_mut().zip(&square) {
                 segment.ray = rays.ray(*column, band.top + row);

@@ -4,7 +4,7 @@
 //! already inside it.
 
 use crate::camera::Ray;
-use crate::gbuffer::{GBuffer, Status};
+use crate::gbuffer::{Found, GBuffer, Reason, Status};
 use crate::grid::RayGrid;
 use crate::region::{Entry, Region};
 use crate::work::Work;
@@ -20,7 +20,7 @@ const BATCH: usize = 256;
 enum Inside {
     Yes,
     No,
-    Unknown,
+    Unknown(Reason),
 }
 
 /// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates what is proven: an
@@ -48,14 +48,30 @@ pub fn cap<T: Real>(
         let distance = rays.ray_of(pixel).distance(entry.t.0);
         match inside {
             Inside::No => continue,
-            Inside::Unknown => {
+            Inside::Unknown(reason) => {
                 buffer.status[pixel] = Status::Undecided;
+                buffer.reason[pixel] = reason;
+                if let Some(bracket) = buffer.bracket.get_mut(pixel) {
+                    *bracket = [f64::NAN; 2];
+                }
                 // What the traverser found at the face may lie before it by a rounding.
                 buffer.distance[pixel] = buffer.distance[pixel].min(distance);
                 continue;
             }
-            Inside::Yes if entry.certain => buffer.status[pixel] = Status::Hit,
-            Inside::Yes => buffer.status[pixel] = Status::Undecided,
+            Inside::Yes => {}
+        }
+        let mut bracket = [f64::NAN; 2];
+        if entry.certain {
+            let ray = rays.ray_of(pixel);
+            let found = Found { bracket: [entry.t.0, entry.t.1], ..Found::MISS };
+            bracket = found.scaled(ray.distance(1.0)).bracket;
+            (buffer.status[pixel], buffer.reason[pixel]) = (Status::Hit, Reason::None);
+        } else {
+            // It may pass by an edge of the region.
+            (buffer.status[pixel], buffer.reason[pixel]) = (Status::Undecided, Reason::Touching);
+        }
+        if let Some(place) = buffer.bracket.get_mut(pixel) {
+            *place = bracket;
         }
         buffer.distance[pixel] = distance;
         buffer.drawn[pixel] = distance;
@@ -90,8 +106,10 @@ fn judge<T: Real>(
                 Inside::No
             } else if facts.has(Facts::DEFINED) && out.hi[lane] < zero {
                 Inside::Yes
+            } else if facts.has(Facts::DEFINED) {
+                Inside::Unknown(Reason::Touching)
             } else {
-                Inside::Unknown
+                Inside::Unknown(Reason::Undefined)
             }
         })
         .collect()

@@ -119,7 +119,10 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
     let options =
         Options { precision: Precision::F32, depth: 12, tolerance: 0.5, suppress_asymptotes: true };
-    let tracer = <&Method>::default().prepare(&kernel, &region, options).expect("a kernel");
+    let tracer = Method::named("knoll")
+        .expect("a row")
+        .prepare(&kernel, &region, options)
+        .expect("a kernel");
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
     let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true };
     driver.pixels(&[3, 9, 10], &mut buffer);

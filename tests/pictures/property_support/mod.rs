@@ -4,15 +4,15 @@
 
 use glam::DVec3;
 use zeroset::model::render;
-use zeroset::picture::{Precision, Settings};
+use zeroset::picture::{Picture, Precision, Settings};
 use zeroset::program::Program;
 use zeroset_eval::{Boxes, FindZeros, Kernel, KernelFloat, Zeros};
 use zeroset_interval::Interval;
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
-use zeroset_trace::{Camera, Projection, Region, Status};
+use zeroset_trace::{Camera, METHODS, Projection, Region, Status};
 
-/// What a picture of a scene says of each pixel's ray; `None` if its camera is impossible or its formula has no surface.
+/// What pictures of a scene by each method say of each pixel's ray; `None` if its camera is impossible or its formula has no surface.
 #[allow(dead_code)] // each fuzz target needs one of the two
 pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     let [[x0, x1], [y0, y1], [z0, z1]] = scene.formula.region;
@@ -24,10 +24,22 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     };
     let camera = Camera::new(eye, target, up, projection).ok()?;
     let [width, height] = scene.size;
-    let precision = if scene.double { Precision::F64 } else { Precision::F32 };
+    let precision = if scene.double { Precision::F64 } else { Precision::Auto };
     let max_depth = scene.depth;
-    let settings = Settings { width, height, precision, max_depth, ..Settings::default() };
-    let picture = render(&scene.formula.document, &region, &camera, &settings, &|_, _| {}).ok()?;
+    let plain =
+        Settings { width, height, precision, max_depth, brackets: true, ..Settings::default() };
+    let mut pixels = Vec::new();
+    for method in &METHODS {
+        let settings = Settings { method, ..plain.clone() };
+        let picture =
+            render(&scene.formula.document, &region, &camera, &settings, &|_, _| {}).ok()?;
+        pixels.extend(claims(scene, &camera, &picture));
+    }
+    Some(pixels)
+}
+
+fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
+    let [width, height] = scene.size;
     let frame = camera.rays(width, height);
     let pixels = (0..width * height).map(|index| {
         let ray = frame.ray_of(index);
@@ -39,12 +51,12 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
         assert!(normal.iter().all(|part| part.is_finite()), "{scene}: {normal:?}");
         let claimed = match buffer.status[index] {
             Status::Miss => Claimed::Miss,
-            Status::Hit => Claimed::Hit(ray.parameter(distance)),
+            Status::Hit => Claimed::Hit(buffer.bracket[index].map(|end| ray.parameter(end))),
             Status::Undecided => Claimed::Undecided(ray.parameter(distance)),
         };
         Pixel { line, claimed }
     });
-    Some(pixels.collect())
+    pixels.collect()
 }
 
 /// The kernel that decides where a formula may vanish; `None` if it has no surface.

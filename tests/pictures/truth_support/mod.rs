@@ -56,7 +56,7 @@ const CORRECTED: [(&str, usize, f64); 2] = [
 /// Room for what distances are off: in `f32` by a part in 2²⁴, and in both for the last digits of the reference's own rays.
 pub fn rounding(precision: Precision) -> f64 {
     match precision {
-        Precision::F32 => 1e-6,
+        Precision::Auto | Precision::F32 => 1e-6,
         Precision::F64 => 1e-10,
     }
 }

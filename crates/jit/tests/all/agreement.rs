@@ -52,19 +52,16 @@ impl Random {
 
 /// What this test needs to know of a float type.
 trait Draw: Real {
-    const LEAST_NORMAL: Self;
     fn from_bits(bits: u64) -> Self;
 }
 
 impl Draw for f32 {
-    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
     fn from_bits(bits: u64) -> Self {
         Self::from_bits(bits as u32)
     }
 }
 
 impl Draw for f64 {
-    const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
     fn from_bits(bits: u64) -> Self {
         Self::from_bits(bits)
     }

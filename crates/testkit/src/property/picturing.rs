@@ -10,8 +10,8 @@ use crate::suite::{Failure, Tally};
 pub enum Claimed {
     /// There is no zero.
     Miss,
-    /// There is a zero at this distance, and none before.
-    Hit(f64),
+    /// The first zero lies between these distances.
+    Hit([f64; 2]),
     /// There is no zero before this distance.
     Undecided(f64),
 }
@@ -86,10 +86,10 @@ fn contradiction(scene: &Scene, pixel: &Pixel, certain: &Certain) -> Option<&'st
     if let Some(Entry { distance: (near, far), below: Some(true) }) = certain.face {
         return match claimed {
             Claimed::Miss => Some("a solid denied"),
-            Claimed::Hit(at) | Claimed::Undecided(at) if passes(at, far) => {
+            Claimed::Hit([at, _]) | Claimed::Undecided(at) if passes(at, far) => {
                 Some("a solid passed over")
             }
-            Claimed::Hit(at) if at + room(at) < near => Some("a hit before the solid"),
+            Claimed::Hit([_, at]) if at + room(at) < near => Some("a hit before the solid"),
             Claimed::Hit(_) | Claimed::Undecided(_) => None,
         };
     }
@@ -99,10 +99,12 @@ fn contradiction(scene: &Scene, pixel: &Pixel, certain: &Certain) -> Option<&'st
     match claimed {
         Claimed::Miss if far.is_some() => Some("a false miss"),
         Claimed::Hit(_) if known && certain.zeros.is_miss() => Some("a false hit"),
-        Claimed::Hit(at) if known && at + room(at) < certain.zeros.first() => {
+        Claimed::Hit([_, at]) if known && at + room(at) < certain.zeros.first() => {
             Some("a hit before any zero")
         }
-        Claimed::Hit(at) | Claimed::Undecided(at) if far.is_some_and(|far| passes(at, far)) => {
+        Claimed::Hit([at, _]) | Claimed::Undecided(at)
+            if far.is_some_and(|far| passes(at, far)) =>
+        {
             Some("a zero passed over")
         }
         Claimed::Miss | Claimed::Hit(_) | Claimed::Undecided(_) => None,

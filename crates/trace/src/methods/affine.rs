@@ -6,7 +6,7 @@
 //! do not get much shorter are cut in two, and the nearer part comes first.
 //!
 //! A hit is a segment on which the function is continuous and whose ends have opposite signs, behind nothing but proven
-//! empty parts. Emptiness and signs are followed down to what arithmetic can tell, in `f64` where `f32` cannot.
+//! empty parts. Emptiness and signs are followed down to what arithmetic can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.
 
 mod frame;
 mod narrow;
@@ -14,6 +14,7 @@ mod rays;
 mod slots;
 mod tiles;
 
+use super::knoll;
 use crate::band::Band;
 use crate::gbuffer::Found;
 use crate::grid::RayGrid;
@@ -36,10 +37,15 @@ fn prepare<'a>(
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    Ok(match options.precision {
-        Precision::F32 => Box::new(Affine::<f32>::new(surface, region, options)?),
-        Precision::F64 => Box::new(Affine::<f64>::new(surface, region, options)?),
-    })
+    fn boxed<'a, T: Tracer + 'a>(tracer: T) -> Box<dyn Tracer + 'a> {
+        Box::new(tracer)
+    }
+    let tracer = match options.precision {
+        Precision::Auto | Precision::F32 => Affine::<f32>::new(surface, region, options).map(boxed),
+        Precision::F64 => Affine::<f64>::new(surface, region, options).map(boxed),
+    };
+    // Forms need several times the room of intervals: a formula too large for them can still be drawn.
+    tracer.or_else(|_| knoll::METHOD.prepare(surface, region, options))
 }
 
 struct Affine<'a, T: Scalar> {
@@ -60,7 +66,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
         let kernels = T::kernels(surface);
         Ok(Self {
             tiles: kernels.tiles()?,
-            follower: Follower::new(surface, region, options.suppress_asymptotes)?,
+            follower: Follower::new(surface, region, options)?,
             cleared: kernels.cleared()?.is_some(),
             region,
             tolerance: options.tolerance,

@@ -29,7 +29,7 @@ fn prepare<'a>(
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
     Ok(match options.precision {
-        Precision::F32 => Box::new(Knoll::<f32>::new(surface, region, options)?),
+        Precision::Auto | Precision::F32 => Box::new(Knoll::<f32>::new(surface, region, options)?),
         Precision::F64 => Box::new(Knoll::<f64>::new(surface, region, options)?),
     })
 }

@@ -140,7 +140,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                             steps[lane] = Step::Open(new, looked[lane] > PATIENCE);
                             stack.clear();
                         }
-                    } else if shorter > STALLED * length {
+                    } else if !shorter.is_finite() || shorter > STALLED * length {
                         let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
                         if new[0] < cut && cut < new[1] {
                             stack.push([cut, new[1]]);

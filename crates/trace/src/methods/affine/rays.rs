@@ -2,14 +2,14 @@
 
 use super::narrow::{Narrower, Scratch, Step};
 use crate::gbuffer::{Found, Reason, Status};
-use crate::method::{Segment, Start};
+use crate::method::{Options, Precision, Segment, Start};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use glam::DVec3;
 use std::sync::OnceLock;
 use zeroset_eval::{
-    Boxes, Contractions, Enclose, Kernel, KernelError, KernelFloat, LANES, Segments, Surface, Zeros,
+    Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Surface, Zeros,
 };
 use zeroset_interval::{Facts, Interval};
 
@@ -54,6 +54,8 @@ pub(super) struct Outcome {
 /// Follows single rays.
 pub(super) struct Follower<'a, T: Scalar> {
     narrower: Narrower<'a, T>,
+    /// Whether what stays open is looked at in `f64`.
+    refines: bool,
     /// Made when the first ray needs it.
     double: OnceLock<Option<Narrower<'a, f64>>>,
     surface: &'a dyn Surface,
@@ -70,14 +72,15 @@ impl<'a, T: Scalar> Follower<'a, T> {
     pub fn new(
         surface: &'a dyn Surface,
         region: &'a Region,
-        suppress_asymptotes: bool,
+        options: Options,
     ) -> Result<Self, KernelError> {
         Ok(Self {
             narrower: Narrower::new(surface, region)?,
+            refines: options.precision == Precision::Auto,
             double: OnceLock::new(),
             surface,
             region,
-            suppress_asymptotes,
+            suppress_asymptotes: options.suppress_asymptotes,
         })
     }
 
@@ -152,7 +155,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         stretch: &mut [f64; LANES],
         work: &mut Work,
     ) {
-        if size_of::<T>() == size_of::<f64>() {
+        if !self.refines {
             return;
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
@@ -179,14 +182,22 @@ impl<'a, T: Scalar> Follower<'a, T> {
 
     /// Why a part stays open, and whether it is likely a zero.
     fn judge(&self, way: &Way, segment: [f64; 2], spent: bool) -> (Reason, bool) {
+        if self.refines {
+            self.judge_in::<f64>(way, segment, spent)
+        } else {
+            self.judge_in::<T>(way, segment, spent)
+        }
+    }
+
+    fn judge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2], spent: bool) -> (Reason, bool) {
         let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
-        let kernels = f64::kernels(self.surface);
+        let kernels = U::kernels(self.surface);
         let (mut zeros, mut facts) = (Zeros::default(), Facts::NONE);
         if let Ok(kernel) = kernels.zeros() {
             kernel.ask(&boxes[0], &mut zeros);
         }
         if let Ok(kernel) = kernels.bounds() {
-            facts = Kernel::<Enclose, f64>::ask_all(kernel, &boxes)[0].facts(0);
+            facts = Kernel::<Enclose, U>::ask_all(kernel, &boxes)[0].facts(0);
         }
         let asymptote = self.suppress_asymptotes && zeros.unbounded & 1 == 1;
         let reason = if !facts.has(Facts::DEFINED) {

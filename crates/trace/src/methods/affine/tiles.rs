@@ -55,6 +55,9 @@ pub(super) fn trace<T: Scalar>(
     let [near, far] = tracer.frame.span;
     let span = [-T::above(-near).into(), T::above(far).into()];
     for places in places.chunks(LANES) {
+        if !tracer.band.is_wanted() {
+            return tracer.band.give_up(SIDES[0] * places[0][0]);
+        }
         levels[0].start(&tracer, places, 0, span, None, false);
         tracer.run(&mut levels, 0);
     }
@@ -257,10 +260,13 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 return;
             }
         }
+        let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
+        // Too short for these floats, or not finite: such a segment would come back for ever.
+        let is_last = !(new[0] < cut && cut < new[1]);
         let slender = shorter <= SLENDER * SIDES[depth] as f64 * footprint;
-        if shorter <= STALLED * (far - near) {
+        if !is_last && shorter <= STALLED * (far - near) {
             level.stacks[lane].push(new);
-        } else if crossing || slender {
+        } else if crossing || slender || is_last {
             let within = self.is_within(level, lane, new);
             if !finer.is_empty() {
                 self.split(level, finer, depth, [slot, lane], new, within);
@@ -273,7 +279,6 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 level.stacks[lane].clear();
             }
         } else {
-            let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
             level.stacks[lane].push([cut, new[1]]);
             level.stacks[lane].push([new[0], cut]);
         }

@@ -1,0 +1,107 @@
+//! The default method on the formulas of `stability`: no proof is false, and no more is undecided than wanted.
+
+use crate::stability::{Case, cases, check_zero_throughout, document, picture_with, region};
+use crate::truth_support::{Pixel, SIDE, read};
+use zeroset::model::render;
+use zeroset::picture::{Picture, Settings};
+use zeroset::scene::{self, CameraChoice};
+use zeroset_trace::{Reason, Status};
+
+/// As small as the reference is exact.
+fn settings() -> Settings {
+    let (width, height) = (SIDE, SIDE);
+    Settings { width, height, tolerance: 5e-4, brackets: true, ..Settings::default() }
+}
+
+/// What is claimed of a ray, if its roots contradict it.
+fn contradiction(pixel: &Pixel, picture: &Picture, index: usize) -> Option<String> {
+    let buffer = &picture.buffer;
+    let (status, distance, drawn) =
+        (buffer.status[index], buffer.distance[index], buffer.drawn[index]);
+    // For the last digits of the reference's own rays.
+    let room = 1e-9 * (1.0 + pixel.zero.min(1e9));
+    let is_false = match status {
+        Status::Miss => pixel.zero.is_finite(),
+        Status::Undecided => distance > pixel.zero + room,
+        Status::Hit => {
+            let [near, far] = buffer.bracket[index];
+            !(near - room <= pixel.zero && pixel.zero <= far + room)
+        }
+    };
+    let bracket = buffer.bracket[index];
+    let place = (index % SIDE, index / SIDE);
+    is_false.then(|| {
+        format!("{place:?}: {status:?} at {distance} in {bracket:?}, painted at {drawn}: {pixel:?}")
+    })
+}
+
+/// Cases in which more is undecided than wanted; each with the reason.
+const TOO_MUCH: [(&str, &str); 0] = [];
+
+#[test]
+fn proofs_are_true_and_little_is_undecided() {
+    let mut failures = Vec::new();
+    for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {
+        let Case { slug, max_undecided, .. } = case;
+        let picture = picture_with(case, &truth, &settings());
+        let decided = truth.pixels.iter().enumerate().filter(|(_, pixel)| !pixel.open);
+        let claims: Vec<String> =
+            decided.filter_map(|(index, pixel)| contradiction(pixel, &picture, index)).collect();
+        let counts = picture.buffer.counts();
+        let phantoms = truth.pixels.iter().enumerate().filter(|(index, pixel)| {
+            picture.buffer.is_drawn(*index) && !pixel.open && pixel.zero == f64::INFINITY
+        });
+        let phantoms = phantoms.count();
+        let share = counts.undecided as f64 / (SIDE * SIDE) as f64;
+        println!(
+            "{slug:18} miss {:4} hit {:4} undecided {:4} {:6.2} % of {:6.2} {:?} phantoms {phantoms}",
+            counts.miss,
+            counts.hit,
+            counts.undecided,
+            100.0 * share,
+            100.0 * max_undecided,
+            Reason::ALL
+                .map(Reason::name)
+                .iter()
+                .zip(picture.buffer.reasons())
+                .filter(|(_, n)| *n > 0)
+                .collect::<Vec<_>>(),
+        );
+        let reason = TOO_MUCH.iter().find(|(known, _)| known == slug).map(|(_, why)| why);
+        if (share <= *max_undecided) != reason.is_none() {
+            failures.push(format!("{slug}: {:.2} % undecided, {reason:?}", 100.0 * share));
+        }
+        failures.extend(claims.iter().take(5).map(|claim| format!("{slug}, {claim}")));
+        let normals = &picture.buffer.normal;
+        assert!(normals.iter().flatten().all(|part| part.is_finite()), "{slug}");
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn what_has_no_single_roots_is_refused_or_undecided() {
+    for case in cases("stability/others.json") {
+        let (region, document) = (region(&case), document(&case));
+        let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+        let picture = match render(&document, &region, &camera, &settings(), &|_, _| {}) {
+            Ok(picture) => picture,
+            Err(error) => {
+                assert_eq!(case.expect, "refused-or-undecided", "{}: {error}", case.slug);
+                continue;
+            }
+        };
+        let counts = picture.buffer.counts();
+        println!("{}: {counts:?} {:?}", case.slug, picture.why_undecided());
+        match case.expect.as_str() {
+            "undecided-from-entry" => {
+                check_zero_throughout(&case, &camera.rays(SIDE, SIDE), &picture);
+            }
+            "refused-or-undecided" => {
+                assert_eq!(counts.hit, 0, "{}", case.slug);
+                assert!(counts.undecided > 0, "{}", case.slug);
+            }
+            other => panic!("{}: {other}?", case.slug),
+        }
+        assert!(picture.buffer.normal.iter().flatten().all(|part| part.is_finite()));
+    }
+}
