@@ -1,6 +1,6 @@
 //! Rows of a picture: what one thread fills at a time.
 
-use crate::gbuffer::{Found, GBuffer, Reason, Status};
+use crate::gbuffer::{Found, GBuffer, LENGTH_ERROR, Reason, Status};
 use rayon::prelude::*;
 
 /// Some neighbouring rows of a [`GBuffer`], and where what is found of their pixels goes.
@@ -101,6 +101,8 @@ impl Band<'_> {
             self.status[pixel] = Status::Hit;
             self.distance[pixel] = distance;
             if let Some(bracket) = self.bracket.get_mut(pixel) {
+                // The distance itself is rounded.
+                let off = off + LENGTH_ERROR * distance.abs();
                 *bracket = [distance - off, distance + off];
             }
         }

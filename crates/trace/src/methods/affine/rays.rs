@@ -160,8 +160,11 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
             Step::Open([near, far], _) => {
-                let longest = ways[lane].span[1];
-                stretch[lane] = (4.0 * stretch[lane]).max(STRETCH * (far - near));
+                let [first, longest] = ways[lane].span;
+                // Long enough that what lies behind it is another segment in `T`.
+                let least = T::GRAIN * first.abs().max(longest.abs());
+                let open = STRETCH * (far - near);
+                stretch[lane] = (4.0 * stretch[lane]).max(open).max(least);
                 Some([near, far.max(longest.min(near + stretch[lane]))])
             }
             _ => None,
