@@ -197,8 +197,10 @@ impl<const N: usize> Lane<N> {
         })?;
         let tiny = exact(T::LARGEST.into()).map(|most| BigRational::one() / most)?;
         let size = middle.abs() + &half;
-        let slack = &size * &unit + &half * (rest / depth.abs().max(tiny.clone())) * unit + tiny;
-        let is_normal = depth.abs() > exact(2f64.powi(-100))?;
+        let slack = &size * &unit + &half * (&rest / depth.abs().max(tiny.clone())) * unit + tiny;
+        // Where sums overflow nothing is.
+        let is_normal = depth.abs() > exact(2f64.powi(-100))?
+            && centre.abs() + &rest < exact(T::LARGEST.into())? / BigRational::from_float(4.0)?;
         let wide = kept(answer.near)? < zeros[0].clone() - &slack
             || kept(answer.far)? > zeros[1].clone() + slack;
         (is_normal && wide).then_some("hardly narrowed")

@@ -220,7 +220,10 @@ impl Tile {
     /// At least the distance of a probe from its ray.
     fn off<T: Adversarial>(&self, probe: &Probe, axis: usize) -> f64 {
         let terms = self.terms(probe.screen, probe.t, axis).into_iter();
-        T::above(dot(terms.chain([(probe.at[axis], -1.0)])).most()).into()
+        let off = dot(terms.chain([(probe.at[axis], -1.0)])).most();
+        // Products of t and a screen coordinate may underflow.
+        let lost = [1, 2].map(|k| self.direction[k][axis].abs() * f64::from_bits(1));
+        T::above((off + lost[0] + lost[1]).next_up().next_up()).into()
     }
 
     /// A part of the tile that holds a probe.
