@@ -1,5 +1,6 @@
 //! Single rays, sixteen at a time: from a segment to a proven hit, to nothing, or to what stays open.
 
+use super::bridge::Bridge;
 use super::narrow::{Narrower, Scratch, Step};
 use crate::gbuffer::{Found, Reason, Status};
 use crate::method::{Options, Precision, Segment, Start};
@@ -20,6 +21,8 @@ pub(super) struct Way {
     pub direction: DVec3,
     /// How far the real ray may be from that, per axis.
     pub error: DVec3,
+    /// s where the ray starts.
+    pub start: f64,
     /// s between which zeros are looked for.
     pub span: [f64; 2],
     /// s between which the ray is certainly in the region.
@@ -34,6 +37,7 @@ impl Way {
         origin: DVec3::ZERO,
         direction: DVec3::ZERO,
         error: DVec3::ZERO,
+        start: 0.0,
         span: [0.0; 2],
         inside: [0.0; 2],
         tolerance: 0.0,
@@ -126,6 +130,13 @@ impl<'a, T: Scalar> Follower<'a, T> {
                         None
                     }
                     Step::Resumed(from) => rest(from),
+                    Step::Open(segment, _)
+                        if outcome.open.is_none()
+                            && let Some(bracket) = self.bridge(way, segment) =>
+                    {
+                        outcome.hit = Some(bracket);
+                        None
+                    }
                     Step::Open([near, far], spent) => {
                         let (reason, likely) = self.judge(way, [near, far], spent);
                         outcome.open.get_or_insert((near, reason));
@@ -192,6 +203,20 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
+    /// A bracket of the first zero, if it lies in a segment that stayed open or close behind it.
+    fn bridge(&self, way: &Way, segment: [f64; 2]) -> Option<[f64; 2]> {
+        if self.refines {
+            self.bridge_in::<f64>(way, segment)
+        } else {
+            self.bridge_in::<T>(way, segment)
+        }
+    }
+
+    fn bridge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2]) -> Option<[f64; 2]> {
+        let kernel = U::kernels(self.surface).bounds().ok()?;
+        Bridge { kernel, way, region: self.region }.bracket(segment)
+    }
+
     fn judge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2], spent: bool) -> (Reason, bool) {
         let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
         let kernels = U::kernels(self.surface);
@@ -241,6 +266,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
                 origin: ray.at(near),
                 direction: ray.direction,
                 error,
+                start: -near,
                 span,
                 inside: inside(self.region, ray, near, span),
                 tolerance: f64::INFINITY,

@@ -421,7 +421,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 let [origin, direction] = self.frame.ray(screen);
                 let error = self.frame.error;
                 let inside = [f64::NEG_INFINITY, f64::INFINITY];
-                ways[left] = Way { origin, direction, error, span: [from, to], inside, tolerance };
+                let (start, span) = (-self.frame.start, [from, to]);
+                ways[left] = Way { origin, direction, error, start, span, inside, tolerance };
                 rest[left] = bit;
                 left += 1;
             }
@@ -468,7 +469,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                     continue;
                 }
                 let error = self.frame.error;
-                ways[count] = Way { origin, direction, error, span, inside, tolerance };
+                let start = -self.frame.start;
+                ways[count] = Way { origin, direction, error, start, span, inside, tolerance };
                 bits[count] = bit;
                 count += 1;
             }

@@ -1,0 +1,109 @@
+//! Zeros whose place arithmetic cannot tell: between two places where the sign is certain, and different.
+
+use super::rays::{Way, bounds};
+use crate::region::Region;
+use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
+use zeroset_interval::Facts;
+
+/// Places away from an open segment at which the sign is looked at, each half as far again as the one before; and how often a
+/// bracket is then halved.
+const STEPS: i32 = 48;
+/// How far behind an open segment a zero is looked for, as a share of the ray's way through the region.
+const LONGEST: f64 = 1.0 / 64.0;
+
+/// The function along one ray.
+pub(super) struct Bridge<'a, T: Real> {
+    pub kernel: &'a dyn Kernel<Enclose, T>,
+    pub way: &'a Way,
+    pub region: &'a Region,
+}
+
+impl<T: Real> Bridge<'_, T> {
+    /// A bracket of the first zero, given that there is none before the segment from `near` to `far`, of which nothing else
+    /// is known. `None` if nothing tells that there is a zero.
+    ///
+    /// The function is continuous from a place before the segment to one behind it, and has opposite signs there.
+    pub fn bracket(&self, [near, far]: [f64; 2]) -> Option<[f64; 2]> {
+        let [first, last] = self.inside();
+        if !(first <= near && far <= last) {
+            return None;
+        }
+        let least = (far - near).max(f64::EPSILON * (near.abs() + far.abs()));
+        let (before, below) = self.sign_from(near, -least, first, None)?;
+        let end = last.min(far + LONGEST * (last - first));
+        let (mut behind, _) = self.sign_from(far, least, end, Some(!below))?;
+        if !self.enclose([before, behind]).facts(0).has(Facts::CONTINUOUS) {
+            return None;
+        }
+        // The sign is as certain closer to the zero.
+        let mut close = near;
+        for _ in 0..STEPS {
+            let middle = 0.5 * (close + behind);
+            if self.sign(middle) == Some(!below) {
+                behind = middle;
+            } else {
+                close = middle;
+            }
+        }
+        Some([near, behind])
+    }
+
+    /// Where the ray is in the region, behind its start, and so that its points are within the bounds of [`bounds`].
+    fn inside(&self) -> [f64; 2] {
+        let way = self.way;
+        let [mut near, mut far] = way.inside;
+        near = near.max(way.start);
+        for axis in 0..3 {
+            let (o, d) = (way.origin[axis], way.direction[axis]);
+            let slack = way.error[axis];
+            let (low, high) = (self.region.low()[axis] + slack, self.region.high()[axis] - slack);
+            if d == 0.0 {
+                if !(low <= o && o <= high) {
+                    far = f64::NEG_INFINITY;
+                }
+                continue;
+            }
+            let (enter, leave) = ((low - o) / d, (high - o) / d);
+            let (enter, leave) = (enter.min(leave), enter.max(leave));
+            near = near.max(enter + 1e-12 * enter.abs());
+            far = far.min(leave - 1e-12 * leave.abs());
+        }
+        [near, far]
+    }
+
+    /// A place where the sign is certain, and the `wanted` one, from `start` on in steps of growing length up to `end`; and
+    /// whether it is +.
+    fn sign_from(
+        &self,
+        start: f64,
+        step: f64,
+        end: f64,
+        wanted: Option<bool>,
+    ) -> Option<(f64, bool)> {
+        for k in 0..STEPS {
+            let s = start + step * 1.5_f64.powi(k);
+            let is_beyond = if step > 0.0 { s >= end } else { s <= end };
+            let s = if is_beyond { end } else { s };
+            match self.sign(s) {
+                Some(sign) if wanted.is_none_or(|wanted| wanted == sign) => return Some((s, sign)),
+                _ if is_beyond => return None,
+                _ => {}
+            }
+        }
+        None
+    }
+
+    /// Whether the function is certainly above 0 at a place, or certainly below.
+    fn sign(&self, s: f64) -> Option<bool> {
+        let value = self.enclose([s, s]);
+        if !value.facts(0).has(Facts::DEFINED) {
+            return None;
+        }
+        let zero = T::default();
+        if value.neg_lo[0] < zero { Some(true) } else { (value.hi[0] < zero).then_some(false) }
+    }
+
+    fn enclose(&self, segment: [f64; 2]) -> Enclosures<T> {
+        self.kernel.ask_all(&Boxes::around(&[bounds(self.way, segment, self.region)])).remove(0)
+    }
+}
