@@ -108,5 +108,6 @@ fn a_budget_of_time_ends_a_picture() {
     assert_eq!(none.buffer.reasons()[Reason::Budget as usize], 512 * 512);
     assert!(none.buffer.drawn.iter().all(|drawn| drawn.is_infinite()));
     let settings = Settings { budget: Some(Duration::MAX), ..settings };
-    assert_eq!(picture(&model, &settings, usize::MAX).0.statistics.pixels.undecided, 0);
+    let (whole, _) = picture(&model, &settings, usize::MAX);
+    assert_eq!(whole.buffer.reasons()[Reason::Budget as usize], 0);
 }

@@ -94,7 +94,24 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     if float == end { end } else { T::nearest(end + slack).into() }
                 };
                 let (near, far) = (outward(near, -slack), outward(far, slack));
-                stacks[lane].push([near, far]);
+                // Where the ray leaves the region no sign is known: the ends that round beyond are looked at apart.
+                let mut inside = way.inside;
+                let within = inside[0] <= near && far <= inside[1];
+                if !within {
+                    inside = [T::above(inside[0]).into(), -T::above(-inside[1]).into()];
+                }
+                let [first, last] = inside;
+                if !within && first < last && near < last && first < far {
+                    if last < far {
+                        stacks[lane].push([last, far]);
+                    }
+                    stacks[lane].push([near.max(first), far.min(last)]);
+                    if near < first {
+                        stacks[lane].push([near, first]);
+                    }
+                } else {
+                    stacks[lane].push([near, far]);
+                }
                 let most = near.abs().max(far.abs()).max(way.span[1] - way.span[0]);
                 grain[lane] = T::GRAIN * most;
             }
