@@ -28,7 +28,7 @@ const SURFACES: [(&str, &str, f64); 10] = [
         2.0,
     ),
     ("linked-tori", "((10*x)^2+(10*y-2)^2+(10*z)^2+13)^2-53*((10*x)^2+(10*y-2)^2)", 1.0),
-    ("gyroid", "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)", 6.283185307179586),
+    ("gyroid", "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)", std::f64::consts::TAU),
 ];
 
 fn milliseconds(mut times: Vec<Duration>) -> f64 {

@@ -150,7 +150,7 @@ batch! {
 }
 
 batch! {
-    /// Tiles of rays, each a segment deep: the points `o + a·oₐ + b·o_b + t·(d + a·dₐ + b·d_b)`, for screen coordinates (a, b)
+    /// Tiles of rays, each a segment deep: the points `o + a·o₁ + b·o₂ + t·(d + a·d₁ + b·d₂)`, for screen coordinates (a, b)
     /// within `half` of `centre`, and t from `near` to `far`. As in [`Segments`], within `error`.
     ///
     /// The frame of the picture is the same in all lanes.

@@ -114,7 +114,9 @@ pub trait Tracer: Sync {
         for square in squares(band.width, band.height) {
             wanted = wanted && band.is_wanted();
             if !wanted {
-                square.iter().for_each(|&[column, row]| band.set(column, row, &Found::GIVEN_UP));
+                for &[column, row] in &square {
+                    band.set(column, row, &Found::GIVEN_UP);
+                }
                 continue;
             }
             let (segments, found) = (&mut segments[..square.len()], &mut found[..square.len()]);

@@ -1,4 +1,4 @@
-//! The rays of a picture as points o + a·oₐ + b·o_b + s·(d + a·dₐ + b·d_b) near the region, in the floats of the kernels.
+//! The rays of a picture as points o + a·o₁ + b·o₂ + s·(d + a·d₁ + b·d₂) near the region, in the floats of the kernels.
 //!
 //! Screen coordinates (a, b) are those of the [`RayGrid`]; s is the ray's t less that of a plane through the region's centre,
 //! so that `f32` is spent on the region and not on the way to it.
@@ -15,9 +15,9 @@ pub(super) struct Frame {
     pub start: f64,
     /// s between which the region lies, as far as rays reach it.
     pub span: [f64; 2],
-    /// o, oₐ and o_b.
+    /// o, o₁ and o₂.
     pub origin: [DVec3; 3],
-    /// d, dₐ and d_b.
+    /// d, d₁ and d₂.
     pub direction: [DVec3; 3],
     /// The largest screen coordinates of a picture's rays.
     pub reach: [f64; 2],
@@ -111,7 +111,7 @@ impl Frame {
         let [low, high] = [region.low(), region.high()];
         for axis in 0..3 {
             let [o, d] =
-                [self.range(&self.origin, tile, axis), self.range(&self.direction, tile, axis)];
+                [Self::range(&self.origin, tile, axis), Self::range(&self.direction, tile, axis)];
             let slack = self.error[axis];
             let (low, high) = (low[axis] - slack, high[axis] + slack);
             // Where all rays go the same way, they come in after the first that can and leave before the last that can.
@@ -156,7 +156,7 @@ impl Frame {
         let [low, high] = [region.low(), region.high()];
         (0..3).all(|axis| {
             let [o, d] =
-                [self.range(&self.origin, tile, axis), self.range(&self.direction, tile, axis)];
+                [Self::range(&self.origin, tile, axis), Self::range(&self.direction, tile, axis)];
             let least = o[0] + (near * d[0]).min(near * d[1]).min(far * d[0]).min(far * d[1]);
             let most = o[1] + (near * d[0]).max(near * d[1]).max(far * d[0]).max(far * d[1]);
             let slack = self.error[axis];
@@ -165,7 +165,7 @@ impl Frame {
     }
 
     /// Bounds of one coordinate of a sum of three over a tile.
-    fn range(&self, parts: &[DVec3; 3], tile: &Tile, axis: usize) -> [f64; 2] {
+    fn range(parts: &[DVec3; 3], tile: &Tile, axis: usize) -> [f64; 2] {
         let [at, a, b] = [parts[0][axis], parts[1][axis], parts[2][axis]];
         let middle = at + tile.centre[0] * a + tile.centre[1] * b;
         let reach = tile.half[0] * a.abs() + tile.half[1] * b.abs();

@@ -54,7 +54,7 @@ impl<T: Scalar> Default for Scratch<T> {
 /// A segment that stays longer than this share of what it was is cut.
 const STALLED: f64 = 0.6;
 /// Where it is cut: not in the middle, where symmetric surfaces have zeros whose sign could not be told.
-const CUT: f64 = 0.4609375;
+const CUT: f64 = 0.460_937_5;
 /// Segments looked at on one ray before the shortest get longer.
 const PATIENCE: u32 = 96;
 

@@ -21,7 +21,7 @@ const SLENDER: f64 = 3.0;
 /// A segment that stays longer than this share of what it was is cut.
 const STALLED: f64 = 0.75;
 /// Where it is cut.
-const CUT: f64 = 0.4609375;
+const CUT: f64 = 0.460_937_5;
 
 /// Traces a band.
 pub(super) fn trace<T: Scalar>(
@@ -67,10 +67,9 @@ pub(super) fn trace<T: Scalar>(
 fn open_pixels(width: usize, height: usize) -> Vec<u16> {
     let (across, down) = (width.div_ceil(4), height.div_ceil(4));
     let mut open = vec![u16::MAX; across * down];
-    let kept =
-        |size: usize| (0..4).map(move |k| if size % 4 == 0 || k < size % 4 { 1_u16 } else { 0 });
-    let columns: u16 = kept(width).enumerate().map(|(k, bit)| 0x1111 * bit << k).sum();
-    let rows: u16 = kept(height).enumerate().map(|(k, bit)| 0xf * bit << (4 * k)).sum();
+    let kept = |size: usize| (0..4).map(move |k| u16::from(size.is_multiple_of(4) || k < size % 4));
+    let columns: u16 = kept(width).enumerate().map(|(k, bit)| (0x1111 * bit) << k).sum();
+    let rows: u16 = kept(height).enumerate().map(|(k, bit)| (0xf * bit) << (4 * k)).sum();
     for row in 0..down {
         open[row * across + across - 1] &= columns;
     }
@@ -168,10 +167,10 @@ impl<T: Scalar> Level<T> {
 
     fn place(&mut self, slot: usize, lane: usize, reach: [f64; 2]) {
         let tile = &self.tiles[lane];
-        for axis in 0..2 {
+        for (axis, reach) in reach.into_iter().enumerate() {
             self.batch.centre[axis][slot] = T::nearest(tile.centre[axis]);
             // The centre is rounded too, and so is this.
-            let half = tile.half[axis] + T::PATH_ERROR * reach[axis];
+            let half = tile.half[axis] + T::PATH_ERROR * reach;
             self.batch.half[axis][slot] = T::nearest(half);
         }
     }
