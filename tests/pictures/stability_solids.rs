@@ -25,7 +25,9 @@ fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Pi
 /// Checks each ray along `along`: `expected` says, from where it passes the plane through the origin, how far along the
 /// axis the first face lies, `None` for no face; NaN for either.
 fn check(formula: &str, along: DVec3, expected: impl Fn(DVec3) -> Option<f64>) {
-    METHODS.iter().for_each(|method| check_with(method, formula, along, &expected));
+    for method in &METHODS {
+        check_with(method, formula, along, &expected);
+    }
 }
 
 fn check_with(

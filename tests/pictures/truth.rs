@@ -8,7 +8,7 @@ use zeroset::model::render;
 use zeroset::picture::{Precision, Settings};
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, Reason, Status};
+use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -32,7 +32,7 @@ impl Slabs {
 }
 
 /// The surface as seen by the reference's camera.
-fn picture(truth: &Truth, settings: Settings) -> (RayGrid, GBuffer) {
+fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     let view = &truth.view;
     let example = example(&view.slug).unwrap_or_else(|| panic!("no example {}", view.slug));
     let document = read_document(example.text, &Options::default())
@@ -44,7 +44,7 @@ fn picture(truth: &Truth, settings: Settings) -> (RayGrid, GBuffer) {
     let projection = Projection::Perspective { fov: view.fov };
     let camera = Camera::new(eye, target, up, projection).expect("a camera");
     let (width, height) = (SIDE, SIDE);
-    let settings = Settings { width, height, normals: None, ..settings };
+    let settings = Settings { width, height, normals: None, ..settings.clone() };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {})
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
     (camera.rays(SIDE, SIDE), picture.buffer)
@@ -88,7 +88,7 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     let mut rows = Vec::new();
     let mut false_claims = Vec::new();
     for truth in read("truth") {
-        let (frame, buffer) = picture(&truth, TABLE.settings());
+        let (frame, buffer) = picture(&truth, &TABLE.settings());
         false_claims.extend(contradictions(&truth, Precision::F32, &frame, &buffer));
         rows.push(Row::new(&truth, &buffer, DEPTH));
     }
@@ -111,7 +111,7 @@ fn no_claim_of_thinner_slabs_contradicts_an_exact_root() {
     let mut false_claims = Vec::new();
     for truth in read("truth") {
         for method in methods {
-            let (frame, buffer) = picture(&truth, method.settings());
+            let (frame, buffer) = picture(&truth, &method.settings());
             let found = contradictions(&truth, method.1, &frame, &buffer);
             false_claims.extend(found.iter().map(|claim| format!("{method:?}: {claim}")));
         }
@@ -123,7 +123,7 @@ fn no_claim_of_thinner_slabs_contradicts_an_exact_root() {
 fn false_claims_are_noticed() {
     let truths = read("truth");
     let sphere = truths.iter().find(|truth| truth.view.slug == "sphere").expect("a sphere");
-    let (frame, right) = picture(sphere, TABLE.settings());
+    let (frame, right) = picture(sphere, &TABLE.settings());
     let noticed = |buffer: &GBuffer| contradictions(sphere, Precision::F32, &frame, buffer).len();
     assert_eq!(noticed(&right), 0);
     let roots = sphere.pixels.iter().filter(|pixel| pixel.zero.is_finite()).count();
@@ -165,10 +165,9 @@ struct Proofs {
 fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
     let mut wrong = Vec::new();
     let mut all = Proofs::default();
-    let mut lines = String::new();
     for truth in read("truth") {
         let settings = Settings { brackets: true, tolerance: TOLERANCE, ..Settings::default() };
-        let (_, buffer) = picture(&truth, settings);
+        let (_, buffer) = picture(&truth, &settings);
         let [x0, x1, y0, y1, z0, z1] = truth.view.domain;
         let diagonal = DVec3::new(x1 - x0, y1 - y0, z1 - z0).length();
         let mut proofs = Proofs::default();
@@ -209,10 +208,15 @@ fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
         }
         let Proofs { hits, misses, undecided, needless, far, phantoms, reasons } = proofs;
         if undecided + far + phantoms > 0 {
-            lines += &format!(
-                "{:32} hit {hits:5} miss {misses:5} undecided {undecided:5} needless {needless:4} far {far:4} phantom {phantoms:4} {reasons:?}\n",
+            println!(
+                "{}: {hits} hits, {misses} misses, {undecided} undecided {reasons:?}, {needless} of them needless, {far} \
+                 far, {phantoms} phantoms",
                 truth.view.slug
             );
+        }
+        // Half a percent, but for surfaces in faces of the domain, beyond which no sign is known.
+        if needless > SIDE * SIDE / 200 && truth.view.slug != "floor-steps" {
+            wrong.push(format!("{}: {needless} undecided", truth.view.slug));
         }
         all.hits += hits;
         all.misses += misses;
@@ -221,11 +225,12 @@ fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
         all.far += far;
         all.phantoms += phantoms;
     }
-    println!("{lines}");
+    let Proofs { hits, misses, undecided, needless, far, phantoms, .. } = all;
     println!(
-        "all: hit {} miss {} undecided {} needless {} far {} phantoms {}",
-        all.hits, all.misses, all.undecided, all.needless, all.far, all.phantoms
+        "all: {hits} hits, {misses} misses, {undecided} undecided, {needless} of them needless, {far} far, \
+         {phantoms} phantoms"
     );
-    println!("{:?}", Reason::None);
     expect_none(&wrong);
+    assert!(1000 * far <= hits, "{far} of {hits} hits are far from their root");
+    assert!(1000 * phantoms <= hits + undecided, "{phantoms} painted without a root");
 }
