@@ -334,8 +334,9 @@ pub(super) fn bounds(way: &Way, [near, far]: [f64; 2], region: &Region) -> [Inte
         let slack = way.error[axis] + 4.0 * f64::EPSILON * size;
         let (low, high) = (region.low()[axis], region.high()[axis]);
         Interval {
-            lo: (ends[0].min(ends[1]) - slack).clamp(low, high),
-            hi: (ends[0].max(ends[1]) + slack).clamp(low, high),
+            // In this order, what is not a number bounds nothing.
+            lo: (ends[0].min(ends[1]) - slack).max(low).min(high),
+            hi: (ends[0].max(ends[1]) + slack).min(high).max(low),
         }
     })
 }
