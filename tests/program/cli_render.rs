@@ -544,8 +544,11 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     assert_eq!([far("auto", &fine), far("f64", &fine)], [0, 0]);
     let (_, finished) = array::<f64>(&place, "far.npy");
     assert!((finished[middle] - 50.0).abs() < 1e-6, "{}", finished[middle]);
-    assert!(far("f32", &fine) > 0);
-    assert_eq!(array::<f32>(&place, "far.npy").0, [9, 9]);
+    // In f32 alone a hit is proven by the signs around it, and its place is as coarse as they are.
+    far("f32", &fine);
+    let (_, coarse) = array::<f32>(&place, "far.npy");
+    let off = (f64::from(coarse[middle]) - 50.0).abs();
+    assert!((1e-6..0.1).contains(&off), "{off}");
     assert!((double[middle] - 50.0).abs() < 1e-8, "{}", double[middle]);
     assert!((single[middle] - 50.0).abs() < 0.1, "{}", single[middle]);
     let refused = place.run(&["render", "x", "--max-depth", "21", "--json"]);

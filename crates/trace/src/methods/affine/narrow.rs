@@ -159,7 +159,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                         }
                     } else if !shorter.is_finite() || shorter > STALLED * length {
                         let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
-                        if new[0] < cut && cut < new[1] {
+                        if is_progress(new, cut, length) {
                             stack.push([cut, new[1]]);
                             stack.push([new[0], cut]);
                         } else {
@@ -195,6 +195,12 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         kernel.ask(&boxes[0], &mut zeros);
         zeros.possible & 1 == 1
     }
+}
+
+/// Whether the parts of a segment that is cut are shorter than what it was narrowed from: where floats are as coarse as the
+/// segment is short, it may come out longer, and would come back for ever.
+pub(super) fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
+    near < cut && cut < far && cut - near < length && far - cut < length
 }
 
 /// Writes a ray into a lane.

@@ -2,7 +2,7 @@
 
 use super::Affine;
 use super::frame::{Frame, Tile};
-use super::narrow::Scratch;
+use super::narrow::{Scratch, is_progress};
 use super::rays::{self, Way};
 use super::slots::{Slots, Stack};
 use crate::band::Band;
@@ -262,7 +262,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
         // Too short for these floats, or not finite: such a segment would come back for ever.
         // An eye in the region has no pixel's width before it to stop at.
-        let is_last = !(new[0] < cut && cut < new[1]) || shorter <= T::GRAIN * self.size;
+        let is_last = !is_progress(new, cut, far - near) || shorter <= T::GRAIN * self.size;
         let slender = shorter <= SLENDER * SIDES[depth] as f64 * footprint;
         if !is_last && shorter <= STALLED * (far - near) {
             level.stacks[lane].push(new);
