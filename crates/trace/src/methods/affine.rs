@@ -23,6 +23,7 @@ use crate::method::{Method, MethodOption, Options, Precision, Segment, Start, Tr
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
+use frame::Frame;
 use rays::Follower;
 use zeroset_eval::{ContractTiles, Kernel, KernelError, LANES, Surface};
 
@@ -56,7 +57,12 @@ struct Affine<'a, T: Scalar> {
     cleared: bool,
     region: &'a Region,
     tolerance: f64,
+    surface: &'a dyn Surface,
+    options: Options,
 }
+
+/// How far, as a share of the region's extent, the real ray may be from what is computed of it.
+const FARTHEST: f64 = 1e-6;
 
 impl<'a, T: Scalar> Affine<'a, T> {
     fn new(
@@ -71,6 +77,8 @@ impl<'a, T: Scalar> Affine<'a, T> {
             cleared: kernels.cleared()?.is_some(),
             region,
             tolerance: options.tolerance,
+            surface,
+            options,
         })
     }
 }
@@ -83,6 +91,14 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
     }
 
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
+        let (error, extent) =
+            (Frame::new(rays, self.region).error, self.region.high() - self.region.low());
+        // From so far away forms say nothing of where in the region a ray is; boxes within it may.
+        if error.cmpgt(extent * FARTHEST).any()
+            && let Ok(boxes) = knoll::METHOD.prepare(self.surface, self.region, self.options)
+        {
+            return boxes.band(rays, band, work);
+        }
         tiles::trace(self, rays, band, work);
     }
 }
