@@ -108,4 +108,26 @@ impl Band<'_> {
         }
         self.drawn[pixel] = self.drawn[pixel].min(distance);
     }
+
+    /// As [`Band::add_hit`] for four pixels of a row, from `column` on.
+    #[inline]
+    pub fn add_four_hits(
+        &mut self,
+        column: usize,
+        row: usize,
+        distance: &[f64; 4],
+        off: &[f64; 4],
+    ) {
+        let pixel = row * self.width + column;
+        let pixels = pixel..pixel + 4;
+        if self.bracket.is_empty() && self.status[pixels.clone()] == [Status::Miss; 4] {
+            self.status[pixels.clone()].fill(Status::Hit);
+            self.distance[pixels.clone()].copy_from_slice(distance);
+            self.drawn[pixels].copy_from_slice(distance);
+        } else {
+            for k in 0..4 {
+                self.add_hit(column + k, row, distance[k], off[k]);
+            }
+        }
+    }
 }

@@ -11,6 +11,8 @@
 mod bridge;
 mod frame;
 mod narrow;
+mod pixels;
+mod plane;
 mod rays;
 mod slots;
 mod tiles;

@@ -276,7 +276,13 @@ impl<M: Machine> Rule<'_, M> {
                     hi = self.m.min(hi, known_hi);
                 }
                 let (range_neg_lo, range_hi) = (self.number(-a.range.lo), self.number(a.range.hi));
-                [self.m.min(neg_lo, range_neg_lo), self.m.min(hi, range_hi)]
+                neg_lo = self.m.min(neg_lo, range_neg_lo);
+                hi = self.m.min(hi, range_hi);
+                // Where these are apart there is no value, and nothing counts; but rules rely on bounds that are in order.
+                let range_lo = self.number(a.range.lo);
+                hi = self.m.max(hi, range_lo);
+                let neg_hi = self.m.neg(hi);
+                [self.m.max(neg_lo, neg_hi), hi]
             }
         };
         Operand { value: a.value.facts.with(bounds), range: a.range, exponent: a.exponent }

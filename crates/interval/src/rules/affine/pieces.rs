@@ -150,27 +150,12 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// Operands of which not all need be defined. Where a form and the range of the domain are apart, an operand has no value
-    /// at any point that counts, and its bounds mean nothing; what rules make of them must not hide those of the others.
-    fn operands_of_choice<const N: usize>(
-        &mut self,
-        operands: &[FormOperand<M::V, N>],
-    ) -> Vec<Operand<M::V>> {
-        let mut all = Vec::with_capacity(operands.len());
-        for operand in operands {
-            let bounds = self.operand(operand);
-            let (neg_lo, hi) = (self.close(bounds.value.neg_lo), self.close(bounds.value.hi));
-            all.push(Operand { value: Enclosure { neg_lo, hi, ..bounds.value }, ..bounds });
-        }
-        all
-    }
-
     /// b where a < 0, c where a ≥ 0.
     pub(super) fn form_choice<const N: usize>(
         &mut self,
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
-        let bounds = self.operands_of_choice(operands);
+        let bounds: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
         let value = enclose(self.m, self.format, Op::SelectNegative, &bounds);
         let plain = self.form_between(&value);
         let zero = self.zero();
@@ -190,7 +175,7 @@ impl<M: Machine> Rule<'_, M> {
         &mut self,
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
-        let bounds = self.operands_of_choice(operands);
+        let bounds: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
         let value = enclose(self.m, self.format, Op::Otherwise, &bounds);
         let plain = self.form_between(&value);
         let defined = match operands[0].value.facts.defined {

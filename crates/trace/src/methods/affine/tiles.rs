@@ -3,11 +3,10 @@
 use super::Affine;
 use super::frame::{Frame, Tile};
 use super::narrow::{Scratch, is_progress};
-use super::rays::{self, Way};
+use super::plane::Plane;
 use super::slots::{Slots, Stack};
 use crate::band::Band;
 use crate::grid::RayGrid;
-use crate::method::Start;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use zeroset_eval::{Contractions, LANES, Planes, Segments, Tiles};
@@ -80,31 +79,31 @@ fn open_pixels(width: usize, height: usize) -> Vec<u16> {
 }
 
 /// Up to sixteen tiles of one size, and what is still to be looked at of each.
-struct Level<T: Scalar> {
+pub(super) struct Level<T: Scalar> {
     /// Whether all of the tiles' segments are in the region.
     within: bool,
-    places: [[usize; 2]; LANES],
+    pub places: [[usize; 2]; LANES],
     tiles: [Tile; LANES],
     stacks: [Stack; LANES],
-    batch: Tiles<T>,
-    out: Planes<T>,
+    pub batch: Tiles<T>,
+    pub out: Planes<T>,
 }
 
-struct Tracer<'a, 'b, 'm, T: Scalar> {
-    method: &'a Affine<'m, T>,
-    rays: &'a RayGrid,
-    frame: Frame,
-    band: &'a mut Band<'b>,
+pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
+    pub method: &'a Affine<'m, T>,
+    pub rays: &'a RayGrid,
+    pub frame: Frame,
+    pub band: &'a mut Band<'b>,
     /// A bit per pixel of each 4×4 tile: whether it is not finished.
-    open: Vec<u16>,
+    pub open: Vec<u16>,
     /// Tiles of 4×4 in a row.
-    across: usize,
+    pub across: usize,
     /// The farthest end of a segment.
-    size: f64,
-    segments: Segments<T>,
-    contractions: Contractions<T>,
-    scratch: Scratch<T>,
-    work: &'a mut Work,
+    pub size: f64,
+    pub segments: Segments<T>,
+    pub contractions: Contractions<T>,
+    pub scratch: Scratch<T>,
+    pub work: &'a mut Work,
 }
 
 impl<T: Scalar> Level<T> {
@@ -178,7 +177,7 @@ impl<T: Scalar> Level<T> {
 
 impl<T: Scalar> Tracer<'_, '_, '_, T> {
     /// The first and last column and row of a tile's pixels in the band.
-    fn pixels(&self, [column, row]: [usize; 2], level: usize) -> [[usize; 2]; 2] {
+    pub(super) fn pixels(&self, [column, row]: [usize; 2], level: usize) -> [[usize; 2]; 2] {
         let side = SIDES[level];
         let range = |place: usize, size: usize| [side * place, (side * place + side).min(size) - 1];
         [range(column, self.band.width), range(row, self.band.height)]
@@ -197,7 +196,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// The width of a pixel in units of s.
-    fn footprint(&self, s: f64) -> f64 {
+    pub(super) fn footprint(&self, s: f64) -> f64 {
         let unit = 2.0 * self.rays.unit();
         if self.rays.is_parallel() { unit } else { unit * (self.frame.start + s) }
     }
@@ -254,7 +253,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let half: f64 = level.out.half[slot].into();
             let enough = self.method.tolerance * footprint * slope.abs();
             if 2.0 * half * error <= enough && self.is_within(level, lane, [near, far]) {
-                self.emit(level, depth, slot, level.places[lane]);
+                let plane = Plane::new(&level.batch, &level.out, slot);
+                self.emit(&plane, depth, level.places[lane]);
                 level.stacks[lane].clear();
                 return;
             }
@@ -311,243 +311,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 count += 1;
             }
         }
-        let plane = Plane::new(level, slot);
+        let plane = Plane::new(&level.batch, &level.out, slot);
         finer[0].start(self, &parts[..count], depth + 1, segment, Some(&plane), within);
         self.run(finer, depth + 1);
-    }
-
-    /// Writes the hits that a tile's form proves.
-    fn emit(&mut self, level: &Level<T>, depth: usize, slot: usize, place: [usize; 2]) {
-        let [columns, rows] = self.pixels(place, depth);
-        let (out, batch) = (&level.out, &level.batch);
-        let [value, error, middle, half]: [f64; 4] =
-            [out.value[slot], out.error[slot], out.middle[slot], out.half[slot]].map(Into::into);
-        let slope: [f64; 3] = out.slope.map(|lanes| lanes[slot].into());
-        let centre: [f64; 2] = batch.centre.map(|lanes| lanes[slot].into());
-        let reach: [f64; 2] = batch.half.map(|lanes| lanes[slot].into());
-        let per_value = -half / slope[2];
-        let per_screen = [slope[0] / reach[0], slope[1] / reach[1]];
-        // What these few operations round is far below what single precision leaves of the rest.
-        let off = (per_value * error).abs() * (1.0 + 1e-9) + 1e-13 * (middle.abs() + half);
-        let base = self.frame.start + middle;
-        let parallel = self.rays.is_parallel();
-        for row in rows[0]..=rows[1] {
-            let [_, b] = self.rays.screen(0, 2 * (self.band.top + row));
-            let up = value + per_screen[1] * (b - centre[1]);
-            for column in columns[0]..=columns[1] {
-                let bit = 1 << (column % 4 + 4 * (row % 4));
-                let open = &mut self.open[(row / 4) * self.across + column / 4];
-                if *open & bit == 0 {
-                    continue;
-                }
-                *open &= !bit;
-                let [a, _] = self.rays.screen(2 * column, 0);
-                let t = base + per_value * (up + per_screen[0] * (a - centre[0]));
-                let length = if parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
-                self.band.add_hit(column, row, t * length, off * length);
-            }
-        }
-    }
-
-    /// Follows the rays of a tile of 4×4 that are not finished, all of the segment being in the region: first all at once,
-    /// each along what the tile's form leaves of it.
-    fn follow_within(&mut self, level: &Level<T>, [slot, lane]: [usize; 2], [near, far]: [f64; 2]) {
-        let place = level.places[lane];
-        let index = place[1] * self.across + place[0];
-        let [first_column, first_row] = place.map(|place| 4 * place);
-        let screens: [[f64; 2]; 4] = std::array::from_fn(|k| {
-            self.rays.screen(2 * (first_column + k), 2 * (self.band.top + first_row + k))
-        });
-        let open = self.open[index];
-        let plane = Plane::new(level, slot);
-        let batch = &mut self.segments;
-        let mut bits = [0_usize; LANES];
-        let mut count = 0;
-        let (mut across, mut upward) = ([T::default(); LANES], [T::default(); LANES]);
-        for bit in 0..16 {
-            if open >> bit & 1 == 1 {
-                let screen = [screens[bit % 4][0], screens[bit / 4][1]];
-                let [from, to] = plane.narrow(screen);
-                let (from, to) = (from.max(near), to.min(far));
-                if from <= to {
-                    bits[count] = bit;
-                    [across[count], upward[count]] = screen.map(T::nearest);
-                    (batch.near[count], batch.far[count]) = (T::nearest(from), T::nearest(to));
-                    count += 1;
-                }
-            }
-        }
-        if count == 0 {
-            return;
-        }
-        for axis in 0..3 {
-            for (parts, lanes) in [
-                (&level.batch.origin, &mut batch.origin[axis]),
-                (&level.batch.direction, &mut batch.direction[axis]),
-            ] {
-                let [base, a, b] = [0, 3, 6].map(|part| parts[part + axis][0]);
-                for lane in 0..LANES {
-                    lanes[lane] = base + across[lane] * a + upward[lane] * b;
-                }
-            }
-        }
-        batch.count = count as u32;
-        self.method.follower.ask(batch, &mut self.contractions);
-        self.work.segments.called(count as u32);
-        let tolerance = self.method.tolerance * self.footprint(near);
-        let (mut ways, mut rest) = ([Way::NONE; LANES], [0; LANES]);
-        let mut left = 0;
-        for (slot, &bit) in bits[..count].iter().enumerate() {
-            if self.contractions.possible >> slot & 1 == 0 {
-                continue;
-            }
-            let from: f64 = self.contractions.near[slot].into();
-            let to: f64 = self.contractions.far[slot].into();
-            let screen = [screens[bit % 4][0], screens[bit / 4][1]];
-            let crossing = self.contractions.crossing >> slot & 1 == 1;
-            if crossing && to - from <= tolerance && !self.method.cleared {
-                self.open[index] &= !(1 << bit);
-                let length = self.length(screen);
-                let middle = self.frame.start + 0.5 * (from + to);
-                // What these sums round is far below what kernels leave of a bracket.
-                let off = (0.5 * (to - from) + 1e-13 * middle.abs()) * length;
-                self.band.add_hit(
-                    first_column + bit % 4,
-                    first_row + bit / 4,
-                    middle * length,
-                    off,
-                );
-            } else if from <= to {
-                let [origin, direction] = self.frame.ray(screen);
-                let error = self.frame.error;
-                let inside = [f64::NEG_INFINITY, f64::INFINITY];
-                let (start, span) = (-self.frame.start, [from, to]);
-                ways[left] = Way { origin, direction, error, start, span, inside, tolerance };
-                rest[left] = bit;
-                left += 1;
-            }
-        }
-        if left > 0 {
-            self.follow_ways(place, &ways[..left], &rest);
-        }
-    }
-
-    /// The length of a ray's direction.
-    fn length(&self, [a, b]: [f64; 2]) -> f64 {
-        if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
-    }
-
-    /// Follows the rays of a tile of 4×4 that are not finished, each as far as it is in the region.
-    fn follow(&mut self, level: &Level<T>, lane: usize, segment: [f64; 2]) {
-        let place = level.places[lane];
-        let [columns, rows] = self.pixels(place, LAST);
-        let region = self.method.region;
-        let index = place[1] * self.across + place[0];
-        let tolerance = self.method.tolerance * self.footprint(segment[0]);
-        let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
-        let mut count = 0;
-        for row in rows[0]..=rows[1] {
-            for column in columns[0]..=columns[1] {
-                let bit = column % 4 + 4 * (row % 4);
-                if self.open[index] >> bit & 1 == 0 {
-                    continue;
-                }
-                let screen = self.rays.screen(2 * column, 2 * (self.band.top + row));
-                let [origin, direction] = self.frame.ray(screen);
-                let ray = Tile { centre: screen, half: [0.0; 2] };
-                let Some(mut span) = self.frame.clip(&ray, region, segment) else { continue };
-                let mut inside = self.frame.inside(&origin, &direction, region);
-                if region.clip().is_some() {
-                    let ray = self.rays.ray(column, self.band.top + row);
-                    let start = self.frame.start;
-                    let Some((near, far)) = region.span(&ray) else { continue };
-                    let slack = 1e-15 * (near.abs() + start.abs());
-                    span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
-                    inside = rays::inside(region, &ray, start, span);
-                }
-                if span[0] > span[1] {
-                    continue;
-                }
-                let error = self.frame.error;
-                let start = -self.frame.start;
-                ways[count] = Way { origin, direction, error, start, span, inside, tolerance };
-                bits[count] = bit;
-                count += 1;
-            }
-        }
-        if count > 0 {
-            self.follow_ways(place, &ways[..count], &bits);
-        }
-    }
-
-    /// Follows rays of a tile of 4×4, given by their bits, one by one to the end.
-    fn follow_ways(&mut self, place: [usize; 2], ways: &[Way], bits: &[usize; LANES]) {
-        let index = place[1] * self.across + place[0];
-        let follower = &self.method.follower;
-        let outcomes = follower.follow(ways, Start::Anywhere, &mut self.scratch, self.work);
-        for (outcome, &bit) in outcomes[..ways.len()].iter().zip(bits) {
-            let found = outcome.found(self.frame.start);
-            if found.is_miss() {
-                continue;
-            }
-            let (column, row) = (4 * place[0] + bit % 4, 4 * place[1] + bit / 4);
-            let screen = self.rays.screen(2 * column, 2 * (self.band.top + row));
-            if found.drawn.is_finite() {
-                self.open[index] &= !(1 << bit);
-            }
-            self.band.add(column, row, &found.scaled(self.length(screen)));
-        }
-    }
-}
-
-/// What a tile's form says of the zeros on its rays.
-struct Plane {
-    centre: [f64; 2],
-    per_screen: [f64; 2],
-    value: f64,
-    middle: f64,
-    per_value: f64,
-    reach: f64,
-}
-
-impl Plane {
-    fn new<T: Scalar>(level: &Level<T>, slot: usize) -> Self {
-        let (out, batch) = (&level.out, &level.batch);
-        let [value, error, middle, half]: [f64; 4] =
-            [out.value[slot], out.error[slot], out.middle[slot], out.half[slot]].map(Into::into);
-        let slope: [f64; 3] = out.slope.map(|lanes| lanes[slot].into());
-        let per_value = -half / slope[2];
-        let size = value.abs() + slope[0].abs() + slope[1].abs() + error;
-        // Screen coordinates were rounded, and so are ends; more than what that comes to.
-        let error = error + T::PATH_ERROR * size;
-        Self {
-            centre: batch.centre.map(|lanes| lanes[slot].into()),
-            per_screen: [0, 1].map(|axis| slope[axis] / batch.half[axis][slot].into()),
-            value,
-            middle,
-            per_value,
-            reach: per_value.abs() * error + T::PATH_ERROR * (middle.abs() + half),
-        }
-    }
-
-    /// Bounds of s between which the ray at screen coordinates may have a zero.
-    #[inline]
-    fn narrow(&self, [a, b]: [f64; 2]) -> [f64; 2] {
-        let value = self.value
-            + self.per_screen[0] * (a - self.centre[0])
-            + self.per_screen[1] * (b - self.centre[1]);
-        let s = self.middle + self.per_value * value;
-        // What is not a number bounds nothing.
-        [s - self.reach, s + self.reach]
-    }
-
-    /// What is left of a segment on the rays of a part of the tile.
-    fn narrow_tile(&self, part: &Tile, [near, far]: [f64; 2]) -> Option<[f64; 2]> {
-        let [from, to] = self.narrow(part.centre);
-        let spread =
-            self.per_screen[0].abs() * part.half[0] + self.per_screen[1].abs() * part.half[1];
-        let spread = (self.per_value * spread).abs();
-        let (near, far) = ((from - spread).max(near), (to + spread).min(far));
-        (near <= far).then_some([near, far])
     }
 }
