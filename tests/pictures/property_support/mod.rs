@@ -10,11 +10,21 @@ use zeroset_eval::{Boxes, FindZeros, Kernel, KernelFloat, Zeros};
 use zeroset_interval::Interval;
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
-use zeroset_trace::{Camera, METHODS, Projection, Region, Status};
+use zeroset_trace::{Camera, METHODS, Method, Projection, Region, Status};
 
 /// What pictures of a scene by each method say of each pixel's ray; `None` if its camera is impossible or its formula has no surface.
 #[allow(dead_code)] // each fuzz target needs one of the two
 pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
+    let mut pixels = Vec::new();
+    for method in &METHODS {
+        let (camera, picture) = picture(scene, method)?;
+        pixels.extend(claims(scene, &camera, &picture));
+    }
+    Some(pixels)
+}
+
+/// A picture of a scene.
+pub fn picture(scene: &Scene, method: &'static Method) -> Option<(Camera, Picture)> {
     let [[x0, x1], [y0, y1], [z0, z1]] = scene.formula.region;
     let region = Region::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)).ok()?;
     let [eye, target, up] = [scene.eye, scene.target, scene.up].map(DVec3::from_array);
@@ -24,21 +34,22 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     };
     let camera = Camera::new(eye, target, up, projection).ok()?;
     let [width, height] = scene.size;
-    let precision = if scene.double { Precision::F64 } else { Precision::Auto };
-    let max_depth = scene.depth;
-    let plain =
-        Settings { width, height, precision, max_depth, brackets: true, ..Settings::default() };
-    let mut pixels = Vec::new();
-    for method in &METHODS {
-        let settings = Settings { method, ..plain.clone() };
-        let picture =
-            render(&scene.formula.document, &region, &camera, &settings, &|_, _| {}).ok()?;
-        pixels.extend(claims(scene, &camera, &picture));
-    }
-    Some(pixels)
+    let settings = Settings {
+        method,
+        width,
+        height,
+        precision: if scene.double { Precision::F64 } else { Precision::Auto },
+        max_depth: scene.depth,
+        brackets: true,
+        ..Settings::default()
+    };
+    let document = &scene.formula.document;
+    let picture = render(document, &region, &camera, &settings, &|_, _| {}).ok()?;
+    Some((camera, picture))
 }
 
-fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
+/// What a picture says of each pixel's ray.
+pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
     let [width, height] = scene.size;
     let frame = camera.rays(width, height);
     let pixels = (0..width * height).map(|index| {
@@ -54,7 +65,7 @@ fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
             Status::Hit => Claimed::Hit(buffer.bracket[index].map(|end| ray.parameter(end))),
             Status::Undecided => Claimed::Undecided(ray.parameter(distance)),
         };
-        Pixel { line, claimed }
+        Pixel { place: [index % width, index / width], line, claimed }
     });
     pixels.collect()
 }

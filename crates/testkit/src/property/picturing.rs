@@ -19,6 +19,8 @@ pub enum Claimed {
 /// A pixel's ray, and what is claimed of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
+    /// Column and row.
+    pub place: [usize; 2],
     /// The ray.
     pub line: Line,
     /// The claim.
@@ -63,12 +65,12 @@ pub fn picture(
     let mut tally = Tally::default();
     let Some(pixels) = draw(scene) else { return Ok(tally) };
     let function = scene.formula.function();
-    for (index, pixel) in pixels.iter().enumerate() {
+    for pixel in &pixels {
         let certain = Certain::of(&function, scene, &pixel.line);
         tally.compared += 1;
         tally.defined += u64::from(certain.zeros.crossing.is_some());
         let Some(what) = contradiction(scene, pixel, &certain) else { continue };
-        let (i, j) = (index % scene.size[0], index / scene.size[0]);
+        let [i, j] = pixel.place;
         return Err(Failure::new(format!(
             "{what}: {:?}, but {certain:?}\n{scene}\ncolumn {i}, row {j}: {}",
             pixel.claimed,
@@ -79,7 +81,7 @@ pub fn picture(
 }
 
 fn contradiction(scene: &Scene, pixel: &Pixel, certain: &Certain) -> Option<&'static str> {
-    let Pixel { line, claimed } = *pixel;
+    let Pixel { line, claimed, .. } = *pixel;
     let unit = line.direction.iter().fold(0.0_f64, |length, part| length.hypot(*part)).recip();
     let room = |distance: f64| rounding(scene) * (unit + distance);
     let passes = |at: f64, far: f64| at > far + room(far);

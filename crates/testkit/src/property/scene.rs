@@ -8,7 +8,7 @@ use std::fmt;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, NodeId};
 use zeroset_ops::{Notation, Op, TABLE};
-use zeroset_syntax::{Document, Options, read};
+use zeroset_syntax::{Document, Options, SurfaceKind, read};
 
 /// A function as text that can be typed, over a bounded region.
 #[derive(Clone, Debug)]
@@ -59,6 +59,15 @@ impl Formula {
         let document = read(&text, &Options::default())
             .unwrap_or_else(|errors| panic!("{}", errors.render(None, &text, false)));
         (document.surfaces.len() == 1).then_some(Self { text, solid: false, document, region, aim })
+    }
+
+    /// The surface of a text; `None` if it does not read, or draws not one surface.
+    pub fn given(text: &str, region: [[f64; 2]; 3]) -> Option<Self> {
+        let document = read(text, &Options::default()).ok()?;
+        let [surface] = document.surfaces.as_slice() else { return None };
+        let solid = surface.kind == SurfaceKind::Solid;
+        let aim = region.map(|[low, high]| low.midpoint(high));
+        Some(Self { text: text.to_owned(), solid, document, region, aim })
     }
 
     /// The solid where the function is not above 0.
@@ -175,8 +184,6 @@ pub struct Scene {
     pub size: [usize; 2],
     /// How often a ray's way is halved.
     pub depth: u32,
-    /// Rays that advance together: 4, 8 or 16.
-    pub packet: u32,
     /// Whether kernels compute in `f64`.
     pub double: bool,
 }
@@ -202,10 +209,11 @@ impl Scene {
         };
         let size = [(); 2].map(|()| rng.u32(1..=WIDEST) as usize);
         let depth = rng.u32(1..=DEEPEST);
-        let packet = [4, 8, 16][rng.u32(0..3) as usize];
+        // Once the size of packets; still drawn, so that saved seeds mean the same scenes.
+        rng.u32(0..3);
         let double = rng.bool();
         let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };
-        let mut scene = Self { formula, eye, target, up, fov, size, depth, packet, double };
+        let mut scene = Self { formula, eye, target, up, fov, size, depth, double };
         if rng.u32(0..4) == 1 {
             scene.be_extreme(rng);
         }
@@ -266,7 +274,7 @@ impl fmt::Display for Scene {
         let [width, height] = self.size;
         write!(
             f,
-            "zeroset render {} --eye={} --target={} --up={} {} --size {width}x{height} --max-depth {} --packet {} --precision {} --json",
+            "zeroset render {} --eye={} --target={} --up={} {} --size {width}x{height} --max-depth {} --precision {} --json",
             self.formula,
             point(self.eye),
             point(self.target),
@@ -276,8 +284,7 @@ impl fmt::Display for Scene {
                 Err(height) => format!("--ortho {height:?}"),
             },
             self.depth,
-            self.packet,
-            if self.double { "f64" } else { "f32" },
+            if self.double { "f64" } else { "auto" },
         )
     }
 }
