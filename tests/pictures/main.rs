@@ -4,6 +4,7 @@ mod cameras;
 mod certified;
 mod properties;
 mod property_support;
+mod reference;
 mod soundness;
 mod stability;
 mod stability_proofs;

@@ -1,0 +1,61 @@
+//! Pictures by the reference evaluator are those by native code, bit for bit.
+
+use glam::DVec3;
+use zeroset::gallery::examples;
+use zeroset::kernels::Evaluator;
+use zeroset::picture::Precision;
+use zeroset::program::Program;
+use zeroset::scene::{DomainChoice, bounds, region};
+use zeroset_syntax::{Options as Reading, read};
+use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Options, Projection};
+
+/// Tiles of both sizes, and such as stick out.
+const SIZE: [usize; 2] = [22, 18];
+
+#[test]
+fn the_reference_evaluator_draws_the_same_pictures() {
+    let mut hits = 0;
+    for (number, example) in examples().into_iter().enumerate() {
+        let document = read(example.text, &Reading::default()).expect(example.slug);
+        let (region, _) = region(&document, DomainChoice::Document, None).expect(example.slug);
+        let program = Program::new(&document, bounds(&region)).expect(example.slug);
+        let half = (region.high() - region.low()) / 2.0;
+        let eye = region.centre() + DVec3::new(2.0, 1.5, 3.0) * half;
+        let projection = Projection::Perspective { fov: 40.0 };
+        let camera = Camera::new(eye, region.centre(), DVec3::Y, projection).expect(example.slug);
+        let rays = camera.rays(SIZE[0], SIZE[1]);
+        for method in &METHODS {
+            // The precisions in turn.
+            let precision = [Precision::Auto, Precision::F32, Precision::F64][number % 3];
+            let options =
+                Options { precision, depth: 7, tolerance: 0.1, suppress_asymptotes: true };
+            let [native, software] = [Evaluator::Native, Evaluator::Reference].map(|evaluator| {
+                let program = program.on(evaluator);
+                let mut buffer = GBuffer::new(SIZE[0], SIZE[1], 0).with_brackets();
+                let tracer =
+                    method.prepare(program.surface(0), &region, options).expect(method.name);
+                let advance = |_| true;
+                let driver = Driver { rays: &rays, tracer: &*tracer, advance: &advance };
+                let work = driver.picture(&mut buffer);
+                (buffer, work)
+            });
+            hits += native.0.counts().hit;
+            // What is no number is no bracket; its bits may differ.
+            let brackets = |buffer: &GBuffer| -> Vec<[u64; 2]> {
+                buffer
+                    .bracket
+                    .iter()
+                    .map(|ends| ends.map(|end| if end.is_nan() { 0 } else { end.to_bits() }))
+                    .collect()
+            };
+            let what = (example.slug, method.name, precision);
+            assert_eq!(native.0.status, software.0.status, "{what:?}");
+            assert_eq!(native.0.reason, software.0.reason, "{what:?}");
+            assert_eq!(native.0.distance, software.0.distance, "{what:?}");
+            assert_eq!(native.0.drawn, software.0.drawn, "{what:?}");
+            assert_eq!(brackets(&native.0), brackets(&software.0), "{what:?}");
+            assert_eq!(native.1, software.1, "{what:?}");
+        }
+    }
+    assert!(hits > 5000, "{hits}");
+}
