@@ -1,6 +1,6 @@
 //! Whole pictures by every method: trace, normals and colours of 512×512 pixels on one thread.
 //!
-//! `cargo bench --bench frame [-- SURFACES… METHODS…]` prints, for each surface and method, median milliseconds of interleaved rounds,
+//! `cargo bench --bench frame [-- SURFACES… METHODS… --no-contract --no-tiles --no-interval]` prints, for each surface and method, median milliseconds of interleaved rounds,
 //! what was asked of kernels, and how many pixels are decided.
 
 use glam::DVec3;
@@ -8,7 +8,7 @@ use std::time::Duration;
 use zeroset::model::Model;
 use zeroset::picture::{Picture, Settings};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Method, Projection, Region};
+use zeroset_trace::{Camera, Ideas, METHODS, Method, Projection, Region};
 
 const ROUNDS: usize = 15;
 
@@ -39,6 +39,12 @@ fn milliseconds(mut times: Vec<Duration>) -> f64 {
 fn main() {
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("first use of the pool");
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let without = |idea: &str| std::env::args().any(|given| given == idea);
+    let ideas = Ideas {
+        contract: !without("--no-contract"),
+        tiles: !without("--no-tiles"),
+        intervals: !without("--no-interval"),
+    };
     let named = |method: &&Method| wanted.iter().any(|wanted| wanted == method.name);
     let some = METHODS.iter().any(|method| named(&method));
     let methods: Vec<&Method> = METHODS.iter().filter(|method| !some || named(method)).collect();
@@ -56,7 +62,7 @@ fn main() {
         let eye = DVec3::new(2.0, 1.5, 3.0) * half;
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);
-        let settings = Settings::default();
+        let settings = Settings { ideas, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect(name);
         let mut times = vec![(Vec::new(), Vec::new()); methods.len()];
         let mut pictures: Vec<Picture> = Vec::new();

@@ -4,7 +4,7 @@ use crate::kernels::Made;
 use glam::DVec3;
 use std::time::Duration;
 use zeroset_trace::{
-    GBuffer, LinearRgb, Method, MethodOption, PixelCounts, Reason, UndecidedStyle, Work,
+    GBuffer, Ideas, LinearRgb, Method, MethodOption, PixelCounts, Reason, UndecidedStyle, Work,
     hand_back_colours,
 };
 
@@ -25,6 +25,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// How far, in pixels, a hit may be from where it is drawn, for methods that bound it; proofs do not depend on it.
     pub tolerance: f64,
+    /// Ideas of the method `affine` that are made use of.
+    pub ideas: Ideas,
     /// Whether the brackets of hits are kept.
     pub brackets: bool,
     /// How long surfaces may be looked for: what was not reached by then is undecided and not painted.
@@ -70,6 +72,7 @@ impl Default for Settings {
             precision: Precision::Auto,
             max_depth: 10,
             tolerance: 0.5,
+            ideas: Ideas::default(),
             brackets: false,
             budget: None,
             shadow_depth: None,

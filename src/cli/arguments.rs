@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use zeroset::names::Named;
 use zeroset::picture::{Normals, Precision};
 use zeroset::scene::{self, CameraChoice, DomainChoice};
-use zeroset_trace::{HalfSpace, METHODS, Method, Projection, StandardView, UndecidedStyle};
+use zeroset_trace::{HalfSpace, Ideas, METHODS, Method, Projection, StandardView, UndecidedStyle};
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -244,6 +244,32 @@ pub struct KernelArgs {
     /// 14, rays that stay undecided are given up after 16384 steps
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
+
+    #[command(flatten)]
+    pub without: WithoutArgs,
+}
+
+/// Ideas that are left out.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "To see what each idea of the method affine brings")]
+pub struct WithoutArgs {
+    /// Halve segments, rather than narrow them to where an affine form may vanish
+    #[arg(long)]
+    no_contract: bool,
+
+    /// Follow each ray alone, rather than tiles of rays
+    #[arg(long)]
+    no_tiles: bool,
+
+    /// Ask no intervals where affine forms leave a segment open
+    #[arg(long)]
+    no_interval: bool,
+}
+
+impl WithoutArgs {
+    pub fn ideas(self) -> Ideas {
+        Ideas { contract: !self.no_contract, tiles: !self.no_tiles, intervals: !self.no_interval }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -83,7 +83,8 @@ fn explain_in<T: KernelFloat>(
         let kernels = program.kernels::<T>(index);
         let Settings { max_depth: depth, tolerance, .. } = Settings::default();
         let suppress_asymptotes = surface.kind == SurfaceKind::Equation;
-        let options = Options { precision, depth, tolerance, suppress_asymptotes };
+        let options =
+            Options { precision, depth, tolerance, suppress_asymptotes, ..Options::default() };
         drop(method.prepare(program.surface(index), &region, options)?);
         kernels.gradients()?;
         if surface.kind == SurfaceKind::Solid {

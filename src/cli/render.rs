@@ -92,10 +92,11 @@ pub fn check_depth(flag: &str, depth: u32, precision: Precision) -> Result<()> {
 /// # Errors
 /// If a number is out of range.
 pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
-    let KernelArgs { method, precision, tolerance, max_depth } = *kernels;
+    let KernelArgs { method, precision, tolerance, max_depth, without } = *kernels;
+    let ideas = without.ideas();
     check_depth("--max-depth", max_depth, precision)?;
     ensure!(is_tolerance(tolerance), "--tolerance {tolerance}: {TOLERANCES}");
-    Ok(Settings { method, precision, tolerance, max_depth, ..Settings::default() })
+    Ok(Settings { method, precision, tolerance, max_depth, ideas, ..Settings::default() })
 }
 
 /// What the method's flags ask for, at a given size and with the default shading.

@@ -27,8 +27,7 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         for method in &METHODS {
             // The precisions in turn.
             let precision = [Precision::Auto, Precision::F32, Precision::F64][number % 3];
-            let options =
-                Options { precision, depth: 7, tolerance: 0.1, suppress_asymptotes: true };
+            let options = Options { precision, depth: 7, tolerance: 0.1, ..Options::default() };
             let [native, software] = [Evaluator::Native, Evaluator::Reference].map(|evaluator| {
                 let program = program.on(evaluator);
                 let mut buffer = GBuffer::new(SIZE[0], SIZE[1], 0).with_brackets();

@@ -64,6 +64,37 @@ pub struct Options {
     /// Whether a place where the function is unbounded counts as an asymptote rather than a root: its pixel then is
     /// undecided, but not drawn there.
     pub suppress_asymptotes: bool,
+    /// What is to be made use of, by methods that know these ideas.
+    pub ideas: Ideas,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            precision: Precision::Auto,
+            depth: 10,
+            tolerance: 0.5,
+            suppress_asymptotes: true,
+            ideas: Ideas::default(),
+        }
+    }
+}
+
+/// Ideas of the method `affine`, each of which can be left out to see what it brings. What is proven is true without them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ideas {
+    /// Segments are narrowed to where a form may vanish; else they are only halved.
+    pub contract: bool,
+    /// Rays are looked at together, tile by tile; else each alone.
+    pub tiles: bool,
+    /// Intervals are asked of what forms leave open, to prove it empty or to prove a zero by signs around it.
+    pub intervals: bool,
+}
+
+impl Default for Ideas {
+    fn default() -> Self {
+        Self { contract: true, tiles: true, intervals: true }
+    }
 }
 
 /// The floats in which kernels compute. Enclosures are rigorous in either.
@@ -108,26 +139,36 @@ pub trait Tracer: Sync {
     /// Follows the rays through all pixels of a band, in which everything is a miss so far, as long as it
     /// [is wanted](Band::is_wanted).
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
-        let unset = Segment { ray: rays.ray(0, band.top), to: f64::INFINITY };
-        let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
-        let mut wanted = true;
-        for square in squares(band.width, band.height) {
-            wanted = wanted && band.is_wanted();
-            if !wanted {
-                for &[column, row] in &square {
-                    band.set(column, row, &Found::GIVEN_UP);
-                }
-                continue;
+        by_squares(self, rays, band, work);
+    }
+}
+
+/// [`Tracer::band`] for methods that know only rays.
+pub(crate) fn by_squares<T: Tracer + ?Sized>(
+    tracer: &T,
+    rays: &RayGrid,
+    band: &mut Band<'_>,
+    work: &mut Work,
+) {
+    let unset = Segment { ray: rays.ray(0, band.top), to: f64::INFINITY };
+    let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
+    let mut wanted = true;
+    for square in squares(band.width, band.height) {
+        wanted = wanted && band.is_wanted();
+        if !wanted {
+            for &[column, row] in &square {
+                band.set(column, row, &Found::GIVEN_UP);
             }
-            let (segments, found) = (&mut segments[..square.len()], &mut found[..square.len()]);
-            for (segment, [column, row]) in segments.iter_mut().zip(&square) {
-                segment.ray = rays.ray(*column, band.top + row);
-            }
-            self.follow(segments, Start::Anywhere, found, work);
-            for (([column, row], found), segment) in square.iter().zip(found).zip(segments) {
-                if !found.is_miss() {
-                    band.set(*column, *row, &found.scaled(segment.ray.distance(1.0)));
-                }
+            continue;
+        }
+        let (segments, found) = (&mut segments[..square.len()], &mut found[..square.len()]);
+        for (segment, [column, row]) in segments.iter_mut().zip(&square) {
+            segment.ray = rays.ray(*column, band.top + row);
+        }
+        tracer.follow(segments, Start::Anywhere, found, work);
+        for (([column, row], found), segment) in square.iter().zip(found).zip(segments) {
+            if !found.is_miss() {
+                band.set(*column, *row, &found.scaled(segment.ray.distance(1.0)));
             }
         }
     }

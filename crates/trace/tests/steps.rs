@@ -59,7 +59,7 @@ fn frame() -> RayGrid {
 fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
     let options =
-        Options { precision: Precision::F32, depth, tolerance: 0.5, suppress_asymptotes: true };
+        Options { precision: Precision::F32, depth, tolerance: 0.5, ..Options::default() };
     let knoll = Method::named("knoll").expect("a row");
     let tracer = knoll.prepare(kernel, &region, options).expect("a kernel");
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
@@ -118,7 +118,7 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
     let (whole, _) = trace(&kernel, 12);
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
     let options =
-        Options { precision: Precision::F32, depth: 12, tolerance: 0.5, suppress_asymptotes: true };
+        Options { precision: Precision::F32, depth: 12, tolerance: 0.5, ..Options::default() };
     let tracer = Method::named("knoll")
         .expect("a row")
         .prepare(&kernel, &region, options)

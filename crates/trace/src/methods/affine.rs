@@ -21,7 +21,7 @@ use super::knoll;
 use crate::band::Band;
 use crate::gbuffer::Found;
 use crate::grid::RayGrid;
-use crate::method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer};
+use crate::method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer, by_squares};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -100,6 +100,9 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             && let Ok(boxes) = knoll::METHOD.prepare(self.surface, self.region, self.options)
         {
             return boxes.band(rays, band, work);
+        }
+        if !self.options.ideas.tiles {
+            return by_squares(self, rays, band, work);
         }
         tiles::trace(self, rays, band, work);
     }

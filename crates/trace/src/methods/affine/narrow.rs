@@ -2,6 +2,7 @@
 
 use super::rays::{Way, bounds};
 use super::slots::{Slots, Stack};
+use crate::method::Ideas;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -32,6 +33,7 @@ pub(super) struct Narrower<'a, T: Scalar> {
     cleared: Option<[&'a dyn Kernel<Enclose, T>; 2]>,
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
+    contracts: bool,
 }
 
 /// What is still to be looked at of a ray, the nearest part last. Memory that is used again and again.
@@ -59,13 +61,23 @@ const CUT: f64 = 0.460_937_5;
 const PATIENCE: u32 = 96;
 
 impl<'a, T: Scalar> Narrower<'a, T> {
-    pub fn new(surface: &'a dyn Surface, region: &'a Region) -> Result<Self, KernelError> {
+    pub fn new(
+        surface: &'a dyn Surface,
+        region: &'a Region,
+        ideas: Ideas,
+    ) -> Result<Self, KernelError> {
         let kernels = T::kernels(surface);
         let cleared = match kernels.cleared()? {
             Some([_, denominator]) => Some([kernels.bounds()?, denominator]),
             None => None,
         };
-        Ok(Self { segments: kernels.segments()?, cleared, zeros: kernels.zeros().ok(), region })
+        Ok(Self {
+            segments: kernels.segments()?,
+            cleared,
+            zeros: kernels.zeros().ok().filter(|_| ideas.intervals),
+            region,
+            contracts: ideas.contract,
+        })
     }
 
     /// Follows each ray with a segment along it.
@@ -141,7 +153,11 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     if looked[lane] > PATIENCE {
                         grain[lane] *= 1.5;
                     }
-                    let new = [out.near[slot].into(), out.far[slot].into()];
+                    let new = if self.contracts {
+                        [out.near[slot].into(), out.far[slot].into()]
+                    } else {
+                        [near, far]
+                    };
                     let way = &ways[lane];
                     let within = way.inside[0] <= near && far <= way.inside[1];
                     let crossing = out.crossing >> slot & 1 == 1 && within;

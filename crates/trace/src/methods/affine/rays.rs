@@ -64,7 +64,7 @@ pub(super) struct Follower<'a, T: Scalar> {
     double: OnceLock<Option<Narrower<'a, f64>>>,
     surface: &'a dyn Surface,
     region: &'a Region,
-    suppress_asymptotes: bool,
+    options: Options,
 }
 
 /// A stretch that is looked at in `f64` is so many times as long as the part that stayed open in `f32`.
@@ -79,12 +79,12 @@ impl<'a, T: Scalar> Follower<'a, T> {
         options: Options,
     ) -> Result<Self, KernelError> {
         Ok(Self {
-            narrower: Narrower::new(surface, region)?,
+            narrower: Narrower::new(surface, region, options.ideas)?,
             refines: options.precision == Precision::Auto,
             double: OnceLock::new(),
             surface,
             region,
-            suppress_asymptotes: options.suppress_asymptotes,
+            options,
         })
     }
 
@@ -183,7 +183,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if open.iter().all(Option::is_none) {
             return;
         }
-        let make = || Narrower::<f64>::new(self.surface, self.region).ok();
+        let make = || Narrower::<f64>::new(self.surface, self.region, self.options.ideas).ok();
         let Some(double) = self.double.get_or_init(make) else { return };
         let mut refined = [Step::Empty; LANES];
         double.narrow(ways, &open, &mut Scratch::default(), &mut refined, work);
@@ -213,6 +213,9 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     fn bridge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2]) -> Option<[f64; 2]> {
+        if !self.options.ideas.intervals {
+            return None;
+        }
         let kernel = U::kernels(self.surface).bounds().ok()?;
         Bridge { kernel, way, region: self.region }.bracket(segment)
     }
@@ -227,7 +230,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if let Ok(kernel) = kernels.bounds() {
             facts = Kernel::<Enclose, U>::ask_all(kernel, &boxes)[0].facts(0);
         }
-        let asymptote = self.suppress_asymptotes && zeros.unbounded & 1 == 1;
+        let asymptote = self.options.suppress_asymptotes && zeros.unbounded & 1 == 1;
         let reason = if !facts.has(Facts::DEFINED) {
             Reason::Undefined
         } else if !facts.has(Facts::CONTINUOUS) {

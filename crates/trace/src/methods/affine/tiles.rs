@@ -240,14 +240,19 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         [slot, lane]: [usize; 2],
         [near, far]: [f64; 2],
     ) {
-        let new: [f64; 2] = [level.out.near[slot].into(), level.out.far[slot].into()];
+        let contracts = self.method.options.ideas.contract;
+        let new: [f64; 2] = if contracts {
+            [level.out.near[slot].into(), level.out.far[slot].into()]
+        } else {
+            [near, far]
+        };
         let shorter = new[1] - new[0];
         if shorter < 0.0 {
             return;
         }
         let footprint = self.footprint(new[0]);
         let crossing = level.out.crossing >> slot & 1 == 1;
-        if crossing && !self.method.cleared {
+        if crossing && contracts && !self.method.cleared {
             let error: f64 = level.out.error[slot].into();
             let slope: f64 = level.out.slope[2][slot].into();
             let half: f64 = level.out.half[slot].into();
@@ -270,7 +275,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let within = self.is_within(level, lane, new);
             if !finer.is_empty() {
                 self.split(level, finer, depth, [slot, lane], new, within);
-            } else if within {
+            } else if within && contracts {
                 self.follow_within(level, [slot, lane], new);
             } else {
                 self.follow(level, lane, new);
@@ -311,8 +316,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 count += 1;
             }
         }
-        let plane = Plane::new(&level.batch, &level.out, slot);
-        finer[0].start(self, &parts[..count], depth + 1, segment, Some(&plane), within);
+        let plane = self.method.options.ideas.contract;
+        let plane = plane.then(|| Plane::new(&level.batch, &level.out, slot));
+        finer[0].start(self, &parts[..count], depth + 1, segment, plane.as_ref(), within);
         self.run(finer, depth + 1);
     }
 }
