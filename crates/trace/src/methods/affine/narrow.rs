@@ -57,6 +57,10 @@ impl<T: Scalar> Default for Scratch<T> {
 const STALLED: f64 = 0.6;
 /// Where it is cut: not in the middle, where symmetric surfaces have zeros whose sign could not be told.
 const CUT: f64 = 0.460_937_5;
+/// A segment that got shorter than this share of what it was did so by a form that is as good as linear.
+pub(super) const STEADY: f64 = 0.35;
+/// What share of the tolerance is allowed where that was not so.
+pub(super) const UNSTEADY: f64 = 1.0 / 16.0;
 /// Segments looked at on one ray before the shortest get longer.
 const PATIENCE: u32 = 96;
 
@@ -162,7 +166,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     let within = way.inside[0] <= near && far <= way.inside[1];
                     let crossing = out.crossing >> slot & 1 == 1 && within;
                     let (length, shorter) = (far - near, new[1] - new[0]);
-                    let enough = way.tolerance.max(grain[lane]);
+                    let enough = enough(way.tolerance, shorter <= STEADY * length).max(grain[lane]);
                     if shorter < 0.0 {
                         // No part is left.
                     } else if crossing && shorter <= enough && self.is_zero(way, new) {
@@ -211,6 +215,14 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         kernel.ask(&boxes[0], &mut zeros);
         zeros.possible & 1 == 1
     }
+}
+
+/// How short the bracket of a hit is to be. Where segments got much shorter at once, the function is as good as linear, and its
+/// gradient near the root is that at the root. Elsewhere roots are close together or multiple: normals there hang on where
+/// exactly they are taken.
+#[inline]
+fn enough(tolerance: f64, steady: bool) -> f64 {
+    if steady { tolerance } else { UNSTEADY * tolerance }
 }
 
 /// Whether the parts of a segment that is cut are shorter than what it was narrowed from: where floats are as coarse as the

@@ -1,6 +1,7 @@
 //! The pixels of a tile: hits that the tile's form proves, and rays that have to be followed.
 
 use super::frame::Tile;
+use super::narrow::{STEADY, UNSTEADY};
 use super::plane::Plane;
 use super::rays::{self, Way};
 use super::tiles::{Level, Tracer};
@@ -52,7 +53,7 @@ fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
 struct Sifted {
     /// There may be a zero.
     left: u16,
-    /// There is one, and the segment is short enough.
+    /// There is one, and the segment is short enough, and got so at once, or else far shorter.
     short: u16,
     /// There may be one, and the segment got much shorter.
     shorter: u16,
@@ -65,8 +66,9 @@ fn sift<T: Scalar>(
     out: &Contractions<T>,
     [tolerance, grain]: [f64; 2],
 ) -> Sifted {
-    let [tolerance, grain, stalled] =
-        [tolerance, grain, STALLED].map(|number| T::Four::splat(T::nearest(number)));
+    let [tolerance, grain, stalled, steady, least] =
+        [tolerance, grain, STALLED, STEADY, UNSTEADY * tolerance]
+            .map(|number| T::Four::splat(T::nearest(number)));
     let (mut empty, mut short, mut shorter) = (0_u16, 0_u16, 0_u16);
     let bits = |mask, at| (T::Four::bits(mask) as u16) << at;
     for at in (0..batch.count as usize).step_by(4) {
@@ -75,7 +77,8 @@ fn sift<T: Scalar>(
         let (length, before) = (far - near, four(&batch.far) - four(&batch.near));
         let much = grain.less(length) & length.at_most(before * stalled);
         empty |= bits(length.less(T::Four::splat(T::default())), at);
-        short |= bits(length.at_most(tolerance), at);
+        let steady = length.at_most(tolerance) & length.at_most(before * steady);
+        short |= bits(steady, at) | bits(length.at_most(least), at);
         shorter |= bits(much, at);
     }
     let used = u16::MAX >> (LANES as u32 - batch.count);
