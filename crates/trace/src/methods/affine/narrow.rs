@@ -166,7 +166,9 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     let within = way.inside[0] <= near && far <= way.inside[1];
                     let crossing = out.crossing >> slot & 1 == 1 && within;
                     let (length, shorter) = (far - near, new[1] - new[0]);
-                    let enough = enough(way.tolerance, shorter <= STEADY * length).max(grain[lane]);
+                    let enough =
+                        enough(way.tolerance, !self.contracts || shorter <= STEADY * length)
+                            .max(grain[lane]);
                     if shorter < 0.0 {
                         // No part is left.
                     } else if crossing && shorter <= enough && self.is_zero(way, new) {

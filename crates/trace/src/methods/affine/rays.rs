@@ -3,7 +3,7 @@
 use super::bridge::Bridge;
 use super::narrow::{Narrower, Scratch, Step};
 use crate::gbuffer::{Found, Reason, Status};
-use crate::method::{Options, Precision, Segment, Start};
+use crate::method::{Ideas, Options, Precision, Segment, Start};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -78,9 +78,15 @@ impl<'a, T: Scalar> Follower<'a, T> {
         region: &'a Region,
         options: Options,
     ) -> Result<Self, KernelError> {
+        let (ideas, refines) = (options.ideas, options.precision == Precision::Auto);
         Ok(Self {
-            narrower: Narrower::new(surface, region, options.ideas)?,
-            refines: options.precision == Precision::Auto,
+            // What is looked at in `f64` in any case need not be asked of intervals in `f32`, one short segment after another.
+            narrower: Narrower::new(
+                surface,
+                region,
+                Ideas { intervals: !refines && ideas.intervals, ..ideas },
+            )?,
+            refines,
             double: OnceLock::new(),
             surface,
             region,
