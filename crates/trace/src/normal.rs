@@ -1,12 +1,13 @@
 //! Normals of painted points, asked for after the traversal and only where something is painted.
 //!
-//! A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the
+//! Of an undecided pixel the gradient half a pixel before the painted point is asked: on a surface that f only touches there is
+//! none. A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the
 //! function's domain) is replaced by that a little farther along the ray, then by central
 //! differences over growing steps, and at last by the direction to the eye, so that a picture never
 //! holds a NaN.
 
 use crate::camera::Ray;
-use crate::gbuffer::GBuffer;
+use crate::gbuffer::{GBuffer, Status};
 use crate::grid::RayGrid;
 use crate::painted::{BAND, Window, bits, windows};
 use crate::work::Work;
@@ -47,15 +48,16 @@ pub fn normals<T: Real>(
 ) -> Work {
     let width = buffer.width;
     let size = (BAND * width).max(1);
-    let bands = buffer.normal.par_chunks_mut(size).zip(buffer.drawn.par_chunks(size));
-    let bands = bands.enumerate().map(|(band, (normal, drawn))| {
+    let seen = buffer.drawn.par_chunks(size).zip(buffer.status.par_chunks(size));
+    let bands = buffer.normal.par_chunks_mut(size).zip(seen);
+    let bands = bands.enumerate().map(|(band, (normal, (drawn, status)))| {
         let (first, mut work) = (band * BAND, Work::default());
         let seen = |pixel: usize| {
             let ray = rays.ray_of(first * width + pixel);
             let t = ray.parameter(drawn[pixel]);
             Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
         };
-        let open = source.of_band(first, drawn, rays, normal, &mut work);
+        let open = source.of_band(first, (drawn, status), rays, normal, &mut work);
         for open in open.chunks(BATCH) {
             let seen: Vec<Seen> = open.iter().map(|&pixel| seen(pixel)).collect();
             for (&pixel, found) in open.iter().zip(source.of_batch(&seen, step, &mut work)) {
@@ -81,7 +83,7 @@ impl<T: Real> NormalSource<'_, T> {
     fn of_band(
         &self,
         first: usize,
-        drawn: &[f64],
+        (drawn, status): (&[f64], &[Status]),
         rays: &RayGrid,
         normal: &mut [[f32; 3]],
         work: &mut Work,
@@ -97,7 +99,12 @@ impl<T: Real> NormalSource<'_, T> {
             if window.wanted == 0 {
                 return;
             }
-            let at = rays.points(window, window.load(drawn, &mut [0.0; LANES]));
+            let mut distances = *window.load(drawn, &mut [0.0; LANES]);
+            let status = *window.load(status, &mut [Status::Miss; LANES]);
+            if status.contains(&Status::Undecided) {
+                before(rays, &status, &mut distances);
+            }
+            let at = rays.points(window, &distances);
             for (coordinates, exact) in points.at.iter_mut().zip(&at) {
                 for (coordinate, &exact) in coordinates.iter_mut().zip(&exact.0) {
                     *coordinate = T::nearest(exact);
@@ -236,6 +243,16 @@ fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
 fn batches<T: Real>(points: &[DVec3]) -> Vec<Points<T>> {
     let points: Vec<[f64; 3]> = points.iter().map(|point| point.to_array()).collect();
     Points::near(&points)
+}
+
+/// Moves undecided points half a pixel towards the eye. Mostly f touches 0 there: at such a point the gradient is nothing but
+/// rounding, and close before it it is not.
+fn before(rays: &RayGrid, status: &[Status; LANES], distances: &mut [f64; LANES]) {
+    for (distance, status) in distances.iter_mut().zip(status) {
+        if *status == Status::Undecided {
+            *distance = (*distance - 0.5 * rays.footprint(*distance)).max(0.5 * *distance);
+        }
+    }
 }
 
 /// The lanes whose normals are not known yet.

@@ -27,6 +27,7 @@ use crate::scalar::Scalar;
 use crate::work::Work;
 use frame::Frame;
 use rays::Follower;
+use std::sync::OnceLock;
 use zeroset_eval::{ContractTiles, Kernel, KernelError, LANES, Surface};
 
 pub(crate) const METHOD: Method = Method {
@@ -61,10 +62,15 @@ struct Affine<'a, T: Scalar> {
     tolerance: f64,
     surface: &'a dyn Surface,
     options: Options,
+    /// Made for the first picture that needs it.
+    double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
 
 /// How far, as a share of the region's extent, the real ray may be from what is computed of it.
 const FARTHEST: f64 = 1e-6;
+
+/// Where hits are wanted closer than so many of the shortest segments, `f32` would narrow each in vain before `f64` does.
+const FINE: f64 = 16.0;
 
 impl<'a, T: Scalar> Affine<'a, T> {
     fn new(
@@ -81,7 +87,17 @@ impl<'a, T: Scalar> Affine<'a, T> {
             tolerance: options.tolerance,
             surface,
             options,
+            double: OnceLock::new(),
         })
+    }
+}
+
+impl<'a, T: Scalar> Affine<'a, T> {
+    /// The same in `f64` alone.
+    fn double(&self) -> Option<&Affine<'a, f64>> {
+        let options = Options { precision: Precision::F64, ..self.options };
+        let make = || Affine::new(self.surface, self.region, options).ok().map(Box::new);
+        self.double.get_or_init(make).as_deref()
     }
 }
 
@@ -93,8 +109,8 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
     }
 
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
-        let (error, extent) =
-            (Frame::new(rays, self.region).error, self.region.high() - self.region.low());
+        let frame = Frame::new(rays, self.region);
+        let (error, extent) = (frame.error, self.region.high() - self.region.low());
         // From so far away forms say nothing of where in the region a ray is; boxes within it may.
         if error.cmpgt(extent * FARTHEST).any()
             && let Ok(boxes) = knoll::METHOD.prepare(self.surface, self.region, self.options)
@@ -103,6 +119,12 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
         }
         if !self.options.ideas.tiles {
             return by_squares(self, rays, band, work);
+        }
+        if self.options.precision == Precision::Auto
+            && self.tolerance * frame.footprint(rays, 0.0) < FINE * T::GRAIN * frame.size()
+            && let Some(double) = self.double()
+        {
+            return double.band(rays, band, work);
         }
         tiles::trace(self, rays, band, work);
     }

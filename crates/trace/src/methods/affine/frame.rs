@@ -57,6 +57,17 @@ impl Frame {
         Self { start, span: [near - start, far - start], origin, direction, reach, error }
     }
 
+    /// The farthest end of a segment from s = 0.
+    pub fn size(&self) -> f64 {
+        self.span[0].abs().max(self.span[1].abs())
+    }
+
+    /// The width of a pixel in units of s.
+    pub fn footprint(&self, rays: &RayGrid, s: f64) -> f64 {
+        let unit = 2.0 * rays.unit();
+        if rays.is_parallel() { unit } else { unit * (self.start + s) }
+    }
+
     /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within `most` of 0.
     ///
     /// Room is left for underflow, and a part is rounded to `T` first.

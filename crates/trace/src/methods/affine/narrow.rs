@@ -34,6 +34,8 @@ pub(super) struct Narrower<'a, T: Scalar> {
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
     contracts: bool,
+    /// Whether what stays open is looked at in `f64`.
+    hands_on: bool,
 }
 
 /// What is still to be looked at of a ray, the nearest part last. Memory that is used again and again.
@@ -61,6 +63,10 @@ const CUT: f64 = 0.460_937_5;
 pub(super) const STEADY: f64 = 0.35;
 /// What share of the tolerance is allowed where that was not so.
 pub(super) const UNSTEADY: f64 = 1.0 / 16.0;
+/// Where arithmetic stalls at segments of so many times the shortest, it is rounding that stalls it: better arithmetic goes on.
+const COARSE: f64 = 32.0;
+/// A segment that stays open at no more than so many times the shortest does so for lack of digits, not of effort.
+const SPENT: f64 = 1024.0;
 /// Segments looked at on one ray before the shortest get longer.
 const PATIENCE: u32 = 96;
 
@@ -69,6 +75,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         surface: &'a dyn Surface,
         region: &'a Region,
         ideas: Ideas,
+        hands_on: bool,
     ) -> Result<Self, KernelError> {
         let kernels = T::kernels(surface);
         let cleared = match kernels.cleared()? {
@@ -78,9 +85,11 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         Ok(Self {
             segments: kernels.segments()?,
             cleared,
-            zeros: kernels.zeros().ok().filter(|_| ideas.intervals),
+            // What is looked at in `f64` in any case need not be asked of intervals first, one short segment after another.
+            zeros: kernels.zeros().ok().filter(|_| ideas.intervals && !hands_on),
             region,
             contracts: ideas.contract,
+            hands_on,
         })
     }
 
@@ -94,7 +103,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         work: &mut Work,
     ) {
         let Scratch { stacks, batch, out } = scratch;
-        let mut grain = [0.0; LANES];
+        let (mut grain, mut least) = ([0.0; LANES], [0.0; LANES]);
         let mut looked = [0_u32; LANES];
         for stack in stacks.iter_mut() {
             stack.clear();
@@ -130,6 +139,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 }
                 let most = near.abs().max(far.abs()).max(way.span[1] - way.span[0]);
                 grain[lane] = T::GRAIN * most;
+                least[lane] = grain[lane];
             }
         }
         let mut slots = Slots::new(stacks);
@@ -176,9 +186,15 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                         stack.clear();
                     } else if shorter <= grain[lane] {
                         if self.may_vanish(way, new) {
-                            steps[lane] = Step::Open(new, looked[lane] > PATIENCE);
+                            steps[lane] = Step::Open(new, shorter > SPENT * least[lane]);
                             stack.clear();
                         }
+                    } else if self.hands_on
+                        && shorter > STALLED * length
+                        && shorter <= COARSE * grain[lane]
+                    {
+                        steps[lane] = Step::Open(new, false);
+                        stack.clear();
                     } else if !shorter.is_finite() || shorter > STALLED * length {
                         let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
                         if is_progress(new, cut, length) {

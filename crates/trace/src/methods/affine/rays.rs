@@ -3,7 +3,7 @@
 use super::bridge::Bridge;
 use super::narrow::{Narrower, Scratch, Step};
 use crate::gbuffer::{Found, Reason, Status};
-use crate::method::{Ideas, Options, Precision, Segment, Start};
+use crate::method::{Options, Precision, Segment, Start};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -78,14 +78,9 @@ impl<'a, T: Scalar> Follower<'a, T> {
         region: &'a Region,
         options: Options,
     ) -> Result<Self, KernelError> {
-        let (ideas, refines) = (options.ideas, options.precision == Precision::Auto);
+        let refines = options.precision == Precision::Auto;
         Ok(Self {
-            // What is looked at in `f64` in any case need not be asked of intervals in `f32`, one short segment after another.
-            narrower: Narrower::new(
-                surface,
-                region,
-                Ideas { intervals: !refines && ideas.intervals, ..ideas },
-            )?,
+            narrower: Narrower::new(surface, region, options.ideas, refines)?,
             refines,
             double: OnceLock::new(),
             surface,
@@ -189,7 +184,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if open.iter().all(Option::is_none) {
             return;
         }
-        let make = || Narrower::<f64>::new(self.surface, self.region, self.options.ideas).ok();
+        let make =
+            || Narrower::<f64>::new(self.surface, self.region, self.options.ideas, false).ok();
         let Some(double) = self.double.get_or_init(make) else { return };
         let mut refined = [Step::Empty; LANES];
         double.narrow(ways, &open, &mut Scratch::default(), &mut refined, work);

@@ -33,7 +33,7 @@ pub(super) fn trace<T: Scalar>(
     let across = band.width.div_ceil(4);
     let open = open_pixels(band.width, band.height);
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
-    let size = frame.span[0].abs().max(frame.span[1].abs());
+    let size = frame.size();
     let mut tracer = Tracer {
         method,
         rays,
@@ -197,8 +197,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// The width of a pixel in units of s.
     pub(super) fn footprint(&self, s: f64) -> f64 {
-        let unit = 2.0 * self.rays.unit();
-        if self.rays.is_parallel() { unit } else { unit * (self.frame.start + s) }
+        self.frame.footprint(self.rays, s)
     }
 
     fn run(&mut self, levels: &mut [Level<T>], depth: usize) {
