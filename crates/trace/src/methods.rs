@@ -1,7 +1,9 @@
 //! The table of methods, from which command line, prompt, status line and JSON follow, and a file for each.
 
 mod affine;
+mod bridge;
 mod knoll;
+mod way;
 
 use crate::method::Method;
 
