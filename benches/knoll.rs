@@ -20,8 +20,13 @@ const SIZE: usize = 512;
 const ROUNDS: usize = 41;
 
 fn time(native: &dyn Surface, rival: &dyn Surface, rays: &RayGrid, region: &Region) -> Comparison {
-    let options =
-        Options { precision: Precision::F32, depth: 10, tolerance: 0.5, suppress_asymptotes: true };
+    let options = Options {
+        precision: Precision::F32,
+        depth: 10,
+        tolerance: 0.5,
+        steps: 256,
+        suppress_asymptotes: true,
+    };
     let [native, rival] =
         [native, rival].map(|surface| knoll().prepare(surface, region, options).expect("kernels"));
     let trace = |tracer| {

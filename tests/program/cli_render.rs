@@ -583,7 +583,7 @@ fn the_paper_s_method_proves_misses_only_and_is_accounted_for() {
     let pixels = ["/pixels/hit", "/pixels/miss", "/pixels/undecided"].map(count);
     assert_eq!(pixels.iter().sum::<u64>(), 32 * 32);
     assert!(pixels[2] > 0 && pixels[0] == 0, "this method proves no hit");
-    assert_eq!(count("/undecided/other"), pixels[2]);
+    assert_eq!(count("/undecided/unproven"), pixels[2]);
     assert!(count("/work/interval/calls") > 0 && count("/work/interval/lanes") > 0);
     assert!(run.stderr.contains("this method proves misses, and hits only"), "{}", run.stderr);
 }

@@ -58,8 +58,13 @@ fn frame() -> RayGrid {
 
 fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    let options =
-        Options { precision: Precision::F32, depth, tolerance: 0.5, suppress_asymptotes: true };
+    let options = Options {
+        precision: Precision::F32,
+        depth,
+        tolerance: 0.5,
+        steps: 256,
+        suppress_asymptotes: true,
+    };
     let knoll = Method::named("knoll").expect("a row");
     let tracer = knoll.prepare(kernel, &region, options).expect("a kernel");
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
@@ -117,8 +122,13 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
     let kernel = Stubborn::new(-0.875, 2.1e-5);
     let (whole, _) = trace(&kernel, 12);
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    let options =
-        Options { precision: Precision::F32, depth: 12, tolerance: 0.5, suppress_asymptotes: true };
+    let options = Options {
+        precision: Precision::F32,
+        depth: 12,
+        tolerance: 0.5,
+        steps: 256,
+        suppress_asymptotes: true,
+    };
     let tracer = Method::named("knoll")
         .expect("a row")
         .prepare(&kernel, &region, options)

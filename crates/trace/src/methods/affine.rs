@@ -20,7 +20,7 @@ use super::knoll;
 use crate::band::Band;
 use crate::gbuffer::Found;
 use crate::grid::RayGrid;
-use crate::method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer};
+use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -31,6 +31,7 @@ use zeroset_eval::{ContractTiles, Kernel, KernelError, LANES, Surface};
 pub(crate) const METHOD: Method = Method {
     name: "affine",
     help: "tiles and rays narrowed by affine forms; proves hits and misses",
+    proves: Proves::HitsAndMisses,
     reads: &[MethodOption::Precision, MethodOption::Tolerance],
     prepare,
 };

@@ -4,8 +4,8 @@
 //! It proves misses only. Where a slab of the last depth may hold a root it is drawn as one; nothing says that it does,
 //! so such pixels are undecided.
 
-use crate::gbuffer::{Found, Status};
-use crate::method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer};
+use crate::gbuffer::{Found, Reason, Status};
+use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
 use crate::packet::{Packet, RAYS};
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -15,6 +15,7 @@ use zeroset_eval::{Boxes, FindZeros, Kernel, KernelError, Surface, Zeros};
 pub(crate) const METHOD: Method = Method {
     name: "knoll",
     help: "packets of rays in slabs of the dominant axis (Knoll et al. 2007); proves misses only",
+    proves: Proves::Misses,
     reads: &[MethodOption::Precision, MethodOption::Depth],
     prepare,
 };
@@ -253,6 +254,7 @@ impl<T: Scalar> Outcome<T> {
         };
         let drawn = at(self.drawn);
         let distance = at(self.suppressed).min(drawn);
-        Found { status: Status::Undecided, distance, drawn, ..Found::MISS }
+        let (status, reason) = (Status::Undecided, Reason::Unproven);
+        Found { status, distance, drawn, reason, ..Found::MISS }
     }
 }

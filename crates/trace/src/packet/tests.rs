@@ -59,7 +59,7 @@ fn scene(random: &mut Random) -> (Region, [Segment; 4]) {
         let aim = target + half * random.vector(spread);
         let direction = (aim - origin) * random.scale(2);
         let to = if random.next().is_multiple_of(4) { 0.9 } else { f64::INFINITY };
-        Segment { ray: Ray { origin, direction }, to }
+        Segment { ray: Ray { origin, direction }, to, pixel: [0.0; 2] }
     });
     (region, segments)
 }
@@ -163,6 +163,7 @@ fn rays_that_do_not_advance_together_are_refused() {
     let ray = |direction: DVec3| Segment {
         ray: Ray { origin: DVec3::ZERO, direction },
         to: f64::INFINITY,
+        pixel: [0.0; 2],
     };
     let packet = |other| {
         let three = ray(DVec3::X);
@@ -192,7 +193,7 @@ fn from_very_far<T: Scalar>(seed: u64) {
                 cube.with_clip(HalfSpace { normal: random.vector(1.0), offset }).expect("a plane")
             });
             let origin = -direction * 2_f64.powi(exponent);
-            let segment = Segment { ray: Ray { origin, direction }, to: f64::INFINITY };
+            let segment = Segment { ray: Ray { origin, direction }, to: f64::INFINITY, pixel: [0.0; 2] };
             let mut packet = Packet::<T>::new(&region);
             assert!(packet.take(&[&segment; RAYS], &region), "together");
             let half = T::halved(1);
