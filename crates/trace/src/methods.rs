@@ -3,6 +3,8 @@
 mod affine;
 mod bridge;
 mod knoll;
+mod march;
+mod refine;
 mod way;
 
 use crate::method::Method;
@@ -10,7 +12,7 @@ use crate::method::Method;
 pub use knoll::STEPS;
 
 /// All methods; the first is the default.
-pub static METHODS: [Method; 2] = [affine::METHOD, knoll::METHOD];
+pub static METHODS: [Method; 3] = [affine::METHOD, knoll::METHOD, march::METHOD];
 
 impl Method {
     /// The method with this name.
