@@ -4,15 +4,22 @@ mod affine;
 mod bridge;
 mod knoll;
 mod march;
+mod raa;
 mod refine;
+mod slabs;
 mod way;
 
 use crate::method::Method;
 
-pub use knoll::STEPS;
+pub use slabs::STEPS;
 
 /// All methods; the first is the default.
-pub static METHODS: [Method; 3] = [affine::METHOD, knoll::METHOD, march::METHOD];
+pub static METHODS: [Method; 4] = [
+    affine::METHOD,
+    knoll::METHOD,
+    raa::METHOD,
+    march::METHOD,
+];
 
 impl Method {
     /// The method with this name.
