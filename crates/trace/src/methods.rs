@@ -7,6 +7,8 @@ mod march;
 mod raa;
 mod refine;
 mod slabs;
+mod slope;
+mod sphere;
 mod way;
 
 use crate::method::Method;
@@ -14,10 +16,11 @@ use crate::method::Method;
 pub use slabs::STEPS;
 
 /// All methods; the first is the default.
-pub static METHODS: [Method; 4] = [
+pub static METHODS: [Method; 5] = [
     affine::METHOD,
     knoll::METHOD,
     raa::METHOD,
+    sphere::METHOD,
     march::METHOD,
 ];
 
