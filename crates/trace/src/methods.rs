@@ -4,6 +4,7 @@ mod affine;
 mod bridge;
 mod knoll;
 mod march;
+mod mitchell;
 mod raa;
 mod refine;
 mod slabs;
@@ -16,13 +17,8 @@ use crate::method::Method;
 pub use slabs::STEPS;
 
 /// All methods; the first is the default.
-pub static METHODS: [Method; 5] = [
-    affine::METHOD,
-    knoll::METHOD,
-    raa::METHOD,
-    sphere::METHOD,
-    march::METHOD,
-];
+pub static METHODS: [Method; 6] =
+    [affine::METHOD, knoll::METHOD, raa::METHOD, mitchell::METHOD, sphere::METHOD, march::METHOD];
 
 impl Method {
     /// The method with this name.
