@@ -39,7 +39,10 @@ fn milliseconds(mut times: Vec<Duration>) -> f64 {
 fn main() {
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("first use of the pool");
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
-    let named = |method: &&Method| wanted.iter().any(|wanted| wanted == method.name);
+    // A name of both is the surface's, unless it is given twice.
+    let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
+    let is_surface = |name: &str| SURFACES.iter().any(|surface| surface.0 == name);
+    let named = |method: &&Method| times(method.name) > usize::from(is_surface(method.name));
     let some = METHODS.iter().any(|method| named(&method));
     let methods: Vec<&Method> = METHODS.iter().filter(|method| !some || named(method)).collect();
     println!(
