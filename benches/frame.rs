@@ -45,12 +45,25 @@ fn main() {
         tiles: !without("--no-tiles"),
         intervals: !without("--no-interval"),
     };
-    let named = |method: &&Method| wanted.iter().any(|wanted| wanted == method.name);
+    // A name of both is the surface's, unless it is given twice.
+    let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
+    let is_surface = |name: &str| SURFACES.iter().any(|surface| surface.0 == name);
+    let named = |method: &&Method| times(method.name) > usize::from(is_surface(method.name));
     let some = METHODS.iter().any(|method| named(&method));
     let methods: Vec<&Method> = METHODS.iter().filter(|method| !some || named(method)).collect();
     println!(
-        "{:14}{:10}{:>8}{:>8}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}",
-        "", "method", "trace", "shade", "boxes", "tiles", "segments", "hits", "open", "ms"
+        "{:14}{:10}{:>8}{:>8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}",
+        "",
+        "method",
+        "trace",
+        "shade",
+        "boxes",
+        "tiles",
+        "segments",
+        "points",
+        "hits",
+        "open",
+        "ms"
     );
     for (name, formula, half) in SURFACES {
         let given = |name| wanted.iter().any(|wanted| wanted == name);
@@ -83,11 +96,12 @@ fn main() {
             let (work, pixels) = (picture.statistics.work, picture.statistics.pixels);
             let (trace, shade) = (milliseconds(times.0), milliseconds(times.1));
             println!(
-                "{name:14}{:10}{trace:8.2}{shade:8.2}{:9}{:9}{:9}{:9}{:8}{:8.2}",
+                "{name:14}{:10}{trace:8.2}{shade:8.2}{:9}{:9}{:9}{:9}{:9}{:8}{:8.2}",
                 method.name,
                 work.interval.lanes,
                 work.tiles.lanes,
                 work.segments.lanes,
+                work.point.lanes,
                 pixels.hit,
                 pixels.undecided,
                 trace + shade

@@ -62,8 +62,10 @@ impl Made {
                 "to find the surface, ray by ray"
             }
             (Form::Function, question) if question == FindZeros::NAME => "to find the surface",
-            (Form::Function, question) if question == Sample::NAME => "for normals by differences",
-            (Form::Function, _) => "to tell inside from outside",
+            (Form::Function, question) if question == Sample::NAME => {
+                "for places between samples, or normals by differences"
+            }
+            (Form::Function, _) => "to tell one side from the other",
             (Form::Numerator, question) if question == FindZeros::NAME => {
                 "to prove that there is nothing at poles"
             }

@@ -280,10 +280,10 @@ impl Model {
 }
 
 fn options(settings: &Settings, kind: SurfaceKind, depth: u32) -> Options {
-    let Settings { precision, tolerance, ideas, .. } = *settings;
+    let Settings { precision, tolerance, steps, ideas, .. } = *settings;
     // At a pole a surface has no point, but a solid may have a face.
     let suppress_asymptotes = kind == SurfaceKind::Equation;
-    Options { precision, depth, tolerance, suppress_asymptotes, ideas }
+    Options { precision, depth, tolerance, steps, suppress_asymptotes, ideas }
 }
 
 /// Makes the kernels that a picture needs, all at once; returns whether they were wanted to the end.

@@ -2,9 +2,10 @@
 
 use crate::kernels::Made;
 use glam::DVec3;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 use zeroset_trace::{
-    GBuffer, Ideas, LinearRgb, Method, MethodOption, PixelCounts, Reason, UndecidedStyle, Work,
+    GBuffer, Ideas, LinearRgb, Method, PixelCounts, Proves, Reason, UndecidedStyle, Work,
     hand_back_colours,
 };
 
@@ -27,6 +28,9 @@ pub struct Settings {
     pub tolerance: f64,
     /// Ideas of the method `affine` that are made use of.
     pub ideas: Ideas,
+    /// Samples on a ray's way through the domain, or steps along it at most, for methods that take such; among
+    /// [`STEPS_RANGE`].
+    pub steps: u32,
     /// Whether the brackets of hits are kept.
     pub brackets: bool,
     /// How long surfaces may be looked for: what was not reached by then is undecided and not painted.
@@ -54,6 +58,9 @@ pub fn is_tolerance(pixels: f64) -> bool {
     pixels > 0.0 && pixels <= 100.0
 }
 
+/// How many steps a picture can be made with: from the two ends of a ray's way to as many as make a picture take minutes.
+pub const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
+
 /// Where normals come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Normals {
@@ -73,6 +80,7 @@ impl Default for Settings {
             max_depth: 10,
             tolerance: 0.5,
             ideas: Ideas::default(),
+            steps: 256,
             brackets: false,
             budget: None,
             shadow_depth: None,
@@ -117,15 +125,24 @@ impl Picture {
     /// Why pixels are undecided, and how many for each reason, in one line; `None` if none are.
     pub fn why_undecided(&self) -> Option<String> {
         let counts = self.buffer.reasons();
-        // It tells no reasons, and there is but one.
-        let is_one = counts[1..].iter().all(|count| *count == 0);
-        if is_one && counts[0] > 0 && self.method.reads.contains(&MethodOption::Depth) {
-            let why = "this method proves misses, and hits only where the domain cuts a solid";
+        let parts: Vec<(Reason, usize)> =
+            Reason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
+        if let [(Reason::Unproven, _)] = parts[..] {
+            let why = match self.method.proves {
+                Proves::Nothing => {
+                    "this method proves nothing of rays that meet the domain, but where the domain \
+                     cuts a solid"
+                }
+                Proves::Misses | Proves::HitsAndMisses => {
+                    "this method proves misses, and hits only where the domain cuts a solid"
+                }
+            };
             return Some(why.to_owned());
         }
-        let parts = Reason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0);
-        let parts: Vec<String> =
-            parts.map(|(reason, count)| format!("{count} {}", reason.describe())).collect();
+        let parts: Vec<String> = parts
+            .into_iter()
+            .map(|(reason, count)| format!("{count} {}", reason.describe()))
+            .collect();
         (!parts.is_empty()).then(|| parts.join(", "))
     }
 }

@@ -245,6 +245,10 @@ pub struct KernelArgs {
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
 
+    /// Samples on a ray's path through the domain, or steps along it at most: 2 to 1048576
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    pub steps: u32,
+
     #[command(flatten)]
     pub without: WithoutArgs,
 }

@@ -81,10 +81,16 @@ fn explain_in<T: KernelFloat>(
         }
         // Asked for what a picture needs, so that the kernels listed are those that it makes.
         let kernels = program.kernels::<T>(index);
-        let Settings { max_depth: depth, tolerance, .. } = Settings::default();
+        let Settings { max_depth: depth, tolerance, steps, .. } = Settings::default();
         let suppress_asymptotes = surface.kind == SurfaceKind::Equation;
-        let options =
-            Options { precision, depth, tolerance, suppress_asymptotes, ..Options::default() };
+        let options = Options {
+            precision,
+            depth,
+            tolerance,
+            steps,
+            suppress_asymptotes,
+            ..Options::default()
+        };
         drop(method.prepare(program.surface(index), &region, options)?);
         kernels.gradients()?;
         if surface.kind == SurfaceKind::Solid {

@@ -7,7 +7,7 @@ use zeroset::live::{Rendering, Request, quote};
 use zeroset::picture::Precision;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
-use zeroset_trace::{MethodOption, Reason, Status};
+use zeroset_trace::{MethodOption, Proves, Reason, Status};
 
 /// A place of the surface that is seen in a pixel.
 pub struct Pick<'a> {
@@ -59,10 +59,17 @@ impl<'a> Pick<'a> {
         let status = match buffer.status[self.pixel] {
             Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
             Status::Hit => "hit: proven".to_owned(),
-            Status::Undecided if buffer.reason[self.pixel] == Reason::None => format!(
-                "undecided: the surface may lie within {:.1e}; {} proves misses only",
-                self.reach, self.rendering.picture.method.name,
-            ),
+            Status::Undecided if buffer.reason[self.pixel] == Reason::Unproven => {
+                let method = self.rendering.picture.method;
+                match (method.proves, self.point) {
+                    (Proves::Nothing, _) => format!("undecided: {} proves nothing", method.name),
+                    (_, None) => format!("undecided: {} proves misses only", method.name),
+                    (_, Some(_)) => format!(
+                        "undecided: the surface may lie within {:.1e}; {} proves misses only",
+                        self.reach, method.name,
+                    ),
+                }
+            }
             Status::Undecided => {
                 format!("undecided: a point {}", buffer.reason[self.pixel].describe())
             }

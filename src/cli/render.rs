@@ -13,10 +13,10 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 use zeroset::domain::AutoDomain;
-use zeroset::picture::{Picture, Precision, Settings, TOLERANCES, is_tolerance};
+use zeroset::picture::{Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use zeroset::scene;
 use zeroset_syntax::SrgbColor;
-use zeroset_trace::{LinearRgb, MethodOption, Reason, Status};
+use zeroset_trace::{LinearRgb, MethodOption, Proves, Reason, Status};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
@@ -92,11 +92,13 @@ pub fn check_depth(flag: &str, depth: u32, precision: Precision) -> Result<()> {
 /// # Errors
 /// If a number is out of range.
 pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
-    let KernelArgs { method, precision, tolerance, max_depth, without } = *kernels;
+    let KernelArgs { method, precision, tolerance, max_depth, steps, without } = *kernels;
     let ideas = without.ideas();
     check_depth("--max-depth", max_depth, precision)?;
     ensure!(is_tolerance(tolerance), "--tolerance {tolerance}: {TOLERANCES}");
-    Ok(Settings { method, precision, tolerance, max_depth, ideas, ..Settings::default() })
+    let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
+    ensure!(STEPS_RANGE.contains(&steps), "--steps must be between {least} and {most}");
+    Ok(Settings { method, precision, tolerance, max_depth, steps, ideas, ..Settings::default() })
 }
 
 /// What the method's flags ask for, at a given size and with the default shading.
@@ -225,8 +227,13 @@ fn remark(
         notes::note(&format!("{} of {all} pixels are undecided: {why}", pixels.undecided));
     }
     let buffer = &picture.buffer;
-    let blank =
-        |pixel: &usize| buffer.status[*pixel] == Status::Undecided && !buffer.is_drawn(*pixel);
+    // Where nothing is proven nothing was passed over, and where no bound of the slope is known that was said.
+    let proves_nothing = picture.method.proves == Proves::Nothing;
+    let blank = |pixel: &usize| {
+        let is_said = proves_nothing && buffer.reason[*pixel] == Reason::Unproven
+            || buffer.reason[*pixel] == Reason::Steep;
+        buffer.status[*pixel] == Status::Undecided && !buffer.is_drawn(*pixel) && !is_said
+    };
     let is_unreached =
         |pixel: &usize| buffer.reason[*pixel] == Reason::Budget && buffer.distance[*pixel] == 0.0;
     let blank: Vec<usize> = (0..buffer.status.len()).filter(blank).collect();

@@ -55,6 +55,7 @@ pub fn object(
         "precision": picture.precision.to_string(),
         "tolerance": settings.tolerance,
         "max_depth": settings.max_depth,
+        "steps": settings.steps,
         "budget": settings.budget.map(|budget| budget.as_secs_f64()),
         "size": [settings.width, settings.height],
         "ms": {

@@ -5,7 +5,7 @@ use super::pipeline::Request;
 use super::session::{Live, Refusal, Reply};
 use super::status;
 use crate::names::Named;
-use crate::picture::{Precision, Settings, TOLERANCES, is_tolerance};
+use crate::picture::{Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use crate::scene::{self, CameraChoice, DomainChoice};
 use std::fmt::Write as _;
 use zeroset_syntax::language_names;
@@ -55,6 +55,8 @@ pub const COMMANDS: &[CommandRow] = &[
         run: |live, name| Some(method(live, name)) },
     CommandRow { name: "tolerance", arguments: "[PIXELS]", doc: "how far a hit may be from where it is drawn, in pixels",
         run: |live, pixels| Some(tolerance(live, optional(pixels, |pixels| pixels.parse().ok())?)) },
+    CommandRow { name: "steps", arguments: "[N]", doc: "samples on a ray's way through the domain, or steps along it at most",
+        run: |live, number| Some(steps(live, optional(number, |number| number.parse().ok())?)) },
     CommandRow { name: "depth", arguments: "[N]", doc: "how often a ray's way through the domain is halved",
         run: |live, number| Some(depth(live, optional(number, |number| number.parse().ok())?)) },
     CommandRow { name: "precision", arguments: "[auto|f32|f64]", doc: "kernel precision: f64 is slower but resolves more",
@@ -200,6 +202,19 @@ fn tolerance(live: &Live, wanted: Option<f64>) -> Result<Reply, Refusal> {
     say(format!("hits are within {} pixels of where they are drawn{unread}", settings.tolerance))
 }
 
+fn steps(live: &Live, wanted: Option<u32>) -> Result<Reply, Refusal> {
+    if let Some(steps) = wanted {
+        if !STEPS_RANGE.contains(&steps) {
+            let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
+            return refused(format!("steps are between {least} and {most}"));
+        }
+        live.change(|request| request.settings.steps = steps);
+    }
+    let settings = live.settings();
+    let unread = unread(&settings, MethodOption::Steps);
+    say(format!("{} steps on a ray's way through the domain{unread}", settings.steps))
+}
+
 fn depth(live: &Live, wanted: Option<u32>) -> Result<Reply, Refusal> {
     let most = live.settings().precision.max_depth();
     if let Some(depth) = wanted {
@@ -248,7 +263,8 @@ fn unread(settings: &Settings, option: MethodOption) -> String {
     }
     let names = METHODS.iter().filter(|row| row.reads.contains(&option)).map(|row| row.name);
     let names: Vec<&str> = names.collect();
-    format!("; the method {} does not use that, but {} does", method.name, names.join(", "))
+    let verb = if names.len() == 1 { "does" } else { "do" };
+    format!("; the method {} does not use that, but {} {verb}", method.name, names.join(", "))
 }
 
 /// Reads a line. A command may be shortened to any prefix that only it has.

@@ -38,6 +38,7 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
         MethodOption::Depth => Some(format!(", depth {}", settings.max_depth)),
         MethodOption::Precision => Some(format!(", {}", settings.precision)),
         MethodOption::Tolerance => Some(format!(", hits within {} pixels", settings.tolerance)),
+        MethodOption::Steps => Some(format!(", {} steps", settings.steps)),
     });
     let _ = writeln!(text, "method      {}{options}", settings.method.name);
     let pixels = statistics.pixels;
@@ -78,7 +79,12 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
 
 /// What is said of those options that the method reads.
 fn options(settings: &Settings, say: impl Fn(MethodOption) -> Option<String>) -> String {
-    let all = [MethodOption::Depth, MethodOption::Precision, MethodOption::Tolerance];
+    let all = [
+        MethodOption::Depth,
+        MethodOption::Steps,
+        MethodOption::Precision,
+        MethodOption::Tolerance,
+    ];
     let read = all.into_iter().filter(|option| settings.method.reads.contains(option));
     read.filter_map(say).collect()
 }
@@ -107,6 +113,7 @@ impl Rendering {
             MethodOption::Precision => Some(format!(" {}", settings.precision)),
             MethodOption::Tolerance => (settings.tolerance != Settings::default().tolerance)
                 .then(|| format!(" {} px", settings.tolerance)),
+            MethodOption::Steps => Some(format!(" {}", settings.steps)),
         });
         format!(
             "{} · {width}x{height} · {}{options} · {undecided} undecided · {made}{}",
@@ -162,6 +169,9 @@ impl Rendering {
                 .then(|| format!(" --precision {}", settings.precision)),
             MethodOption::Tolerance => (settings.tolerance != usual.tolerance)
                 .then(|| format!(" --tolerance {}", settings.tolerance)),
+            MethodOption::Steps => {
+                (settings.steps != usual.steps).then(|| format!(" --steps {}", settings.steps))
+            }
         });
         if settings.undecided != UndecidedStyle::Shade {
             let _ = write!(command, " --undecided {}", settings.undecided.name());

@@ -165,7 +165,7 @@ fn commands_are_answered() {
     assert!(say(":method").starts_with("* affine") && say(":method").contains("  knoll"));
     assert!(say(":precision").starts_with("auto: 32 bits"));
     assert!(say(":tolerance 0.1").contains("within 0.1 pixels"));
-    assert!(say(":depth").contains("the method affine does not use that, but knoll does"));
+    assert!(say(":depth").contains("the method affine does not use that, but knoll, raa do"));
     let exact = settled(&live);
     assert_eq!(exact.request.settings.tolerance, 0.1);
     assert_eq!(exact.picture.statistics.pixels.undecided, 0);
@@ -174,7 +174,7 @@ fn commands_are_answered() {
     let command = exact.command("out.png");
     assert!(command.contains(" --tolerance 0.1 ") && !command.contains("--method"), "{command}");
     assert_eq!(live.enter(":method knoll").ok(), Some(Reply::Done));
-    assert!(say(":tolerance").contains("the method knoll does not use that, but affine does"));
+    assert!(say(":steps").contains("the method knoll does not use that, but sphere, march do"));
     live.enter(":precision f32").expect("a precision");
     assert!(say(":depth 12").starts_with("depth 12 of at most 20: slabs of at most "));
     assert_eq!(live.settings().max_depth, 12);
@@ -187,7 +187,7 @@ fn commands_are_answered() {
     assert!(say(":depth 33").contains("depth 33"));
     let fine = settled(&live);
     assert!(fine.picture.precision == Precision::F64 && fine.picture.rgb == rendered(&fine));
-    assert!(fine.summary().contains(" f64 · ") && say(":status").contains(", f64"));
+    assert!(fine.summary().contains(" f64 0.1 px · ") && say(":status").contains(", f64"));
     let command = fine.command("out.png");
     assert!(command.contains("--precision f64"), "{command}");
     assert!(say(":precision f32").starts_with("f32: depth 20 of at most 20"));
@@ -213,7 +213,8 @@ fn commands_are_answered() {
         (":halp", "did you mean :help?"),
         (":help qqqqqq", "no function or command named 'qqqqqq'"),
         (":help sinn", "did you mean sin?"),
-        (":method march", "no method named 'march'; there is affine, knoll"),
+        (":method rays", "no method named 'rays'; there is affine, knoll"),
+        (":steps 1", "steps are between 2 and 1048576"),
         (":domain 1,0,1,2,1,2", "is empty"),
         (":set x = 1", "x"),
         (":add 2 +", "missing"),

@@ -138,7 +138,7 @@ fn false_claims_are_noticed() {
     assert_eq!(noticed(&late), roots);
 
     let mut early = right.clone();
-    early.drawn.iter_mut().for_each(|drawn| *drawn -= 1e-3);
+    early.drawn.iter_mut().zip(&right.distance).for_each(|(drawn, from)| *drawn = from - 1e-3);
     assert_eq!(noticed(&early), right.counts().undecided);
 }
 

@@ -300,6 +300,7 @@ fn numbers_out_of_range() {
         (["--clip", "0,0,0,1"], "clipping plane"),
         (["--max-depth", "0"], "--max-depth must be between 1 and"),
         (["--depth", "99"], "--max-depth must be between 1 and"),
+        (["--steps", "1"], "--steps must be between 2 and 1048576"),
         (["--tolerance", "0"], "a tolerance is a number of pixels, above 0"),
         (["--tolerance", "-1"], "--tolerance -1: a tolerance is"),
         (["--tolerance", "nan"], "a tolerance is a number of pixels"),

@@ -162,9 +162,11 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
     assert!(count("/work/segment/calls") > 0 && count("/work/segment/lanes") > 0);
     assert_eq!((&object["method"], &object["precision"]), (&"affine".into(), &"auto".into()));
     assert_eq!((&object["tolerance"], &object["budget"]), (&0.5.into(), &Value::Null));
-    for reason in ["touching", "undefined", "discontinuous", "budget", "other"] {
+    for reason in ["touching", "undefined", "discontinuous", "budget", "unproven", "steep", "other"]
+    {
         assert_eq!(object["undecided"][reason], 0, "{reason}");
     }
+    assert_eq!((&object["max_depth"], &object["steps"]), (&10.into(), &256.into()));
     // No colours were asked for, so no gradient kernel was made or called.
     assert_eq!(count("/work/gradient/calls"), 0);
     assert!(count("/code_bytes") > 0 && count("/nodes/before") >= count("/nodes/after"));
@@ -583,9 +585,24 @@ fn the_paper_s_method_proves_misses_only_and_is_accounted_for() {
     let pixels = ["/pixels/hit", "/pixels/miss", "/pixels/undecided"].map(count);
     assert_eq!(pixels.iter().sum::<u64>(), 32 * 32);
     assert!(pixels[2] > 0 && pixels[0] == 0, "this method proves no hit");
-    assert_eq!(count("/undecided/other"), pixels[2]);
+    assert_eq!(count("/undecided/unproven"), pixels[2]);
     assert!(count("/work/interval/calls") > 0 && count("/work/interval/lanes") > 0);
     assert!(run.stderr.contains("this method proves misses, and hits only"), "{}", run.stderr);
+}
+
+#[test]
+fn a_method_that_proves_nothing_says_so() {
+    let place = Place::new();
+    let march = ["render", SPHERE, "--json", "--size", "32", "--domain", "1", "--method", "march"];
+    let run = place.run(&[&march[..], &["--steps", "64", "--ortho", "1"]].concat()).ok();
+    let object = run.json();
+    assert_eq!(
+        (&object["undecided"]["unproven"], &object["pixels"]["miss"]),
+        (&1024.into(), &0.into())
+    );
+    assert_eq!((&object["steps"], &object["work"]["given_up"]), (&64.into(), &0.into()));
+    assert!(run.stderr.contains("this method proves nothing"), "{}", run.stderr);
+    assert!(!run.stderr.contains("are not drawn"), "{}", run.stderr);
 }
 
 /// A formula without a surface on this domain takes nothing from the others; one without a surface

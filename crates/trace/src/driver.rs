@@ -89,6 +89,7 @@ impl Driver<'_> {
         move |[column, row]| Segment {
             ray: rays.ray(column as usize, row as usize),
             to: f64::INFINITY,
+            pixel: rays.pixel(),
         }
     }
 
@@ -111,7 +112,12 @@ impl Driver<'_> {
             let (way, distance) = light.towards(ray.at(t));
             // Off the surface on the side of the eye, then along the light.
             let origin = ray.at(t - ray.parameter(offset)) + way * offset;
-            Segment { ray: Ray { origin, direction: way }, to: distance }
+            // That something is in the way is enough.
+            Segment {
+                ray: Ray { origin, direction: way },
+                to: distance,
+                pixel: [f64::INFINITY, 0.0],
+            }
         };
         let tiles = painted.par_chunks(LIST).map(|tile| (self.places(tile), 0));
         for &pixel in &painted {
@@ -149,7 +155,8 @@ impl Driver<'_> {
                 return None;
             }
             let (mut all, mut work) = (Vec::new(), Work::default());
-            let unset = Segment { ray: Ray { origin: DVec3::ZERO, direction: DVec3::Z }, to: 0.0 };
+            let ray = Ray { origin: DVec3::ZERO, direction: DVec3::Z };
+            let unset = Segment { ray, to: 0.0, pixel: [0.0; 2] };
             let (mut rays, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
             for pixels in tile.chunks(RAYS) {
                 let (rays, found) = (&mut rays[..pixels.len()], &mut found[..pixels.len()]);

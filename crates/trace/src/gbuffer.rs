@@ -31,12 +31,23 @@ pub enum Reason {
     Discontinuous = 3,
     /// What was to be spent on the ray, or on the picture, was not enough.
     Budget = 4,
+    /// The method proves nothing of such a ray, whether it draws something or not.
+    Unproven = 5,
+    /// No bound of its slope is known there, without which the method cannot go on.
+    Steep = 6,
 }
 
 impl Reason {
     /// Every reason, in the order of its number.
-    pub const ALL: [Self; 5] =
-        [Self::None, Self::Touching, Self::Undefined, Self::Discontinuous, Self::Budget];
+    pub const ALL: [Self; 7] = [
+        Self::None,
+        Self::Touching,
+        Self::Undefined,
+        Self::Discontinuous,
+        Self::Budget,
+        Self::Unproven,
+        Self::Steep,
+    ];
 
     /// What it is called, in one word.
     pub fn name(self) -> &'static str {
@@ -46,6 +57,8 @@ impl Reason {
             Self::Undefined => "undefined",
             Self::Discontinuous => "discontinuous",
             Self::Budget => "budget",
+            Self::Unproven => "unproven",
+            Self::Steep => "steep",
         }
     }
 
@@ -57,6 +70,8 @@ impl Reason {
             Self::Undefined => "where f may be undefined",
             Self::Discontinuous => "where f may be discontinuous",
             Self::Budget => "for which effort or time ran out",
+            Self::Unproven => "of which this method proves nothing",
+            Self::Steep => "where no bound of f's slope is known, which this method needs",
         }
     }
 }

@@ -96,6 +96,12 @@ impl RayGrid {
         2.0 * self.unit * if self.is_parallel() { 1.0 } else { distance }
     }
 
+    /// About how wide a pixel is where a ray's t is 0, and how much that grows with t, in units of t.
+    pub(crate) fn pixel(&self) -> [f64; 2] {
+        let width = 2.0 * self.unit;
+        if self.is_parallel() { [width, 0.0] } else { [0.0, width] }
+    }
+
     /// Half the distance of neighbouring pixels' screen coordinates.
     #[inline]
     pub(crate) fn unit(&self) -> f64 {

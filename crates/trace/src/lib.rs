@@ -32,7 +32,7 @@ pub use driver::Driver;
 pub use gbuffer::{Found, GBuffer, PixelCounts, Reason, Status};
 pub use grid::RayGrid;
 pub use light::Light;
-pub use method::{Ideas, Method, MethodOption, Options, Precision, Segment, Start, Tracer};
+pub use method::{Ideas, Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
 pub use methods::{METHODS, STEPS};
 pub use normal::{NormalSource, normals};
 pub use region::{HalfSpace, Region, RegionError};

@@ -21,6 +21,8 @@ pub struct Method {
     pub name: &'static str,
     /// One line of help.
     pub help: &'static str,
+    /// What it proves of rays that meet the region; beside the region every ray is a miss.
+    pub proves: Proves,
     /// The options that it reads; it does not look at others.
     pub reads: &'static [MethodOption],
     pub(crate) prepare: Prepare,
@@ -29,6 +31,17 @@ pub struct Method {
 /// Asks a surface for kernels, and gets ready to follow rays through a region.
 pub(crate) type Prepare =
     for<'a> fn(&'a dyn Surface, &'a Region, Options) -> Result<Box<dyn Tracer + 'a>, KernelError>;
+
+/// What a method is able to prove of a ray through the region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Proves {
+    /// That it meets a zero, or that it meets none.
+    HitsAndMisses,
+    /// Only that it meets none. What is drawn may be there or not.
+    Misses,
+    /// Nothing. What is drawn may not be there, and what is there may not be drawn.
+    Nothing,
+}
 
 /// An option that a method may read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +52,8 @@ pub enum MethodOption {
     Depth,
     /// [`Options::tolerance`].
     Tolerance,
+    /// [`Options::steps`].
+    Steps,
 }
 
 impl MethodOption {
@@ -48,6 +63,7 @@ impl MethodOption {
             Self::Precision => "precision",
             Self::Depth => "max-depth",
             Self::Tolerance => "tolerance",
+            Self::Steps => "steps",
         }
     }
 }
@@ -61,6 +77,8 @@ pub struct Options {
     pub depth: u32,
     /// How far, in pixels, a hit may be from where it is said to be. Proofs do not depend on it.
     pub tolerance: f64,
+    /// Samples on a ray's way through the region, or steps along it at most; from 2 on.
+    pub steps: u32,
     /// Whether a place where the function is unbounded counts as an asymptote rather than a root: its pixel then is
     /// undecided, but not drawn there.
     pub suppress_asymptotes: bool,
@@ -74,6 +92,7 @@ impl Default for Options {
             precision: Precision::Auto,
             depth: 10,
             tolerance: 0.5,
+            steps: 256,
             suppress_asymptotes: true,
             ideas: Ideas::default(),
         }
@@ -150,7 +169,8 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
     band: &mut Band<'_>,
     work: &mut Work,
 ) {
-    let unset = Segment { ray: rays.ray(0, band.top), to: f64::INFINITY };
+    let (to, pixel) = (f64::INFINITY, rays.pixel());
+    let unset = Segment { ray: rays.ray(0, band.top), to, pixel };
     let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
     let mut wanted = true;
     for square in squares(band.width, band.height) {
@@ -181,6 +201,16 @@ pub struct Segment {
     pub ray: Ray,
     /// May be infinite.
     pub to: f64,
+    /// About how wide a pixel is where t is 0, and how much that grows with t, in units of t. Infinite where nobody asks
+    /// how near a place is.
+    pub pixel: [f64; 2],
+}
+
+impl Segment {
+    /// About how wide a pixel is at the point at `t`, in units of t.
+    pub(crate) fn footprint(&self, t: f64) -> f64 {
+        self.pixel[0] + t * self.pixel[1]
+    }
 }
 
 /// Where rays start.

@@ -1,14 +1,24 @@
 //! The table of methods, from which command line, prompt, status line and JSON follow, and a file for each.
 
 mod affine;
+mod bridge;
 mod knoll;
+mod march;
+mod mitchell;
+mod raa;
+mod refine;
+mod slabs;
+mod slope;
+mod sphere;
+mod way;
 
 use crate::method::Method;
 
-pub use knoll::STEPS;
+pub use slabs::STEPS;
 
 /// All methods; the first is the default.
-pub static METHODS: [Method; 2] = [affine::METHOD, knoll::METHOD];
+pub static METHODS: [Method; 6] =
+    [affine::METHOD, knoll::METHOD, raa::METHOD, mitchell::METHOD, sphere::METHOD, march::METHOD];
 
 impl Method {
     /// The method with this name.

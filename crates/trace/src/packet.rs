@@ -9,7 +9,7 @@ use crate::method::Segment;
 use crate::region::Region;
 use crate::scalar::{Four, Scalar};
 use glam::DVec3;
-use zeroset_eval::Boxes;
+use zeroset_eval::{Boxes, Segments};
 
 /// Rays in a packet.
 pub(crate) const RAYS: usize = 4;
@@ -125,6 +125,30 @@ impl<T: Scalar> Packet<T> {
                 out.neg_lo[axis][lanes.clone()].copy_from_slice(&lower);
                 out.hi[axis][lanes].copy_from_slice(&upper);
                 a = b;
+            }
+        }
+    }
+
+    /// The rays between each two of some planes in order, as segments in which t is τ: in lanes as [`Packet::boxes`].
+    #[inline]
+    pub fn segments<const PLANES: usize>(&self, planes: [T; PLANES], out: &mut Segments<T>) {
+        let used = RAYS * (PLANES - 1);
+        out.count = used as u32;
+        for lane in 0..used {
+            (out.near[lane], out.far[lane]) = (planes[lane / RAYS], planes[lane / RAYS + 1]);
+        }
+        // The slack is for τ within [0, 1], all of a packet's; what kernels round is added to it, generously.
+        let rounding = T::Four::splat(T::nearest(2.0 * T::PATH_ERROR));
+        let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
+        let least = T::Four::splat(least + least);
+        for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
+            let error = *slack + rounding * (start.abs() + extent.abs()) + least;
+            let [origin, direction, error] = [*start, *extent, error].map(Four::to_array);
+            for first in (0..used).step_by(RAYS) {
+                let lanes = first..first + RAYS;
+                out.origin[axis][lanes.clone()].copy_from_slice(&origin);
+                out.direction[axis][lanes.clone()].copy_from_slice(&direction);
+                out.error[axis][lanes].copy_from_slice(&error);
             }
         }
     }

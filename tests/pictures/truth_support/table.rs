@@ -27,6 +27,8 @@ struct Ray {
     status: Status,
     distance: f64,
     drawn: f64,
+    /// How far behind the start of the slab that is drawn a root may be painted, in world units.
+    reach: f64,
 }
 
 /// A column of the table.
@@ -97,7 +99,7 @@ const KINDS: [Kind; 12] = [
         head: "behind",
         meaning: "painted rays with an unbounded slab, passed over, before the painted point",
         listed: false,
-        holds: |ray| ray.painted() && ray.distance < ray.drawn,
+        holds: Ray::is_behind,
     },
     Kind {
         head: "unseen",
@@ -109,7 +111,7 @@ const KINDS: [Kind; 12] = [
         head: "late",
         meaning: "the rays painted behind that have a root before the painted point",
         listed: true,
-        holds: |ray| ray.painted() && ray.distance < ray.drawn && ray.zero < ray.drawn,
+        holds: |ray| ray.is_behind() && ray.zero < ray.drawn,
     },
 ];
 
@@ -120,6 +122,11 @@ impl Ray {
 
     fn painted(&self) -> bool {
         self.drawn.is_finite()
+    }
+
+    /// Whether the painted point is in another slab than what is undecided first.
+    fn is_behind(&self) -> bool {
+        self.painted() && self.distance + self.reach < self.drawn
     }
 }
 
@@ -143,6 +150,8 @@ impl Row {
                 status: buffer.status[index],
                 distance: buffer.distance[index],
                 drawn: buffer.drawn[index],
+                // Two slabs, and along a ray each is at most four times as long as along its axis.
+                reach: 8.0 * row.slab,
             };
             for (number, kind) in KINDS.iter().enumerate() {
                 // The first kind is of the rays of which nothing is known.

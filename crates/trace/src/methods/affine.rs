@@ -8,7 +8,6 @@
 //! A hit is a segment on which the function is continuous and whose ends have opposite signs, behind nothing but proven
 //! empty parts. Emptiness and signs are followed down to what arithmetic can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.
 
-mod bridge;
 mod frame;
 mod narrow;
 mod pixels;
@@ -21,7 +20,9 @@ use super::knoll;
 use crate::band::Band;
 use crate::gbuffer::Found;
 use crate::grid::RayGrid;
-use crate::method::{Method, MethodOption, Options, Precision, Segment, Start, Tracer, by_squares};
+use crate::method::{
+    Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer, by_squares,
+};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -33,6 +34,7 @@ use zeroset_eval::{ContractTiles, Kernel, KernelError, LANES, Surface};
 pub(crate) const METHOD: Method = Method {
     name: "affine",
     help: "tiles and rays narrowed by affine forms; proves hits and misses",
+    proves: Proves::HitsAndMisses,
     reads: &[MethodOption::Precision, MethodOption::Tolerance],
     prepare,
 };

@@ -59,7 +59,7 @@ fn scene(random: &mut Random) -> (Region, [Segment; 4]) {
         let aim = target + half * random.vector(spread);
         let direction = (aim - origin) * random.scale(2);
         let to = if random.next().is_multiple_of(4) { 0.9 } else { f64::INFINITY };
-        Segment { ray: Ray { origin, direction }, to }
+        Segment { ray: Ray { origin, direction }, to, pixel: [0.0; 2] }
     });
     (region, segments)
 }
@@ -108,6 +108,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
             let planes = [at(index), at(index + 1), at(index + 2)];
             let mut boxes = Boxes::default();
             packet.boxes(planes, &mut boxes);
+            let mut ways = Segments::<T>::default();
+            packet.segments(planes, &mut ways);
             for half in 0..2 {
                 // A place within the slab: an end, or anywhere between.
                 let share = match random.next() % 4 {
@@ -148,6 +150,18 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                             lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
                         );
+                        // Along the segment the point is where τ says, with room for what kernels round.
+                        let slot = RAYS * half + lane;
+                        let [o, d, error]: [f64; 3] = [&ways.origin, &ways.direction, &ways.error]
+                            .map(|part| part[axis][slot].into());
+                        let off = exact(o) + &share * exact(d) - point;
+                        let room = exact(error) - exact(T::PATH_ERROR * (o.abs() + d.abs()));
+                        assert!(
+                            -&room <= off && off <= room,
+                            "axis {axis} of {segment:?} in {region:?}"
+                        );
+                        assert_eq!(ways.near[slot], planes[half]);
+                        assert_eq!(ways.far[slot], planes[half + 1]);
                     }
                 }
             }
@@ -163,6 +177,7 @@ fn rays_that_do_not_advance_together_are_refused() {
     let ray = |direction: DVec3| Segment {
         ray: Ray { origin: DVec3::ZERO, direction },
         to: f64::INFINITY,
+        pixel: [0.0; 2],
     };
     let packet = |other| {
         let three = ray(DVec3::X);
@@ -192,7 +207,8 @@ fn from_very_far<T: Scalar>(seed: u64) {
                 cube.with_clip(HalfSpace { normal: random.vector(1.0), offset }).expect("a plane")
             });
             let origin = -direction * 2_f64.powi(exponent);
-            let segment = Segment { ray: Ray { origin, direction }, to: f64::INFINITY };
+            let segment =
+                Segment { ray: Ray { origin, direction }, to: f64::INFINITY, pixel: [0.0; 2] };
             let mut packet = Packet::<T>::new(&region);
             assert!(packet.take(&[&segment; RAYS], &region), "together");
             let half = T::halved(1);

@@ -1,6 +1,6 @@
 //! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
 
-use super::rays::{Way, bounds};
+use super::super::way::{Way, bounds};
 use super::slots::{Slots, Stack};
 use crate::method::Ideas;
 use crate::region::Region;

@@ -1,9 +1,9 @@
 //! The pixels of a tile: hits that the tile's form proves, and rays that have to be followed.
 
+use super::super::way::{self, Way};
 use super::frame::Tile;
 use super::narrow::{STEADY, UNSTEADY};
 use super::plane::Plane;
-use super::rays::{self, Way};
 use super::tiles::{Level, Tracer};
 use crate::method::Start;
 use crate::scalar::{Four, Scalar};
@@ -276,7 +276,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 let Some((near, far)) = region.span(&ray) else { continue };
                 let slack = 1e-15 * (near.abs() + start.abs());
                 span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
-                inside = rays::inside(region, &ray, start, span);
+                inside = way::inside(region, &ray, start, span);
             }
             if span[0] > span[1] {
                 continue;

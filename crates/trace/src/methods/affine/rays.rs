@@ -1,48 +1,18 @@
 //! Single rays, sixteen at a time: from a segment to a proven hit, to nothing, or to what stays open.
 
-use super::bridge::Bridge;
+use super::super::bridge::Bridge;
+use super::super::way::{Way, bounds};
 use super::narrow::{Narrower, Scratch, Step};
 use crate::gbuffer::{Found, Reason, Status};
 use crate::method::{Options, Precision, Segment, Start};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
-use glam::DVec3;
 use std::sync::OnceLock;
 use zeroset_eval::{
     Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Surface, Zeros,
 };
-use zeroset_interval::{Facts, Interval};
-
-/// A ray to be followed: the points `origin` + s·`direction`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
-    pub origin: DVec3,
-    pub direction: DVec3,
-    /// How far the real ray may be from that, per axis.
-    pub error: DVec3,
-    /// s where the ray starts.
-    pub start: f64,
-    /// s between which zeros are looked for.
-    pub span: [f64; 2],
-    /// s between which the ray is certainly in the region.
-    pub inside: [f64; 2],
-    /// How long the bracket of a hit may be.
-    pub tolerance: f64,
-}
-
-impl Way {
-    /// To fill an array with.
-    pub const NONE: Self = Self {
-        origin: DVec3::ZERO,
-        direction: DVec3::ZERO,
-        error: DVec3::ZERO,
-        start: 0.0,
-        span: [0.0; 2],
-        inside: [0.0; 2],
-        tolerance: 0.0,
-    };
-}
+use zeroset_interval::Facts;
 
 /// What became of a ray. Places are values of s.
 #[derive(Clone, Copy, Debug, Default)]
@@ -257,25 +227,9 @@ impl<'a, T: Scalar> Follower<'a, T> {
         let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
         for (lane, segment) in rays.iter().enumerate() {
             found[lane] = Found::MISS;
-            let Some((near, far)) = self.region.span(&segment.ray) else { continue };
-            let far = far.min(segment.to);
-            if near > far {
-                continue;
-            }
-            let ray = &segment.ray;
-            starts[lane] = near;
-            // The way to where s is 0: a few roundings.
-            let error = 4.0 * f64::EPSILON * (ray.origin.abs() + far.abs() * ray.direction.abs());
-            let span = [0.0, far - near];
-            ways.push(Way {
-                origin: ray.at(near),
-                direction: ray.direction,
-                error,
-                start: -near,
-                span,
-                inside: inside(self.region, ray, near, span),
-                tolerance: f64::INFINITY,
-            });
+            let Some(way) = Way::new(segment, self.region) else { continue };
+            starts[lane] = -way.start;
+            ways.push(way);
             lanes.push(lane);
         }
         if ways.is_empty() {
@@ -314,34 +268,4 @@ impl Outcome {
             _ => Found::MISS,
         }
     }
-}
-
-/// Bounds of s between which a ray is certainly in the region, given that t is s + `start`.
-pub(super) fn inside(
-    region: &Region,
-    ray: &crate::camera::Ray,
-    start: f64,
-    span: [f64; 2],
-) -> [f64; 2] {
-    let Some((near, far)) = region.span(ray) else { return [f64::INFINITY, f64::NEG_INFINITY] };
-    // What the span was rounded outward by, and the difference here.
-    let slack =
-        32.0 * f64::EPSILON * (near.abs() + far.abs().min(1e300) + start.abs() + span[1].abs());
-    let near = if near == 0.0 { -start } else { near - start + slack };
-    [near, far - start - slack]
-}
-
-/// Bounds of a segment's points in the region.
-pub(super) fn bounds(way: &Way, [near, far]: [f64; 2], region: &Region) -> [Interval; 3] {
-    std::array::from_fn(|axis| {
-        let ends = [near, far].map(|s| way.origin[axis] + s * way.direction[axis]);
-        let size = way.origin[axis].abs() + near.abs().max(far.abs()) * way.direction[axis].abs();
-        let slack = way.error[axis] + 4.0 * f64::EPSILON * size;
-        let (low, high) = (region.low()[axis], region.high()[axis]);
-        Interval {
-            // In this order, what is not a number bounds nothing.
-            lo: (ends[0].min(ends[1]) - slack).max(low).min(high),
-            hi: (ends[0].max(ends[1]) + slack).min(high).max(low),
-        }
-    })
 }

@@ -1,6 +1,6 @@
 //! Zeros whose place arithmetic cannot tell: between two places where the sign is certain, and different.
 
-use super::rays::{Way, bounds};
+use super::way::{Way, bounds};
 use crate::region::Region;
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
 use zeroset_interval::Facts;

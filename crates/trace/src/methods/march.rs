@@ -1,0 +1,110 @@
+//! Uniform samples along each ray: a change of sign between neighbours is taken for a root.
+//!
+//! It proves nothing. What is thinner than the way between two samples is passed over, and where the function changes sign
+//! at a pole, a wall is drawn.
+
+use super::refine::Refiner;
+use crate::gbuffer::{Found, Reason, Status};
+use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use zeroset_eval::{KernelError, LANES, Points, Surface, Values};
+
+pub(crate) const METHOD: Method = Method {
+    name: "march",
+    help: "changes of sign between uniform samples; proves nothing",
+    proves: Proves::Nothing,
+    reads: &[MethodOption::Precision, MethodOption::Steps, MethodOption::Tolerance],
+    prepare,
+};
+
+fn prepare<'a>(
+    surface: &'a dyn Surface,
+    region: &'a Region,
+    options: Options,
+) -> Result<Box<dyn Tracer + 'a>, KernelError> {
+    Ok(match options.precision {
+        Precision::Auto | Precision::F32 => Box::new(March::<f32>::new(surface, region, &options)?),
+        Precision::F64 => Box::new(March::<f64>::new(surface, region, &options)?),
+    })
+}
+
+struct March<'a, T: Scalar> {
+    refiner: Refiner<'a, T>,
+    region: &'a Region,
+    /// Samples on a ray's way through the region.
+    samples: u32,
+}
+
+impl<'a, T: Scalar> March<'a, T> {
+    fn new(
+        surface: &'a dyn Surface,
+        region: &'a Region,
+        options: &Options,
+    ) -> Result<Self, KernelError> {
+        let refiner = Refiner::new(T::kernels(surface).values()?, options);
+        Ok(Self { refiner, region, samples: options.steps.max(2) })
+    }
+
+    /// The first cell between two samples in which the function changes sign.
+    fn cell(
+        &self,
+        segment: &Segment,
+        [near, far]: [f64; 2],
+        start: Start,
+        work: &mut Work,
+    ) -> Option<[f64; 2]> {
+        let step = (far - near) / f64::from(self.samples - 1);
+        let at = |sample: u32| near + f64::from(sample) * step;
+        let (mut points, mut values) = (Points::default(), Values::default());
+        let mut before = f64::NAN;
+        for first in (0..self.samples).step_by(LANES) {
+            points.count = (self.samples - first).min(LANES as u32);
+            for (lane, sample) in (first..first + points.count).enumerate() {
+                let point = segment.ray.at(at(sample));
+                for axis in 0..3 {
+                    points.at[axis][lane] = T::nearest(point[axis]);
+                }
+            }
+            self.refiner.kernel.ask(&points, &mut values);
+            work.point.called(points.count);
+            for (lane, sample) in (first..first + points.count).enumerate() {
+                let value: f64 = values.value[lane].into();
+                // The cell in which a ray starts on a surface holds that surface.
+                let counts = sample > u32::from(start == Start::OnSurface);
+                if counts && self.refiner.is_crossing([before, value]) {
+                    return Some([at(sample - 1), at(sample)]);
+                }
+                before = value;
+            }
+        }
+        None
+    }
+}
+
+impl<T: Scalar> Tracer for March<'_, T> {
+    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
+        for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
+            let mut cells = [None; LANES];
+            for ((segment, found), cell) in rays.iter().zip(&mut *found).zip(&mut cells) {
+                *found = Found::MISS;
+                let Some((near, far)) = self.region.span(&segment.ray) else { continue };
+                let far = far.min(segment.to);
+                if near > far {
+                    continue;
+                }
+                // A miss would be a claim. Before the region there is nothing.
+                let (status, reason) = (Status::Undecided, Reason::Unproven);
+                *found = Found { status, reason, distance: near, ..Found::MISS };
+                if far.is_finite() {
+                    *cell = self.cell(segment, [near, far], start, work);
+                }
+            }
+            let places = self.refiner.places(rays, &cells[..rays.len()], work);
+            for (found, place) in found.iter_mut().zip(places) {
+                found.drawn = place.map_or(f64::INFINITY, |place| place.max(found.distance));
+            }
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! A root that is isolated, brought within the tolerance: signs are certain at both ends of what is left.
+
+use super::search::sign;
+use crate::methods::slope::Slopes;
+use crate::methods::way::{Way, bounds};
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use zeroset_interval::Interval;
+
+/// A part of a ray with one root, and values of opposite signs at its ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Isolated {
+    ends: [f64; 2],
+    /// Values at the ends, about.
+    values: [f64; 2],
+    is_above: [bool; 2],
+    /// Where the sign is not certain: the root is likely there.
+    unsure: Option<[f64; 2]>,
+    /// The end that was moved last.
+    moved: usize,
+    /// How long the part may be.
+    enough: f64,
+}
+
+/// Brings roots within the tolerance.
+pub(super) struct Refiner<'a, 'b, T: Scalar> {
+    pub slopes: &'b Slopes<'a, T>,
+    pub region: &'a Region,
+}
+
+/// Rounds, at most. Every third halves, so that a ray's way of 2⁻²² shares is reached, as fine as `f32` tells.
+const ROUNDS: u32 = 66;
+/// How far beyond the interpolated root the other end is looked for, as a share of the tolerance.
+const BEYOND: f64 = 0.75;
+
+impl<T: Scalar> Refiner<'_, '_, T> {
+    pub fn refine(&self, all: &mut [(&Way, Isolated)], work: &mut Work) {
+        for round in 0..ROUNDS {
+            let mut left: Vec<&mut (&Way, Isolated)> =
+                all.iter_mut().filter(|(_, isolated)| !isolated.is_done()).collect();
+            if left.is_empty() {
+                break;
+            }
+            let places: Vec<f64> = left.iter().map(|(_, isolated)| isolated.next(round)).collect();
+            let boxes: Vec<_> = left
+                .iter()
+                .zip(&places)
+                .map(|((way, _), &place)| bounds(way, [place; 2], self.region))
+                .collect();
+            let values = self.slopes.values(&boxes, work);
+            for (lane, (_, isolated)) in left.iter_mut().enumerate() {
+                isolated.narrow(places[lane], values[lane]);
+            }
+        }
+    }
+}
+
+fn middle(value: Interval) -> f64 {
+    0.5 * value.lo + 0.5 * value.hi
+}
+
+impl Isolated {
+    /// A part whose values at the ends are bounded so, with opposite signs.
+    pub fn new(ends: [f64; 2], values: [Interval; 2], enough: f64) -> Self {
+        let is_above = values.map(|value| value.lo > 0.0);
+        Self { ends, values: values.map(middle), is_above, unsure: None, moved: 0, enough }
+    }
+
+    pub fn ends(&self) -> [f64; 2] {
+        self.ends
+    }
+
+    /// The part between the root, or where it is likely, and the end that is farther from it.
+    fn longer(&self) -> [f64; 2] {
+        let [near, far] = self.ends;
+        match self.unsure {
+            None => [near, far],
+            Some([first, last]) if first - near >= far - last => [near, first],
+            Some([_, last]) => [last, far],
+        }
+    }
+
+    fn is_done(&self) -> bool {
+        let [near, far] = self.longer();
+        let middle = 0.5 * (near + far);
+        let is_short = self.ends[1] - self.ends[0] <= self.enough;
+        // What is unsure stays so: its ends are as near as they get when they are within a share of the tolerance.
+        let is_near = self.unsure.is_some() && far - near <= 0.125 * self.enough;
+        is_short || is_near || !(near < middle && middle < far)
+    }
+
+    /// Where to look next: where a line meets 0, then a little beyond, so that the other end comes near as well, then in the
+    /// middle.
+    fn next(&self, round: u32) -> f64 {
+        let ([near, far], [a, b]) = (self.ends, self.values);
+        let [from, to] = self.longer();
+        let middle = 0.5 * (from + to);
+        if self.unsure.is_some() {
+            return middle;
+        }
+        let next = match round % 3 {
+            0 => near - a * ((far - near) / (b - a)),
+            1 if self.moved == 0 => near + BEYOND * self.enough,
+            1 => far - BEYOND * self.enough,
+            _ => middle,
+        };
+        if near < next && next < far { next } else { middle }
+    }
+
+    fn narrow(&mut self, place: f64, value: Interval) {
+        if let Some(is_above) = sign(value) {
+            let end = usize::from(is_above != self.is_above[0]);
+            (self.ends[end], self.values[end], self.moved) = (place, middle(value), end);
+            // The root may lie on this side of where the sign is not certain.
+            let [near, far] = self.ends;
+            self.unsure = self.unsure.filter(|[first, last]| near <= *first && *last <= far);
+        } else {
+            let [first, last] = self.unsure.unwrap_or([place; 2]);
+            self.unsure = Some([first.min(place), last.max(place)]);
+        }
+    }
+}

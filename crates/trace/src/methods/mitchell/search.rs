@@ -1,0 +1,240 @@
+//! Parts of up to sixteen rays, halved until each ray has met a root or nothing.
+
+use super::Outcome;
+use super::isolated::{Isolated, Refiner};
+use crate::gbuffer::Reason;
+use crate::method::{Options, Start};
+use crate::methods::bridge::Bridge;
+use crate::methods::slope::{Cuboid, Slopes};
+use crate::methods::way::{Way, bounds};
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Surface, Zeros};
+use zeroset_interval::{Facts, Interval};
+
+/// Looks for roots in `T`.
+pub(super) struct Searcher<'a, T: Scalar> {
+    slopes: Slopes<'a, T>,
+    zeros: &'a dyn Kernel<FindZeros, T>,
+    region: &'a Region,
+    suppress_asymptotes: bool,
+}
+
+/// Where a part is cut: not in the middle, where symmetric surfaces have zeros whose sign could not be told.
+const CUT: f64 = 0.460_937_5;
+/// Parts looked at on one ray before the shortest get longer.
+const PATIENCE: u32 = 256;
+/// How much longer, with each one more.
+const HASTE: f64 = 1.5;
+/// Parts of a ray that stay open, at most: after so many the rest of it is given up.
+const OPEN_PARTS: u32 = 16;
+
+/// A ray that is searched.
+struct Search<'a> {
+    way: &'a Way,
+    /// What is still to be looked at, the nearest part last.
+    parts: Vec<[f64; 2]>,
+    /// The shortest parts that are looked at.
+    grain: f64,
+    looked: u32,
+    opened: u32,
+    /// Whether it is still on the surface that it started from.
+    leaving: bool,
+    outcome: Outcome,
+    /// A part with one root.
+    isolated: Option<Isolated>,
+}
+
+/// A part of a ray that is looked at.
+#[derive(Clone, Copy)]
+struct Part {
+    /// The number of its ray.
+    ray: usize,
+    ends: [f64; 2],
+    cuboid: Cuboid,
+    /// Whether no finite bounds of the function are known.
+    unbounded: bool,
+}
+
+impl<'a, T: Scalar> Searcher<'a, T> {
+    pub fn new(
+        surface: &'a dyn Surface,
+        region: &'a Region,
+        options: &Options,
+    ) -> Result<Self, KernelError> {
+        let suppress_asymptotes = options.suppress_asymptotes;
+        let zeros = T::kernels(surface).zeros()?;
+        Ok(Self { slopes: Slopes::new(surface, region)?, zeros, region, suppress_asymptotes })
+    }
+
+    /// What becomes of up to [`LANES`] rays.
+    pub fn search(&self, ways: &[Way], start: Start, work: &mut Work) -> Vec<Outcome> {
+        let mut rays: Vec<Search> = ways.iter().map(|way| Search::new::<T>(way, start)).collect();
+        loop {
+            let parts = self.possible(&mut rays, work);
+            if parts.is_empty() && rays.iter().all(|ray| ray.parts.is_empty()) {
+                break;
+            }
+            self.look(&mut rays, &parts, work);
+        }
+        let refiner = Refiner { slopes: &self.slopes, region: self.region };
+        let mut isolated: Vec<(&Way, Isolated)> =
+            rays.iter().filter_map(|ray| Some((ray.way, ray.isolated?))).collect();
+        refiner.refine(&mut isolated, work);
+        let mut brackets = isolated.into_iter().map(|(_, isolated)| isolated.ends());
+        for ray in &mut rays {
+            if ray.isolated.is_some() {
+                ray.outcome.hit = brackets.next();
+            }
+        }
+        rays.into_iter().map(|ray| ray.outcome).collect()
+    }
+
+    /// The next part of each ray, if it may hold a zero.
+    fn possible(&self, rays: &mut [Search], work: &mut Work) -> Vec<Part> {
+        let mut parts = Vec::with_capacity(LANES);
+        for (number, ray) in rays.iter_mut().enumerate() {
+            if let Some(ends) = ray.parts.pop() {
+                let cuboid = bounds(ray.way, ends, self.region);
+                parts.push(Part { ray: number, ends, cuboid, unbounded: false });
+            }
+        }
+        if parts.is_empty() {
+            return parts;
+        }
+        let mut zeros = Zeros::default();
+        self.zeros.ask(&self.slopes.batch(&cuboids(&parts)), &mut zeros);
+        work.interval.called(parts.len() as u32);
+        let mut lane = 0;
+        parts.retain_mut(|part| {
+            let possible = zeros.possible >> lane & 1 == 1;
+            part.unbounded = zeros.unbounded >> lane & 1 == 1;
+            rays[part.ray].leaving &= possible;
+            lane += 1;
+            possible
+        });
+        parts
+    }
+
+    /// Decides what becomes of parts that may hold a zero.
+    fn look(&self, rays: &mut [Search], parts: &[Part], work: &mut Work) {
+        let slopes =
+            self.slopes.along(&cuboids(parts), |lane| rays[parts[lane].ray].way.direction, work);
+        let is_steady = |slope: Option<Interval>| slope.is_some_and(|s| s.lo > 0.0 || s.hi < 0.0);
+        let mut steady = Vec::with_capacity(LANES);
+        for (part, slope) in parts.iter().zip(slopes) {
+            let ray = &mut rays[part.ray];
+            ray.looked += 1;
+            if ray.looked > PATIENCE {
+                ray.grain *= HASTE;
+            }
+            let [first, last] = ray.way.inside;
+            let within = first <= part.ends[0] && part.ends[1] <= last;
+            if within && is_steady(slope) {
+                steady.push(*part);
+            } else {
+                self.cut(ray, part, work);
+            }
+        }
+        // With one sign of df/dt, there is one root if the signs at the ends differ, and else none.
+        let values = [0, 1].map(|end| {
+            let place = |part: &Part| bounds(rays[part.ray].way, [part.ends[end]; 2], self.region);
+            self.slopes.values(&steady.iter().map(place).collect::<Vec<_>>(), work)
+        });
+        for (lane, part) in steady.iter().enumerate() {
+            let ray = &mut rays[part.ray];
+            let ends = [0, 1].map(|end| values[end][lane]);
+            match ends.map(sign) {
+                [Some(a), Some(b)] if a == b => ray.leaving = false,
+                // The root that the ray starts on is the only one.
+                [Some(_), Some(_)] if ray.leaving => ray.leaving = false,
+                [Some(_), Some(_)] => {
+                    let enough = ray.way.tolerance.max(ray.grain);
+                    ray.isolated = Some(Isolated::new(part.ends, ends, enough));
+                    ray.parts.clear();
+                }
+                _ => self.cut(ray, part, work),
+            }
+        }
+    }
+
+    /// Cuts a part in two, or leaves it open if it is as short as arithmetic allows.
+    fn cut(&self, ray: &mut Search, part: &Part, work: &mut Work) {
+        let [near, far] = part.ends;
+        let cut = near + CUT * (far - near);
+        if far - near > ray.grain && near < cut && cut < far {
+            ray.parts.push([cut, far]);
+            ray.parts.push([near, cut]);
+            return;
+        }
+        if ray.leaving {
+            return;
+        }
+        let spent = ray.looked > PATIENCE;
+        let bridge = Bridge { kernel: self.slopes.kernel(), way: ray.way, region: self.region };
+        if ray.outcome.open.is_none()
+            && let Some(bracket) = bridge.bracket(part.ends)
+        {
+            ray.outcome.hit = Some(bracket);
+            ray.parts.clear();
+            return;
+        }
+        let facts = self.slopes.facts(&part.cuboid, work);
+        let reason = if !facts.has(Facts::DEFINED) {
+            Reason::Undefined
+        } else if !facts.has(Facts::CONTINUOUS) {
+            Reason::Discontinuous
+        } else if spent {
+            Reason::Budget
+        } else {
+            Reason::Touching
+        };
+        ray.outcome.open.get_or_insert((near, reason));
+        ray.opened += 1;
+        if !(self.suppress_asymptotes && part.unbounded) {
+            ray.outcome.likely = Some(near);
+            ray.parts.clear();
+        } else if ray.opened == OPEN_PARTS {
+            work.given_up += 1;
+            ray.parts.clear();
+        }
+    }
+}
+
+impl<'a> Search<'a> {
+    fn new<T: Scalar>(way: &'a Way, start: Start) -> Self {
+        let [near, far] = way.span;
+        let [first, last] = [way.inside[0].max(near), way.inside[1].min(far)];
+        // Where the ray crosses the region's faces no sign is known: what rounding leaves open there is looked at apart.
+        let mut parts = Vec::with_capacity(16);
+        if first < last {
+            parts.extend([[last, far], [first, last], [near, first]]);
+            parts.retain(|[near, far]| near < far);
+        } else {
+            parts.push([near, far]);
+        }
+        let size = (way.origin.abs() + far.abs() * way.direction.abs()).max_element();
+        let rounding = 4.0 * T::UNIT * size / way.direction.abs().max_element();
+        let grain = (T::GRAIN * far.abs()).max(rounding);
+        Self {
+            way,
+            parts,
+            grain,
+            looked: 0,
+            opened: 0,
+            leaving: start == Start::OnSurface,
+            outcome: Outcome::default(),
+            isolated: None,
+        }
+    }
+}
+
+fn cuboids(parts: &[Part]) -> Vec<Cuboid> {
+    parts.iter().map(|part| part.cuboid).collect()
+}
+
+/// Whether a value is certainly above 0, or certainly below.
+pub(super) fn sign(value: Interval) -> Option<bool> {
+    if value.lo > 0.0 { Some(true) } else { (value.hi < 0.0).then_some(false) }
+}

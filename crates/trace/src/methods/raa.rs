@@ -1,0 +1,101 @@
+//! Affine forms along rays, after Knoll, Hijazi, Kensler, Schott, Hansen and Hagen ("Fast Ray Tracing of Arbitrary Implicit
+//! Surfaces with Interval and Affine Arithmetic", Computer Graphics Forum 28, 2009): the way of a ray through a slab is one
+//! symbol, and a slab whose form does not reach 0 is empty.
+//!
+//! A form is only asked whether it reaches 0: slabs are halved, not contracted. That is what sets it apart from `affine`.
+
+use super::slabs::{SlabTest, Slabs, Told};
+use crate::method::{Method, MethodOption, Options, Precision, Proves, Tracer};
+use crate::packet::{Packet, RAYS};
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use zeroset_eval::{
+    Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelError, Segments, Surface, Zeros,
+};
+
+pub(crate) const METHOD: Method = Method {
+    name: "raa",
+    help: "affine forms along packets of rays, halved (Knoll et al. 2009); proves misses only",
+    proves: Proves::Misses,
+    reads: &[MethodOption::Precision, MethodOption::Depth, MethodOption::Tolerance],
+    prepare,
+};
+
+fn prepare<'a>(
+    surface: &'a dyn Surface,
+    region: &'a Region,
+    options: Options,
+) -> Result<Box<dyn Tracer + 'a>, KernelError> {
+    Ok(match options.precision {
+        Precision::Auto | Precision::F32 => Box::new(raa::<f32>(surface, region, &options)?),
+        Precision::F64 => Box::new(raa::<f64>(surface, region, &options)?),
+    })
+}
+
+fn raa<'a, T: Scalar>(
+    surface: &'a dyn Surface,
+    region: &'a Region,
+    options: &Options,
+) -> Result<Slabs<'a, T, Forms<'a, T>>, KernelError> {
+    let kernels = T::kernels(surface);
+    // Whether a slab is bounded is asked of intervals: a form that has no bounds says no more than that.
+    let bounded = if options.suppress_asymptotes { kernels.zeros().ok() } else { None };
+    let test = Forms { kernel: kernels.segments()?, bounded };
+    Ok(Slabs::new(test, surface, region, options))
+}
+
+struct Forms<'a, T: Scalar> {
+    kernel: &'a dyn Kernel<ContractSegments, T>,
+    bounded: Option<&'a dyn Kernel<FindZeros, T>>,
+}
+
+/// What is asked, and what is answered.
+struct Batch<T: Scalar> {
+    segments: Segments<T>,
+    out: Contractions<T>,
+    boxes: Boxes<T>,
+}
+
+impl<T: Scalar> Default for Batch<T> {
+    fn default() -> Self {
+        Self {
+            segments: Segments::default(),
+            out: Contractions::default(),
+            boxes: Boxes::default(),
+        }
+    }
+}
+
+impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
+    type Batch = Batch<T>;
+
+    #[inline]
+    fn ask<const PLANES: usize>(
+        &self,
+        packet: &Packet<T>,
+        planes: [T; PLANES],
+        is_last: bool,
+        batch: &mut Batch<T>,
+    ) -> Told {
+        packet.segments(planes, &mut batch.segments);
+        self.kernel.ask(&batch.segments, &mut batch.out);
+        let mut told = Told { possible: batch.out.possible, unbounded: 0 };
+        let used = u16::MAX >> (u16::BITS as usize - RAYS * (PLANES - 1));
+        if let Some(kernel) = self.bounded
+            && is_last
+            && told.possible & used != 0
+        {
+            packet.boxes(planes, &mut batch.boxes);
+            let mut zeros = Zeros::default();
+            kernel.ask(&batch.boxes, &mut zeros);
+            told.unbounded = zeros.unbounded;
+        }
+        told
+    }
+
+    #[inline]
+    fn count(work: &mut Work, lanes: u32) {
+        work.segments.called(lanes);
+    }
+}

@@ -1,0 +1,131 @@
+//! Bounds of a function along rays, of its values and of how fast they change.
+//!
+//! What is concluded from them is not known here.
+
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::work::Work;
+use glam::DVec3;
+use zeroset_eval::{
+    Boxes, Enclose, EncloseGradient, Enclosures, GradientEnclosures, Kernel, KernelError, LANES,
+    Surface,
+};
+use zeroset_interval::{Facts, Interval};
+
+/// What answers about one function.
+pub(super) struct Slopes<'a, T: Scalar> {
+    values: &'a dyn Kernel<Enclose, T>,
+    gradients: &'a dyn Kernel<EncloseGradient, T>,
+    /// Per axis, the region's bounds as (−lo, hi), rounded outward.
+    bounds: [[T; 2]; 3],
+}
+
+/// Three coordinates' bounds.
+pub(super) type Cuboid = [Interval; 3];
+
+impl<'a, T: Scalar> Slopes<'a, T> {
+    pub fn new(surface: &'a dyn Surface, region: &Region) -> Result<Self, KernelError> {
+        let kernels = T::kernels(surface);
+        let (low, high) = (region.low(), region.high());
+        let bounds = [0, 1, 2].map(|axis| [-low[axis], high[axis]].map(T::above));
+        Ok(Self { values: kernels.bounds()?, gradients: kernels.gradient_bounds()?, bounds })
+    }
+
+    /// Boxes as a kernel reads them, rounded outward, and not out of the region.
+    pub fn batch(&self, boxes: &[Cuboid]) -> Boxes<T> {
+        // Twice what rounding to nearest takes off, which is several times as fast as rounding up.
+        let above = |end: f64, bound: T| {
+            let end = T::nearest(end + 2.0 * T::UNIT * end.abs() + T::LEAST_NORMAL.into());
+            if end < bound { end } else { bound }
+        };
+        let mut batch = Boxes { count: boxes.len() as u32, ..Boxes::default() };
+        for (lane, cuboid) in boxes.iter().enumerate() {
+            for (axis, side) in cuboid.iter().enumerate() {
+                let [neg_lo, hi] = self.bounds[axis];
+                batch.neg_lo[axis][lane] = above(-side.lo, neg_lo);
+                batch.hi[axis][lane] = above(side.hi, hi);
+            }
+        }
+        batch
+    }
+
+    /// What encloses values.
+    pub fn kernel(&self) -> &'a dyn Kernel<Enclose, T> {
+        self.values
+    }
+
+    /// What is known of the function in a box.
+    pub fn facts(&self, cuboid: &Cuboid, work: &mut Work) -> Facts {
+        let mut out = Enclosures::default();
+        self.values.ask(&self.batch(&[*cuboid]), &mut out);
+        work.interval.called(1);
+        out.facts(0)
+    }
+
+    /// Bounds of the values in up to [`LANES`] boxes, where the function is defined throughout; else all numbers.
+    pub fn values(&self, boxes: &[Cuboid], work: &mut Work) -> [Interval; LANES] {
+        let mut values = [Interval::ENTIRE; LANES];
+        if boxes.is_empty() {
+            return values;
+        }
+        let mut out = Enclosures::default();
+        self.values.ask(&self.batch(boxes), &mut out);
+        work.interval.called(boxes.len() as u32);
+        for (lane, value) in values.iter_mut().enumerate().take(boxes.len()) {
+            if out.defined >> lane & 1 == 1 {
+                let [neg_lo, hi]: [f64; 2] = [out.neg_lo[lane], out.hi[lane]].map(Into::into);
+                *value = Interval { lo: -neg_lo, hi };
+            }
+        }
+        values
+    }
+
+    /// Bounds of how fast the function changes along a direction in up to [`LANES`] boxes; `None` where it is not known to be
+    /// Lipschitz continuous.
+    pub fn along(
+        &self,
+        boxes: &[Cuboid],
+        direction: impl Fn(usize) -> DVec3,
+        work: &mut Work,
+    ) -> [Option<Interval>; LANES] {
+        let mut slopes = [None; LANES];
+        if boxes.is_empty() {
+            return slopes;
+        }
+        let mut out = GradientEnclosures::default();
+        self.gradients.ask(&self.batch(boxes), &mut out);
+        work.interval.called(boxes.len() as u32);
+        for (lane, found) in slopes.iter_mut().enumerate().take(boxes.len()) {
+            if out.lipschitz >> lane & 1 == 1 {
+                *found = Some(slope(&out, lane, direction(lane)));
+            }
+        }
+        slopes
+    }
+}
+
+/// Bounds of a gradient's product with a direction.
+fn slope<T: Scalar>(out: &GradientEnclosures<T>, lane: usize, direction: DVec3) -> Interval {
+    let (mut lo, mut hi, mut size) = (0.0, 0.0, 0.0);
+    for axis in 0..3 {
+        let d = direction[axis];
+        // A gradient is finite where there is one, however wide its bounds.
+        if d == 0.0 {
+            continue;
+        }
+        let [neg_lo, most]: [f64; 2] =
+            [out.gradient_neg_lo[axis][lane], out.gradient_hi[axis][lane]].map(Into::into);
+        let [a, b] = [-neg_lo * d, most * d];
+        lo += a.min(b);
+        hi += a.max(b);
+        size += a.abs().max(b.abs());
+    }
+    // Three products and two sums, each rounded by half a unit of at most `size`, and what underflows.
+    let error = 4.0 * f64::EPSILON * size + 4.0 * f64::MIN_POSITIVE;
+    let (lo, hi) = (lo - error, hi + error);
+    // What is not a number bounds nothing.
+    Interval {
+        lo: if lo.is_nan() { f64::NEG_INFINITY } else { lo },
+        hi: if hi.is_nan() { f64::INFINITY } else { hi },
+    }
+}

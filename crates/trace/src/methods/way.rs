@@ -1,0 +1,92 @@
+//! A ray's way through the region, and boxes that hold parts of it.
+//!
+//! Boxes hold the real ray, whatever floats round. What is asked about them is not known here.
+
+use crate::camera::Ray;
+use crate::method::Segment;
+use crate::region::Region;
+use glam::DVec3;
+use zeroset_interval::Interval;
+
+/// A ray to be followed: the points `origin` + s·`direction`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub origin: DVec3,
+    pub direction: DVec3,
+    /// How far the real ray may be from that, per axis.
+    pub error: DVec3,
+    /// s where the ray starts.
+    pub start: f64,
+    /// s between which zeros are looked for.
+    pub span: [f64; 2],
+    /// s between which the ray is certainly in the region.
+    pub inside: [f64; 2],
+    /// How long the bracket of a hit may be.
+    pub tolerance: f64,
+}
+
+impl Way {
+    /// To fill an array with.
+    pub const NONE: Self = Self {
+        origin: DVec3::ZERO,
+        direction: DVec3::ZERO,
+        error: DVec3::ZERO,
+        start: 0.0,
+        span: [0.0; 2],
+        inside: [0.0; 2],
+        tolerance: 0.0,
+    };
+
+    /// A ray's way through the region, from where it enters: s is 0 there, and t is s − `start`. `None` if it does not meet
+    /// the region.
+    pub fn new(segment: &Segment, region: &Region) -> Option<Self> {
+        let ray = &segment.ray;
+        let (near, last) = region.span(ray)?;
+        let far = last.min(segment.to);
+        if near > far {
+            return None;
+        }
+        // The way to where s is 0: a few roundings.
+        let error = 4.0 * f64::EPSILON * (ray.origin.abs() + far.abs() * ray.direction.abs());
+        let span = [0.0, far - near];
+        Some(Self {
+            origin: ray.at(near),
+            direction: ray.direction,
+            error,
+            start: -near,
+            span,
+            inside: within((near, last), near, span),
+            tolerance: f64::INFINITY,
+        })
+    }
+}
+
+/// Bounds of s between which a ray is certainly in the region, given that t is s + `start`.
+pub(super) fn inside(region: &Region, ray: &Ray, start: f64, span: [f64; 2]) -> [f64; 2] {
+    let nowhere = [f64::INFINITY, f64::NEG_INFINITY];
+    region.span(ray).map_or(nowhere, |bounds| within(bounds, start, span))
+}
+
+/// The same, given the bounds of t within the region.
+fn within((near, far): (f64, f64), start: f64, span: [f64; 2]) -> [f64; 2] {
+    // What the span was rounded outward by, and the difference here.
+    let slack =
+        32.0 * f64::EPSILON * (near.abs() + far.abs().min(1e300) + start.abs() + span[1].abs());
+    let near = if near == 0.0 { -start } else { near - start + slack };
+    [near, far - start - slack]
+}
+
+/// Bounds of a segment's points in the region.
+pub(super) fn bounds(way: &Way, [near, far]: [f64; 2], region: &Region) -> [Interval; 3] {
+    std::array::from_fn(|axis| {
+        let ends = [near, far].map(|s| way.origin[axis] + s * way.direction[axis]);
+        let size = way.origin[axis].abs() + near.abs().max(far.abs()) * way.direction[axis].abs();
+        let slack = way.error[axis] + 4.0 * f64::EPSILON * size;
+        let (low, high) = (region.low()[axis], region.high()[axis]);
+        Interval {
+            // In this order, what is not a number bounds nothing.
+            lo: (ends[0].min(ends[1]) - slack).max(low).min(high),
+            hi: (ends[0].max(ends[1]) + slack).min(high).max(low),
+        }
+    })
+}
