@@ -1,0 +1,151 @@
+//! Which pictures are compared: each method, with each value of each option that it reads.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use zeroset::picture::Settings;
+use zeroset_trace::{Method, MethodOption, Precision};
+
+/// The values that options take.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Values {
+    /// Of the depth.
+    pub depths: Vec<u32>,
+    /// Of the tolerance, in pixels.
+    pub tolerances: Vec<f64>,
+    /// Names of precisions.
+    pub precisions: Vec<String>,
+}
+
+/// A method and its options; `None` for those that it does not read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Configuration {
+    /// How surfaces are found.
+    pub method: &'static Method,
+    /// What kernels compute in.
+    pub precision: Option<Precision>,
+    /// How often the region is halved.
+    pub depth: Option<u32>,
+    /// How far a hit may be off, in pixels.
+    pub tolerance: Option<f64>,
+}
+
+/// The precision with this name.
+pub fn precision(name: &str) -> Option<Precision> {
+    [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
+}
+
+/// Every combination of what these methods read.
+pub fn configurations(methods: &[&'static Method], values: &Values) -> Vec<Configuration> {
+    let mut all = Vec::new();
+    for method in methods {
+        let plain = Configuration { method, precision: None, depth: None, tolerance: None };
+        let mut of_method = vec![plain];
+        for option in method.reads {
+            of_method =
+                of_method.into_iter().flat_map(|one| one.with_each(*option, values)).collect();
+        }
+        // Beyond its greatest depth a precision gives the picture of that depth once more.
+        of_method.retain(|one| one.depth <= one.precision.map(Precision::max_depth).or(one.depth));
+        all.extend(of_method);
+    }
+    all
+}
+
+impl Configuration {
+    /// This with each value of an option.
+    fn with_each(self, option: MethodOption, values: &Values) -> Vec<Self> {
+        match option {
+            MethodOption::Precision => {
+                let precisions = values.precisions.iter().filter_map(|name| precision(name));
+                precisions.map(|value| Self { precision: Some(value), ..self }).collect()
+            }
+            MethodOption::Depth => {
+                values.depths.iter().map(|v| Self { depth: Some(*v), ..self }).collect()
+            }
+            MethodOption::Tolerance => {
+                values.tolerances.iter().map(|v| Self { tolerance: Some(*v), ..self }).collect()
+            }
+        }
+    }
+
+    /// How its square pictures are made.
+    pub fn settings(&self, size: usize) -> Settings {
+        let plain = Settings::default();
+        Settings {
+            width: size,
+            height: size,
+            method: self.method,
+            precision: self.precision.unwrap_or(plain.precision),
+            max_depth: self.depth.unwrap_or(plain.max_depth),
+            tolerance: self.tolerance.unwrap_or(plain.tolerance),
+            ..plain
+        }
+    }
+
+    /// The flags of `zeroset render` that ask for it.
+    pub fn flags(&self) -> String {
+        let flag = |option: MethodOption, value: Option<String>| {
+            value.map(|value| format!(" --{} {value}", option.name()))
+        };
+        let flags = [
+            flag(MethodOption::Precision, self.precision.map(|p| p.to_string())),
+            flag(MethodOption::Depth, self.depth.map(|depth| depth.to_string())),
+            flag(MethodOption::Tolerance, self.tolerance.map(|tolerance| tolerance.to_string())),
+        ];
+        format!("--method {}{}", self.method.name, flags.into_iter().flatten().collect::<String>())
+    }
+}
+
+impl fmt::Display for Configuration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.method.name)?;
+        if let Some(depth) = self.depth {
+            write!(f, " depth {depth}")?;
+        }
+        if let Some(tolerance) = self.tolerance {
+            write!(f, " tolerance {tolerance}")?;
+        }
+        self.precision.map_or(Ok(()), |precision| write!(f, " {precision}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_trace::METHODS;
+
+    #[test]
+    fn only_what_a_method_reads_is_varied() {
+        let values = Values {
+            depths: vec![6, 8, 10],
+            tolerances: vec![1.0, 0.1],
+            precisions: vec!["f32".to_owned(), "auto".to_owned()],
+        };
+        for method in &METHODS {
+            let all = configurations(&[method], &values);
+            let number = |option| match option {
+                MethodOption::Precision | MethodOption::Tolerance => 2,
+                MethodOption::Depth => 3,
+            };
+            let expected: usize = method.reads.iter().map(|option| number(*option)).product();
+            assert_eq!(all.len(), expected, "{}", method.name);
+            for one in all {
+                let reads = |option| method.reads.contains(&option);
+                assert_eq!(one.depth.is_some(), reads(MethodOption::Depth));
+                assert_eq!(one.tolerance.is_some(), reads(MethodOption::Tolerance));
+                assert_eq!(one.settings(32).method.name, method.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_precision_is_not_asked_for_depths_beyond_it() {
+        let knoll = Method::named("knoll").expect("a row");
+        let values = Values {
+            depths: vec![10, 30],
+            tolerances: vec![],
+            precisions: vec!["f32".to_owned(), "f64".to_owned()],
+        };
+        assert_eq!(configurations(&[knoll], &values).len(), 3);
+    }
+}
