@@ -25,6 +25,11 @@ pub struct Arguments {
 pub enum Command {
     /// Measure times and errors of each method with each value of the options that it reads
     Run(RunArguments),
+    /// Draw the charts of a directory's rows once more, as `run` does at its end
+    Draw {
+        /// What `run` has written
+        directory: PathBuf,
+    },
     /// Measure a directory's rows once more: counts and hashes must be the same
     Check {
         /// What `run` has written

@@ -29,6 +29,15 @@ pub struct Configuration {
     pub tolerance: Option<f64>,
 }
 
+/// What an option is, with its unit.
+pub fn meaning(option: MethodOption) -> &'static str {
+    match option {
+        MethodOption::Precision => "precision",
+        MethodOption::Depth => "depth: how often the domain is halved",
+        MethodOption::Tolerance => "tolerance, in pixels",
+    }
+}
+
 /// The precision with this name.
 pub fn precision(name: &str) -> Option<Precision> {
     [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
@@ -66,6 +75,23 @@ impl Configuration {
                 values.tolerances.iter().map(|v| Self { tolerance: Some(*v), ..self }).collect()
             }
         }
+    }
+
+    /// The number that an option has, if it has one.
+    pub fn number(&self, option: MethodOption) -> Option<f64> {
+        match option {
+            MethodOption::Precision => None,
+            MethodOption::Depth => self.depth.map(f64::from),
+            MethodOption::Tolerance => self.tolerance,
+        }
+    }
+
+    /// Its numbers, each after a letter: d for depth, t for tolerance.
+    pub fn label(&self) -> String {
+        let Self { method: _, precision: _, depth, tolerance } = self;
+        let depth = depth.map(|depth| format!("d{depth}"));
+        let tolerance = tolerance.map(|tolerance| format!("t{tolerance}"));
+        [depth, tolerance].into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
     /// How its square pictures are made.

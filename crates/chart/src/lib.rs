@@ -7,12 +7,15 @@
 //! Methods are known here by their rows in [`METHODS`](zeroset_trace::METHODS) only.
 
 pub mod arguments;
+pub mod charts;
 pub mod check;
 pub mod error;
 pub mod errors;
 pub mod grid;
 pub mod machine;
 pub mod measure;
+pub mod pareto;
+pub mod plot;
 pub mod quantile;
 pub mod reference;
 pub mod row;

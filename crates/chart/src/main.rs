@@ -2,10 +2,12 @@
 
 use anyhow::Result;
 use clap::Parser;
+use std::path::Path;
 use std::process::ExitCode;
 use zeroset_chart::arguments::{Arguments, Command};
 use zeroset_chart::check::check;
 use zeroset_chart::run::{Plan, run};
+use zeroset_chart::store::Store;
 
 /// What was counted differs.
 const DIFFERS: u8 = 1;
@@ -19,12 +21,20 @@ fn main() -> ExitCode {
     })
 }
 
+fn draw(directory: &Path) -> Result<()> {
+    let charts = Store::existing(directory)?.draw()?;
+    println!("{charts} charts are in {}", directory.join("charts").display());
+    Ok(())
+}
+
 fn dispatch(arguments: &Arguments) -> Result<ExitCode> {
     match &arguments.command {
         Command::Run(arguments) => {
             let new = run(&Plan::new(arguments)?, &arguments.output)?;
             println!("{new} rows are new in {}", arguments.output.display());
+            draw(&arguments.output)?;
         }
+        Command::Draw { directory } => draw(directory)?,
         Command::Check { directory } => {
             let found = check(directory)?;
             for line in &found.counts {

@@ -1,6 +1,8 @@
 //! A directory of results: `rows.json` and the same as `rows.csv`. Files appear whole or not at all.
 
+use crate::charts::charts;
 use crate::error::ChartError;
+use crate::plot::draw;
 use crate::row::Row;
 use std::fs;
 use std::io::Write;
@@ -51,6 +53,19 @@ impl Store {
     /// Where a file of this name belongs.
     pub fn path(&self, name: &str) -> PathBuf {
         self.directory.join(name)
+    }
+
+    /// Draws all charts that the rows can fill, into the directory `charts`; returns how many.
+    ///
+    /// # Errors
+    /// If one cannot be drawn or written.
+    pub fn draw(&self) -> Result<usize, ChartError> {
+        let charts = charts(&self.rows);
+        for chart in &charts {
+            let path = self.path("charts").join(&chart.name).with_extension("svg");
+            write(&path, draw(&chart.figure)?.as_bytes())?;
+        }
+        Ok(charts.len())
     }
 
     /// Writes all rows.
