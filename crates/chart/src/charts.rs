@@ -17,6 +17,8 @@ pub struct Chart {
     pub name: String,
     /// What it shows.
     pub figure: Figure,
+    /// Whether it is of one surface only.
+    pub is_of_one: bool,
 }
 
 /// All charts that rows can fill.

@@ -2,8 +2,9 @@
 
 use crate::error::ChartError;
 use crate::machine::Machine;
+use crate::progress::progress;
 use crate::row::Row;
-use crate::run::{Batch, pool, progress};
+use crate::run::{Batch, pool};
 use crate::store::Store;
 use crate::surfaces::Surface;
 use crate::views::View;

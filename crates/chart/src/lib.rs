@@ -9,13 +9,16 @@
 pub mod arguments;
 pub mod charts;
 pub mod check;
+pub mod difference;
 pub mod error;
 pub mod errors;
 pub mod grid;
 pub mod machine;
 pub mod measure;
+pub mod page;
 pub mod pareto;
 pub mod plot;
+pub mod progress;
 pub mod quantile;
 pub mod reference;
 pub mod row;

@@ -21,9 +21,17 @@ fn main() -> ExitCode {
     })
 }
 
+/// The line that started this.
+fn command() -> String {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    format!("zeroset-chart {}", words.join(" "))
+}
+
 fn draw(directory: &Path) -> Result<()> {
-    let charts = Store::existing(directory)?.draw()?;
+    let store = Store::existing(directory)?;
+    let charts = store.draw()?;
     println!("{charts} charts are in {}", directory.join("charts").display());
+    println!("everything is on {}", store.write_page()?.display());
     Ok(())
 }
 
@@ -32,6 +40,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode> {
         Command::Run(arguments) => {
             let new = run(&Plan::new(arguments)?, &arguments.output)?;
             println!("{new} rows are new in {}", arguments.output.display());
+            Store::existing(&arguments.output)?.keep_command(&command())?;
             draw(&arguments.output)?;
         }
         Command::Draw { directory } => draw(directory)?,

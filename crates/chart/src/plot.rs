@@ -7,6 +7,7 @@ mod scale;
 
 pub use draw::draw;
 use scale::Scale;
+pub use scale::written;
 
 /// A chart.
 #[derive(Clone, Debug, Default)]

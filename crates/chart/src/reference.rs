@@ -64,6 +64,11 @@ fn sampled(size: usize, samples: usize, seed: u64) -> Vec<usize> {
 }
 
 impl Reference {
+    /// Of these pixels, kept nowhere.
+    pub fn of(pixels: Vec<(usize, Truth)>) -> Self {
+        Self { origin: String::new(), pixels }
+    }
+
     /// What is certain of a view, kept in `directory` from one run to the next.
     ///
     /// # Errors

@@ -6,12 +6,12 @@ use crate::errors::Errors;
 use crate::grid::{Configuration, configurations};
 use crate::machine::Machine;
 use crate::measure::measure;
+use crate::progress::progress;
 use crate::reference::Reference;
 use crate::row::{Frame, Row};
 use crate::store::Store;
 use crate::surfaces::Surface;
 use crate::views::{View, views};
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
 
@@ -48,13 +48,6 @@ impl Plan {
 /// If the system gives none.
 pub fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
-}
-
-/// A bar that is hidden if standard error is no terminal.
-pub fn progress(steps: usize) -> ProgressBar {
-    let bar = ProgressBar::new(steps as u64);
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {percent}%  {eta} left");
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 /// Measures what is not in `directory` yet, and writes it there view by view; returns how many rows are new.

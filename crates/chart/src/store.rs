@@ -2,7 +2,9 @@
 
 use crate::charts::charts;
 use crate::error::ChartError;
+use crate::page::page;
 use crate::plot::draw;
+use crate::progress::progress;
 use crate::row::Row;
 use std::fs;
 use std::io::Write;
@@ -24,7 +26,11 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ChartError> {
     let refuse = ChartError::of_file(path);
     let directory = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(directory).map_err(&refuse)?;
-    let mut file = tempfile::Builder::new().tempfile_in(directory).map_err(&refuse)?;
+    let mut builder = tempfile::Builder::new();
+    // As readable as any other file; a temporary one would be its owner's alone.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(directory).map_err(&refuse)?;
     file.write_all(bytes).map_err(&refuse)?;
     file.persist(path).map_err(|error| refuse(error.error))?;
     Ok(())
@@ -53,6 +59,40 @@ impl Store {
     /// Where a file of this name belongs.
     pub fn path(&self, name: &str) -> PathBuf {
         self.directory.join(name)
+    }
+
+    /// The commands that results are of, a line each.
+    pub fn commands(&self) -> String {
+        fs::read_to_string(self.path(COMMANDS)).unwrap_or_default()
+    }
+
+    /// Keeps a command, unless it is there already.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn keep_command(&self, command: &str) -> Result<(), ChartError> {
+        let mut commands = self.commands();
+        if !commands.lines().any(|line| line == command) {
+            commands += command;
+            commands += "\n";
+        }
+        write(&self.path(COMMANDS), commands.as_bytes())
+    }
+
+    /// Writes `index.html`, on which everything is.
+    ///
+    /// # Errors
+    /// If something cannot be drawn or written.
+    pub fn write_page(&self) -> Result<PathBuf, ChartError> {
+        let bar = progress(self.rows.len());
+        let advance = |surface: &str| {
+            bar.set_message(format!("pictures of {surface}"));
+            bar.inc(self.rows.iter().filter(|row| row.surface == surface).count() as u64);
+        };
+        let path = self.path("index.html");
+        write(&path, page(self, &advance)?.as_bytes())?;
+        bar.finish_and_clear();
+        Ok(path)
     }
 
     /// Draws all charts that the rows can fill, into the directory `charts`; returns how many.
@@ -88,6 +128,7 @@ impl Store {
 }
 
 const ROWS: &str = "rows.json";
+const COMMANDS: &str = "commands.txt";
 
 fn read(path: &Path) -> Result<Vec<Row>, ChartError> {
     let bytes = fs::read(path).map_err(ChartError::of_file(path))?;

@@ -35,6 +35,13 @@ fn rows_are_written_kept_and_checked() {
         assert!(row["pixels_miss"].as_u64() < Some(32 * 32), "{row}");
         assert_eq!(row["status_hash"].as_str().map(str::len), Some(64));
     }
+    let page = fs::read_to_string(directory.path().join("index.html")).expect("a page");
+    for part in ["<svg", "data:image/png;base64,", "Pareto front", "zeroset-chart run sphere"] {
+        assert!(page.contains(part), "{part}");
+    }
+    let drawn = directory.path().join("charts/time-distance-sphere.svg");
+    assert!(fs::read_to_string(drawn).expect("a chart").contains("affine"));
+
     // What is there is not measured again.
     let again = run(directory.path());
     assert!(String::from_utf8_lossy(&again.stdout).starts_with("0 rows are new"), "{again:?}");

@@ -89,7 +89,8 @@ fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Chart {
         notes,
         ..Figure::default()
     };
-    Chart { name: format!("{}-{}", kind.name, surface.unwrap_or("all")), figure }
+    let name = format!("{}-{}", kind.name, surface.unwrap_or("all"));
+    Chart { name, figure, is_of_one: surface.is_some() }
 }
 
 /// A method's means over all parts, with a thin line for each part.
@@ -156,5 +157,5 @@ fn claims(rows: &Rows<'_>) -> Chart {
         notes,
         ..Figure::default()
     };
-    Chart { name: "claims-all".to_owned(), figure }
+    Chart { name: "claims-all".to_owned(), figure, is_of_one: false }
 }

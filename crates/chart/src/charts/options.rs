@@ -69,7 +69,7 @@ fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Chart> {
         ..Figure::default()
     };
     let name = format!("work-{}", option.name());
-    (!figure.series.is_empty()).then_some(Chart { name, figure })
+    (!figure.series.is_empty()).then_some(Chart { name, figure, is_of_one: false })
 }
 
 /// Times in `f64` and `auto` over those in `f32`, surface by surface.
@@ -116,7 +116,8 @@ fn precisions(rows: &Rows<'_>) -> Option<Chart> {
         notes,
         ..Figure::default()
     };
-    (!figure.series.is_empty()).then(|| Chart { name: "precision".to_owned(), figure })
+    let name = "precision".to_owned();
+    (!figure.series.is_empty()).then_some(Chart { name, figure, is_of_one: false })
 }
 
 /// From the least to the greatest.

@@ -42,5 +42,5 @@ pub fn chart(rows: &Rows<'_>) -> Option<Chart> {
         notes,
         ..Figure::default()
     };
-    Some(Chart { name: "time-size".to_owned(), figure })
+    Some(Chart { name: "time-size".to_owned(), figure, is_of_one: false })
 }
