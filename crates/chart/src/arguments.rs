@@ -6,6 +6,7 @@ use crate::surfaces;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use std::time::Duration;
 use zeroset::picture::is_tolerance;
 use zeroset_trace::{METHODS, Method, Precision};
 
@@ -25,6 +26,8 @@ pub struct Arguments {
 pub enum Command {
     /// Measure times and errors of each method with each value of the options that it reads
     Run(RunArguments),
+    /// Draw formulas on which methods are known to fail, and name what becomes of each
+    Stability(StabilityArguments),
     /// Draw the charts of a directory's rows once more, as `run` does at its end
     Draw {
         /// What `run` has written
@@ -84,6 +87,41 @@ pub struct RunArguments {
     quick: bool,
 }
 
+/// Which difficult formulas to draw.
+#[derive(Args, Debug)]
+pub struct StabilityArguments {
+    /// Cases by name; all of tests/data/stability if not given
+    pub cases: Vec<String>,
+    /// Methods, with commas between; all if not given
+    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
+    methods: Vec<String>,
+    /// How long each picture may take, in seconds
+    #[arg(long, default_value = "10", value_name = "SECONDS", value_parser = seconds)]
+    pub budget: Duration,
+    /// Where table, rows and contact sheet go
+    #[arg(short, long, value_name = "DIRECTORY")]
+    pub output: PathBuf,
+}
+
+impl StabilityArguments {
+    /// The methods.
+    pub fn methods(&self) -> Vec<&'static Method> {
+        chosen(&self.methods)
+    }
+}
+
+/// The methods of these names, in the order of the table; all if there are none.
+fn chosen(names: &[String]) -> Vec<&'static Method> {
+    let is_chosen = |method: &&Method| names.is_empty() || names.iter().any(|n| n == method.name);
+    METHODS.iter().filter(is_chosen).collect()
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    let some = seconds.filter(|time| !time.is_zero());
+    some.ok_or_else(|| "not a number of seconds above 0".to_owned())
+}
+
 fn tolerance(text: &str) -> Result<f64, String> {
     let pixels: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     let refuse = || zeroset::picture::TOLERANCES.to_owned();
@@ -114,10 +152,7 @@ impl RunArguments {
 
     /// The methods.
     pub fn methods(&self) -> Vec<&'static Method> {
-        let asked = |method: &&Method| {
-            self.methods.is_empty() || self.methods.iter().any(|name| name == method.name)
-        };
-        METHODS.iter().filter(asked).collect()
+        chosen(&self.methods)
     }
 
     /// The options' values.

@@ -12,6 +12,9 @@ pub enum ChartError {
         ten = crate::surfaces::names().join(", ")
     )]
     UnknownSurface(String),
+    /// No such case.
+    #[error("there is no case '{0}' in tests/data/stability")]
+    UnknownCase(String),
     /// No such method: a row was made by another version.
     #[error("there is no method '{0}'")]
     UnknownMethod(String),

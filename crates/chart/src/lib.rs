@@ -23,6 +23,7 @@ pub mod quantile;
 pub mod reference;
 pub mod row;
 pub mod run;
+pub mod stability;
 pub mod store;
 pub mod surfaces;
 pub mod views;

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use zeroset_chart::arguments::{Arguments, Command};
 use zeroset_chart::check::check;
 use zeroset_chart::run::{Plan, run};
+use zeroset_chart::stability::{named, stability, table};
 use zeroset_chart::store::Store;
 
 /// What was counted differs.
@@ -42,6 +43,11 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode> {
             println!("{new} rows are new in {}", arguments.output.display());
             Store::existing(&arguments.output)?.keep_command(&command())?;
             draw(&arguments.output)?;
+        }
+        Command::Stability(arguments) => {
+            let (cases, methods) = (named(&arguments.cases)?, arguments.methods());
+            let verdicts = stability(&cases, &methods, arguments.budget, &arguments.output)?;
+            print!("{}", table(&verdicts, &methods));
         }
         Command::Draw { directory } => draw(directory)?,
         Command::Check { directory } => {

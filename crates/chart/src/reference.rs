@@ -13,7 +13,7 @@ use std::fs;
 use std::path::Path;
 use zeroset::model::Model;
 use zeroset::picture::{Precision, Settings};
-use zeroset_testkit::certified::{BUDGET, Crossing, Function, Line};
+use zeroset_testkit::certified::{Crossing, Function, Line};
 use zeroset_trace::{Ray, RayGrid};
 
 /// What is certain of a ray. Distances are in world units.
@@ -38,6 +38,19 @@ pub struct Root {
     pub normal: Option<[f64; 3]>,
 }
 
+/// Which pixels are looked at, and how long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Pixels in a row, and rows.
+    pub size: usize,
+    /// About how many pixels; 0 for all.
+    pub samples: usize,
+    /// Draws them.
+    pub seed: u64,
+    /// Evaluations of the function a ray.
+    pub budget: u32,
+}
+
 /// Some pixels of pictures from one view, and what is certain of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reference {
@@ -52,8 +65,8 @@ pub fn line(ray: &Ray) -> Line {
     Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() }
 }
 
-/// One pixel at a random place in each of `samples` equal squares of a picture, about; all for 0.
-fn sampled(size: usize, samples: usize, seed: u64) -> Vec<usize> {
+/// One pixel at a random place in each of about so many equal squares of a picture.
+fn sampled(Sampling { size, samples, seed, .. }: Sampling) -> Vec<usize> {
     let side = samples.isqrt();
     if side == 0 || side >= size {
         return (0..size * size).collect();
@@ -77,11 +90,10 @@ impl Reference {
         directory: &Path,
         surface: &Surface,
         view: &View,
-        size: usize,
-        samples: usize,
-        seed: u64,
+        sampling: Sampling,
     ) -> Result<Self, ChartError> {
-        let facts = (&surface.text, surface.bounds(), view, size, samples, seed, BUDGET, FORMAT);
+        let size = sampling.size;
+        let facts = (&surface.text, surface.bounds(), view, sampling, FORMAT);
         let origin = blake3::hash(format!("{facts:?}").as_bytes()).to_hex().to_string();
         fs::create_dir_all(directory).map_err(ChartError::of_file(directory))?;
         let name = format!("{}-{}-{size}-{}.json", surface.name, view.name, &origin[..8]);
@@ -92,7 +104,7 @@ impl Reference {
             return Ok(kept);
         }
         let rays = view.camera.rays(size, size);
-        let pixels = trace(surface, &rays, &sampled(size, samples, seed))?;
+        let pixels = trace(surface, &rays, &sampled(sampling), sampling.budget)?;
         let reference = Self { origin, pixels };
         let bytes = serde_json::to_vec(&reference).map_err(ChartError::of_content(&path))?;
         crate::store::write(&path, &bytes)?;
@@ -116,7 +128,7 @@ impl Reference {
 /// Changes with what is kept.
 const FORMAT: u32 = 1;
 
-/// What is certain of these pixels.
+/// What is certain of these pixels, by about `budget` evaluations each.
 ///
 /// # Errors
 /// If the function has no code.
@@ -124,12 +136,18 @@ pub fn trace(
     surface: &Surface,
     rays: &RayGrid,
     pixels: &[usize],
+    budget: u32,
 ) -> Result<Vec<(usize, Truth)>, ChartError> {
     let settings = Settings { precision: Precision::F64, ..Settings::default() };
     let model = Model::new(&surface.document, &surface.region, &settings)
         .map_err(ChartError::of_surface(&surface.name))?;
-    let tracer =
-        Certifier { surface, model, function: surface.function(), bounds: surface.bounds() };
+    let tracer = Certifier {
+        surface,
+        model,
+        function: surface.function(),
+        bounds: surface.bounds(),
+        budget,
+    };
     Ok(pixels.par_iter().map(|&pixel| (pixel, tracer.truth(&rays.ray_of(pixel)))).collect())
 }
 
@@ -138,6 +156,7 @@ struct Certifier<'a> {
     model: Model,
     function: Function,
     bounds: [[f64; 2]; 3],
+    budget: u32,
 }
 
 impl Certifier<'_> {
@@ -158,7 +177,7 @@ impl Certifier<'_> {
                 }
             }
         }
-        let certificate = self.function.trace(&line, &self.bounds, BUDGET);
+        let certificate = self.function.trace(&line, &self.bounds, self.budget);
         if certificate.is_miss() {
             return Truth::Miss;
         }
@@ -173,7 +192,7 @@ impl Certifier<'_> {
     /// The next crossing, on a ray that starts behind the first: within rounding it is the same ray.
     fn next(&self, ray: &Ray, first: &Crossing) -> Option<[f64; 2]> {
         let behind = Ray { origin: ray.at(first.far), direction: ray.direction };
-        let certificate = self.function.trace(&line(&behind), &self.bounds, BUDGET);
+        let certificate = self.function.trace(&line(&behind), &self.bounds, self.budget);
         let next = certificate.crossing?;
         Some([next.near, next.far].map(|t| ray.distance(first.far + t)))
     }

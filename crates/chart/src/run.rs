@@ -7,13 +7,14 @@ use crate::grid::{Configuration, configurations};
 use crate::machine::Machine;
 use crate::measure::measure;
 use crate::progress::progress;
-use crate::reference::Reference;
+use crate::reference::{Reference, Sampling};
 use crate::row::{Frame, Row};
 use crate::store::Store;
 use crate::surfaces::Surface;
 use crate::views::{View, views};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
+use zeroset_testkit::certified::BUDGET;
 
 /// Surfaces and configurations, and how they are measured.
 pub struct Plan {
@@ -124,7 +125,8 @@ impl Batch<'_> {
     ) -> Result<Vec<Row>, ChartError> {
         let Self { surface, view, frame, machine } = *self;
         let Frame { size, repeats, samples, seed, .. } = frame;
-        let reference = Reference::kept(references, surface, view, size, samples, seed)?;
+        let sampling = Sampling { size, samples, seed, budget: BUDGET };
+        let reference = Reference::kept(references, surface, view, sampling)?;
         advance();
         let measured = pool.install(|| {
             measure(surface, &view.camera, size, configurations, repeats, seed, &advance)

@@ -62,10 +62,40 @@ fn rows_are_written_kept_and_checked() {
 }
 
 #[test]
+fn difficult_formulas_are_named_after_what_becomes_of_them() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().to_str().expect("UTF-8");
+    let cases = ["thin-cylinder", "seventh-power", "double-sphere"];
+    let methods = ["--methods", "affine,knoll", "-o", path];
+    let output = chart(&[&["stability"], &cases[..], &methods[..]].concat());
+    assert!(output.status.success(), "{output:?}");
+    let text = fs::read_to_string(directory.path().join("stability.txt")).expect("a table");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), text);
+    let outcomes = |case: &str| {
+        let line = text.lines().find(|line| line.starts_with(case)).expect("a line");
+        let words =
+            line.split_whitespace().skip(1).filter(|word| word.starts_with(char::is_alphabetic));
+        words.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(outcomes("thin-cylinder"), ["sound", "sound"]);
+    assert_eq!(outcomes("seventh-power"), ["wall", "wall"]);
+    // Where f touches 0 the tracer leaves rays open, and stored roots tell.
+    assert_eq!(outcomes("double-sphere"), ["sound", "sound"]);
+    let sheet = fs::read(directory.path().join("stability.png")).expect("a sheet");
+    assert!(sheet.starts_with(b"\x89PNG"));
+    let rows = fs::read(directory.path().join("stability.json")).expect("rows");
+    let rows: Vec<serde_json::Value> = serde_json::from_slice(&rows).expect("valid");
+    assert_eq!(rows.len(), 6);
+    assert_eq!(rows[4]["counts"]["roots"], 400, "{}", rows[4]);
+}
+
+#[test]
 fn what_cannot_be_done_is_said_once() {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().to_str().expect("UTF-8");
-    let wrong: [(&[&str], &str); 6] = [
+    let wrong: [(&[&str], &str); 8] = [
+        (&["stability", "no-such-case", "-o", path], "there is no case 'no-such-case'"),
+        (&["stability", "--budget", "0", "-o", path], "a number of seconds"),
         (&["run", "no-such-surface", "-o", path], "there is no surface 'no-such-surface'"),
         (&["run", "sphere", "--methods", "no-such", "-o", path], "no-such"),
         (&["run", "sphere", "--tolerances", "0", "-o", path], "a tolerance is a number of pixels"),

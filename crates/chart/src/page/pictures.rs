@@ -5,7 +5,7 @@ use crate::difference::{difference, png};
 use crate::error::ChartError;
 use crate::errors::Errors;
 use crate::grid::Configuration;
-use crate::reference::Reference;
+use crate::reference::{Reference, Sampling};
 use crate::row::Row;
 use crate::store::Store;
 use crate::surfaces::Surface;
@@ -14,6 +14,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbImage;
 use zeroset::model::Model;
+use zeroset_testkit::certified::BUDGET;
 use zeroset_trace::{METHODS, Precision};
 
 /// Pixels in a row: every one of them is held against the certified tracer.
@@ -58,7 +59,8 @@ fn of_surface(store: &Store, row: &Row, text: &mut String) -> Result<(), ChartEr
     let surface = Surface::named(&row.surface)?;
     let refuse = ChartError::of_surface(&surface.name);
     let view = View { name: format!("{}-page", row.view), camera: row.camera()? };
-    let reference = Reference::kept(&store.path("reference"), &surface, &view, SIZE, 0, row.seed)?;
+    let sampling = Sampling { size: SIZE, samples: 0, seed: row.seed, budget: BUDGET };
+    let reference = Reference::kept(&store.path("reference"), &surface, &view, sampling)?;
     let rays = view.camera.rays(SIZE, SIZE);
     push(text, format_args!("<h3>{}</h3>\n<div class=\"pictures\">\n", escaped(&surface.name)));
     for configuration in middles(&store.rows, &row.surface) {
