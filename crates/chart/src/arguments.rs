@@ -56,6 +56,10 @@ pub struct RunArguments {
     #[arg(long, value_delimiter = ',', default_value = "2,0.5,0.1,0.01", value_name = "PIXELS",
         value_parser = tolerance)]
     tolerances: Vec<f64>,
+    /// Steps along a ray, for methods that read them
+    #[arg(long, value_delimiter = ',', default_value = "64,256,1024", value_name = "NUMBERS",
+        value_parser = clap::value_parser!(u32).range(2..))]
+    steps: Vec<u32>,
     /// Precisions, for methods that read one
     #[arg(long, value_delimiter = ',', default_value = "f32,f64,auto", value_name = "NAMES",
         value_parser = precision_name)]
@@ -160,6 +164,7 @@ impl RunArguments {
         Values {
             depths: distinct(&self.max_depth),
             tolerances: distinct(&self.tolerances),
+            steps: distinct(&self.steps),
             precisions: distinct(&self.precision),
         }
     }

@@ -157,6 +157,17 @@ fn families(rows: &Rows<'_>) -> Vec<Vec<Configuration>> {
     families
 }
 
+/// What the letters of labels stand for.
+fn letters(rows: &Rows<'_>) -> Vec<&'static str> {
+    let any = |has: fn(&Configuration) -> bool| rows.0.iter().any(|(_, one)| has(one));
+    let letters = [
+        any(|one| one.tolerance.is_some()).then_some("t: tolerance in pixels"),
+        any(|one| one.depth.is_some()).then_some("d: depth"),
+        any(|one| one.steps.is_some()).then_some("s: steps"),
+    ];
+    letters.into_iter().flatten().collect()
+}
+
 /// What pictures have in common, for a legend.
 fn circumstances(rows: &Rows<'_>) -> Vec<String> {
     let Some((row, _)) = rows.0.first() else { return Vec::new() };

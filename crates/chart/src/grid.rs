@@ -12,6 +12,8 @@ pub struct Values {
     pub depths: Vec<u32>,
     /// Of the tolerance, in pixels.
     pub tolerances: Vec<f64>,
+    /// Of the number of steps along a ray.
+    pub steps: Vec<u32>,
     /// Names of precisions.
     pub precisions: Vec<String>,
 }
@@ -27,6 +29,8 @@ pub struct Configuration {
     pub depth: Option<u32>,
     /// How far a hit may be off, in pixels.
     pub tolerance: Option<f64>,
+    /// How many steps are made along a ray.
+    pub steps: Option<u32>,
 }
 
 /// What an option is, with its unit.
@@ -47,7 +51,7 @@ pub fn precision(name: &str) -> Option<Precision> {
 pub fn configurations(methods: &[&'static Method], values: &Values) -> Vec<Configuration> {
     let mut all = Vec::new();
     for method in methods {
-        let plain = Configuration { method, precision: None, depth: None, tolerance: None };
+        let plain = Configuration::plain(method);
         let mut of_method = vec![plain];
         for option in method.reads {
             of_method =
@@ -61,6 +65,11 @@ pub fn configurations(methods: &[&'static Method], values: &Values) -> Vec<Confi
 }
 
 impl Configuration {
+    /// With every option by default.
+    pub fn plain(method: &'static Method) -> Self {
+        Self { method, precision: None, depth: None, tolerance: None, steps: None }
+    }
+
     /// This with each value of an option.
     fn with_each(self, option: MethodOption, values: &Values) -> Vec<Self> {
         match option {
@@ -86,12 +95,13 @@ impl Configuration {
         }
     }
 
-    /// Its numbers, each after a letter: d for depth, t for tolerance.
+    /// Its numbers, each after a letter: d for depth, t for tolerance, s for steps.
     pub fn label(&self) -> String {
-        let Self { method: _, precision: _, depth, tolerance } = self;
+        let Self { method: _, precision: _, depth, tolerance, steps } = self;
         let depth = depth.map(|depth| format!("d{depth}"));
         let tolerance = tolerance.map(|tolerance| format!("t{tolerance}"));
-        [depth, tolerance].into_iter().flatten().collect::<Vec<_>>().join(" ")
+        let steps = steps.map(|steps| format!("s{steps}"));
+        [depth, tolerance, steps].into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
     /// How its square pictures are made.
@@ -131,6 +141,9 @@ impl fmt::Display for Configuration {
         if let Some(tolerance) = self.tolerance {
             write!(f, " tolerance {tolerance}")?;
         }
+        if let Some(steps) = self.steps {
+            write!(f, " steps {steps}")?;
+        }
         self.precision.map_or(Ok(()), |precision| write!(f, " {precision}"))
     }
 }
@@ -145,6 +158,7 @@ mod tests {
         let values = Values {
             depths: vec![6, 8, 10],
             tolerances: vec![1.0, 0.1],
+            steps: vec![16, 64],
             precisions: vec!["f32".to_owned(), "auto".to_owned()],
         };
         for method in &METHODS {
@@ -170,6 +184,7 @@ mod tests {
         let values = Values {
             depths: vec![10, 30],
             tolerances: vec![],
+            steps: vec![],
             precisions: vec!["f32".to_owned(), "f64".to_owned()],
         };
         assert_eq!(configurations(&[knoll], &values).len(), 3);

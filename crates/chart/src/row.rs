@@ -47,6 +47,7 @@ pub struct Row {
     pub precision: Option<String>,
     pub max_depth: Option<u32>,
     pub tolerance: Option<f64>,
+    pub steps: Option<u32>,
     pub threads: usize,
     pub seed: u64,
     pub repeats: usize,
@@ -144,6 +145,7 @@ impl Row {
             precision: configuration.precision.map(|precision| precision.to_string()),
             max_depth: configuration.depth,
             tolerance: configuration.tolerance,
+            steps: configuration.steps,
             threads: frame.threads,
             seed: frame.seed,
             repeats: frame.repeats,
@@ -226,6 +228,7 @@ impl Row {
             precision: self.precision.as_deref().and_then(precision),
             depth: self.max_depth,
             tolerance: self.tolerance,
+            steps: self.steps,
         })
     }
 

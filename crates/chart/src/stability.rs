@@ -24,7 +24,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use zeroset::model::Model;
 use zeroset::picture::Settings;
-use zeroset_trace::{Method, Precision};
+use zeroset_trace::Method;
 
 /// Pixels in a row, and rows, as in the stored roots.
 pub const SIDE: usize = 64;
@@ -103,9 +103,8 @@ fn judged(
     method: &'static Method,
     budget: Duration,
 ) -> (Verdict, Option<[RgbImage; 2]>) {
-    let precision = Some(Precision::Auto);
-    let configuration = Configuration { method, precision, depth: None, tolerance: None };
-    let settings = Settings { budget: Some(budget), ..configuration.settings(SIDE) };
+    let settings = Configuration::plain(method).settings(SIDE);
+    let settings = Settings { budget: Some(budget), ..settings };
     let start = Instant::now();
     let drawn = case.view().and_then(|(surface, view)| {
         let refuse = ChartError::of_surface(&surface.name);

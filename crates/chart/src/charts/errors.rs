@@ -1,6 +1,6 @@
 //! Time against error, over all surfaces and surface by surface.
 
-use super::{Chart, Rows, bar, circumstances, distinct, families, mean, series};
+use super::{Chart, Rows, bar, circumstances, distinct, families, letters, mean, series};
 use crate::grid::Configuration;
 use crate::pareto::front;
 use crate::plot::{Figure, Mark, Series, Shape};
@@ -76,8 +76,8 @@ fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Chart {
     let mut notes = circumstances(rows);
     let thin = if surface.is_some() { "thin lines: views" } else { "thin lines: surfaces" };
     let bars = "bars from quartile to quartile";
-    let options = ["t: tolerance in pixels", "d: depth"];
-    let lines = [thin, "time: geometric mean,", bars, kind.mean_name].into_iter().chain(options);
+    let lines = [thin, "time: geometric mean,", bars, kind.mean_name];
+    let lines = lines.into_iter().chain(letters(rows));
     notes.extend(lines.map(str::to_owned));
     let title = surface.map(|name| format!(": {name}")).unwrap_or_default();
     let figure = Figure {
@@ -150,7 +150,7 @@ fn claims(rows: &Rows<'_>) -> Chart {
     notes.extend(lines.map(str::to_owned));
     let figure = Figure {
         title: "Wrong pixels, as claimed and as painted".to_owned(),
-        x: "method and its option (t: tolerance in pixels, d: depth)".to_owned(),
+        x: format!("method and its option ({})", letters(rows).join(", ")),
         y: "wrong pixels, share of all".to_owned(),
         places,
         series: all,
