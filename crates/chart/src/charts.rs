@@ -177,9 +177,9 @@ fn circumstances(rows: &Rows<'_>) -> Vec<String> {
         [surface] => surface.to_owned(),
         _ => format!("{} surfaces", surfaces.len()),
     };
-    let threads = if row.threads == 1 { "thread" } else { "threads" };
+    let number = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
     vec![
-        format!("{surfaces}, {views} views"),
-        format!("{0}×{0} pixels, {1} {threads}", row.size, row.threads),
+        format!("{surfaces}, {}", number(views, "view")),
+        format!("{0}×{0} pixels, {1}", row.size, number(row.threads, "thread")),
     ]
 }

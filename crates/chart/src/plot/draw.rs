@@ -12,9 +12,9 @@ const SIZE: (u32, u32) = (980, 560);
 const LEFT: i32 = 78;
 const TOP: i32 = 44;
 const LEGEND: i32 = 250;
-/// Below what is drawn, and how much more where names stand upright.
+/// Below what is drawn, and how much more for each letter where names stand upright.
 const BOTTOM: i32 = 58;
-const UPRIGHT: i32 = 80;
+const UPRIGHT: i32 = 6;
 /// Of letters.
 const TITLE: i32 = 18;
 const TEXT: i32 = 13;
@@ -88,7 +88,9 @@ impl<'a> Canvas<'a> {
             0 => Scale::logarithmic(points.map(|at| at[0])),
             places => Scale::named(places),
         };
-        let room = BOTTOM + if figure.places.len() > SIDEWAYS { UPRIGHT } else { 0 };
+        let letters = figure.places.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+        let is_upright = figure.places.len() > SIDEWAYS;
+        let room = BOTTOM + if is_upright { UPRIGHT * letters as i32 } else { 0 };
         Self { area, x, y, bottom: SIZE.1 as i32 - room }
     }
 
