@@ -4,32 +4,18 @@
 //! what was asked of kernels, and how many pixels are decided.
 
 use glam::DVec3;
+use include_dir::{Dir, include_dir};
 use std::time::Duration;
 use zeroset::model::Model;
 use zeroset::picture::{Picture, Settings};
+use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Ideas, METHODS, Method, Projection, Region};
+use zeroset_trace::{Camera, Ideas, METHODS, Method, Projection};
 
 const ROUNDS: usize = 15;
 
-/// Names, formulas and half-extents of domains: those of Knoll et al. 2007, and the gyroid.
-const SURFACES: [(&str, &str, f64); 10] = [
-    ("sphere", "x^2+y^2+z^2-1", 1.2),
-    ("torus", "(sqrt(x^2+y^2)-0.8)^2+z^2-0.11111", 1.3),
-    ("steiner", "x^2*y^2+y^2*z^2+x^2*z^2+x*y*z", 1.0),
-    ("mitchell", "4*(x^4+(y^2+z^2)^2)+17*x^2*(y^2+z^2)-20*(x^2+y^2+z^2)+17", 2.0),
-    ("tangle", "x^4-5*x^2+y^4-5*y^2+z^4-5*z^2+11.8", 3.0),
-    ("teardrop", "0.5*x^5+0.5*x^4-y^2-z^2", 1.2),
-    ("klein", "(x^2+y^2+z^2+2*y-1)*((x^2+y^2+z^2-2*y-1)^2-8*z^2)+16*x*z*(x^2+y^2+z^2-2*y-1)", 4.2),
-    (
-        "barth",
-        "4*(2.618033988749895*x^2-y^2)*(2.618033988749895*y^2-z^2)*(2.618033988749895*z^2-x^2)\
-         -4.23606797749979*(x^2+y^2+z^2-1)^2",
-        2.0,
-    ),
-    ("linked-tori", "((10*x)^2+(10*y-2)^2+(10*z)^2+13)^2-53*((10*x)^2+(10*y-2)^2)", 1.0),
-    ("gyroid", "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)", std::f64::consts::TAU),
-];
+/// Function files, each with its domain: the surfaces of Knoll et al. 2007, and the gyroid.
+static SURFACES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/crates/chart/data");
 
 fn milliseconds(mut times: Vec<Duration>) -> f64 {
     times.sort();
@@ -47,7 +33,7 @@ fn main() {
     };
     // A name of both is the surface's, unless it is given twice.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
-    let is_surface = |name: &str| SURFACES.iter().any(|surface| surface.0 == name);
+    let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
     let named = |method: &&Method| times(method.name) > usize::from(is_surface(method.name));
     let some = METHODS.iter().any(|method| named(&method));
     let methods: Vec<&Method> = METHODS.iter().filter(|method| !some || named(method)).collect();
@@ -65,14 +51,17 @@ fn main() {
         "open",
         "ms"
     );
-    for (name, formula, half) in SURFACES {
-        let given = |name| wanted.iter().any(|wanted| wanted == name);
-        if SURFACES.iter().any(|surface| given(surface.0)) && !given(name) {
-            continue;
-        }
-        let document = read(formula, &Options::default()).expect(name);
-        let region = Region::new(DVec3::splat(-half), DVec3::splat(half)).expect(name);
-        let eye = DVec3::new(2.0, 1.5, 3.0) * half;
+    let files = SURFACES.files().map(|file| {
+        let name = file.path().file_stem().and_then(|name| name.to_str());
+        (name.expect("UTF-8"), file.contents_utf8().expect("UTF-8"))
+    });
+    let surfaces: Vec<(&str, &str)> = files.collect();
+    let given = |name: &str| wanted.iter().any(|wanted| wanted == name);
+    let any = surfaces.iter().any(|(name, _)| given(name));
+    for (name, text) in surfaces.into_iter().filter(|(name, _)| !any || given(name)) {
+        let document = read(text, &Options::default()).expect(name);
+        let (region, _) = scene::region(&document, DomainChoice::Document, None).expect(name);
+        let eye = DVec3::new(2.0, 1.5, 3.0) * region.half_extent();
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);
         let settings = Settings { ideas, ..Settings::default() };

@@ -1,0 +1,196 @@
+//! The command line's arguments.
+
+use crate::grid::{Values, precision};
+use crate::row::Frame;
+use crate::surfaces;
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::time::Duration;
+use zeroset::picture::is_tolerance;
+use zeroset_trace::{METHODS, Method, Precision};
+
+/// Measure and chart the methods of zeroset: speed against accuracy.
+///
+/// Exit codes: 0; 1 if `check` finds that what was counted differs; 2 for what the user can mend.
+#[derive(Debug, Parser)]
+#[command(name = "zeroset-chart", version, about)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Measure times and errors of each method with each value of the options that it reads
+    Run(RunArguments),
+    /// Draw formulas on which methods are known to fail, and name what becomes of each
+    Stability(StabilityArguments),
+    /// Draw the charts of a directory's rows once more, as `run` does at its end
+    Draw {
+        /// What `run` has written
+        directory: PathBuf,
+    },
+    /// Measure a directory's rows once more: counts and hashes must be the same
+    Check {
+        /// What `run` has written
+        directory: PathBuf,
+    },
+}
+
+/// What to measure.
+#[derive(Args, Debug)]
+pub struct RunArguments {
+    /// Surfaces: names of `zeroset gallery --list`, or of the ten that are measured by default
+    surfaces: Vec<String>,
+    /// Methods, with commas between; all if not given
+    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
+    methods: Vec<String>,
+    /// Depths, for methods that read one
+    #[arg(long, value_delimiter = ',', default_value = "6,8,10,12", value_name = "DEPTHS",
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(Precision::F64.max_depth())))]
+    max_depth: Vec<u32>,
+    /// Tolerances in pixels, for methods that read one
+    #[arg(long, value_delimiter = ',', default_value = "2,0.5,0.1,0.01", value_name = "PIXELS",
+        value_parser = tolerance)]
+    tolerances: Vec<f64>,
+    /// Steps along a ray, for methods that read them
+    #[arg(long, value_delimiter = ',', default_value = "64,256,1024", value_name = "NUMBERS",
+        value_parser = clap::value_parser!(u32).range(2..))]
+    steps: Vec<u32>,
+    /// Precisions, for methods that read one
+    #[arg(long, value_delimiter = ',', default_value = "f32,f64,auto", value_name = "NAMES",
+        value_parser = precision_name)]
+    precision: Vec<String>,
+    /// Rows of a picture, and pixels in a row; several, with commas between, chart time against resolution
+    #[arg(long, visible_alias = "size", value_delimiter = ',', default_value = "256", value_name = "PIXELS",
+        value_parser = clap::value_parser!(u32).range(8..=8192))]
+    sizes: Vec<u32>,
+    /// Views of each surface: a standard one, then around it, close, grazing and inside
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    views: u32,
+    /// Draws views, pixels and the order of measurements
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// How often each picture is measured
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    repeats: u32,
+    /// Threads that pictures are drawn on
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
+    /// About how many pixels of a picture are held against the certified tracer; 0 for all
+    #[arg(long, default_value_t = 1024)]
+    samples: u32,
+    /// Where results go; those that are there are kept
+    #[arg(short, long, value_name = "DIRECTORY")]
+    pub output: PathBuf,
+    /// Little of everything, to try it: two views, three repeats, 64 pixels in a row
+    #[arg(long)]
+    quick: bool,
+}
+
+/// Which difficult formulas to draw.
+#[derive(Args, Debug)]
+pub struct StabilityArguments {
+    /// Cases by name; all of tests/data/stability if not given
+    pub cases: Vec<String>,
+    /// Methods, with commas between; all if not given
+    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
+    methods: Vec<String>,
+    /// How long each picture may take, in seconds
+    #[arg(long, default_value = "10", value_name = "SECONDS", value_parser = seconds)]
+    pub budget: Duration,
+    /// Where table, rows and contact sheet go
+    #[arg(short, long, value_name = "DIRECTORY")]
+    pub output: PathBuf,
+}
+
+impl StabilityArguments {
+    /// The methods.
+    pub fn methods(&self) -> Vec<&'static Method> {
+        chosen(&self.methods)
+    }
+}
+
+/// The methods of these names, in the order of the table; all if there are none.
+fn chosen(names: &[String]) -> Vec<&'static Method> {
+    let is_chosen = |method: &&Method| names.is_empty() || names.iter().any(|n| n == method.name);
+    METHODS.iter().filter(is_chosen).collect()
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    let some = seconds.filter(|time| !time.is_zero());
+    some.ok_or_else(|| "not a number of seconds above 0".to_owned())
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let pixels: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    let refuse = || zeroset::picture::TOLERANCES.to_owned();
+    is_tolerance(pixels).then_some(pixels).ok_or_else(refuse)
+}
+
+fn precision_name(text: &str) -> Result<String, String> {
+    precision(text).map(|_| text.to_owned()).ok_or_else(|| "not one of f32, f64, auto".to_owned())
+}
+
+/// Each once, as they come.
+fn distinct<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
+    let mut all: Vec<T> = Vec::new();
+    for value in values {
+        if !all.contains(value) {
+            all.push(value.clone());
+        }
+    }
+    all
+}
+
+impl RunArguments {
+    /// The surfaces' names.
+    pub fn surfaces(&self) -> Vec<String> {
+        let ten = || surfaces::names().into_iter().map(str::to_owned).collect();
+        if self.surfaces.is_empty() { ten() } else { distinct(&self.surfaces) }
+    }
+
+    /// The methods.
+    pub fn methods(&self) -> Vec<&'static Method> {
+        chosen(&self.methods)
+    }
+
+    /// The options' values.
+    pub fn values(&self) -> Values {
+        Values {
+            depths: distinct(&self.max_depth),
+            tolerances: distinct(&self.tolerances),
+            steps: distinct(&self.steps),
+            precisions: distinct(&self.precision),
+        }
+    }
+
+    /// How many views each surface has.
+    pub fn views(&self) -> usize {
+        if self.quick { self.views.min(2) as usize } else { self.views as usize }
+    }
+
+    /// The pictures' sizes.
+    pub fn sizes(&self) -> Vec<usize> {
+        let sizes = distinct(&self.sizes).into_iter();
+        let sizes: Vec<usize> =
+            sizes.map(|size| if self.quick { size.min(64) } else { size } as usize).collect();
+        distinct(&sizes)
+    }
+
+    /// How pictures are measured.
+    pub fn frame(&self) -> Frame {
+        let [repeats, samples] = if self.quick {
+            [self.repeats.min(3), self.samples.min(256)]
+        } else {
+            [self.repeats, self.samples]
+        };
+        let [size, threads, repeats, samples] =
+            [self.sizes[0], self.threads, repeats, samples].map(|number| number as usize);
+        Frame { size, threads, seed: self.seed, repeats, samples }
+    }
+}

@@ -1,0 +1,161 @@
+//! Time against error, over all surfaces and surface by surface.
+
+use super::{Chart, Rows, bar, circumstances, distinct, families, letters, mean, series};
+use crate::grid::Configuration;
+use crate::pareto::front;
+use crate::plot::{Figure, Mark, Series, Shape};
+use crate::row::Row;
+
+/// An error that is charted.
+#[derive(Clone, Copy)]
+struct Kind {
+    name: &'static str,
+    title: &'static str,
+    axis: &'static str,
+    of: fn(&Row) -> Option<f64>,
+    mean: fn(&[f64]) -> Option<f64>,
+    mean_name: &'static str,
+}
+
+const DISTANCE: Kind = Kind {
+    name: "time-distance",
+    title: "Time against distance error",
+    axis: "distance from the root, 99.9 % of painted pixels, in pixels' footprints",
+    of: |row| row.off_pixels_999,
+    mean,
+    mean_name: "error: geometric mean",
+};
+const MEDIAN: Kind = Kind {
+    name: "time-median",
+    title: "Time against median distance error",
+    axis: "distance from the root, median of painted pixels, in pixels' footprints",
+    of: |row| row.off_pixels_median,
+    ..DISTANCE
+};
+const WRONG: Kind = Kind {
+    name: "time-wrong",
+    title: "Time against wrong pixels",
+    axis: "wrong pixels (missed, phantom, wrong root), share of all",
+    of: |row| Some(row.wrong_share()),
+    // Where some are 0 and others are not, a geometric mean says nothing.
+    mean: |shares| {
+        let sum: f64 = shares.iter().sum();
+        (!shares.is_empty()).then(|| sum / shares.len() as f64)
+    },
+    mean_name: "error: arithmetic mean",
+};
+const KINDS: [Kind; 3] = [DISTANCE, MEDIAN, WRONG];
+
+/// Over all surfaces: means, with a thin line for each surface.
+pub fn over_all(rows: &Rows<'_>) -> Vec<Chart> {
+    let rows = rows.in_one_precision();
+    let charts = KINDS.iter().map(|kind| chart(&rows, kind, None));
+    charts.chain([claims(&rows)]).collect()
+}
+
+/// Surface by surface, with a thin line for each view.
+pub fn by_surface(rows: &Rows<'_>) -> Vec<Chart> {
+    let rows = rows.in_one_precision();
+    let of_surface = |surface: &str| {
+        let rows = rows.filter(|row| row.surface == surface);
+        KINDS.map(|kind| chart(&rows, &kind, Some(surface)))
+    };
+    rows.surfaces().into_iter().flat_map(of_surface).collect()
+}
+
+/// Of one surface, part by part is view by view; else surface by surface.
+fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Chart {
+    let part = |row: &Row| if surface.is_some() { row.view.clone() } else { row.surface.clone() };
+    let parts = distinct(rows.0.iter().map(|(row, _)| part(row)));
+    let parts: Vec<Rows<'_>> =
+        parts.iter().map(|name| rows.filter(|row| part(row) == *name)).collect();
+    let families = families(rows);
+    let series: Vec<Series> = families.iter().map(|one| of_family(&parts, one, kind)).collect();
+    let points: Vec<[f64; 2]> = series.iter().flat_map(|s| s.marks.iter().map(|m| m.at)).collect();
+    let front = front(&points).into_iter().map(|index| points[index]).collect();
+    let mut notes = circumstances(rows);
+    let thin = if surface.is_some() { "thin lines: views" } else { "thin lines: surfaces" };
+    let bars = "bars from quartile to quartile";
+    let lines = [thin, "time: geometric mean,", bars, kind.mean_name];
+    let lines = lines.into_iter().chain(letters(rows));
+    notes.extend(lines.map(str::to_owned));
+    let title = surface.map(|name| format!(": {name}")).unwrap_or_default();
+    let figure = Figure {
+        title: format!("{}{title}", kind.title),
+        x: kind.axis.to_owned(),
+        y: "time to trace, ms".to_owned(),
+        series,
+        front: Some(("Pareto front".to_owned(), front)),
+        notes,
+        ..Figure::default()
+    };
+    let name = format!("{}-{}", kind.name, surface.unwrap_or("all"));
+    Chart { name, figure, is_of_one: surface.is_some() }
+}
+
+/// A method's means over all parts, with a thin line for each part.
+fn of_family(parts: &[Rows<'_>], family: &[Configuration], kind: &Kind) -> Series {
+    let mut behind = vec![Vec::new(); parts.len()];
+    let mut marks = Vec::new();
+    for one in family {
+        let (mut times, mut errors) = (Vec::new(), Vec::new());
+        for (part, line) in parts.iter().zip(&mut behind) {
+            let rows = part.of_configuration(one);
+            let values = |of: fn(&Row) -> Option<f64>| {
+                rows.0.iter().filter_map(|(row, _)| of(row)).collect::<Vec<_>>()
+            };
+            let time = mean(&values(|row| Some(row.trace_ms)));
+            if let (Some(time), Some(error)) = (time, (kind.mean)(&values(kind.of))) {
+                line.push([error, time]);
+                times.push(time);
+                errors.push(error);
+            }
+        }
+        if let (Some(time), Some(error)) = (mean(&times), (kind.mean)(&errors)) {
+            marks.push(Mark { at: [error, time], bar: bar(&times), label: one.label() });
+        }
+    }
+    Series { marks, behind, ..series(&family[0]) }
+}
+
+/// What is claimed: from all that is undecided being right to all of it being wrong.
+fn claims(rows: &Rows<'_>) -> Chart {
+    let (mut places, mut all) = (Vec::new(), Vec::new());
+    let mut painted = Series { name: "as painted".to_owned(), colour: 6, ..Series::default() };
+    for family in families(rows) {
+        let mut claimed = Series { shape: Shape::Bar, is_joined: false, ..series(&family[0]) };
+        for one in &family {
+            let of_one = rows.of_configuration(one);
+            let sum = |count: fn(&Row) -> usize| {
+                of_one.0.iter().map(|(row, _)| count(row)).sum::<usize>() as f64
+            };
+            let decided = sum(|row| row.looked_at - row.open).max(1.0);
+            let low = sum(|row| row.false_claims) / decided;
+            let high = low + sum(|row| row.undecided) / decided;
+            let wrong = sum(|row| row.missed + row.phantom + row.wrong_root) / decided;
+            let place = places.len() as f64;
+            claimed.marks.push(Mark {
+                at: [place, low],
+                bar: Some([low, high]),
+                ..Mark::default()
+            });
+            painted.marks.push(Mark { at: [place, wrong], ..Mark::default() });
+            places.push(format!("{} {}", one.method.name, one.label()));
+        }
+        all.push(claimed);
+    }
+    all.push(painted);
+    let mut notes = circumstances(rows);
+    let lines = ["bars: as claimed, from all that is", "undecided being right to all wrong"];
+    notes.extend(lines.map(str::to_owned));
+    let figure = Figure {
+        title: "Wrong pixels, as claimed and as painted".to_owned(),
+        x: format!("method and its option ({})", letters(rows).join(", ")),
+        y: "wrong pixels, share of all".to_owned(),
+        places,
+        series: all,
+        notes,
+        ..Figure::default()
+    };
+    Chart { name: "claims-all".to_owned(), figure, is_of_one: false }
+}

@@ -1,0 +1,126 @@
+//! What options cost: work by tolerance and depth, time by precision.
+
+use super::{Chart, Rows, bar, circumstances, colour, distinct, families, mean, series, shape};
+use crate::grid::{Configuration, meaning};
+use crate::plot::{Figure, Mark, Series};
+use crate::quantile::quantile;
+use crate::row::Row;
+use zeroset_trace::{MethodOption, Precision};
+
+/// Work against each option that is a number, and precisions beside each other.
+pub fn charts(rows: &Rows<'_>) -> Vec<Chart> {
+    let read = rows.0.iter().flat_map(|(_, one)| one.method.reads.iter().copied());
+    let work = distinct(read).into_iter().filter_map(|option| work(rows, option));
+    work.chain(precisions(rows)).collect()
+}
+
+/// Lanes of kernels, a pixel.
+fn lanes(row: &Row) -> Option<f64> {
+    let lanes = row
+        .work()
+        .into_iter()
+        .filter(|(name, _)| name.ends_with("lanes") && !name.starts_with("gradient"));
+    let lanes: u64 = lanes.map(|(_, number)| number).sum();
+    Some(lanes as f64 / (row.size * row.size) as f64).filter(|lanes| *lanes > 0.0)
+}
+
+fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Chart> {
+    let mut numbers: Vec<f64> = rows.0.iter().filter_map(|(_, one)| one.number(option)).collect();
+    numbers.sort_by(f64::total_cmp);
+    numbers.dedup();
+    // What is counted has places rather than decades.
+    let is_counted = numbers.iter().all(|number| number.fract() == 0.0);
+    let mut all = Vec::new();
+    for family in families(rows) {
+        let mut line = series(&family[0]);
+        // Those of all precisions would hide one another.
+        let has_bars = matches!(family[0].precision, None | Some(Precision::Auto));
+        for one in &family {
+            let Some(number) = one.number(option) else { continue };
+            let place = numbers.iter().position(|other| *other == number);
+            let x = if is_counted { place.unwrap_or(0) as f64 } else { number };
+            let values = rows.of_configuration(one).by_surface(lanes);
+            if let Some(y) = mean(&values) {
+                let bar = bar(&values).filter(|_| has_bars);
+                line.marks.push(Mark { at: [x, y], bar, ..Mark::default() });
+            }
+        }
+        line.marks.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
+        if line.marks.len() > 1 {
+            all.push(line);
+        }
+    }
+    let mut notes = circumstances(rows);
+    let lines = [
+        "geometric mean over surfaces,",
+        "bars from quartile to quartile",
+        "",
+        "f: in boxes, on tiles,",
+    ];
+    notes.extend(lines.into_iter().chain(["along segments, at points"]).map(str::to_owned));
+    let names = numbers.iter().map(f64::to_string).collect();
+    let figure = Figure {
+        title: format!("Work against {}", option.name()),
+        x: meaning(option).to_owned(),
+        y: "evaluations of f a pixel (lanes of kernels)".to_owned(),
+        places: if is_counted { names } else { Vec::new() },
+        series: all,
+        notes,
+        ..Figure::default()
+    };
+    let name = format!("work-{}", option.name());
+    (!figure.series.is_empty()).then_some(Chart { name, figure, is_of_one: false })
+}
+
+/// Times in `f64` and `auto` over those in `f32`, surface by surface.
+fn precisions(rows: &Rows<'_>) -> Option<Chart> {
+    let surfaces = rows.surfaces();
+    let mut all: Vec<Series> = Vec::new();
+    for family in families(rows) {
+        let Some(precision) = family[0].precision.filter(|p| *p != Precision::F32) else {
+            continue;
+        };
+        let method = family[0].method;
+        let ratios = |surface: &str| -> Vec<f64> {
+            let time = |one: &Configuration| {
+                rows.of_configuration(one).mean_on(surface, |row| Some(row.trace_ms))
+            };
+            let ratio = |one: &Configuration| {
+                Some(time(one)? / time(&Configuration { precision: Some(Precision::F32), ..*one })?)
+            };
+            family.iter().filter_map(ratio).collect()
+        };
+        let marks = surfaces.iter().enumerate().filter_map(|(place, surface)| {
+            let ratios = ratios(surface);
+            // Side by side, so that none hides another.
+            let x = place as f64 + 0.12 * (all.len() as f64 - 1.5);
+            Some(Mark { at: [x, mean(&ratios)?], bar: range(&ratios), label: String::new() })
+        });
+        let marks: Vec<Mark> = marks.collect();
+        if !marks.is_empty() {
+            let name = format!("{}, {precision}", method.name);
+            let (colour, shape) = (colour(method.name), shape(Some(precision)));
+            all.push(Series { name, colour, shape, marks, ..Series::default() });
+        }
+    }
+    let mut notes = circumstances(rows);
+    notes
+        .extend(["geometric mean over options,", "bars from least to greatest"].map(str::to_owned));
+    let figure = Figure {
+        title: "Time by precision, over that of f32".to_owned(),
+        x: "surface".to_owned(),
+        y: "time to trace, times that of f32".to_owned(),
+        places: surfaces.into_iter().map(str::to_owned).collect(),
+        series: all,
+        level: Some(1.0),
+        notes,
+        ..Figure::default()
+    };
+    let name = "precision".to_owned();
+    (!figure.series.is_empty()).then_some(Chart { name, figure, is_of_one: false })
+}
+
+/// From the least to the greatest.
+fn range(values: &[f64]) -> Option<[f64; 2]> {
+    Some([quantile(values, 0.0)?, quantile(values, 1.0)?])
+}

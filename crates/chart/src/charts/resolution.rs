@@ -1,0 +1,46 @@
+//! Time against resolution.
+
+use super::{Chart, Rows, bar, circumstances, distinct, families, mean, series};
+use crate::plot::{Figure, Mark};
+
+/// If there are several sizes: time a pixel, each method in the middle of its configurations.
+pub fn chart(rows: &Rows<'_>) -> Option<Chart> {
+    let rows = rows.in_one_precision();
+    let mut sizes = distinct(rows.0.iter().map(|(row, _)| row.size));
+    sizes.sort_unstable();
+    if sizes.len() < 2 {
+        return None;
+    }
+    let mut all = Vec::new();
+    for family in families(&rows) {
+        let one = &family[family.len() / 2];
+        let of_one = rows.of_configuration(one);
+        let mut line = series(one);
+        line.name = one.to_string();
+        for (place, &size) in sizes.iter().enumerate() {
+            let of_size = of_one.filter(|row| row.size == size);
+            let pixels = (size * size) as f64;
+            let values = of_size.by_surface(|row| Some(row.trace_ms * 1e6 / pixels));
+            if let Some(y) = mean(&values) {
+                let at = [place as f64, y];
+                line.marks.push(Mark { at, bar: bar(&values), label: String::new() });
+            }
+        }
+        all.push(line);
+    }
+    let mut notes = circumstances(&rows);
+    notes.truncate(1);
+    notes.extend(
+        ["geometric mean over surfaces,", "bars from quartile to quartile"].map(str::to_owned),
+    );
+    let figure = Figure {
+        title: "Time a pixel against resolution".to_owned(),
+        x: "pixels in a row".to_owned(),
+        places: sizes.iter().map(usize::to_string).collect(),
+        y: "time to trace, ns a pixel".to_owned(),
+        series: all,
+        notes,
+        ..Figure::default()
+    };
+    Some(Chart { name: "time-size".to_owned(), figure, is_of_one: false })
+}

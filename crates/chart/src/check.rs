@@ -1,0 +1,105 @@
+//! Results measured once more: what was counted must be the same, times about the same.
+
+use crate::error::ChartError;
+use crate::machine::Machine;
+use crate::progress::progress;
+use crate::row::Row;
+use crate::run::{Batch, pool};
+use crate::store::Store;
+use crate::surfaces::Surface;
+use crate::views::View;
+use std::path::Path;
+
+/// Times may differ by so much, as a ratio: those of two runs of a machine that does nothing else do so by less.
+pub const ROOM: f64 = 0.15;
+
+/// How results differ from those of another run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Differences {
+    /// How many rows were compared.
+    pub rows: usize,
+    /// Work, pixels or hashes that are not the same: a line each.
+    pub counts: Vec<String>,
+    /// Rows of which the time relative to that of the others in their view changed by more than [`ROOM`]: a line each.
+    pub times: Vec<String>,
+}
+
+/// Measures every row of `directory` once more, and changes none.
+///
+/// # Errors
+/// If there are no rows, or they cannot be repeated by this version.
+pub fn check(directory: &Path) -> Result<Differences, ChartError> {
+    let store = Store::existing(directory)?;
+    let machine = Machine::this();
+    let mut differences = Differences::default();
+    let batches = batches(&store.rows);
+    let bar = progress(batches.len());
+    for old in batches {
+        let Some(first) = old.first() else { continue };
+        let surface = Surface::named(&first.surface)?;
+        let view = View { name: first.view.clone(), camera: first.camera()? };
+        bar.set_message(format!("{} {}", surface.name, view.name));
+        let configurations =
+            old.iter().map(|row| row.configuration()).collect::<Result<Vec<_>, _>>()?;
+        let frame = first.frame();
+        let batch = Batch { surface: &surface, view: &view, frame, machine: &machine };
+        let new =
+            batch.rows(&configurations, &pool(frame.threads), &store.path("reference"), &|| {})?;
+        differences.add(&old, &new);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(differences)
+}
+
+/// Rows that were measured together.
+fn batches(rows: &[Row]) -> Vec<Vec<&Row>> {
+    let mut batches: Vec<Vec<&Row>> = Vec::new();
+    for row in rows {
+        let together = |batch: &&mut Vec<&Row>| {
+            batch.iter().any(|other| {
+                (&row.surface, &row.view, row.frame())
+                    == (&other.surface, &other.view, other.frame())
+            })
+        };
+        match batches.iter_mut().find(together) {
+            Some(batch) => batch.push(row),
+            None => batches.push(vec![row]),
+        }
+    }
+    batches
+}
+
+impl Differences {
+    fn add(&mut self, old: &[&Row], new: &[Row]) {
+        // What all of a view's times changed by is the machine's doing.
+        let ratios: Vec<f64> = old.iter().zip(new).map(|(a, b)| b.total_ms / a.total_ms).collect();
+        let common = crate::quantile::quantile(&ratios, 0.5).unwrap_or(1.0);
+        for ((old, new), ratio) in old.iter().zip(new).zip(ratios) {
+            self.rows += 1;
+            let what = old.configuration().map(|one| one.to_string()).unwrap_or_default();
+            let key = format!("{} {} {}, {what}", old.surface, old.view, old.size);
+            for ((what, before), (_, now)) in old.work().into_iter().zip(new.work()) {
+                if before != now {
+                    self.counts.push(format!("{key}: {what} {before}, now {now}"));
+                }
+            }
+            if old.status_hash != new.status_hash {
+                let (before, now) = (&old.status_hash, &new.status_hash);
+                self.counts.push(format!("{key}: hash {before}, now {now}"));
+            }
+            let ratio = ratio / common;
+            if !(1.0 - ROOM..=1.0 + ROOM).contains(&ratio) {
+                let (before, now) = (old.total_ms, new.total_ms);
+                self.times.push(format!(
+                    "{key}: {before:.2} ms, now {now:.2} ms: {ratio:.2} times as long as before, beside its view's others"
+                ));
+            }
+        }
+    }
+
+    /// Whether what was counted is the same.
+    pub fn is_same(&self) -> bool {
+        self.counts.is_empty()
+    }
+}

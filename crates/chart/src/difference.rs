@@ -1,0 +1,79 @@
+//! Pictures of what is wrong.
+
+use crate::error::ChartError;
+use crate::errors::{Mistake, mistake};
+use crate::reference::{Reference, Truth};
+use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
+use zeroset_trace::GBuffer;
+
+/// Of pixels with this mistake.
+fn colour(mistake: Mistake) -> Rgb<u8> {
+    match mistake {
+        Mistake::Missed => Rgb([214, 39, 40]),
+        Mistake::Phantom => Rgb([31, 95, 214]),
+        Mistake::WrongRoot => Rgb([242, 200, 15]),
+    }
+}
+
+const OPEN: Rgb<u8> = Rgb([140, 140, 140]);
+const RIGHT: Rgb<u8> = Rgb([220, 220, 220]);
+const NOTHING: Rgb<u8> = Rgb([255, 255, 255]);
+
+/// Each pixel of a picture in the colour of what is wrong with it; white where the reference has none.
+pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
+    let (width, height) = (buffer.width as u32, buffer.height as u32);
+    let mut image = RgbImage::from_pixel(width, height, NOTHING);
+    for (pixel, truth) in &reference.pixels {
+        let drawn = buffer.drawn[*pixel];
+        let shown = match (truth, mistake(truth, drawn)) {
+            (Truth::Open, _) => OPEN,
+            (_, Some(mistake)) => colour(mistake),
+            (_, None) if drawn.is_finite() => RIGHT,
+            (_, None) => NOTHING,
+        };
+        let (column, row) = (*pixel as u32 % width, *pixel as u32 / width);
+        image.put_pixel(column, row, shown);
+    }
+    image
+}
+
+/// A picture as a PNG file.
+///
+/// # Errors
+/// If it is too large for one.
+pub fn png(image: &RgbImage) -> Result<Vec<u8>, ChartError> {
+    let mut bytes = Vec::new();
+    let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+    encoder
+        .write_image(image.as_raw(), image.width(), image.height(), ExtendedColorType::Rgb8)
+        .map_err(|error| ChartError::Chart {
+            name: "picture".to_owned(),
+            why: error.to_string(),
+        })?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::Root;
+
+    #[test]
+    fn each_mistake_has_its_colour() {
+        let root = |next: Option<f64>| {
+            let next = next.map(|at| [at, at]);
+            Truth::Root(Root { pieces: vec![[1.0, 1.0]], next, normal: None })
+        };
+        let truths =
+            [root(None), Truth::Miss, root(Some(2.0)), root(None), Truth::Miss, Truth::Open];
+        let drawn = [f64::INFINITY, 1.0, 1.9, 1.0, f64::INFINITY, 1.0];
+        let mut buffer = GBuffer::new(truths.len(), 1, 0);
+        buffer.drawn.copy_from_slice(&drawn);
+        let image = difference(&Reference::of(truths.into_iter().enumerate().collect()), &buffer);
+        let [missed, phantom, wrong] =
+            [Mistake::Missed, Mistake::Phantom, Mistake::WrongRoot].map(colour);
+        let pixels: Vec<Rgb<u8>> = image.pixels().copied().collect();
+        assert_eq!(pixels, [missed, phantom, wrong, RIGHT, NOTHING, OPEN]);
+        assert!(png(&image).expect("a file").starts_with(b"\x89PNG"));
+    }
+}

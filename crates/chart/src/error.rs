@@ -1,0 +1,70 @@
+//! What can go wrong, each with one message for the user.
+
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why nothing was measured, or charted.
+#[derive(Debug, Error)]
+pub enum ChartError {
+    /// No such surface.
+    #[error(
+        "there is no surface '{0}'; {ten} or a name of `zeroset gallery --list`",
+        ten = crate::surfaces::names().join(", ")
+    )]
+    UnknownSurface(String),
+    /// No such case.
+    #[error("there is no case '{0}' in tests/data/stability")]
+    UnknownCase(String),
+    /// No such method: a row was made by another version.
+    #[error("there is no method '{0}'")]
+    UnknownMethod(String),
+    /// A surface has no picture, or none that can be judged.
+    #[error("{surface}: {why}")]
+    Surface {
+        /// Its name.
+        surface: String,
+        /// One phrase.
+        why: String,
+    },
+    /// A file or directory cannot be read or written.
+    #[error("{path}: {source}", path = path.display())]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file is there, and is not what it should be.
+    #[error("{path}: {why}", path = path.display())]
+    Content {
+        /// Which.
+        path: PathBuf,
+        /// One phrase.
+        why: String,
+    },
+    /// A chart could not be drawn.
+    #[error("the chart {name} cannot be drawn: {why}")]
+    Chart {
+        /// Which.
+        name: String,
+        /// One phrase.
+        why: String,
+    },
+}
+
+impl ChartError {
+    /// For `map_err`: of a surface.
+    pub fn of_surface<E: ToString>(surface: &str) -> impl Fn(E) -> Self {
+        move |why| Self::Surface { surface: surface.to_owned(), why: why.to_string() }
+    }
+
+    /// For `map_err`: of a file.
+    pub fn of_file(path: &Path) -> impl Fn(std::io::Error) -> Self {
+        move |source| Self::File { path: path.to_owned(), source }
+    }
+
+    /// For `map_err`: of what is in a file.
+    pub fn of_content<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
+        move |why| Self::Content { path: path.to_owned(), why: why.to_string() }
+    }
+}

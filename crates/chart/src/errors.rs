@@ -1,0 +1,163 @@
+//! How a picture differs from what is certain.
+
+use crate::quantile::quantile;
+use crate::reference::{Reference, Root, Truth};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use zeroset_trace::{GBuffer, RayGrid, Status};
+
+/// How the painted points of some pixels are wrong, and what is claimed of them. Pixels that the reference leaves open count in
+/// `open` and nowhere else.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Pixels that were looked at.
+    pub samples: usize,
+    /// Of these, those that the reference leaves open.
+    pub open: usize,
+    /// Pixels with a root.
+    pub roots: usize,
+    /// Pixels with a root on which nothing is painted.
+    pub missed: usize,
+    /// Pixels without a root on which something is painted.
+    pub phantom: usize,
+    /// Pixels on which what is painted is nearer to the next root than to the first.
+    pub wrong_root: usize,
+    /// Pixels of which the method leaves open what they show.
+    pub undecided: usize,
+    /// Pixels of which the method claims what is not true: a miss that has a root, a hit that has none, or has another first.
+    pub false_claims: usize,
+    /// Pixels with a root that are painted at their first root: distances and normals are about these.
+    pub painted: usize,
+    /// How far from the root, in pixels' footprints there: median, 99.9 % and maximum.
+    pub off_pixels: Option<[f64; 3]>,
+    /// The same in world units.
+    pub off: Option<[f64; 3]>,
+    /// Angle between what is drawn as the normal and the normal at the root, in degrees: the same three.
+    pub normal_degrees: Option<[f64; 3]>,
+}
+
+/// What is wrong with one painted pixel, if anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mistake {
+    /// A root is not painted.
+    Missed,
+    /// There is no root.
+    Phantom,
+    /// It is another root than the first.
+    WrongRoot,
+}
+
+/// How far a distance is outside of the nearest piece.
+fn outside(pieces: &[[f64; 2]], drawn: f64) -> f64 {
+    let outside = |[near, far]: &[f64; 2]| (near - drawn).max(drawn - far).max(0.0);
+    pieces.iter().map(outside).fold(f64::INFINITY, f64::min)
+}
+
+fn is_next(root: &Root, drawn: f64) -> bool {
+    root.next.is_some_and(|next| outside(&[next], drawn) < outside(&root.pieces, drawn))
+}
+
+/// What is wrong with a pixel painted at this distance, which is infinite where nothing is painted; `None` if nothing is, or it
+/// is not known.
+pub fn mistake(truth: &Truth, drawn: f64) -> Option<Mistake> {
+    match truth {
+        Truth::Open => None,
+        Truth::Miss => drawn.is_finite().then_some(Mistake::Phantom),
+        Truth::Root(_) if !drawn.is_finite() => Some(Mistake::Missed),
+        Truth::Root(root) => is_next(root, drawn).then_some(Mistake::WrongRoot),
+    }
+}
+
+impl Errors {
+    /// Of a picture of all the reference's rays.
+    pub fn new(reference: &Reference, rays: &RayGrid, buffer: &GBuffer) -> Self {
+        let mut errors = Self { samples: reference.pixels.len(), ..Self::default() };
+        let [mut off_pixels, mut off, mut degrees] = [const { Vec::new() }; 3];
+        for (pixel, truth) in &reference.pixels {
+            let (status, drawn) = (buffer.status[*pixel], buffer.drawn[*pixel]);
+            if *truth == Truth::Open {
+                errors.open += 1;
+                continue;
+            }
+            let mistake = mistake(truth, drawn);
+            match mistake {
+                Some(Mistake::Missed) => errors.missed += 1,
+                Some(Mistake::Phantom) => errors.phantom += 1,
+                Some(Mistake::WrongRoot) => errors.wrong_root += 1,
+                None => {}
+            }
+            errors.undecided += usize::from(status == Status::Undecided);
+            let is_false = match (status, truth) {
+                (Status::Undecided, _) | (_, Truth::Open) => false,
+                (Status::Miss, truth) => matches!(truth, Truth::Root(_)),
+                (Status::Hit, truth) => mistake.is_some() || *truth == Truth::Miss,
+            };
+            errors.false_claims += usize::from(is_false);
+            let Truth::Root(root) = truth else { continue };
+            errors.roots += 1;
+            if mistake.is_some() {
+                continue;
+            }
+            errors.painted += 1;
+            let distance = outside(&root.pieces, drawn);
+            // A footprint is that at the root, on this pixel's own ray.
+            let along = rays.ray_of(*pixel).parameter(root.pieces[0][0]);
+            off.push(distance);
+            off_pixels.push(distance / rays.footprint(along).max(f64::MIN_POSITIVE));
+            let drawn = DVec3::from_array(buffer.normal[*pixel].map(f64::from));
+            if let Some(normal) = root.normal.filter(|_| drawn != DVec3::ZERO) {
+                let normal = DVec3::from_array(normal);
+                // Of small angles the sine is exact where the cosine is not.
+                degrees.push(normal.cross(drawn).length().atan2(normal.dot(drawn)).to_degrees());
+            }
+        }
+        let three = |values: &[f64]| {
+            let [median, high, maximum] = [0.5, 0.999, 1.0].map(|share| quantile(values, share));
+            Some([median?, high?, maximum?])
+        };
+        (errors.off_pixels, errors.off) = (three(&off_pixels), three(&off));
+        errors.normal_degrees = three(&degrees);
+        errors
+    }
+
+    /// Pixels that are painted wrongly.
+    pub fn wrong(&self) -> usize {
+        self.missed + self.phantom + self.wrong_root
+    }
+
+    /// Pixels that the reference decides.
+    pub fn decided(&self) -> usize {
+        self.samples - self.open
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn root(next: Option<[f64; 2]>) -> Truth {
+        Truth::Root(Root { pieces: vec![[2.0, 2.0]], next, normal: None })
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        let none = f64::INFINITY;
+        assert_eq!(mistake(&Truth::Miss, none), None);
+        assert_eq!(mistake(&Truth::Miss, 1.0), Some(Mistake::Phantom));
+        assert_eq!(mistake(&Truth::Open, 1.0), None);
+        assert_eq!(mistake(&root(None), none), Some(Mistake::Missed));
+        assert_eq!(mistake(&root(None), 9.0), None);
+        let two = root(Some([4.0, 4.0]));
+        assert_eq!([1.0, 2.9].map(|drawn| mistake(&two, drawn)), [None; 2]);
+        assert_eq!(mistake(&two, 3.1), Some(Mistake::WrongRoot));
+    }
+
+    #[test]
+    fn a_distance_within_a_piece_is_no_error() {
+        let pieces = [[1.0, 2.0], [5.0, 5.5]];
+        let expected = [(1.5, 0.0), (0.75, 0.25), (4.0, 1.0), (6.0, 0.5)];
+        for (drawn, off) in expected {
+            assert_eq!(outside(&pieces, drawn), off);
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Which pictures are compared: each method, with each value of each option that it reads.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use zeroset::picture::Settings;
+use zeroset_trace::{Method, MethodOption, Precision};
+
+/// The values that options take.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Values {
+    /// Of the depth.
+    pub depths: Vec<u32>,
+    /// Of the tolerance, in pixels.
+    pub tolerances: Vec<f64>,
+    /// Of the number of steps along a ray.
+    pub steps: Vec<u32>,
+    /// Names of precisions.
+    pub precisions: Vec<String>,
+}
+
+/// A method and its options; `None` for those that it does not read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Configuration {
+    /// How surfaces are found.
+    pub method: &'static Method,
+    /// What kernels compute in.
+    pub precision: Option<Precision>,
+    /// How often the region is halved.
+    pub depth: Option<u32>,
+    /// How far a hit may be off, in pixels.
+    pub tolerance: Option<f64>,
+    /// How many steps are made along a ray.
+    pub steps: Option<u32>,
+}
+
+/// What an option is, with its unit.
+pub fn meaning(option: MethodOption) -> &'static str {
+    match option {
+        MethodOption::Precision => "precision",
+        MethodOption::Depth => "depth: how often the domain is halved",
+        MethodOption::Tolerance => "tolerance, in pixels",
+        MethodOption::Steps => "steps: samples on a ray's way, or steps along it at most",
+    }
+}
+
+/// The precision with this name.
+pub fn precision(name: &str) -> Option<Precision> {
+    [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
+}
+
+/// The options of a method that are varied: all that it reads; but where depth or steps say how finely it looks, the tolerance
+/// only ends the refinement of what it found, and stays as it is.
+fn varied(method: &Method) -> impl Iterator<Item = MethodOption> {
+    let looks = |option: &MethodOption| matches!(option, MethodOption::Depth | MethodOption::Steps);
+    let has_other = method.reads.iter().any(looks);
+    let is_varied = move |option: &MethodOption| !(has_other && *option == MethodOption::Tolerance);
+    method.reads.iter().copied().filter(is_varied)
+}
+
+/// Every combination of what is varied of these methods.
+pub fn configurations(methods: &[&'static Method], values: &Values) -> Vec<Configuration> {
+    let mut all = Vec::new();
+    for method in methods {
+        let plain = Configuration::plain(method);
+        let mut of_method = vec![plain];
+        for option in varied(method) {
+            of_method =
+                of_method.into_iter().flat_map(|one| one.with_each(option, values)).collect();
+        }
+        // Beyond its greatest depth a precision gives the picture of that depth once more.
+        of_method.retain(|one| one.depth <= one.precision.map(Precision::max_depth).or(one.depth));
+        all.extend(of_method);
+    }
+    all
+}
+
+impl Configuration {
+    /// With every option by default.
+    pub fn plain(method: &'static Method) -> Self {
+        Self { method, precision: None, depth: None, tolerance: None, steps: None }
+    }
+
+    /// This with each value of an option.
+    fn with_each(self, option: MethodOption, values: &Values) -> Vec<Self> {
+        match option {
+            MethodOption::Precision => {
+                let precisions = values.precisions.iter().filter_map(|name| precision(name));
+                precisions.map(|value| Self { precision: Some(value), ..self }).collect()
+            }
+            MethodOption::Depth => {
+                values.depths.iter().map(|v| Self { depth: Some(*v), ..self }).collect()
+            }
+            MethodOption::Steps => {
+                values.steps.iter().map(|v| Self { steps: Some(*v), ..self }).collect()
+            }
+            MethodOption::Tolerance => {
+                values.tolerances.iter().map(|v| Self { tolerance: Some(*v), ..self }).collect()
+            }
+        }
+    }
+
+    /// The number that an option has, if it has one.
+    pub fn number(&self, option: MethodOption) -> Option<f64> {
+        match option {
+            MethodOption::Precision => None,
+            MethodOption::Depth => self.depth.map(f64::from),
+            MethodOption::Tolerance => self.tolerance,
+            MethodOption::Steps => self.steps.map(f64::from),
+        }
+    }
+
+    /// Its numbers, each after a letter: d for depth, t for tolerance, s for steps.
+    pub fn label(&self) -> String {
+        let Self { method: _, precision: _, depth, tolerance, steps } = self;
+        let depth = depth.map(|depth| format!("d{depth}"));
+        let tolerance = tolerance.map(|tolerance| format!("t{tolerance}"));
+        let steps = steps.map(|steps| format!("s{steps}"));
+        [depth, tolerance, steps].into_iter().flatten().collect::<Vec<_>>().join(" ")
+    }
+
+    /// How its square pictures are made.
+    pub fn settings(&self, size: usize) -> Settings {
+        let plain = Settings::default();
+        Settings {
+            width: size,
+            height: size,
+            method: self.method,
+            precision: self.precision.unwrap_or(plain.precision),
+            max_depth: self.depth.unwrap_or(plain.max_depth),
+            tolerance: self.tolerance.unwrap_or(plain.tolerance),
+            steps: self.steps.unwrap_or(plain.steps),
+            ..plain
+        }
+    }
+
+    /// The flags of `zeroset render` that ask for it.
+    pub fn flags(&self) -> String {
+        let flag = |option: MethodOption, value: Option<String>| {
+            value.map(|value| format!(" --{} {value}", option.name()))
+        };
+        let flags = [
+            flag(MethodOption::Precision, self.precision.map(|p| p.to_string())),
+            flag(MethodOption::Depth, self.depth.map(|depth| depth.to_string())),
+            flag(MethodOption::Tolerance, self.tolerance.map(|tolerance| tolerance.to_string())),
+            flag(MethodOption::Steps, self.steps.map(|steps| steps.to_string())),
+        ];
+        format!("--method {}{}", self.method.name, flags.into_iter().flatten().collect::<String>())
+    }
+}
+
+impl fmt::Display for Configuration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.method.name)?;
+        if let Some(depth) = self.depth {
+            write!(f, " depth {depth}")?;
+        }
+        if let Some(tolerance) = self.tolerance {
+            write!(f, " tolerance {tolerance}")?;
+        }
+        if let Some(steps) = self.steps {
+            write!(f, " steps {steps}")?;
+        }
+        self.precision.map_or(Ok(()), |precision| write!(f, " {precision}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_trace::METHODS;
+
+    #[test]
+    fn only_what_a_method_reads_is_varied() {
+        let values = Values {
+            depths: vec![6, 8, 10],
+            tolerances: vec![1.0, 0.1],
+            steps: vec![16, 64],
+            precisions: vec!["f32".to_owned(), "auto".to_owned()],
+        };
+        for method in &METHODS {
+            let all = configurations(&[method], &values);
+            let number = |option| match option {
+                MethodOption::Precision | MethodOption::Tolerance | MethodOption::Steps => 2,
+                MethodOption::Depth => 3,
+            };
+            let expected: usize = varied(method).map(number).product();
+            assert_eq!(all.len(), expected, "{}", method.name);
+            for one in all {
+                let reads = |option| varied(method).any(|varied| varied == option);
+                assert_eq!(one.depth.is_some(), reads(MethodOption::Depth));
+                assert_eq!(one.tolerance.is_some(), reads(MethodOption::Tolerance));
+                assert_eq!(one.steps.is_some(), reads(MethodOption::Steps));
+                assert_eq!(one.settings(32).method.name, method.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_precision_is_not_asked_for_depths_beyond_it() {
+        let knoll = Method::named("knoll").expect("a row");
+        let values = Values {
+            depths: vec![10, 30],
+            tolerances: vec![],
+            steps: vec![],
+            precisions: vec!["f32".to_owned(), "f64".to_owned()],
+        };
+        assert_eq!(configurations(&[knoll], &values).len(), 3);
+    }
+}

@@ -1,0 +1,89 @@
+//! Times of pictures, taken in turn: in each round every configuration draws once, in an order that a seed draws.
+
+use crate::error::ChartError;
+use crate::grid::Configuration;
+use crate::quantile::Quartiles;
+use crate::surfaces::Surface;
+use crate::views::rng;
+use std::time::{Duration, Instant};
+use zeroset::model::Model;
+use zeroset::picture::Picture;
+use zeroset_trace::Camera;
+
+/// What one configuration took, in milliseconds, and its picture.
+pub struct Measured {
+    /// Simplifying and compiling, of the first picture, with nothing left of others.
+    pub compile: f64,
+    /// The whole first picture, compiling included.
+    pub cold: f64,
+    /// Rays to distances.
+    pub trace: Quartiles,
+    /// Normals and colours.
+    pub shade: Quartiles,
+    /// Both.
+    pub total: Quartiles,
+    /// The first picture.
+    pub picture: Picture,
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// Measures all `configurations` from one view, each `repeats` times after a cold and a warm picture; `advance` is told after
+/// each round.
+///
+/// # Errors
+/// If a kernel cannot be made.
+///
+/// # Panics
+/// If there are no repeats.
+pub fn measure(
+    surface: &Surface,
+    camera: &Camera,
+    size: usize,
+    configurations: &[Configuration],
+    repeats: usize,
+    seed: u64,
+    advance: &dyn Fn(),
+) -> Result<Vec<Measured>, ChartError> {
+    assert!(repeats > 0, "no repeats, no times");
+    let refuse = ChartError::of_surface(&surface.name);
+    let mut first = Vec::new();
+    for one in configurations {
+        let (settings, start) = (one.settings(size), Instant::now());
+        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
+        let picture = model.trace(camera, &settings, &|_| true).map_err(&refuse)?;
+        let cold = milliseconds(start.elapsed());
+        let times = picture.statistics.times;
+        first.push((picture, cold, milliseconds(times.simplify + times.compile)));
+    }
+    advance();
+    let shared = configurations.first().map(|one| one.settings(size)).unwrap_or_default();
+    let model = Model::new(&surface.document, &surface.region, &shared).map_err(&refuse)?;
+    let mut times = vec![Vec::with_capacity(repeats); configurations.len()];
+    let mut order: Vec<usize> = (0..configurations.len()).collect();
+    let mut rng = rng(&format!("{seed} {} order", surface.name));
+    // The round before the first makes kernels.
+    for round in 0..=repeats {
+        rng.shuffle(&mut order);
+        for &index in &order {
+            let settings = configurations[index].settings(size);
+            let picture = model.trace(camera, &settings, &|_| true).map_err(&refuse)?;
+            let taken = picture.statistics.times;
+            picture.hand_back();
+            if round > 0 {
+                times[index].push([taken.trace, taken.shade, taken.trace + taken.shade]);
+            }
+        }
+        advance();
+    }
+    let measured = first.into_iter().zip(times).map(|((picture, cold, compile), times)| {
+        let [trace, shade, total] = [0, 1, 2].map(|part| {
+            let times: Vec<f64> = times.iter().map(|all| milliseconds(all[part])).collect();
+            Quartiles::of(&times).expect("repeats")
+        });
+        Measured { compile, cold, trace, shade, total, picture }
+    });
+    Ok(measured.collect())
+}

@@ -1,0 +1,115 @@
+//! Each surface by each method, and what is wrong with each pixel.
+
+use super::{escaped, push};
+use crate::difference::{difference, png};
+use crate::error::ChartError;
+use crate::errors::Errors;
+use crate::grid::Configuration;
+use crate::reference::{Reference, Sampling};
+use crate::row::Row;
+use crate::store::Store;
+use crate::surfaces::Surface;
+use crate::views::View;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use image::RgbImage;
+use zeroset::model::Model;
+use zeroset_testkit::certified::BUDGET;
+use zeroset_trace::{METHODS, Precision};
+
+/// Pixels in a row: every one of them is held against the certified tracer.
+const SIZE: usize = 96;
+
+/// The standard view of every surface.
+pub fn pictures(store: &Store, advance: &dyn Fn(&str)) -> Result<String, ChartError> {
+    let mut text = String::new();
+    let mut names: Vec<&str> = Vec::new();
+    for row in &store.rows {
+        if names.contains(&row.surface.as_str()) {
+            continue;
+        }
+        names.push(&row.surface);
+        advance(&row.surface);
+        of_surface(store, row, &mut text)?;
+    }
+    Ok(text)
+}
+
+/// Of each method, that in the middle of those measured, in `auto` where it was.
+fn middles(rows: &[Row], surface: &str) -> Vec<Configuration> {
+    let of_surface = rows.iter().filter(|row| row.surface == surface);
+    let mut measured: Vec<Configuration> = Vec::new();
+    for one in of_surface.filter_map(|row| row.configuration().ok()) {
+        if !measured.contains(&one) {
+            measured.push(one);
+        }
+    }
+    let middle = |name: &str| {
+        let of_method = measured.iter().filter(|one| one.method.name == name);
+        let of_method: Vec<&Configuration> = of_method.collect();
+        let is_auto = |one: &&&Configuration| one.precision == Some(Precision::Auto);
+        let auto: Vec<&Configuration> = of_method.iter().filter(is_auto).copied().collect();
+        let some = if auto.is_empty() { of_method } else { auto };
+        some.get(some.len() / 2).copied().copied()
+    };
+    METHODS.iter().filter_map(|method| middle(method.name)).collect()
+}
+
+fn of_surface(store: &Store, row: &Row, text: &mut String) -> Result<(), ChartError> {
+    let surface = Surface::named(&row.surface)?;
+    let refuse = ChartError::of_surface(&surface.name);
+    let view = View { name: format!("{}-page", row.view), camera: row.camera()? };
+    let sampling = Sampling { size: SIZE, samples: 0, seed: row.seed, budget: BUDGET };
+    let reference = Reference::kept(&store.path("reference"), &surface, &view, sampling)?;
+    let rays = view.camera.rays(SIZE, SIZE);
+    push(text, format_args!("<h3>{}</h3>\n<div class=\"pictures\">\n", escaped(&surface.name)));
+    for configuration in middles(&store.rows, &row.surface) {
+        let settings = configuration.settings(SIZE);
+        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
+        let picture = model.trace(&view.camera, &settings, &|_| true).map_err(&refuse)?;
+        let errors = Errors::new(&reference, &rays, &picture.buffer);
+        let wrong = difference(&reference, &picture.buffer);
+        let side = SIZE as u32;
+        let shown = RgbImage::from_raw(side, side, picture.rgb).unwrap_or_default();
+        let [shown, wrong] = [shown, wrong].map(|image| source(&image));
+        let (name, command) = (configuration.to_string(), command(row, &configuration));
+        push(
+            text,
+            format_args!(
+                "<div title=\"{}\"><img src=\"{}\" alt=\"\"><img class=\"wrong\" src=\"{}\" alt=\"\">{}<br>{} wrong, {} \
+                 undecided</div>\n",
+                escaped(&command),
+                shown?,
+                wrong?,
+                escaped(&name),
+                errors.wrong(),
+                errors.undecided
+            ),
+        );
+    }
+    push(text, format_args!("</div>\n"));
+    Ok(())
+}
+
+/// What draws the picture again, if the surface is one of the gallery.
+fn command(row: &Row, configuration: &Configuration) -> String {
+    format!(
+        "zeroset render {} --eye {},{},{} --target {},{},{} --up {},{},{} --fov {} --size {SIZE} {}",
+        row.surface,
+        row.eye_x,
+        row.eye_y,
+        row.eye_z,
+        row.target_x,
+        row.target_y,
+        row.target_z,
+        row.up_x,
+        row.up_y,
+        row.up_z,
+        row.fov,
+        configuration.flags()
+    )
+}
+
+fn source(image: &RgbImage) -> Result<String, ChartError> {
+    Ok(format!("data:image/png;base64,{}", STANDARD.encode(png(image)?)))
+}

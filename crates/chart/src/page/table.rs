@@ -1,0 +1,52 @@
+//! Means of each configuration over all surfaces and views, as a table.
+
+use super::{escaped, push};
+use crate::grid::Configuration;
+use crate::plot::written;
+use crate::quantile::geometric_mean;
+use crate::row::Row;
+
+/// A line for each configuration and size.
+pub fn table(rows: &[Row]) -> String {
+    let mut text = String::from(HEAD);
+    let mut kinds: Vec<(Configuration, usize)> = Vec::new();
+    for row in rows {
+        let Ok(configuration) = row.configuration() else { continue };
+        if !kinds.contains(&(configuration, row.size)) {
+            kinds.push((configuration, row.size));
+        }
+    }
+    for (configuration, size) in kinds {
+        let is_of = |row: &&Row| {
+            row.size == size && row.configuration().is_ok_and(|other| other == configuration)
+        };
+        let rows: Vec<&Row> = rows.iter().filter(is_of).collect();
+        let mean = |value: fn(&Row) -> f64| {
+            geometric_mean(&rows.iter().map(|row| value(row)).collect::<Vec<_>>()).unwrap_or(0.0)
+        };
+        let sum = |count: fn(&Row) -> usize| rows.iter().map(|row| count(row)).sum::<usize>();
+        let off = rows.iter().filter_map(|row| row.off_pixels_max).fold(0.0, f64::max);
+        let cells = [
+            escaped(&configuration.to_string()),
+            format!("{size}"),
+            format!("{:.2}", mean(|row| row.trace_ms)),
+            format!("{:.2}", mean(|row| row.shade_ms.max(1e-6))),
+            format!("{:.1}", mean(|row| row.cold_ms)),
+            sum(|row| row.looked_at - row.open).to_string(),
+            sum(|row| row.open).to_string(),
+            sum(|row| row.missed).to_string(),
+            sum(|row| row.phantom).to_string(),
+            sum(|row| row.wrong_root).to_string(),
+            sum(|row| row.undecided).to_string(),
+            sum(|row| row.false_claims).to_string(),
+            if off > 0.0 { written(off) } else { "0".to_owned() },
+        ];
+        push(&mut text, format_args!("<tr><td>{}</td></tr>\n", cells.join("</td><td>")));
+    }
+    text + "</table>\n"
+}
+
+const HEAD: &str = "<p>Times in ms are geometric means over surfaces and views; pixels are sums; the greatest distance from a \
+root is in pixels' footprints.</p>\n<table>\n<tr><th>method</th><th>size</th><th>trace</th><th>shade</th><th>first</th>\
+<th>pixels</th><th>open</th><th>missed</th><th>phantom</th><th>wrong root</th><th>undecided</th><th>false claims</th>\
+<th>farthest</th></tr>\n";

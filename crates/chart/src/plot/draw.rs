@@ -1,0 +1,259 @@
+//! A figure as SVG.
+
+use super::{Figure, Mark, Scale, Series, Shape};
+use crate::error::ChartError;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Of the picture, in pixels.
+const SIZE: (u32, u32) = (980, 560);
+/// Around what is drawn: left, top, and to the right, where the legend is.
+const LEFT: i32 = 78;
+const TOP: i32 = 44;
+const LEGEND: i32 = 250;
+/// Below what is drawn, and how much more for each letter where names stand upright.
+const BOTTOM: i32 = 58;
+const UPRIGHT: i32 = 6;
+/// Of letters.
+const TITLE: i32 = 18;
+const TEXT: i32 = 13;
+const SMALL: i32 = 11;
+/// More places than this have upright names.
+const SIDEWAYS: usize = 11;
+
+/// Colours that are told apart whatever the eye (Okabe and Ito 2008).
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(90, 90, 90),
+];
+const INK: RGBColor = RGBColor(40, 40, 40);
+const GRID: RGBColor = RGBColor(226, 226, 226);
+const ZERO: RGBColor = RGBColor(242, 242, 242);
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+struct Canvas<'a> {
+    area: Area<'a>,
+    x: Scale,
+    y: Scale,
+    bottom: i32,
+}
+
+/// The figure as a text of SVG.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn draw(figure: &Figure) -> Result<String, ChartError> {
+    let mut svg = String::new();
+    let drawn = {
+        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        Canvas::new(area, figure).draw(figure)
+    };
+    let refuse = |error: Box<dyn std::error::Error>| ChartError::Chart {
+        name: figure.title.clone(),
+        why: error.to_string(),
+    };
+    drawn.map_err(refuse)?;
+    // Without its size, it fills the width that there is.
+    let fixed = format!("<svg width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1);
+    Ok(svg.replacen(&fixed, "<svg ", 1))
+}
+
+fn text(colour: RGBColor, size: i32, at: (HPos, VPos)) -> TextStyle<'static> {
+    let mut style = TextStyle::from(("sans-serif", size).into_font());
+    style.color = colour.to_backend_color();
+    style.pos(Pos::new(at.0, at.1))
+}
+
+/// Wide and pale, so that it is seen behind the lines that it follows.
+fn front_style() -> ShapeStyle {
+    RGBColor(120, 120, 60).mix(0.25).stroke_width(13)
+}
+
+impl<'a> Canvas<'a> {
+    fn new(area: Area<'a>, figure: &Figure) -> Self {
+        let marks = figure.series.iter().flat_map(|series| &series.marks);
+        let thin = figure.series.iter().flat_map(|series| series.behind.iter().flatten());
+        let points = marks.clone().map(|mark| mark.at).chain(thin.copied());
+        let bars = marks.filter_map(|mark| mark.bar).flatten();
+        let y = Scale::logarithmic(points.clone().map(|at| at[1]).chain(bars).chain(figure.level));
+        let x = match figure.places.len() {
+            0 => Scale::logarithmic(points.map(|at| at[0])),
+            places => Scale::named(places),
+        };
+        let letters = figure.places.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+        let is_upright = figure.places.len() > SIDEWAYS;
+        let room = BOTTOM + if is_upright { UPRIGHT * letters as i32 } else { 0 };
+        Self { area, x, y, bottom: SIZE.1 as i32 - room }
+    }
+
+    fn right() -> i32 {
+        SIZE.0 as i32 - LEGEND
+    }
+
+    fn across(place: f64) -> i32 {
+        LEFT + (place * f64::from(Self::right() - LEFT)).round() as i32
+    }
+
+    fn upward(&self, place: f64) -> i32 {
+        self.bottom - (place * f64::from(self.bottom - TOP)).round() as i32
+    }
+
+    fn at(&self, [x, y]: [f64; 2]) -> Option<(i32, i32)> {
+        Some((Self::across(self.x.place(x)?), self.upward(self.y.place(y)?)))
+    }
+
+    fn path(&self, points: &[[f64; 2]]) -> Vec<(i32, i32)> {
+        points.iter().filter_map(|point| self.at(*point)).collect()
+    }
+
+    fn draw(&self, figure: &Figure) -> Drawn {
+        self.area.fill(&WHITE)?;
+        self.axes(figure)?;
+        for series in &figure.series {
+            for line in &series.behind {
+                let thin = COLOURS[series.colour % COLOURS.len()].mix(0.25).stroke_width(1);
+                self.area.draw(&PathElement::new(self.path(line), thin))?;
+            }
+        }
+        if let Some((_, points)) = &figure.front {
+            self.area.draw(&PathElement::new(self.path(points), front_style()))?;
+        }
+        for series in &figure.series {
+            self.series(series)?;
+        }
+        self.legend(figure)?;
+        Ok(self.area.present()?)
+    }
+
+    fn axes(&self, figure: &Figure) -> Drawn {
+        let (right, middle) = (Self::right(), f64::midpoint);
+        if let Some(end) = self.x.band() {
+            let corners = [(LEFT, TOP), (Self::across(end), self.bottom)];
+            self.area.draw(&Rectangle::new(corners, ZERO.filled()))?;
+        }
+        if let Some(end) = self.y.band() {
+            let corners = [(LEFT, self.upward(end)), (right, self.bottom)];
+            self.area.draw(&Rectangle::new(corners, ZERO.filled()))?;
+        }
+        for (place, label) in self.y.ticks() {
+            let y = self.upward(place);
+            self.area.draw(&PathElement::new(vec![(LEFT, y), (right, y)], GRID))?;
+            let style = text(INK, TEXT, (HPos::Right, VPos::Center));
+            self.area.draw(&Text::new(label, (LEFT - 7, y), style))?;
+        }
+        let is_upright = figure.places.len() > SIDEWAYS;
+        let names = figure.places.iter().enumerate();
+        let names = names.filter_map(|(n, name)| Some((self.x.place(n as f64)?, name.clone())));
+        let ticks = if figure.places.is_empty() { self.x.ticks() } else { names.collect() };
+        for (place, label) in ticks {
+            let x = Self::across(place);
+            self.area.draw(&PathElement::new(vec![(x, TOP), (x, self.bottom)], GRID))?;
+            let style = if is_upright {
+                let style = text(INK, SMALL, (HPos::Left, VPos::Center));
+                style.transform(FontTransform::Rotate90)
+            } else {
+                text(INK, TEXT, (HPos::Center, VPos::Top))
+            };
+            self.area.draw(&Text::new(label, (x, self.bottom + 7), style))?;
+        }
+        if let Some(y) = figure.level.and_then(|level| self.y.place(level)) {
+            let ends = vec![(LEFT, self.upward(y)), (right, self.upward(y))];
+            self.area.draw(&PathElement::new(ends, INK.stroke_width(1)))?;
+        }
+        let frame = [(LEFT, TOP), (right, self.bottom)];
+        self.area.draw(&Rectangle::new(frame, INK.stroke_width(1)))?;
+        let title = text(INK, TITLE, (HPos::Left, VPos::Top));
+        self.area.draw(&Text::new(figure.title.clone(), (LEFT, 12), title))?;
+        let across = middle(f64::from(LEFT), f64::from(right)) as i32;
+        let label = text(INK, TEXT, (HPos::Center, VPos::Bottom));
+        self.area.draw(&Text::new(figure.x.clone(), (across, SIZE.1 as i32 - 8), label.clone()))?;
+        let upward = middle(f64::from(TOP), f64::from(self.bottom)) as i32;
+        let upright =
+            text(INK, TEXT, (HPos::Center, VPos::Center)).transform(FontTransform::Rotate270);
+        Ok(self.area.draw(&Text::new(figure.y.clone(), (16, upward), upright))?)
+    }
+
+    fn series(&self, series: &Series) -> Drawn {
+        let colour = COLOURS[series.colour % COLOURS.len()];
+        if series.is_joined {
+            let points: Vec<[f64; 2]> = series.marks.iter().map(|mark| mark.at).collect();
+            self.area.draw(&PathElement::new(self.path(&points), colour.stroke_width(2)))?;
+        }
+        for Mark { at, bar, label } in &series.marks {
+            let Some(place) = self.at(*at) else { continue };
+            if let Some([low, high]) = bar {
+                let mut ends = self.path(&[[at[0], *low], [at[0], *high]]);
+                let width = if series.shape == Shape::Bar { 11 } else { 1 };
+                // Where both ends are the same, it is seen all the same.
+                if let [(_, low), (_, high)] = &mut ends[..]
+                    && low == high
+                {
+                    (*low, *high) = (*low + 2, *high - 2);
+                }
+                self.area.draw(&PathElement::new(ends, colour.stroke_width(width)))?;
+            }
+            self.mark(place, series.shape, colour)?;
+            if !label.is_empty() {
+                let style = text(colour, SMALL, (HPos::Left, VPos::Bottom));
+                self.area.draw(&Text::new(label.clone(), (place.0 + 5, place.1 - 4), style))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn mark(&self, (x, y): (i32, i32), shape: Shape, colour: RGBColor) -> Drawn {
+        match shape {
+            Shape::Disc => self.area.draw(&Circle::new((x, y), 4, colour.filled()))?,
+            Shape::Square => {
+                let corners = [(x - 4, y - 4), (x + 4, y + 4)];
+                self.area.draw(&Rectangle::new(corners, colour.filled()))?;
+            }
+            Shape::Triangle => {
+                let corners = vec![(x - 5, y + 4), (x + 5, y + 4), (x, y - 5)];
+                self.area.draw(&Polygon::new(corners, colour.filled()))?;
+            }
+            Shape::Bar => {}
+        }
+        Ok(())
+    }
+
+    fn legend(&self, figure: &Figure) -> Drawn {
+        const STEP: i32 = 22;
+        let (left, mut y) = (Self::right() + 16, TOP + 10);
+        let label = |y: i32, line: &str, size: i32| {
+            let style = text(INK, size, (HPos::Left, VPos::Center));
+            self.area.draw(&Text::new(line.to_owned(), (left + 34, y), style))
+        };
+        for series in figure.series.iter().filter(|series| !series.name.is_empty()) {
+            let colour = COLOURS[series.colour % COLOURS.len()];
+            if series.is_joined || series.shape == Shape::Bar {
+                let width = if series.shape == Shape::Bar { 11 } else { 2 };
+                let ends = vec![(left, y), (left + 26, y)];
+                self.area.draw(&PathElement::new(ends, colour.stroke_width(width)))?;
+            }
+            self.mark((left + 13, y), series.shape, colour)?;
+            label(y, &series.name, TEXT)?;
+            y += STEP;
+        }
+        if let Some((name, _)) = &figure.front {
+            self.area.draw(&PathElement::new(vec![(left, y), (left + 26, y)], front_style()))?;
+            label(y, name, TEXT)?;
+            y += STEP;
+        }
+        y += 6;
+        for note in &figure.notes {
+            let style = text(INK, SMALL, (HPos::Left, VPos::Center));
+            self.area.draw(&Text::new(note.clone(), (left, y), style))?;
+            y += 16;
+        }
+        Ok(())
+    }
+}

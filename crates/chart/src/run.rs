@@ -1,0 +1,143 @@
+//! The grid, measured view by view. Rows that are there already are kept.
+
+use crate::arguments::RunArguments;
+use crate::error::ChartError;
+use crate::errors::Errors;
+use crate::grid::{Configuration, configurations};
+use crate::machine::Machine;
+use crate::measure::measure;
+use crate::progress::progress;
+use crate::reference::{Reference, Sampling};
+use crate::row::{Frame, Row};
+use crate::store::Store;
+use crate::surfaces::Surface;
+use crate::views::{View, views};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::path::Path;
+use zeroset_testkit::certified::BUDGET;
+
+/// Surfaces and configurations, and how they are measured.
+pub struct Plan {
+    surfaces: Vec<Surface>,
+    configurations: Vec<Configuration>,
+    views: usize,
+    sizes: Vec<usize>,
+    frame: Frame,
+}
+
+impl Plan {
+    /// What the arguments ask for.
+    ///
+    /// # Errors
+    /// If a surface is unknown.
+    pub fn new(arguments: &RunArguments) -> Result<Self, ChartError> {
+        let names = arguments.surfaces();
+        let surfaces = names.iter().map(|name| Surface::named(name)).collect::<Result<_, _>>()?;
+        Ok(Self {
+            surfaces,
+            configurations: configurations(&arguments.methods(), &arguments.values()),
+            views: arguments.views(),
+            sizes: arguments.sizes(),
+            frame: arguments.frame(),
+        })
+    }
+}
+
+/// A pool of so many threads, apart from that on which references are found.
+///
+/// # Panics
+/// If the system gives none.
+pub fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
+}
+
+/// Measures what is not in `directory` yet, and writes it there view by view; returns how many rows are new.
+///
+/// # Errors
+/// If the directory is of another machine or cannot be written, or a surface has no picture.
+pub fn run(plan: &Plan, directory: &Path) -> Result<usize, ChartError> {
+    let mut store = Store::open(directory)?;
+    let machine = Machine::this();
+    if store.rows.iter().any(|row| row.machine() != machine) {
+        let why = "holds results of another machine, compiler or version";
+        return Err(ChartError::of_content(directory)(why));
+    }
+    let (pool, before) = (pool(plan.frame.threads), store.rows.len());
+    let rounds = 3 + plan.frame.repeats;
+    let bar = progress(plan.surfaces.len() * plan.views * plan.sizes.len() * rounds);
+    for surface in &plan.surfaces {
+        for view in views(surface, plan.views, plan.frame.seed)? {
+            for &size in &plan.sizes {
+                bar.set_message(format!("{} {} {size}", surface.name, view.name));
+                let end = bar.position() + rounds as u64;
+                let frame = Frame { size, ..plan.frame };
+                let batch = Batch { surface, view: &view, frame, machine: &machine };
+                let missing: Vec<Configuration> = plan
+                    .configurations
+                    .iter()
+                    .copied()
+                    .filter(|one| !store.rows.iter().any(|row| batch.is(row, one)))
+                    .collect();
+                if !missing.is_empty() {
+                    let rows =
+                        batch.rows(&missing, &pool, &store.path("reference"), &|| bar.inc(1))?;
+                    store.rows.extend(rows);
+                    store.save()?;
+                }
+                bar.set_position(end);
+            }
+        }
+    }
+    bar.finish_and_clear();
+    Ok(store.rows.len() - before)
+}
+
+/// One view of one surface.
+pub struct Batch<'a> {
+    /// Which surface.
+    pub surface: &'a Surface,
+    /// From where.
+    pub view: &'a View,
+    /// How.
+    pub frame: Frame,
+    /// On what.
+    pub machine: &'a Machine,
+}
+
+impl Batch<'_> {
+    fn is(&self, row: &Row, configuration: &Configuration) -> bool {
+        row.surface == self.surface.name
+            && row.view == self.view.name
+            && row.frame() == self.frame
+            && row.configuration().is_ok_and(|other| other == *configuration)
+    }
+
+    /// Measures and judges these configurations; references are kept in a directory of their own.
+    ///
+    /// # Errors
+    /// If that cannot be written, or there is no picture.
+    pub fn rows(
+        &self,
+        configurations: &[Configuration],
+        pool: &ThreadPool,
+        references: &Path,
+        advance: &(dyn Fn() + Sync),
+    ) -> Result<Vec<Row>, ChartError> {
+        let Self { surface, view, frame, machine } = *self;
+        let Frame { size, repeats, samples, seed, .. } = frame;
+        let sampling = Sampling { size, samples, seed, budget: BUDGET };
+        let reference = Reference::kept(references, surface, view, sampling)?;
+        advance();
+        let measured = pool.install(|| {
+            measure(surface, &view.camera, size, configurations, repeats, seed, &advance)
+        })?;
+        let rays = view.camera.rays(size, size);
+        let rows = configurations.iter().zip(measured).map(|(configuration, measured)| {
+            let errors = Errors::new(&reference, &rays, &measured.picture.buffer);
+            let row = Row::new(surface, view, frame, configuration, &measured, &errors, machine);
+            measured.picture.hand_back();
+            row
+        });
+        Ok(rows.collect())
+    }
+}

@@ -1,0 +1,171 @@
+//! Formulas on which methods for implicit surfaces are known to fail, by every method, and what becomes of them.
+//!
+//! Cases are those of `tests/data/stability`. What is certain of a ray is said by the certified tracer, and where that leaves
+//! it open, as where f touches 0, by the roots that are stored beside the cases.
+
+mod case;
+mod outcome;
+mod sheet;
+
+pub use case::{Case, cases, named};
+pub use outcome::{Counts, Outcome};
+
+use crate::difference::{difference, png};
+use crate::error::ChartError;
+use crate::errors::Errors;
+use crate::grid::Configuration;
+use crate::progress::progress;
+use crate::reference::Reference;
+use crate::store::write;
+use image::RgbImage;
+use serde::Serialize;
+use sheet::Sheet;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use zeroset::model::Model;
+use zeroset::picture::Settings;
+use zeroset_trace::Method;
+
+/// Pixels in a row, and rows, as in the stored roots.
+pub const SIDE: usize = 64;
+
+/// What became of one case by one method.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    /// The case.
+    pub case: String,
+    /// The method, with the precision `auto` and its options by default.
+    pub method: String,
+    /// In one word.
+    pub outcome: Outcome,
+    /// Whole picture with compiling, in milliseconds.
+    pub ms: f64,
+    /// What it was found from.
+    pub counts: Counts,
+    /// What is wrong with the case in general.
+    pub hazard: String,
+    /// Why there is no picture.
+    pub refusal: Option<String>,
+}
+
+/// Draws `cases` by `methods`, each for no longer than `budget`, and writes table, rows and contact sheet into `directory`;
+/// returns the rows.
+///
+/// # Errors
+/// If the directory cannot be written.
+pub fn stability(
+    cases: &[Case],
+    methods: &[&'static Method],
+    budget: Duration,
+    directory: &Path,
+) -> Result<Vec<Verdict>, ChartError> {
+    let bar = progress(cases.len() * methods.len());
+    let mut verdicts = Vec::new();
+    let mut sheet = Sheet::new(cases.len(), methods);
+    for (row, case) in cases.iter().enumerate() {
+        bar.set_message(case.slug.clone());
+        let reference = case.reference(&directory.join("reference"));
+        for (column, method) in methods.iter().enumerate() {
+            let (verdict, pictures) = match &reference {
+                Ok(reference) => judged(case, reference, method, budget),
+                Err(error) => (refused(case, method, error.to_string()), None),
+            };
+            sheet.add(row, column, &verdict, pictures.as_ref());
+            verdicts.push(verdict);
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    let path = directory.join("stability.json");
+    let json = serde_json::to_vec_pretty(&verdicts).map_err(ChartError::of_content(&path))?;
+    write(&path, &json)?;
+    write(&directory.join("stability.txt"), table(&verdicts, methods).as_bytes())?;
+    write(&directory.join("stability.png"), &png(&sheet.into_image())?)?;
+    Ok(verdicts)
+}
+
+fn refused(case: &Case, method: &Method, why: String) -> Verdict {
+    Verdict {
+        case: case.slug.clone(),
+        method: method.name.to_owned(),
+        outcome: Outcome::Refused,
+        ms: 0.0,
+        counts: Counts::default(),
+        hazard: case.hazard.clone(),
+        refusal: Some(why),
+    }
+}
+
+/// A verdict, the picture, and what is wrong with it.
+fn judged(
+    case: &Case,
+    reference: &Reference,
+    method: &'static Method,
+    budget: Duration,
+) -> (Verdict, Option<[RgbImage; 2]>) {
+    let settings = Configuration::plain(method).settings(SIDE);
+    let settings = Settings { budget: Some(budget), ..settings };
+    let start = Instant::now();
+    let drawn = case.view().and_then(|(surface, view)| {
+        let refuse = ChartError::of_surface(&surface.name);
+        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
+        let picture = model.trace(&view.camera, &settings, &|_| true).map_err(&refuse)?;
+        Ok((picture, view))
+    });
+    let time = start.elapsed();
+    let (picture, view) = match drawn {
+        Ok(drawn) => drawn,
+        Err(error) => return (refused(case, method, error.to_string()), None),
+    };
+    let errors = Errors::new(reference, &view.camera.rays(SIDE, SIDE), &picture.buffer);
+    let counts = Counts::of(&errors, time >= budget);
+    let wrong = difference(reference, &picture.buffer);
+    let shown = RgbImage::from_raw(SIDE as u32, SIDE as u32, picture.rgb).unwrap_or_default();
+    let verdict = Verdict {
+        outcome: counts.outcome(),
+        ms: time.as_secs_f64() * 1e3,
+        counts,
+        refusal: None,
+        ..refused(case, method, String::new())
+    };
+    (verdict, Some([shown, wrong]))
+}
+
+/// A line for each case, a column for each method, and how often there is each outcome.
+pub fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
+    let line = |name: &str, cells: Vec<String>| format!("{name:20}{}\n", cells.concat());
+    let names = methods.iter().map(|method| format!("{:32}", method.name)).collect();
+    let mut text = vec![HEAD.to_owned(), line("", names)];
+    for row in verdicts.chunks(methods.len().max(1)) {
+        let cells = row.iter().map(|Verdict { outcome, counts, ms, .. }| {
+            let Counts { missed, phantom, wrong_root, undecided, false_claims, .. } = counts;
+            let wrong = format!("{missed}/{phantom}/{wrong_root} {undecided} {false_claims}");
+            format!("{:9} {wrong:15}{ms:6.0} ", outcome.name())
+        });
+        text.push(line(row.first().map_or("", |verdict| &verdict.case), cells.collect()));
+    }
+    text.push("\n".to_owned());
+    for outcome in Outcome::ALL {
+        let number = |method: &&Method| {
+            let of_method = verdicts.iter().filter(|verdict| verdict.method == method.name);
+            format!("{:<32}", of_method.filter(|verdict| verdict.outcome == outcome).count())
+        };
+        text.push(line(outcome.name(), methods.iter().map(number).collect()));
+    }
+    let lines = text.concat();
+    lines.lines().map(str::trim_end).collect::<Vec<_>>().join("\n") + "\n"
+}
+
+const HEAD: &str = "Formulas on which methods for implicit surfaces are known to fail, 64x64 rays, options by default, precision auto.
+For each method: the outcome, pixels missed/phantom/at a wrong root, undecided, claimed wrongly, and milliseconds.
+
+  sound     no more than 1 in 200 pixels is wrong and 1 in 50 roots missing, and what is painted is at the root
+  holes     most of what is wrong are roots that are not painted, or not the first ones
+  phantoms  most of what is wrong is painted where there is no root
+  wall      likewise, on more than 1 in 20 pixels
+  noise     both, or what is painted is not at the root
+  slow      the time ran out
+  refused   there is no picture
+  unjudged  of no pixel it is certain that it shows a root, and of some it is not that they show none
+
+";

@@ -1,0 +1,172 @@
+//! The cases, and the roots that are stored beside them.
+
+use super::SIDE;
+use crate::error::ChartError;
+use crate::reference::{Reference, Root, Sampling, Truth};
+use crate::surfaces::Surface;
+use crate::views::View;
+use glam::DVec3;
+use serde::Deserialize;
+use std::path::Path;
+use zeroset::scene::{self, CameraChoice};
+use zeroset_testkit::npy::{read_f64, read_u8};
+use zeroset_trace::{Camera, Projection, Region};
+
+/// A formula, and what is hard about it.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Case {
+    /// What it is called.
+    pub slug: String,
+    formula: String,
+    /// What goes wrong.
+    pub hazard: String,
+    domain: [f64; 6],
+    eye: Option<[f64; 3]>,
+    #[serde(default)]
+    target: [f64; 3],
+    #[serde(default)]
+    up: [f64; 3],
+    #[serde(default)]
+    fov: f64,
+    /// Its place among those whose roots are stored.
+    #[serde(skip)]
+    place: Option<usize>,
+}
+
+macro_rules! data {
+    ($name:literal) => {
+        include_bytes!(concat!("../../../../tests/data/stability/", $name))
+    };
+}
+
+/// Evaluations a ray. It is little, since where it leaves a ray open there are the stored roots.
+const BUDGET: u32 = 1000;
+
+/// Bits of a stored pixel.
+const CROSSES: u8 = 1;
+const TOUCHES: u8 = 2;
+const OPEN: u8 = 4;
+
+/// All cases: first those whose roots are stored.
+///
+/// # Errors
+/// If the lists that are part of the program are damaged.
+pub fn cases() -> Result<Vec<Case>, ChartError> {
+    let read = |bytes: &[u8]| {
+        let refuse = ChartError::of_content(Path::new("tests/data/stability"));
+        serde_json::from_slice::<Vec<Case>>(bytes).map_err(refuse)
+    };
+    let mut cases = read(data!("index.json"))?;
+    for (place, case) in cases.iter_mut().enumerate() {
+        case.place = Some(place);
+    }
+    cases.extend(read(data!("others.json"))?);
+    Ok(cases)
+}
+
+/// The cases with these names, in this order; all for none.
+///
+/// # Errors
+/// If there is no such case.
+pub fn named(names: &[String]) -> Result<Vec<Case>, ChartError> {
+    let all = cases()?;
+    if names.is_empty() {
+        return Ok(all);
+    }
+    let named = |name: &String| {
+        let found = all.iter().find(|case| case.slug == *name);
+        found.cloned().ok_or_else(|| ChartError::UnknownCase(name.clone()))
+    };
+    names.iter().map(named).collect()
+}
+
+/// What is stored of each pixel of a case.
+fn stored(place: usize) -> Result<Vec<Truth>, ChartError> {
+    let refuse = ChartError::of_file(Path::new("tests/data/stability"));
+    let kinds = read_u8(&data!("pixels.npy")[..]).map_err(&refuse)?.data;
+    let mut crossings = read_f64(&data!("crossing.npy")[..]).map_err(&refuse)?.data.into_iter();
+    let mut touching = read_f64(&data!("touching.npy")[..]).map_err(&refuse)?.data.into_iter();
+    let mut truths = Vec::new();
+    let pixels = SIDE * SIDE;
+    // Distances are stored one after another, so those of earlier cases are passed by.
+    for (index, kind) in kinds.into_iter().take((place + 1) * pixels).enumerate() {
+        let crossing = if kind & CROSSES == 0 { None } else { crossings.next() };
+        let first = if kind & TOUCHES == 0 { crossing } else { touching.next() };
+        if index >= place * pixels {
+            truths.push(match first {
+                _ if kind & OPEN != 0 => Truth::Open,
+                None => Truth::Miss,
+                Some(at) => Truth::Root(Root { pieces: vec![[at, at]], next: None, normal: None }),
+            });
+        }
+    }
+    Ok(truths)
+}
+
+impl Case {
+    /// The surface, and where it is seen from.
+    ///
+    /// # Errors
+    /// If the formula is refused.
+    pub fn view(&self) -> Result<(Surface, View), ChartError> {
+        let [x0, x1, y0, y1, z0, z1] = self.domain;
+        let region = Region::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
+        let region = region.map_err(ChartError::of_surface(&self.slug))?;
+        let surface = Surface::of(&self.slug, &self.formula, Some(region))?;
+        let camera = match self.eye {
+            Some(eye) => {
+                let [eye, target, up] = [eye, self.target, self.up].map(DVec3::from_array);
+                Camera::new(eye, target, up, Projection::Perspective { fov: self.fov })
+            }
+            None => scene::camera(&surface.document, &surface.region, &CameraChoice::default()),
+        };
+        let camera = camera.map_err(ChartError::of_surface(&self.slug))?;
+        Ok((surface, View { name: "stability".to_owned(), camera }))
+    }
+
+    /// What is certain of each pixel, kept in `directory` from one run to the next.
+    ///
+    /// # Errors
+    /// If the formula is refused, or the directory cannot be written.
+    pub fn reference(&self, directory: &Path) -> Result<Reference, ChartError> {
+        let (surface, view) = self.view()?;
+        let sampling = Sampling { size: SIDE, samples: 0, seed: 0, budget: BUDGET };
+        let mut reference = Reference::kept(directory, &surface, &view, sampling)?;
+        if let Some(place) = self.place {
+            for ((_, truth), stored) in reference.pixels.iter_mut().zip(stored(place)?) {
+                if *truth == Truth::Open {
+                    *truth = stored;
+                }
+            }
+        }
+        Ok(reference)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stored_roots_are_those_of_their_case() {
+        let cases = cases().expect("part of the program");
+        assert_eq!(cases.len(), 44);
+        // Two spheres of radius 1 about the origin: where f touches 0, the tracer leaves open what is stored.
+        for slug in ["double-sphere", "abs-sphere"] {
+            let case = cases.iter().find(|case| case.slug == slug).expect("there");
+            let (_, view) = case.view().expect("a view");
+            let rays = view.camera.rays(SIDE, SIDE);
+            let stored = stored(case.place.expect("stored")).expect("valid");
+            let mut roots = 0;
+            for (pixel, truth) in stored.iter().enumerate() {
+                if let Truth::Root(root) = truth {
+                    let ray = rays.ray_of(pixel);
+                    let point = ray.at(ray.parameter(root.pieces[0][0]));
+                    assert!((point.length() - 1.0).abs() < 1e-9, "{slug}, {pixel}: {point}");
+                    roots += 1;
+                }
+            }
+            assert_eq!(roots, 400);
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Surfaces by name: ten of this crate's own, which `benches/frame.rs` draws too, and the gallery.
+
+use crate::error::ChartError;
+use include_dir::{Dir, include_dir};
+use zeroset::gallery::example;
+use zeroset::scene::{self, DomainChoice};
+use zeroset_syntax::{Document, Options, SurfaceKind, read};
+use zeroset_testkit::certified::Function;
+use zeroset_trace::Region;
+
+/// Those of Knoll et al. 2007, and the gyroid.
+static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/data");
+
+/// A function and its domain.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// What it is called.
+    pub name: String,
+    /// The function file.
+    pub text: String,
+    /// The same, read: it draws one surface.
+    pub document: Document,
+    /// Its domain: the document's, else where intervals find the surface.
+    pub region: Region,
+}
+
+/// The names of the ten surfaces, which are measured unless others are named.
+pub fn names() -> Vec<&'static str> {
+    FILES.files().filter_map(|file| file.path().file_stem()?.to_str()).collect()
+}
+
+impl Surface {
+    /// The surface called `name`: one of the ten, else of the gallery.
+    ///
+    /// # Errors
+    /// If there is none, or it draws several at once.
+    pub fn named(name: &str) -> Result<Self, ChartError> {
+        let own = FILES.get_file(format!("{name}.zset")).and_then(|file| file.contents_utf8());
+        let text = own.or_else(|| example(name).map(|example| example.text));
+        Self::of(name, text.ok_or_else(|| ChartError::UnknownSurface(name.to_owned()))?, None)
+    }
+
+    /// The surface of a text, within `region` if that is given.
+    ///
+    /// # Errors
+    /// If the text cannot be read, or draws several surfaces at once.
+    pub fn of(name: &str, text: &str, region: Option<Region>) -> Result<Self, ChartError> {
+        let refuse = |why: String| ChartError::Surface { surface: name.to_owned(), why };
+        let document =
+            read(text, &Options::default()).map_err(|errors| refuse(errors.to_string()))?;
+        if document.surfaces.len() != 1 {
+            return Err(refuse("only a text that draws one surface can be judged".to_owned()));
+        }
+        let region = match region {
+            Some(region) => region,
+            None => {
+                scene::region(&document, DomainChoice::Document, None)
+                    .map_err(|error| refuse(error.to_string()))?
+                    .0
+            }
+        };
+        Ok(Self { name: name.to_owned(), text: text.to_owned(), document, region })
+    }
+
+    /// Its function, for the certified tracer.
+    pub fn function(&self) -> Function {
+        let parameters: Vec<_> = self.document.parameters.iter().map(|p| p.value.clone()).collect();
+        Function::new(&self.document.graph, self.document.surfaces[0].root, &parameters)
+    }
+
+    /// Whether it is a solid, which the faces of its domain may cut.
+    pub fn is_solid(&self) -> bool {
+        self.document.surfaces[0].kind == SurfaceKind::Solid
+    }
+
+    /// Its domain axis by axis.
+    pub fn bounds(&self) -> [[f64; 2]; 3] {
+        let (low, high) = (self.region.low(), self.region.high());
+        [0, 1, 2].map(|axis| [low[axis], high[axis]])
+    }
+}
