@@ -110,36 +110,9 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         }
         for (lane, segment) in segments.iter().enumerate() {
             steps[lane] = Step::Empty;
-            if let Some([near, far]) = *segment {
-                let way = &ways[lane];
-                let slack = T::PATH_ERROR * (near.abs() + far.abs());
-                let outward = |end: f64, slack: f64| {
-                    let float: f64 = T::nearest(end).into();
-                    // Most ends are floats already.
-                    if float == end { end } else { T::nearest(end + slack).into() }
-                };
-                let (near, far) = (outward(near, -slack), outward(far, slack));
-                // Where the ray leaves the region no sign is known: the ends that round beyond are looked at apart.
-                let mut inside = way.inside;
-                let within = inside[0] <= near && far <= inside[1];
-                if !within {
-                    inside = [T::above(inside[0]).into(), -T::above(-inside[1]).into()];
-                }
-                let [first, last] = inside;
-                if !within && first < last && near < last && first < far {
-                    if last < far {
-                        stacks[lane].push([last, far]);
-                    }
-                    stacks[lane].push([near.max(first), far.min(last)]);
-                    if near < first {
-                        stacks[lane].push([near, first]);
-                    }
-                } else {
-                    stacks[lane].push([near, far]);
-                }
-                let most = near.abs().max(far.abs()).max(way.span[1] - way.span[0]);
-                grain[lane] = T::GRAIN * most;
-                least[lane] = grain[lane];
+            if let Some(segment) = *segment {
+                least[lane] = begin::<T>(&ways[lane], segment, &mut stacks[lane]);
+                grain[lane] = least[lane];
             }
         }
         let mut slots = Slots::new(stacks);
@@ -233,6 +206,36 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         kernel.ask(&boxes[0], &mut zeros);
         zeros.possible & 1 == 1
     }
+}
+
+/// Puts a ray's segment on its stack, its ends rounded outward; returns the length of the shortest segments.
+fn begin<T: Scalar>(way: &Way, [near, far]: [f64; 2], stack: &mut Stack) -> f64 {
+    let slack = T::PATH_ERROR * (near.abs() + far.abs());
+    let outward = |end: f64, slack: f64| {
+        let float: f64 = T::nearest(end).into();
+        // Most ends are floats already.
+        if float == end { end } else { T::nearest(end + slack).into() }
+    };
+    let (near, far) = (outward(near, -slack), outward(far, slack));
+    // Where the ray leaves the region no sign is known: the ends that round beyond are looked at apart.
+    let mut inside = way.inside;
+    let within = inside[0] <= near && far <= inside[1];
+    if !within {
+        inside = [T::above(inside[0]).into(), -T::above(-inside[1]).into()];
+    }
+    let [first, last] = inside;
+    if !within && first < last && near < last && first < far {
+        if last < far {
+            stack.push([last, far]);
+        }
+        stack.push([near.max(first), far.min(last)]);
+        if near < first {
+            stack.push([near, first]);
+        }
+    } else {
+        stack.push([near, far]);
+    }
+    T::GRAIN * near.abs().max(far.abs()).max(way.span[1] - way.span[0])
 }
 
 /// How short the bracket of a hit is to be. Where segments got much shorter at once, the function is as good as linear, and its
