@@ -436,7 +436,7 @@ mod tests {
     fn what_is_wrong_is_said_with_a_suggestion() {
         assert!(message(":hepl").ends_with("did you mean :help?"));
         assert!(message(":stauts").ends_with("did you mean :status?"));
-        assert!(message(":s").contains("did you mean :set or :save or :status?"));
+        assert!(message(":s").contains("did you mean :set or :steps or :save or :status?"));
         assert!(message(":xylophone").ends_with(":help lists them"));
         assert!(message(":").contains(":help"));
         assert!(message(":help qqqqqq").starts_with("no function or command named 'qqqqqq'"));
