@@ -4,7 +4,7 @@ use crate::side::{Asked, Side};
 use crate::surfaces::Surface;
 use anyhow::Result;
 use zeroset::model::Model;
-use zeroset::picture::{Normals, Picture, Precision, Settings};
+use zeroset::picture::{Normals, Picture, Settings};
 use zeroset_trace::{Camera, Method};
 
 /// A compiled surface, and its last picture.
@@ -30,7 +30,6 @@ impl Ours {
             width: size,
             height: size,
             method,
-            precision: Precision::F32,
             max_depth: depth,
             shadow_depth: None,
             normals: Some(Normals::Gradient),
@@ -52,6 +51,10 @@ impl Side for Ours {
     }
 
     fn draw(&mut self) -> Result<()> {
+        // As the window does; the other sides draw into the same memory again, too.
+        if let Some(shown) = self.picture.take() {
+            shown.hand_back();
+        }
         let picture = self.model.trace(&self.camera, &self.settings, &|_| true);
         self.picture = Some(picture?);
         Ok(())
