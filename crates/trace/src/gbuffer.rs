@@ -200,15 +200,21 @@ impl GBuffer {
         }
         let pixels = width * height;
         (self.width, self.height) = (width, height);
-        fill(&mut self.status, pixels, Status::Miss);
-        fill(&mut self.reason, pixels, Reason::None);
         self.bracket.clear();
-        fill(&mut self.distance, pixels, f64::INFINITY);
-        fill(&mut self.drawn, pixels, f64::INFINITY);
-        fill(&mut self.surface, pixels, surface);
-        fill(&mut self.normal, pixels, [0.0; 3]);
-        fill(&mut self.cap, pixels, false);
-        fill(&mut self.shadow, pixels, false);
+        let Self {
+            status, reason, distance, drawn, surface: surfaces, normal, cap, shadow, ..
+        } = self;
+        // Some tens of bytes a pixel: on one thread a part of the frame that shows.
+        rayon::scope(|scope| {
+            scope.spawn(|_| fill(distance, pixels, f64::INFINITY));
+            scope.spawn(|_| fill(drawn, pixels, f64::INFINITY));
+            scope.spawn(|_| fill(normal, pixels, [0.0; 3]));
+            fill(status, pixels, Status::Miss);
+            fill(reason, pixels, Reason::None);
+            fill(surfaces, pixels, surface);
+            fill(cap, pixels, false);
+            fill(shadow, pixels, false);
+        });
     }
 
     /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the process.

@@ -104,13 +104,12 @@ const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
     let pixels = buffer.status.len();
     let mut bytes = SPARES.take(|spare| spare.capacity() >= 3 * pixels).unwrap_or_default();
-    bytes.clear();
+    bytes.resize(3 * pixels, 0);
     let row = appearance.background.to_srgb().repeat(buffer.width);
-    bytes.reserve(3 * pixels);
-    (0..buffer.height).for_each(|_| bytes.extend_from_slice(&row));
     let (palette, codes) = (appearance.palette(), Codes::get());
     let size = (BAND * buffer.width).max(1);
     bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
+        bytes.chunks_mut(row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&row));
         let (bytes, first) = (bytes.as_chunks_mut().0, band * BAND);
         let here = band * size..band * size + bytes.len();
         let band = Band {
