@@ -1,6 +1,6 @@
 //! What pictures of the gallery claim, from random places: far, close, grazing and inside; against the certified tracer.
 //!
-//! All that was ever asked: `ZEROSET_CASES=200 cargo test --release --test pictures cameras -- --nocapture`.
+//! The full run: `ZEROSET_CASES=200 cargo test --release --test pictures cameras -- --nocapture`.
 
 use crate::property_support::{claims, picture};
 use std::collections::BTreeMap;

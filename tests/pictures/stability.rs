@@ -18,8 +18,8 @@ const DEPTH: u32 = 12;
 #[derive(Deserialize)]
 pub struct Case {
     pub slug: String,
-    formula: String,
-    domain: [f64; 6],
+    pub formula: String,
+    pub domain: [f64; 6],
     want: String,
     /// The largest share of pixels that may be undecided.
     #[serde(default)]

@@ -3,7 +3,6 @@
 //! [README.md](../README.md) says what is measured, and what is not.
 
 mod knoll2007;
-mod machine;
 mod measure;
 mod ours;
 mod reference;
@@ -24,6 +23,7 @@ use side::Side;
 use std::collections::{BTreeMap, BTreeSet};
 use surfaces::{SURFACES, Surface};
 use voxels::Voxels;
+use zeroset_testkit::machine::{processor, threads};
 use zeroset_trace::{METHODS, Method};
 
 /// Measure zeroset beside its rivals.
@@ -153,7 +153,7 @@ fn main() -> Result<()> {
 }
 
 fn print_head(arguments: &Arguments) {
-    println!("{}, {} of {} threads", machine::processor(), arguments.threads, machine::threads());
+    println!("{}, {} of {} threads", processor(), arguments.threads, threads());
     println!("C++ by {} {}", env!("RIVALS_COMPILER"), env!("RIVALS_FLAGS"));
     if WIDTHS.len() < 2 {
         println!("no C++ on 16 lanes: the processor has no AVX-512");

@@ -1,9 +1,10 @@
 //! The surfaces, and where they are seen from.
 //!
-//! The C++ has formulas of its own; all else is made of the texts here.
+//! The C++ has formulas of its own; all else is made of the texts of the charts.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use glam::DVec3;
+use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Options, read};
 use zeroset_testkit::certified::Line;
 use zeroset_trace::{Camera, Projection, RayGrid, Region};
@@ -14,44 +15,36 @@ pub struct Surface {
     pub name: &'static str,
     /// The domain is a cube of twice this edge around the origin, and distances are counted in it.
     pub half: f64,
-    formula: &'static str,
     /// Whether the domain cuts it open.
     pub is_cut: bool,
+    /// A document; its domain is that cube.
+    text: &'static str,
 }
 
-const fn whole(name: &'static str, half: f64, formula: &'static str) -> Surface {
-    Surface { name, half, formula, is_cut: false }
-}
-
-const fn cut(name: &'static str, half: f64, formula: &'static str) -> Surface {
-    Surface { name, half, formula, is_cut: true }
+/// A row, whose text is that of the charts.
+macro_rules! surface {
+    ($name:literal, $file:literal, $half:expr, $is_cut:expr) => {
+        Surface {
+            name: $name,
+            half: $half,
+            is_cut: $is_cut,
+            text: include_str!(concat!("../../../crates/chart/data/", $file, ".zset")),
+        }
+    };
 }
 
 /// All surfaces: those of the C++, and a gyroid.
 pub const SURFACES: [Surface; 10] = [
-    whole("sphere", 1.2, "x^2+y^2+z^2-1"),
-    whole("torus", 1.3, "(sqrt(x^2+y^2)-0.8)^2+z^2-0.11111"),
-    whole("steiner", 1.0, "x^2*y^2+y^2*z^2+x^2*z^2+x*y*z"),
-    whole("mitchell", 2.0, "4*(x^4+(y^2+z^2)^2)+17*x^2*(y^2+z^2)-20*(x^2+y^2+z^2)+17"),
-    whole("tangle", 3.0, "x^4-5*x^2+y^4-5*y^2+z^4-5*z^2+11.8"),
-    cut("teardrop", 1.2, "0.5*x^5+0.5*x^4-y^2-z^2"),
-    whole(
-        "klein",
-        4.2,
-        "(x^2+y^2+z^2+2*y-1)*((x^2+y^2+z^2-2*y-1)^2-8*z^2)+16*x*z*(x^2+y^2+z^2-2*y-1)",
-    ),
-    cut(
-        "barth",
-        2.0,
-        "4*(phi^2*x^2-y^2)*(phi^2*y^2-z^2)*(phi^2*z^2-x^2)-(1+2*phi)*(x^2+y^2+z^2-1)^2",
-    ),
-    whole(
-        "linked_tori",
-        1.0,
-        "((100*x^2+(10*y-2)^2+100*z^2+13)^2-53*(100*x^2+(10*y-2)^2))\
-         *((100*z^2+(10*y+2)^2+100*x^2+13)^2-53*(100*z^2+(10*y+2)^2))+1000",
-    ),
-    cut("gyroid", std::f64::consts::TAU, "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)"),
+    surface!("sphere", "sphere", 1.2, false),
+    surface!("torus", "torus", 1.3, false),
+    surface!("steiner", "steiner", 1.0, false),
+    surface!("mitchell", "mitchell", 2.0, false),
+    surface!("tangle", "tangle", 3.0, false),
+    surface!("teardrop", "teardrop", 1.2, true),
+    surface!("klein", "klein", 4.2, false),
+    surface!("barth", "barth", 2.0, true),
+    surface!("linked_tori", "linked-tori", 1.0, false),
+    surface!("gyroid", "gyroid", std::f64::consts::TAU, true),
 ];
 
 /// Of the eye, in half extents; the target is the origin.
@@ -65,17 +58,20 @@ impl Surface {
     /// # Errors
     /// If it is none.
     pub fn document(&self) -> Result<Document> {
-        let document = read(self.formula, &Options::default());
+        let document = read(self.text, &Options::default());
         document.map_err(|errors| anyhow::anyhow!("{}: {errors}", self.name))
     }
 
     /// Its domain.
     ///
     /// # Errors
-    /// If there is no such domain.
+    /// If there is no such domain, or the document has another.
     pub fn region(&self) -> Result<Region> {
         let half = DVec3::splat(self.half);
-        Region::new(-half, half).context(self.name)
+        let region = Region::new(-half, half).context(self.name)?;
+        let (own, _) = scene::region(&self.document()?, DomainChoice::Document, None)?;
+        ensure!(own == region, "{}: the C++ has another domain than {own:?}", self.name);
+        Ok(region)
     }
 
     /// Its domain, axis by axis.

@@ -8,7 +8,7 @@ mod outcome;
 mod sheet;
 
 pub use case::{Case, cases, named};
-pub use outcome::{Counts, Outcome};
+pub use outcome::Outcome;
 
 use crate::difference::{difference, png};
 use crate::error::ChartError;
@@ -41,7 +41,7 @@ pub struct Verdict {
     /// Whole picture with compiling, in milliseconds.
     pub ms: f64,
     /// What it was found from.
-    pub counts: Counts,
+    pub errors: Errors,
     /// What is wrong with the case in general.
     pub hazard: String,
     /// Why there is no picture.
@@ -90,7 +90,7 @@ fn refused(case: &Case, method: &Method, why: String) -> Verdict {
         method: method.name.to_owned(),
         outcome: Outcome::Refused,
         ms: 0.0,
-        counts: Counts::default(),
+        errors: Errors::default(),
         hazard: case.hazard.clone(),
         refusal: Some(why),
     }
@@ -118,13 +118,12 @@ fn judged(
         Err(error) => return (refused(case, method, error.to_string()), None),
     };
     let errors = Errors::new(reference, &view.camera.rays(SIDE, SIDE), &picture.buffer);
-    let counts = Counts::of(&errors, time >= budget);
     let wrong = difference(reference, &picture.buffer);
     let shown = RgbImage::from_raw(SIDE as u32, SIDE as u32, picture.rgb).unwrap_or_default();
     let verdict = Verdict {
-        outcome: counts.outcome(),
+        outcome: Outcome::of(&errors, time >= budget),
         ms: time.as_secs_f64() * 1e3,
-        counts,
+        errors,
         refusal: None,
         ..refused(case, method, String::new())
     };
@@ -137,8 +136,8 @@ pub fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
     let names = methods.iter().map(|method| format!("{:32}", method.name)).collect();
     let mut text = vec![HEAD.to_owned(), line("", names)];
     for row in verdicts.chunks(methods.len().max(1)) {
-        let cells = row.iter().map(|Verdict { outcome, counts, ms, .. }| {
-            let Counts { missed, phantom, wrong_root, undecided, false_claims, .. } = counts;
+        let cells = row.iter().map(|Verdict { outcome, errors, ms, .. }| {
+            let Errors { missed, phantom, wrong_root, undecided, false_claims, .. } = errors;
             let wrong = format!("{missed}/{phantom}/{wrong_root} {undecided} {false_claims}");
             format!("{:9} {wrong:15}{ms:6.0} ", outcome.name())
         });

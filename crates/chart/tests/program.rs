@@ -86,7 +86,7 @@ fn difficult_formulas_are_named_after_what_becomes_of_them() {
     let rows = fs::read(directory.path().join("stability.json")).expect("rows");
     let rows: Vec<serde_json::Value> = serde_json::from_slice(&rows).expect("valid");
     assert_eq!(rows.len(), 6);
-    assert_eq!(rows[4]["counts"]["roots"], 400, "{}", rows[4]);
+    assert_eq!(rows[4]["errors"]["roots"], 400, "{}", rows[4]);
 }
 
 #[test]

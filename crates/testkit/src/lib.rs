@@ -15,6 +15,7 @@ mod attack;
 mod case;
 pub mod certified;
 mod effort;
+pub mod machine;
 mod minimise;
 pub mod npy;
 mod oracle;

@@ -91,9 +91,10 @@ impl RayGrid {
         [across, upward]
     }
 
-    /// About how wide a pixel is at a distance from the eye, in world units.
+    /// About how wide a pixel is at a distance from the eye, in the unit of that distance: of t, or of the world.
     pub fn footprint(&self, distance: f64) -> f64 {
-        2.0 * self.unit * if self.is_parallel() { 1.0 } else { distance }
+        let [at_eye, growth] = self.pixel();
+        at_eye + growth * distance
     }
 
     /// About how wide a pixel is where a ray's t is 0, and how much that grows with t, in units of t.

@@ -25,7 +25,8 @@ pub struct Method {
     pub proves: Proves,
     /// The options that it reads; it does not look at others.
     pub reads: &'static [MethodOption],
-    pub(crate) prepare: Prepare,
+    /// In `f32`, and in `f64`.
+    pub(crate) prepare: [Prepare; 2],
 }
 
 /// Asks a surface for kernels, and gets ready to follow rays through a region.
@@ -233,7 +234,12 @@ impl Method {
         region: &'a Region,
         options: Options,
     ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-        (self.prepare)(surface, region, options)
+        let [single, double] = self.prepare;
+        let prepare = match options.precision {
+            Precision::Auto | Precision::F32 => single,
+            Precision::F64 => double,
+        };
+        prepare(surface, region, options)
     }
 }
 

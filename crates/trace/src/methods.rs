@@ -5,6 +5,7 @@ mod bridge;
 mod knoll;
 mod march;
 mod mitchell;
+mod outcome;
 mod raa;
 mod refine;
 mod slabs;

@@ -154,6 +154,30 @@ impl Region {
         (near <= far).then_some((near, far))
     }
 
+    /// Bounds on the t ≥ 0 between which all points of `ray` certainly lie inside the region; not in order if none do.
+    pub(crate) fn inner(&self, ray: &Ray) -> [f64; 2] {
+        const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
+        for axis in 0..3 {
+            let Some((from, to)) = self.slab(ray, axis) else { return NOWHERE };
+            near = near.max(from.1);
+            far = far.min(to.0);
+        }
+        if let Some(clip) = &self.clip {
+            // As in `span`, but for the largest slope and the smallest room, which keep the least.
+            let (room, slope) = clip.relation(ray);
+            let (slope, room) = (slope.1, room.0);
+            if slope > 0.0 {
+                far = far.min(down(room / slope));
+            } else if slope < 0.0 {
+                near = near.max(up(room / slope));
+            } else if room < 0.0 {
+                return NOWHERE;
+            }
+        }
+        [near, far]
+    }
+
     /// Where the ray enters, or `None` if it starts inside or never does.
     pub(crate) fn entry(&self, ray: &Ray) -> Option<Entry> {
         let (mut near, mut far) = ((0.0_f64, 0.0_f64), f64::INFINITY);

@@ -2,7 +2,10 @@
 
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
-use zeroset_eval::{Asked, Boxes, FindZeros, Kernel, Kernels, Surface, Zeros};
+use zeroset_eval::{
+    Asked, Boxes, ContractSegments, Contractions, FindZeros, Kernel, Kernels, Segments, Surface,
+    Zeros,
+};
 use zeroset_trace::{
     Camera, Driver, GBuffer, Method, Options, Precision, Projection, RayGrid, Region, STEPS,
     Status, Work,
@@ -19,22 +22,40 @@ impl Stubborn {
     fn new(top: f32, finest: f32) -> Self {
         Self { top, finest, calls: AtomicU64::new(0) }
     }
+
+    /// A bit for each lane that may hold a zero, given bounds of z.
+    fn possible(&self, count: u32, bounds: impl Fn(usize) -> [f32; 2]) -> u16 {
+        self.calls.fetch_add(1, Ordering::Relaxed);
+        let is_possible = |lane: usize| {
+            let [low, high] = bounds(lane);
+            !(high < self.top && high - low <= self.finest)
+        };
+        (0..count as usize).map(|lane| u16::from(is_possible(lane)) << lane).sum()
+    }
 }
 
 impl Kernel<FindZeros> for Stubborn {
     fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
-        self.calls.fetch_add(1, Ordering::Relaxed);
         *zeros = Zeros::default();
-        for lane in 0..boxes.count as usize {
-            let (low, high) = (-boxes.neg_lo[2][lane], boxes.hi[2][lane]);
-            let empty = high < self.top && high - low <= self.finest;
-            zeros.possible |= u16::from(!empty) << lane;
-        }
+        let bounds = |lane: usize| [-boxes.neg_lo[2][lane], boxes.hi[2][lane]];
+        zeros.possible = self.possible(boxes.count, bounds);
+    }
+}
+
+impl Kernel<ContractSegments> for Stubborn {
+    fn ask(&self, segments: &Segments, out: &mut Contractions) {
+        *out = Contractions::default();
+        let at = |lane: usize, t: f32| segments.origin[2][lane] + t * segments.direction[2][lane];
+        let bounds = |lane: usize| [segments.near[lane], segments.far[lane]].map(|t| at(lane, t));
+        out.possible = self.possible(segments.count, bounds);
     }
 }
 
 impl Kernels<f32> for Stubborn {
     fn zeros(&self) -> Asked<'_, FindZeros, f32> {
+        Ok(self)
+    }
+    fn segments(&self) -> Asked<'_, ContractSegments, f32> {
         Ok(self)
     }
 }
@@ -57,11 +78,15 @@ fn frame() -> RayGrid {
 }
 
 fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
+    trace_by("knoll", kernel, depth)
+}
+
+fn trace_by(method: &str, kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
     let options =
         Options { precision: Precision::F32, depth, tolerance: 0.5, ..Options::default() };
-    let knoll = Method::named("knoll").expect("a row");
-    let tracer = knoll.prepare(kernel, &region, options).expect("a kernel");
+    let method = Method::named(method).expect("a row");
+    let tracer = method.prepare(kernel, &region, options).expect("a kernel");
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
     let work = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
     (buffer, work)
@@ -69,11 +94,12 @@ fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
 
 #[test]
 fn steps_are_bounded_whatever_the_depth() {
-    for depth in [17, 20] {
+    for (method, depth) in [("knoll", 17), ("knoll", 20), ("raa", 17), ("raa", 20)] {
         let kernel = Stubborn::new(2.0, 2.1e-5);
-        let (buffer, work) = trace(&kernel, depth);
-        assert!(work.interval.calls <= PACKETS * STEPS, "{depth}: {work:?}");
-        assert_eq!(kernel.calls.into_inner(), work.interval.calls);
+        let (buffer, work) = trace_by(method, &kernel, depth);
+        let asked = if method == "raa" { work.segments } else { work.interval };
+        assert!(asked.calls <= PACKETS * STEPS, "{method} {depth}: {work:?}");
+        assert_eq!(kernel.calls.into_inner(), work.interval.calls + work.segments.calls);
         assert_eq!(work.given_up, (SIZE * SIZE) as u64);
         for pixel in 0..SIZE * SIZE {
             assert_eq!(buffer.status[pixel], Status::Undecided);

@@ -25,33 +25,6 @@ pub enum Outcome {
     Unjudged,
 }
 
-/// What an outcome is found from: numbers of pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Counts {
-    /// Of which it is certain what they show.
-    pub decided: usize,
-    /// Of which it is not.
-    pub open: usize,
-    /// Of which it is certain that they show a root.
-    pub roots: usize,
-    /// Roots that are not painted.
-    pub missed: usize,
-    /// Painted without a root.
-    pub phantom: usize,
-    /// Painted nearer to the next root.
-    pub wrong_root: usize,
-    /// Left open by the method.
-    pub undecided: usize,
-    /// Claimed wrongly.
-    pub false_claims: usize,
-    /// How far 999 in 1000 painted pixels are at most from their root, in pixels' footprints.
-    pub off_pixels: f64,
-    /// How far half of them are at most.
-    pub off_median: f64,
-    /// Whether time ran out.
-    pub is_late: bool,
-}
-
 /// As many pixels may be wrong in a sound picture: silhouettes are as thin as that.
 const SOUND: f64 = 1.0 / 200.0;
 /// So much of what is to be seen may be missing: thin things cover few pixels, so these are counted in roots.
@@ -89,46 +62,27 @@ impl Outcome {
             Self::Unjudged => "unjudged",
         }
     }
-}
 
-impl Counts {
-    /// Of a picture's errors.
+    /// That of a picture with these errors, for which time ran out or not.
     pub fn of(errors: &Errors, is_late: bool) -> Self {
-        let [off_median, off_pixels, _] = errors.off_pixels.unwrap_or_default();
-        Self {
-            decided: errors.decided(),
-            open: errors.open,
-            roots: errors.roots,
-            missed: errors.missed,
-            phantom: errors.phantom,
-            wrong_root: errors.wrong_root,
-            undecided: errors.undecided,
-            false_claims: errors.false_claims,
-            off_pixels,
-            off_median,
-            is_late,
-        }
-    }
-
-    /// The outcome.
-    pub fn outcome(&self) -> Outcome {
-        let decided = self.decided as f64;
-        let (holes, phantoms) = ((self.missed + self.wrong_root) as f64, self.phantom as f64);
+        let decided = errors.decided() as f64;
+        let (holes, phantoms) = ((errors.missed + errors.wrong_root) as f64, errors.phantom as f64);
         let wrong = holes + phantoms;
-        if self.is_late {
-            Outcome::Slow
-        } else if self.roots == 0 && self.open > 0 {
-            Outcome::Unjudged
-        } else if wrong <= SOUND * decided && holes <= WHOLE * self.roots as f64 {
-            if self.off_median <= NEAR { Outcome::Sound } else { Outcome::Noise }
+        let [off, ..] = errors.off_pixels.unwrap_or_default();
+        if is_late {
+            Self::Slow
+        } else if errors.roots == 0 && errors.open > 0 {
+            Self::Unjudged
+        } else if wrong <= SOUND * decided && holes <= WHOLE * errors.roots as f64 {
+            if off <= NEAR { Self::Sound } else { Self::Noise }
         } else if holes.min(phantoms) >= BOTH * wrong {
-            Outcome::Noise
+            Self::Noise
         } else if holes > phantoms {
-            Outcome::Holes
+            Self::Holes
         } else if phantoms > WALL * decided {
-            Outcome::Wall
+            Self::Wall
         } else {
-            Outcome::Phantoms
+            Self::Phantoms
         }
     }
 }
@@ -139,23 +93,23 @@ mod tests {
 
     #[test]
     fn outcomes_are_named_after_what_is_wrong() {
-        let plain = Counts { decided: 4000, roots: 1000, ..Counts::default() };
+        let plain = || Errors { samples: 4000, roots: 1000, ..Errors::default() };
         let cases = [
-            (plain, Outcome::Sound),
-            (Counts { phantom: 20, ..plain }, Outcome::Sound),
-            (Counts { off_median: 2.0, ..plain }, Outcome::Noise),
-            (Counts { missed: 10, wrong_root: 20, ..plain }, Outcome::Holes),
-            (Counts { phantom: 100, missed: 5, ..plain }, Outcome::Phantoms),
-            (Counts { phantom: 300, missed: 5, ..plain }, Outcome::Wall),
-            (Counts { phantom: 30, missed: 30, ..plain }, Outcome::Noise),
-            (Counts { phantom: 300, is_late: true, ..plain }, Outcome::Slow),
+            (plain(), Outcome::Sound),
+            (Errors { phantom: 20, ..plain() }, Outcome::Sound),
+            (Errors { off_pixels: Some([2.0, 3.0, 4.0]), ..plain() }, Outcome::Noise),
+            (Errors { missed: 10, wrong_root: 20, ..plain() }, Outcome::Holes),
+            (Errors { phantom: 100, missed: 5, ..plain() }, Outcome::Phantoms),
+            (Errors { phantom: 300, missed: 5, ..plain() }, Outcome::Wall),
+            (Errors { phantom: 30, missed: 30, ..plain() }, Outcome::Noise),
             // Of a thin thing little is missing, and yet all.
-            (Counts { roots: 10, missed: 10, ..plain }, Outcome::Holes),
-            (Counts { roots: 0, ..plain }, Outcome::Sound),
-            (Counts { roots: 0, open: 9, phantom: 300, ..plain }, Outcome::Unjudged),
+            (Errors { roots: 10, missed: 10, ..plain() }, Outcome::Holes),
+            (Errors { roots: 0, ..plain() }, Outcome::Sound),
+            (Errors { roots: 0, open: 9, phantom: 300, ..plain() }, Outcome::Unjudged),
         ];
-        for (counts, outcome) in cases {
-            assert_eq!(counts.outcome(), outcome, "{counts:?}");
+        for (errors, outcome) in cases {
+            assert_eq!(Outcome::of(&errors, false), outcome, "{errors:?}");
+            assert_eq!(Outcome::of(&errors, true), Outcome::Slow, "{errors:?}");
         }
     }
 }

@@ -36,23 +36,19 @@ pub(crate) const METHOD: Method = Method {
     help: "tiles and rays narrowed by affine forms; proves hits and misses",
     proves: Proves::HitsAndMisses,
     reads: &[MethodOption::Precision, MethodOption::Tolerance],
-    prepare,
+    prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a>(
+fn prepare<'a, T: Scalar>(
     surface: &'a dyn Surface,
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    fn boxed<'a, T: Tracer + 'a>(tracer: T) -> Box<dyn Tracer + 'a> {
-        Box::new(tracer)
+    match Affine::<T>::new(surface, region, options) {
+        Ok(tracer) => Ok(Box::new(tracer)),
+        // Forms need several times the room of intervals: a formula too large for them can still be drawn.
+        Err(_) => knoll::METHOD.prepare(surface, region, options),
     }
-    let tracer = match options.precision {
-        Precision::Auto | Precision::F32 => Affine::<f32>::new(surface, region, options).map(boxed),
-        Precision::F64 => Affine::<f64>::new(surface, region, options).map(boxed),
-    };
-    // Forms need several times the room of intervals: a formula too large for them can still be drawn.
-    tracer.or_else(|_| knoll::METHOD.prepare(surface, region, options))
 }
 
 struct Affine<'a, T: Scalar> {
@@ -123,11 +119,11 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             return by_squares(self, rays, band, work);
         }
         if self.options.precision == Precision::Auto
-            && self.tolerance * frame.footprint(rays, 0.0) < FINE * T::GRAIN * frame.size()
+            && self.tolerance * rays.footprint(frame.start) < FINE * T::GRAIN * frame.size()
             && let Some(double) = self.double()
         {
             return double.band(rays, band, work);
         }
-        tiles::trace(self, rays, band, work);
+        tiles::trace(self, frame, rays, band, work);
     }
 }

@@ -1,6 +1,6 @@
 //! Zeros whose place arithmetic cannot tell: between two places where the sign is certain, and different.
 
-use super::way::{Way, bounds};
+use super::way::{Way, between_faces, bounds};
 use crate::region::Region;
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
 use zeroset_interval::Facts;
@@ -51,24 +51,9 @@ impl<T: Real> Bridge<'_, T> {
     /// Where the ray is in the region, behind its start, and so that its points are within the bounds of [`bounds`].
     fn inside(&self) -> [f64; 2] {
         let way = self.way;
-        let [mut near, mut far] = way.inside;
-        near = near.max(way.start);
-        for axis in 0..3 {
-            let (o, d) = (way.origin[axis], way.direction[axis]);
-            let slack = way.error[axis];
-            let (low, high) = (self.region.low()[axis] + slack, self.region.high()[axis] - slack);
-            if d == 0.0 {
-                if !(low <= o && o <= high) {
-                    far = f64::NEG_INFINITY;
-                }
-                continue;
-            }
-            let (enter, leave) = ((low - o) / d, (high - o) / d);
-            let (enter, leave) = (enter.min(leave), enter.max(leave));
-            near = near.max(enter + 1e-12 * enter.abs());
-            far = far.min(leave - 1e-12 * leave.abs());
-        }
-        [near, far]
+        let [near, far] = way.inside;
+        let [enter, leave] = between_faces([way.origin, way.direction, way.error], self.region);
+        [near.max(way.start).max(enter), far.min(leave)]
     }
 
     /// A place where the sign is certain, and the `wanted` one, from `start` on in steps of growing length up to `end`; and

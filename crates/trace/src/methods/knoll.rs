@@ -2,7 +2,7 @@
 //! slabs that are halved down to a fixed depth.
 
 use super::slabs::{SlabTest, Slabs, Told};
-use crate::method::{Method, MethodOption, Options, Precision, Proves, Tracer};
+use crate::method::{Method, MethodOption, Options, Proves, Tracer};
 use crate::packet::Packet;
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -14,27 +14,16 @@ pub(crate) const METHOD: Method = Method {
     help: "packets of rays in slabs of the dominant axis (Knoll et al. 2007); proves misses only",
     proves: Proves::Misses,
     reads: &[MethodOption::Precision, MethodOption::Depth, MethodOption::Tolerance],
-    prepare,
+    prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a>(
+fn prepare<'a, T: Scalar>(
     surface: &'a dyn Surface,
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    Ok(match options.precision {
-        Precision::Auto | Precision::F32 => Box::new(knoll::<f32>(surface, region, &options)?),
-        Precision::F64 => Box::new(knoll::<f64>(surface, region, &options)?),
-    })
-}
-
-fn knoll<'a, T: Scalar>(
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: &Options,
-) -> Result<Slabs<'a, T, Intervals<'a, T>>, KernelError> {
     let test = Intervals { kernel: T::kernels(surface).zeros()? };
-    Ok(Slabs::new(test, surface, region, options))
+    Ok(Box::new(Slabs::new(test, surface, region, &options)))
 }
 
 struct Intervals<'a, T: Scalar> {
@@ -51,15 +40,13 @@ impl<T: Scalar> SlabTest<T> for Intervals<'_, T> {
         planes: [T; PLANES],
         _: bool,
         boxes: &mut Boxes<T>,
+        work: &mut Work,
+        wanted: u32,
     ) -> Told {
+        work.interval.called(wanted);
         packet.boxes(planes, boxes);
         let mut zeros = Zeros::default();
         self.kernel.ask(boxes, &mut zeros);
         Told { possible: zeros.possible, unbounded: zeros.unbounded }
-    }
-
-    #[inline]
-    fn count(work: &mut Work, lanes: u32) {
-        work.interval.called(lanes);
     }
 }

@@ -5,7 +5,7 @@
 
 use super::refine::Refiner;
 use crate::gbuffer::{Found, Reason, Status};
-use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
+use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -16,18 +16,15 @@ pub(crate) const METHOD: Method = Method {
     help: "changes of sign between uniform samples; proves nothing",
     proves: Proves::Nothing,
     reads: &[MethodOption::Precision, MethodOption::Steps, MethodOption::Tolerance],
-    prepare,
+    prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a>(
+fn prepare<'a, T: Scalar>(
     surface: &'a dyn Surface,
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    Ok(match options.precision {
-        Precision::Auto | Precision::F32 => Box::new(March::<f32>::new(surface, region, &options)?),
-        Precision::F64 => Box::new(March::<f64>::new(surface, region, &options)?),
-    })
+    Ok(Box::new(March::<T>::new(surface, region, &options)?))
 }
 
 struct March<'a, T: Scalar> {

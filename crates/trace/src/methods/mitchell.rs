@@ -6,8 +6,9 @@
 mod isolated;
 mod search;
 
+use super::outcome::Outcome;
 use super::way::Way;
-use crate::gbuffer::{Found, Reason, Status};
+use crate::gbuffer::Found;
 use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -21,26 +22,16 @@ pub(crate) const METHOD: Method = Method {
     help: "single rays halved by bounds of f and of df/dt (Mitchell 1990); proves hits and misses",
     proves: Proves::HitsAndMisses,
     reads: &[MethodOption::Precision, MethodOption::Tolerance],
-    prepare,
+    prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a>(
+fn prepare<'a, T: Scalar>(
     surface: &'a dyn Surface,
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    fn boxed<'a, T: Scalar>(
-        surface: &'a dyn Surface,
-        region: &'a Region,
-        options: Options,
-    ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-        let searcher = Searcher::<T>::new(surface, region, &options)?;
-        Ok(Box::new(Mitchell { searcher, double: OnceLock::new(), surface, region, options }))
-    }
-    match options.precision {
-        Precision::Auto | Precision::F32 => boxed::<f32>(surface, region, options),
-        Precision::F64 => boxed::<f64>(surface, region, options),
-    }
+    let searcher = Searcher::<T>::new(surface, region, &options)?;
+    Ok(Box::new(Mitchell { searcher, double: OnceLock::new(), surface, region, options }))
 }
 
 struct Mitchell<'a, T: Scalar> {
@@ -50,17 +41,6 @@ struct Mitchell<'a, T: Scalar> {
     surface: &'a dyn Surface,
     region: &'a Region,
     options: Options,
-}
-
-/// What became of a ray. Places are values of s.
-#[derive(Clone, Copy, Debug, Default)]
-struct Outcome {
-    /// The bracket of the first zero that is proven.
-    hit: Option<[f64; 2]>,
-    /// The start of the first part before it of which nothing is proven, and why.
-    open: Option<(f64, Reason)>,
-    /// The start of the first such part that is likely a zero.
-    likely: Option<f64>,
 }
 
 impl<T: Scalar> Mitchell<'_, T> {
@@ -105,23 +85,5 @@ impl<T: Scalar> Tracer for Mitchell<'_, T> {
                 found[lane] = outcome.found(-way.start);
             }
         }
-    }
-}
-
-impl Outcome {
-    /// The same as a finding, for a ray whose t is `start` where s is 0.
-    fn found(&self, start: f64) -> Found {
-        let place = |s: f64| start + s;
-        let middle = self.hit.map(|[near, far]| place(0.5 * (near + far)));
-        if let Some((from, reason)) = self.open {
-            let drawn = self.likely.map(place).or(middle).unwrap_or(f64::INFINITY);
-            let (status, distance) = (Status::Undecided, place(from));
-            return Found { status, distance, drawn, reason, ..Found::MISS };
-        }
-        let (Some([near, far]), Some(distance)) = (self.hit, middle) else { return Found::MISS };
-        // Its ends are rounded outward.
-        let bracket = [place(near).next_down(), place(far).next_up()];
-        let (status, drawn) = (Status::Hit, distance);
-        Found { status, distance, drawn, bracket, ..Found::MISS }
     }
 }

@@ -5,7 +5,7 @@
 //! A form is only asked whether it reaches 0: slabs are halved, not contracted. That is what sets it apart from `affine`.
 
 use super::slabs::{SlabTest, Slabs, Told};
-use crate::method::{Method, MethodOption, Options, Precision, Proves, Tracer};
+use crate::method::{Method, MethodOption, Options, Proves, Tracer};
 use crate::packet::{Packet, RAYS};
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -19,30 +19,19 @@ pub(crate) const METHOD: Method = Method {
     help: "affine forms along packets of rays, halved (Knoll et al. 2009); proves misses only",
     proves: Proves::Misses,
     reads: &[MethodOption::Precision, MethodOption::Depth, MethodOption::Tolerance],
-    prepare,
+    prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a>(
+fn prepare<'a, T: Scalar>(
     surface: &'a dyn Surface,
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    Ok(match options.precision {
-        Precision::Auto | Precision::F32 => Box::new(raa::<f32>(surface, region, &options)?),
-        Precision::F64 => Box::new(raa::<f64>(surface, region, &options)?),
-    })
-}
-
-fn raa<'a, T: Scalar>(
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: &Options,
-) -> Result<Slabs<'a, T, Forms<'a, T>>, KernelError> {
     let kernels = T::kernels(surface);
     // Whether a slab is bounded is asked of intervals: a form that has no bounds says no more than that.
     let bounded = if options.suppress_asymptotes { kernels.zeros().ok() } else { None };
     let test = Forms { kernel: kernels.segments()?, bounded };
-    Ok(Slabs::new(test, surface, region, options))
+    Ok(Box::new(Slabs::new(test, surface, region, &options)))
 }
 
 struct Forms<'a, T: Scalar> {
@@ -77,7 +66,10 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
         planes: [T; PLANES],
         is_last: bool,
         batch: &mut Batch<T>,
+        work: &mut Work,
+        wanted: u32,
     ) -> Told {
+        work.segments.called(wanted);
         packet.segments(planes, &mut batch.segments);
         self.kernel.ask(&batch.segments, &mut batch.out);
         let mut told = Told { possible: batch.out.possible, unbounded: 0 };
@@ -86,16 +78,12 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
             && is_last
             && told.possible & used != 0
         {
+            work.interval.called(wanted);
             packet.boxes(planes, &mut batch.boxes);
             let mut zeros = Zeros::default();
             kernel.ask(&batch.boxes, &mut zeros);
             told.unbounded = zeros.unbounded;
         }
         told
-    }
-
-    #[inline]
-    fn count(work: &mut Work, lanes: u32) {
-        work.segments.called(lanes);
     }
 }

@@ -23,17 +23,17 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
     type Batch: Default;
 
     /// Asks about all rays between each two planes in order: those of the first two are the first bits of what is told, and
-    /// so on. `is_last` if slabs in which a zero is possible are not halved, and so whether they are bounded matters.
+    /// so on. `is_last` if slabs in which a zero is possible are not halved, and so whether they are bounded matters. What
+    /// kernels are asked is added to `work`, as calls that `wanted` lanes were wanted of.
     fn ask<const PLANES: usize>(
         &self,
         packet: &Packet<T>,
         planes: [T; PLANES],
         is_last: bool,
         batch: &mut Self::Batch,
+        work: &mut Work,
+        wanted: u32,
     ) -> Told;
-
-    /// Counts a call that so many lanes were wanted of.
-    fn count(work: &mut Work, lanes: u32);
 }
 
 /// What is known of rays between planes, a bit for each.
@@ -186,7 +186,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 leaving &= !(slab.active & !slab.vanishing);
             }
             slab.vanishing &= alive;
-            let is_last = done.interval.calls >= STEPS;
+            // Intervals or forms, whichever the test asks of each slab.
+            let is_last = done.interval.calls.max(done.segments.calls) >= STEPS;
             if slab.vanishing != 0 {
                 if level < self.last && !is_last {
                     level += 1;
@@ -248,16 +249,15 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         }
         let is_last = level == self.last;
         // Where only the second asks, its rays have the first lanes.
-        let mut skipped = 0;
+        let (mut skipped, wanted) = (0, active[0].count_ones() + active[1].count_ones());
         let told = if active[1] == 0 {
-            self.test.ask(packet, [planes[0], planes[1]], is_last, batch)
+            self.test.ask(packet, [planes[0], planes[1]], is_last, batch, work, wanted)
         } else if active[0] == 0 {
             skipped = RAYS;
-            self.test.ask(packet, [planes[1], planes[2]], is_last, batch)
+            self.test.ask(packet, [planes[1], planes[2]], is_last, batch, work, wanted)
         } else {
-            self.test.ask(packet, planes, is_last, batch)
+            self.test.ask(packet, planes, is_last, batch, work, wanted)
         };
-        S::count(work, active[0].count_ones() + active[1].count_ones());
         let (possible, unbounded) = (told.possible << skipped, told.unbounded << skipped);
         let slab = |active, half: usize| Slab {
             active,

@@ -8,7 +8,7 @@
 use super::slope::Slopes;
 use super::way::{Way, bounds};
 use crate::gbuffer::{Found, Reason, Status};
-use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
+use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -20,20 +20,15 @@ pub(crate) const METHOD: Method = Method {
     help: "steps as long as bounds of the slope allow (Hart 1996, Galin et al. 2020); proves misses only",
     proves: Proves::Misses,
     reads: &[MethodOption::Precision, MethodOption::Steps, MethodOption::Tolerance],
-    prepare,
+    prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a>(
+fn prepare<'a, T: Scalar>(
     surface: &'a dyn Surface,
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    Ok(match options.precision {
-        Precision::Auto | Precision::F32 => {
-            Box::new(Sphere::<f32>::new(surface, region, &options)?)
-        }
-        Precision::F64 => Box::new(Sphere::<f64>::new(surface, region, &options)?),
-    })
+    Ok(Box::new(Sphere::<T>::new(surface, region, &options)?))
 }
 
 struct Sphere<'a, T: Scalar> {

@@ -8,6 +8,12 @@ use crate::region::Region;
 use glam::DVec3;
 use zeroset_interval::Interval;
 
+/// Where a part of a ray is cut, as a share of it: not in the middle, where symmetric surfaces have zeros whose sign could not
+/// be told.
+pub(super) const CUT: f64 = 0.460_937_5;
+/// Parts of a ray that stay open, at most: after so many the rest of it is given up.
+pub(super) const OPEN_PARTS: u32 = 16;
+
 /// A ray to be followed: the points `origin` + s·`direction`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
@@ -55,25 +61,38 @@ impl Way {
             error,
             start: -near,
             span,
-            inside: within((near, last), near, span),
+            inside: inside(region, ray, near),
             tolerance: f64::INFINITY,
         })
     }
 }
 
 /// Bounds of s between which a ray is certainly in the region, given that t is s + `start`.
-pub(super) fn inside(region: &Region, ray: &Ray, start: f64, span: [f64; 2]) -> [f64; 2] {
-    let nowhere = [f64::INFINITY, f64::NEG_INFINITY];
-    region.span(ray).map_or(nowhere, |bounds| within(bounds, start, span))
+pub(super) fn inside(region: &Region, ray: &Ray, start: f64) -> [f64; 2] {
+    let [near, far] = region.inner(ray);
+    // The differences are rounded, but for an eye in the region.
+    [if near == 0.0 { -start } else { (near - start).next_up() }, (far - start).next_down()]
 }
 
-/// The same, given the bounds of t within the region.
-fn within((near, far): (f64, f64), start: f64, span: [f64; 2]) -> [f64; 2] {
-    // What the span was rounded outward by, and the difference here.
-    let slack =
-        32.0 * f64::EPSILON * (near.abs() + far.abs().min(1e300) + start.abs() + span[1].abs());
-    let near = if near == 0.0 { -start } else { near - start + slack };
-    [near, far - start - slack]
+/// Bounds of s between which a ray is certainly between the region's faces, its clipping plane apart, given how far the ray
+/// may be from its points `origin` + s·`direction`.
+pub(super) fn between_faces([origin, direction, error]: [DVec3; 3], region: &Region) -> [f64; 2] {
+    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+    let (low, high) = (region.low() + error, region.high() - error);
+    for axis in 0..3 {
+        let (o, d) = (origin[axis], direction[axis]);
+        if d == 0.0 {
+            if !(low[axis] <= o && o <= high[axis]) {
+                far = f64::NEG_INFINITY;
+            }
+            continue;
+        }
+        let (enter, leave) = ((low[axis] - o) / d, (high[axis] - o) / d);
+        let (enter, leave) = (enter.min(leave), enter.max(leave));
+        near = near.max(enter + 1e-12 * enter.abs());
+        far = far.min(leave - 1e-12 * leave.abs());
+    }
+    [near, far]
 }
 
 /// Bounds of a segment's points in the region.

@@ -225,3 +225,36 @@ fn from_very_far<T: Scalar>(seed: u64) {
         }
     }
 }
+
+#[test]
+fn what_is_certainly_in_the_region_is() {
+    let mut random = Random(0x5eed_7003);
+    println!("seed 0x5eed7003");
+    let mut checked = 0_u32;
+    for _ in 0..4_000 {
+        let (mut region, segments) = scene(&mut random);
+        let ray = segments[0].ray;
+        if random.next().is_multiple_of(2) {
+            // A plane that the ray runs along, but for a little.
+            let across = ray.direction.cross(random.vector(1.0)).normalize();
+            let normal =
+                across + ray.direction.normalize() * random.unit() * random.scale(0) * 1e-13;
+            let offset = normal.dot(ray.at(1.0));
+            region = region.with_clip(HalfSpace { normal, offset }).expect("a plane");
+        }
+        let [near, far] = region.inner(&ray);
+        if near > far {
+            continue;
+        }
+        for t in [near, far].into_iter().filter(|t| t.is_finite()) {
+            let point = std::array::from_fn(|axis| {
+                exact(ray.origin[axis]) + exact(t) * exact(ray.direction[axis])
+            });
+            assert!(inside(&region, &point), "{t} of {ray:?} {region:?}");
+            checked += 1;
+        }
+        let (first, last) = region.span(&ray).expect("it is within");
+        assert!(first <= near && far <= last);
+    }
+    assert!(checked > 3_000, "{checked}");
+}

@@ -1,4 +1,5 @@
-//! The rays of a picture as points o + a·o₁ + b·o₂ + s·(d + a·d₁ + b·d₂) near the region, in the floats of the kernels.
+//! The rays of a picture as points o + a·o₁ + b·o₂ + s·(d + a·d₁ + b·d₂) near the region, in the floats of the
+//! kernels.
 //!
 //! Screen coordinates (a, b) are those of the [`RayGrid`]; s is the ray's t less that of a plane through the region's centre,
 //! so that `f32` is spent on the region and not on the way to it.
@@ -60,12 +61,6 @@ impl Frame {
     /// The farthest end of a segment from s = 0.
     pub fn size(&self) -> f64 {
         self.span[0].abs().max(self.span[1].abs())
-    }
-
-    /// The width of a pixel in units of s.
-    pub fn footprint(&self, rays: &RayGrid, s: f64) -> f64 {
-        let unit = 2.0 * rays.unit();
-        if rays.is_parallel() { unit } else { unit * (self.start + s) }
     }
 
     /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within `most` of 0.
@@ -140,26 +135,6 @@ impl Frame {
             far = far.min(last + 1e-12 * last.abs());
         }
         (near <= far).then_some([near, far])
-    }
-
-    /// Bounds of s between which a ray is certainly in the region, its clipping plane apart.
-    pub fn inside(&self, origin: &DVec3, direction: &DVec3, region: &Region) -> [f64; 2] {
-        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
-        for axis in 0..3 {
-            let (o, d, slack) = (origin[axis], direction[axis], self.error[axis]);
-            let (low, high) = (region.low()[axis] + slack, region.high()[axis] - slack);
-            if d == 0.0 {
-                if o < low || high < o {
-                    far = f64::NEG_INFINITY;
-                }
-                continue;
-            }
-            let (first, last) = ((low - o) / d, (high - o) / d);
-            let (first, last) = (first.min(last), first.max(last));
-            near = near.max(first + 1e-12 * first.abs());
-            far = far.min(last - 1e-12 * last.abs());
-        }
-        [near, far]
     }
 
     /// Whether all of a tile's rays are in the region from s = `near` to `far`, its clipping plane apart.

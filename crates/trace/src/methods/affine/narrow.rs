@@ -1,8 +1,8 @@
 //! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
 
-use super::super::way::{Way, bounds};
 use super::slots::{Slots, Stack};
 use crate::method::Ideas;
+use crate::methods::way::{CUT, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -56,9 +56,7 @@ impl<T: Scalar> Default for Scratch<T> {
 }
 
 /// A segment that stays longer than this share of what it was is cut.
-const STALLED: f64 = 0.6;
-/// Where it is cut: not in the middle, where symmetric surfaces have zeros whose sign could not be told.
-const CUT: f64 = 0.460_937_5;
+pub(super) const STALLED: f64 = 0.6;
 /// A segment that got shorter than this share of what it was did so by a form that is as good as linear.
 pub(super) const STEADY: f64 = 0.35;
 /// What share of the tolerance is allowed where that was not so.

@@ -2,7 +2,7 @@
 
 use super::super::way::{self, Way};
 use super::frame::Tile;
-use super::narrow::{STEADY, UNSTEADY};
+use super::narrow::{STALLED, STEADY, UNSTEADY};
 use super::plane::Plane;
 use super::tiles::{Level, Tracer};
 use crate::method::Start;
@@ -11,8 +11,6 @@ use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// How often the segments of a tile's rays are narrowed together, before those that are left are followed one by one.
 const ROUNDS: u32 = 4;
-/// A segment that stays longer than this share of what it was is followed apart.
-const STALLED: f64 = 0.6;
 
 /// A tile of 4×4 pixels. Its lanes and bits are pixels, row by row.
 struct Patch {
@@ -269,14 +267,14 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let [origin, direction] = self.frame.ray(screen);
             let ray = Tile { centre: screen, half: [0.0; 2] };
             let Some(mut span) = self.frame.clip(&ray, region, segment) else { continue };
-            let mut inside = self.frame.inside(&origin, &direction, region);
+            let mut inside = way::between_faces([origin, direction, self.frame.error], region);
             if region.clip().is_some() {
                 let ray = self.rays.ray(patch.column(bit), self.band.top + patch.row(bit));
                 let start = self.frame.start;
                 let Some((near, far)) = region.span(&ray) else { continue };
                 let slack = 1e-15 * (near.abs() + start.abs());
                 span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
-                inside = way::inside(region, &ray, start, span);
+                inside = way::inside(region, &ray, start);
             }
             if span[0] > span[1] {
                 continue;

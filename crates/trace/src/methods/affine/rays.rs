@@ -1,10 +1,11 @@
 //! Single rays, sixteen at a time: from a segment to a proven hit, to nothing, or to what stays open.
 
-use super::super::bridge::Bridge;
-use super::super::way::{Way, bounds};
 use super::narrow::{Narrower, Scratch, Step};
-use crate::gbuffer::{Found, Reason, Status};
+use crate::gbuffer::{Found, Reason};
 use crate::method::{Options, Precision, Segment, Start};
+use crate::methods::bridge::Bridge;
+use crate::methods::outcome::{Outcome, reason};
+use crate::methods::way::{OPEN_PARTS, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -13,17 +14,6 @@ use zeroset_eval::{
     Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Surface, Zeros,
 };
 use zeroset_interval::Facts;
-
-/// What became of a ray. Places are values of s.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Outcome {
-    /// The bracket of the first proven hit.
-    pub hit: Option<[f64; 2]>,
-    /// The start of the first part before it of which nothing is proven, and why.
-    pub open: Option<(f64, Reason)>,
-    /// The start of the first such part that is likely a zero.
-    pub likely: Option<f64>,
-}
 
 /// Follows single rays.
 pub(super) struct Follower<'a, T: Scalar> {
@@ -39,8 +29,6 @@ pub(super) struct Follower<'a, T: Scalar> {
 
 /// A stretch that is looked at in `f64` is so many times as long as the part that stayed open in `f32`.
 const STRETCH: f64 = 256.0;
-/// Parts of a ray that stay open, at most: after so many the rest of it is given up.
-const OPEN_PARTS: u32 = 16;
 
 impl<'a, T: Scalar> Follower<'a, T> {
     pub fn new(
@@ -203,16 +191,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
             facts = Kernel::<Enclose, U>::ask_all(kernel, &boxes)[0].facts(0);
         }
         let asymptote = self.options.suppress_asymptotes && zeros.unbounded & 1 == 1;
-        let reason = if !facts.has(Facts::DEFINED) {
-            Reason::Undefined
-        } else if !facts.has(Facts::CONTINUOUS) {
-            Reason::Discontinuous
-        } else if spent {
-            Reason::Budget
-        } else {
-            Reason::Touching
-        };
-        (reason, !asymptote)
+        (reason(facts, spent), !asymptote)
     }
 
     /// Follows arbitrary rays, and says what became of them.
@@ -238,34 +217,6 @@ impl<'a, T: Scalar> Follower<'a, T> {
         let outcomes = self.follow(&ways, start, &mut Scratch::default(), work);
         for (outcome, lane) in outcomes.iter().zip(lanes) {
             found[lane] = outcome.found(starts[lane]);
-        }
-    }
-}
-
-impl Outcome {
-    /// The same as a finding, for a ray whose t is `start` where s is 0.
-    pub fn found(&self, start: f64) -> Found {
-        let Self { hit, open, likely } = *self;
-        let place = |s: f64| start + s;
-        // The middle of the bracket, its ends rounded outward.
-        let bracket = hit.map(|[near, far]| [place(near).next_down(), place(far).next_up()]);
-        let middle = hit.map(|[near, far]| place(0.5 * (near + far)));
-        match (open, bracket, middle) {
-            (Some((from, reason)), _, _) => Found {
-                status: Status::Undecided,
-                distance: place(from),
-                drawn: likely.map(place).or(middle).unwrap_or(f64::INFINITY),
-                reason,
-                ..Found::MISS
-            },
-            (None, Some(bracket), Some(middle)) => Found {
-                status: Status::Hit,
-                distance: middle,
-                drawn: middle,
-                bracket,
-                ..Found::MISS
-            },
-            _ => Found::MISS,
         }
     }
 }

@@ -7,6 +7,7 @@ use super::plane::Plane;
 use super::slots::{Slots, Stack};
 use crate::band::Band;
 use crate::grid::RayGrid;
+use crate::methods::way::CUT;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use zeroset_eval::{Contractions, LANES, Planes, Segments, Tiles};
@@ -19,17 +20,15 @@ const LAST: usize = SIDES.len() - 1;
 const SLENDER: f64 = 3.0;
 /// A segment that stays longer than this share of what it was is cut.
 const STALLED: f64 = 0.75;
-/// Where it is cut.
-const CUT: f64 = 0.460_937_5;
 
 /// Traces a band.
 pub(super) fn trace<T: Scalar>(
     method: &Affine<'_, T>,
+    frame: Frame,
     rays: &RayGrid,
     band: &mut Band<'_>,
     work: &mut Work,
 ) {
-    let frame = Frame::new(rays, method.region);
     let across = band.width.div_ceil(4);
     let open = open_pixels(band.width, band.height);
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
@@ -197,7 +196,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// The width of a pixel in units of s.
     pub(super) fn footprint(&self, s: f64) -> f64 {
-        self.frame.footprint(self.rays, s)
+        self.rays.footprint(self.frame.start + s)
     }
 
     fn run(&mut self, levels: &mut [Level<T>], depth: usize) {

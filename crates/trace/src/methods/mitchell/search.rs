@@ -1,17 +1,16 @@
 //! Parts of up to sixteen rays, halved until each ray has met a root or nothing.
 
-use super::Outcome;
 use super::isolated::{Isolated, Refiner};
-use crate::gbuffer::Reason;
 use crate::method::{Options, Start};
 use crate::methods::bridge::Bridge;
+use crate::methods::outcome::{Outcome, reason};
 use crate::methods::slope::{Cuboid, Slopes};
-use crate::methods::way::{Way, bounds};
+use crate::methods::way::{CUT, OPEN_PARTS, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Surface, Zeros};
-use zeroset_interval::{Facts, Interval};
+use zeroset_interval::Interval;
 
 /// Looks for roots in `T`.
 pub(super) struct Searcher<'a, T: Scalar> {
@@ -21,14 +20,10 @@ pub(super) struct Searcher<'a, T: Scalar> {
     suppress_asymptotes: bool,
 }
 
-/// Where a part is cut: not in the middle, where symmetric surfaces have zeros whose sign could not be told.
-const CUT: f64 = 0.460_937_5;
 /// Parts looked at on one ray before the shortest get longer.
 const PATIENCE: u32 = 256;
 /// How much longer, with each one more.
 const HASTE: f64 = 1.5;
-/// Parts of a ray that stay open, at most: after so many the rest of it is given up.
-const OPEN_PARTS: u32 = 16;
 
 /// A ray that is searched.
 struct Search<'a> {
@@ -181,15 +176,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             return;
         }
         let facts = self.slopes.facts(&part.cuboid, work);
-        let reason = if !facts.has(Facts::DEFINED) {
-            Reason::Undefined
-        } else if !facts.has(Facts::CONTINUOUS) {
-            Reason::Discontinuous
-        } else if spent {
-            Reason::Budget
-        } else {
-            Reason::Touching
-        };
+        let reason = reason(facts, spent);
         ray.outcome.open.get_or_insert((near, reason));
         ray.opened += 1;
         if !(self.suppress_asymptotes && part.unbounded) {

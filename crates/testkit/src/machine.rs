@@ -1,4 +1,4 @@
-//! What this runs on.
+//! What measurements are taken on.
 
 use std::fs::read_to_string;
 

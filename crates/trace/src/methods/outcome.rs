@@ -1,0 +1,46 @@
+//! What became of a ray whose hits are proven, and how it is told.
+
+use crate::gbuffer::{Found, Reason, Status};
+use zeroset_interval::Facts;
+
+/// What became of a ray. Places are values of s.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Outcome {
+    /// The bracket of the first proven hit.
+    pub hit: Option<[f64; 2]>,
+    /// The start of the first part before it of which nothing is proven, and why.
+    pub open: Option<(f64, Reason)>,
+    /// The start of the first such part that is likely a zero.
+    pub likely: Option<f64>,
+}
+
+impl Outcome {
+    /// The same as a finding, for a ray whose t is `start` where s is 0.
+    pub fn found(&self, start: f64) -> Found {
+        let place = |s: f64| start + s;
+        let middle = self.hit.map(|[near, far]| place(0.5 * (near + far)));
+        if let Some((from, reason)) = self.open {
+            let drawn = self.likely.map(place).or(middle).unwrap_or(f64::INFINITY);
+            let (status, distance) = (Status::Undecided, place(from));
+            return Found { status, distance, drawn, reason, ..Found::MISS };
+        }
+        let (Some([near, far]), Some(distance)) = (self.hit, middle) else { return Found::MISS };
+        // Its ends are rounded outward.
+        let bracket = [place(near).next_down(), place(far).next_up()];
+        let (status, drawn) = (Status::Hit, distance);
+        Found { status, distance, drawn, bracket, ..Found::MISS }
+    }
+}
+
+/// Why a part stays open of which this is known, and for which effort may have run out.
+pub(super) fn reason(facts: Facts, spent: bool) -> Reason {
+    if !facts.has(Facts::DEFINED) {
+        Reason::Undefined
+    } else if !facts.has(Facts::CONTINUOUS) {
+        Reason::Discontinuous
+    } else if spent {
+        Reason::Budget
+    } else {
+        Reason::Touching
+    }
+}
