@@ -47,8 +47,8 @@ const STAGES: [&str; 6] = ["new", "handed back", "normals", "in f64", "colours",
 /// Seconds that each stage takes: of interleaved rounds one in twenty was faster. A busy machine slows all others down, and
 /// there is no rival that it would slow down as much.
 fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; 6] {
-    let far = Appearance::new(Light::above_left(rays));
-    let near = Appearance::new(Light::Positional(DVec3::new(3.0, -3.0, 3.0)));
+    let far = Appearance::new(Default::default(), Light::above_left(rays));
+    let near = Appearance::new(Default::default(), Light::Positional(DVec3::new(3.0, -3.0, 3.0)));
     let gradients = NormalSource::<f32>::Gradient(&HandedOn);
     let gradients_in_f64 = NormalSource::<f64>::Gradient(&HandedOn);
     let mut times = [const { Vec::new() }; 6];

@@ -1,6 +1,9 @@
 //! Surfaces over one region, of which pictures can be taken from anywhere.
 
-use crate::picture::{Normals, Picture, Precision, Settings, Statistics, Times};
+mod antialias;
+mod trace;
+
+use crate::picture::{Normals, Picture, Precision, Settings, Times};
 use crate::program::{Program, ProgramError};
 use crate::scene;
 use glam::DVec3;
@@ -10,10 +13,7 @@ use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, Surface};
 use zeroset_interval::Interval;
 use zeroset_syntax::{Document, SrgbColor, SurfaceKind};
-use zeroset_trace::{
-    Appearance, Camera, Driver, GBuffer, Light, LinearRgb, NormalSource, Options, Region,
-    SurfaceColours, Work, cap, normals, shade,
-};
+use zeroset_trace::{Camera, Options, Region};
 
 /// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed with the last model
 /// that shares them.
@@ -155,132 +155,10 @@ impl Model {
         }
         Ok(false)
     }
-
-    /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since it was last called,
-    /// and ends the work early by returning `false`, as the end of the settings' budget does: what was not reached then is
-    /// undecided, and not painted.
-    ///
-    /// # Errors
-    /// If a kernel is needed that cannot be made. What [`Model::new`] compiled is there already.
-    pub fn trace(
-        &self,
-        camera: &Camera,
-        settings: &Settings,
-        advance: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Result<Picture, ProgramError> {
-        let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
-        let advance = |done| advance(done) && end.is_none_or(|end| Instant::now() < end);
-        match settings.precision {
-            Precision::Auto | Precision::F32 => self.trace_in::<f32>(camera, settings, &advance),
-            Precision::F64 => self.trace_in::<f64>(camera, settings, &advance),
-        }
-    }
-
-    fn trace_in<T: KernelFloat>(
-        &self,
-        camera: &Camera,
-        settings: &Settings,
-        advance: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Result<Picture, ProgramError> {
-        let region = &self.region;
-        let mut watch = Stopwatch::start();
-        let mut times = self.times.unwrap_or_default();
-        let rays = camera.rays(settings.width, settings.height);
-        let light = match settings.light {
-            Some(place) => Light::Positional(place),
-            None => Light::above_left(&rays),
-        };
-        let mut work = Work::default();
-        let tracer = |surface: usize, depth| {
-            let options = options(settings, self.styles[surface].kind, depth);
-            settings.method.prepare(self.program.surface(surface), region, options)
-        };
-        let mut picture: Option<GBuffer> = None;
-        for (index, style) in self.styles.iter().enumerate() {
-            let kernels = self.program.kernels::<T>(index);
-            let tracer = tracer(index, settings.max_depth)?;
-            let mut layer = GBuffer::new(settings.width, settings.height, 0);
-            if settings.brackets {
-                layer = layer.with_brackets();
-            }
-            work += Driver { rays: &rays, tracer: &*tracer, advance }.picture(&mut layer);
-            layer.surface.fill(index as u16);
-            if style.kind == SurfaceKind::Solid {
-                work += cap(&mut layer, &rays, region, kernels.bounds()?);
-            }
-            times.trace += watch.lap();
-            if let Some(kind) = settings.normals {
-                let source = match kind {
-                    Normals::Gradient => NormalSource::Gradient(kernels.gradients()?),
-                    Normals::Central => NormalSource::Central(kernels.values()?),
-                };
-                let step = 2.0 * region.half_extent() * STEP;
-                work += normals(&mut layer, &rays, source, step);
-            }
-            // One layer at a time, so that many surfaces take no more memory than one.
-            match &mut picture {
-                None => picture = Some(layer),
-                Some(picture) => {
-                    picture.merge(&layer);
-                    layer.hand_back();
-                }
-            }
-            times.shade += watch.lap();
-            if !advance(0) {
-                if let Some(picture) = picture.as_mut().filter(|_| index + 1 < self.surfaces()) {
-                    picture.give_up();
-                }
-                break;
-            }
-        }
-
-        let mut buffer =
-            picture.unwrap_or_else(|| GBuffer::new(settings.width, settings.height, 0));
-        if let Some(depth) = settings.shadow_depth {
-            // A slab of the last depth may lie on either side of the surface that it holds.
-            let offset =
-                2.0 * region.half_extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
-            let mut hidden = vec![false; settings.width * settings.height];
-            // Shadows are no pixels finished.
-            let wanted = |_| advance(0);
-            for index in 0..self.surfaces() {
-                let tracer = tracer(index, depth)?;
-                let driver = Driver { rays: &rays, tracer: &*tracer, advance: &wanted };
-                work += driver.shadows(&mut buffer, &light, offset);
-                hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
-                if !advance(0) {
-                    break;
-                }
-            }
-            buffer.shadow = hidden;
-            times.trace += watch.lap();
-        }
-
-        let rgb = match settings.normals {
-            Some(_) => shade(&buffer, &rays, &appearance(&self.styles, settings, light)),
-            None => Vec::new(),
-        };
-        times.shade += watch.lap();
-        let made = self.program.made();
-        let statistics = Statistics {
-            times,
-            pixels: buffer.counts(),
-            work,
-            code_bytes: made.iter().map(|made| made.bytes).sum(),
-            kernels: made,
-            nodes: self.program.nodes(),
-        };
-        let undefined = (0..self.surfaces()).any(|surface| self.program.is_undefined(surface));
-        let (method, precision) = (settings.method, settings.precision);
-        // Where it is 0 everywhere no ray through the region is decided.
-        let flat = statistics.pixels.undecided > 0 && self.is_flat::<T>()?;
-        let remarks = self.remarks.clone();
-        Ok(Picture { buffer, rgb, method, precision, statistics, undefined, remarks, flat })
-    }
 }
 
-fn options(settings: &Settings, kind: SurfaceKind, depth: u32) -> Options {
-    let Settings { precision, tolerance, steps, ideas, .. } = *settings;
+fn options(settings: &Settings, kind: SurfaceKind, depth: u32, tolerance: f64) -> Options {
+    let Settings { precision, steps, ideas, .. } = *settings;
     // At a pole a surface has no point, but a solid may have a face.
     let suppress_asymptotes = kind == SurfaceKind::Equation;
     Options { precision, depth, tolerance, steps, suppress_asymptotes, ideas }
@@ -301,7 +179,7 @@ fn make_kernels<T: KernelFloat>(
             if !wanted() {
                 return Ok(());
             }
-            let options = options(settings, kind, settings.max_depth);
+            let options = options(settings, kind, settings.max_depth, settings.tolerance);
             settings.method.prepare(program.surface(surface), region, options).map(drop)
         };
         let other = || match settings.normals {
@@ -363,33 +241,6 @@ pub fn render(
 const FLAT_POINTS: usize = 64;
 /// Multiples of these fractions fill a cube evenly (Roberts 2018, generalised golden ratios).
 const FLAT_STEPS: DVec3 = DVec3::new(0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9);
-
-/// Shadow rays start this many of their own slabs away from the surface, so that it does not shade itself.
-const SHADOW_OFFSET_SLABS: f64 = 2.0;
-
-/// Reach of central differences, as a share of the domain's largest extent.
-const STEP: f64 = 1e-3;
-
-fn appearance(styles: &[Style], settings: &Settings, light: Light) -> Appearance {
-    let plain = Appearance::new(light);
-    let surfaces = styles.iter().enumerate().map(|(index, style)| {
-        match style.color {
-            // One colour typed serves both sides; the side where f < 0 is darker.
-            Some(color) => {
-                let positive = LinearRgb::from_srgb(color.rgb);
-                SurfaceColours { positive, negative: positive.lit(0.45, 0.0) }
-            }
-            None => SurfaceColours::default_for(index),
-        }
-    });
-    Appearance {
-        surfaces: surfaces.collect(),
-        background: settings.background.unwrap_or(plain.background),
-        ambient: settings.ambient,
-        undecided: settings.undecided,
-        ..plain
-    }
-}
 
 /// Measures one stage after another.
 struct Stopwatch(Instant);

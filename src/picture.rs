@@ -5,8 +5,8 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 use zeroset_trace::{
-    GBuffer, Ideas, LinearRgb, Method, PixelCounts, Proves, Reason, UndecidedStyle, Work,
-    hand_back_colours,
+    GBuffer, Ideas, LinearRgb, Look, Method, Pattern, PixelCounts, Proves, Reason, UndecidedStyle,
+    Work, hand_back_colours,
 };
 
 pub use zeroset_trace::Precision;
@@ -41,11 +41,18 @@ pub struct Settings {
     pub normals: Option<Normals>,
     /// How undecided pixels are drawn.
     pub undecided: UndecidedStyle,
+    /// How surfaces are lit, and what they stand on.
+    pub look: &'static Look,
+    /// Whether what is near takes light away, if the look has that.
+    pub occlusion: bool,
+    /// Over which rays the colour of a pixel with an edge is a mean. What is known of pixels is about the ray through their
+    /// centre in any case.
+    pub antialias: Pattern,
     /// The light's place; `None` for far above and left of the camera.
     pub light: Option<DVec3>,
-    /// Share of the light that comes from everywhere, within [0, 1].
-    pub ambient: f32,
-    /// Shown where there is nothing; `None` for the default.
+    /// Share of the light that comes from everywhere, within [0, 1]; `None` for the look's.
+    pub ambient: Option<f32>,
+    /// Shown where there is nothing; `None` for the look's.
     pub background: Option<LinearRgb>,
 }
 
@@ -87,9 +94,53 @@ impl Default for Settings {
             normals: Some(Normals::Gradient),
             undecided: UndecidedStyle::Shade,
             light: None,
-            ambient: 0.3,
+            look: Default::default(),
+            occlusion: false,
+            antialias: Pattern::ONE,
+            ambient: None,
             background: None,
         }
+    }
+}
+
+impl Settings {
+    /// Halvings of a shadow ray's way, unless told otherwise: one fewer than of a ray from the eye.
+    pub fn usual_shadow_depth(&self) -> u32 {
+        self.max_depth.saturating_sub(1).max(1)
+    }
+
+    /// The same with the light and the finish of others.
+    #[must_use]
+    pub fn lit_as(&self, others: &Self) -> Self {
+        let Self {
+            shadow_depth,
+            undecided,
+            look,
+            occlusion,
+            antialias,
+            light,
+            ambient,
+            background,
+            ..
+        } = *others;
+        Self {
+            shadow_depth,
+            undecided,
+            look,
+            occlusion,
+            antialias,
+            light,
+            ambient,
+            background,
+            ..self.clone()
+        }
+    }
+
+    /// The same without what only makes a picture look better, and takes longer than all else.
+    #[must_use]
+    pub fn plain(&self) -> Self {
+        let antialias = Pattern::ONE;
+        Self { shadow_depth: None, occlusion: false, antialias, ..self.clone() }
     }
 }
 
@@ -154,8 +205,10 @@ pub struct Statistics {
     pub times: Times,
     /// Pixels by what is proven.
     pub pixels: PixelCounts,
-    /// Calls of kernels and lanes they computed.
+    /// Calls of kernels and lanes they computed, but for edges.
     pub work: Work,
+    /// Further rays that were followed for the colours of pixels with edges.
+    pub edge_rays: usize,
     /// Size of all machine code, in bytes.
     pub code_bytes: usize,
     /// The kernels that were made for it, or earlier.
@@ -175,4 +228,8 @@ pub struct Times {
     pub trace: Duration,
     /// Distances to normals and colours.
     pub shade: Duration,
+    /// What is near to what, and shadows.
+    pub occlude: Duration,
+    /// Further rays where there are edges.
+    pub antialias: Duration,
 }

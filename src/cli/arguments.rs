@@ -2,6 +2,7 @@
 //! known here.
 
 use super::array::Arrays;
+use super::render::AA;
 use super::vector::{Numbers, Size};
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -12,7 +13,9 @@ use std::path::PathBuf;
 use zeroset::names::Named;
 use zeroset::picture::{Normals, Precision};
 use zeroset::scene::{self, CameraChoice, DomainChoice};
-use zeroset_trace::{HalfSpace, Ideas, METHODS, Method, Projection, StandardView, UndecidedStyle};
+use zeroset_trace::{
+    HalfSpace, Ideas, LOOKS, Look, METHODS, Method, Projection, StandardView, UndecidedStyle,
+};
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -281,7 +284,7 @@ pub struct TracingArgs {
     #[command(flatten)]
     pub kernels: KernelArgs,
 
-    /// Trace a ray from every visible point to the light
+    /// Trace a ray from every visible point to a light that is somewhat wide
     #[arg(long)]
     pub shadows: bool,
 
@@ -304,15 +307,23 @@ pub struct ShadingArgs {
     #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade")]
     pub undecided: UndecidedStyle,
 
+    /// How surfaces are lit, and what they stand on
+    #[arg(long, value_parser = looks(), default_value = LOOKS[0].name)]
+    pub look: &'static Look,
+
+    /// Rays in a pixel through which an edge goes: 1, 4, 16 or 64. Arrays are about one ray a pixel
+    #[arg(long, value_name = "N", default_value_t = AA)]
+    pub aa: usize,
+
     /// The position of the light [default: far above and to the left of the camera]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub light: Option<Numbers<3>>,
 
-    /// Ambient share of the light, from 0 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 0.3, allow_hyphen_values = true)]
-    pub ambient: f32,
+    /// Ambient share of the light, from 0 to 1 [default: the look's]
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
+    pub ambient: Option<f32>,
 
-    /// Background colour: six hexadecimal digits, or a name such as white [default: f4f4f6]
+    /// Background colour: six hexadecimal digits, or a name such as white [default: the look's]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }
@@ -399,6 +410,12 @@ pub struct GalleryArgs {
 
     #[command(flatten)]
     pub tracing: TracingArgs,
+}
+
+/// The rows of the table of looks, as values of an argument.
+fn looks() -> impl TypedValueParser<Value = &'static Look> {
+    let values = LOOKS.iter().map(|look| PossibleValue::new(look.name).help(look.help));
+    PossibleValuesParser::new(values).try_map(|name| Look::named(&name).ok_or("no such look"))
 }
 
 /// The rows of the table of methods, as values of an argument.

@@ -175,19 +175,28 @@ pub fn check_png(path: &Path) -> Result<()> {
     }
 }
 
-/// Writes rows of red, green and blue bytes as PNG.
+/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with the command that made it as its comment if
+/// there is one.
 ///
 /// # Errors
 /// If the sink fails.
 pub fn write_png(
     out: &mut dyn Write,
     rgb: &[u8],
-    width: usize,
-    height: usize,
+    [width, height]: [usize; 2],
+    command: Option<String>,
 ) -> std::io::Result<()> {
-    use image::ImageEncoder;
-    let (width, height) = (width as u32, height as u32);
-    image::codecs::png::PngEncoder::new(out)
-        .write_image(rgb, width, height, image::ExtendedColorType::Rgb8)
-        .map_err(std::io::Error::other)
+    let mut encoder = png::Encoder::new(out, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();
+    encoder.add_itxt_chunk("Software".to_owned(), software)?;
+    if let Some(command) = command {
+        encoder.add_itxt_chunk("Comment".to_owned(), command)?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(())
 }

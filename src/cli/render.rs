@@ -13,16 +13,17 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 use zeroset::domain::AutoDomain;
+use zeroset::live::quote;
 use zeroset::picture::{Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use zeroset::scene;
 use zeroset_syntax::SrgbColor;
-use zeroset_trace::{LinearRgb, MethodOption, Proves, Reason, Status};
+use zeroset_trace::{LinearRgb, MethodOption, Pattern, Proves, Reason, Status};
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
 
-/// Shadow rays are traced this many halvings coarser than the picture.
-const SHADOW_COARSENESS: u32 = 1;
+/// Rays in a pixel with an edge, unless told otherwise.
+pub const AA: usize = 16;
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
@@ -101,15 +102,20 @@ pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
     Ok(Settings { method, precision, tolerance, max_depth, steps, ideas, ..Settings::default() })
 }
 
+/// With all that makes a picture look better.
+pub fn beautiful(settings: &Settings) -> Settings {
+    let antialias = Pattern::of(AA).expect("one of them");
+    Settings { occlusion: true, antialias, ..settings.clone() }
+}
+
 /// What the method's flags ask for, at a given size and with the default shading.
 ///
 /// # Errors
 /// If a number is out of range.
 pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
     let settings = kernel_settings(&method.kernels)?;
-    let Settings { precision, max_depth, .. } = settings;
-    let coarser = || max_depth.saturating_sub(SHADOW_COARSENESS).max(1);
-    let shadow_depth = method.shadow_depth.unwrap_or_else(coarser);
+    let Settings { precision, .. } = settings;
+    let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
     check_depth("--shadow-depth", shadow_depth, precision)?;
     Ok(Settings {
         width,
@@ -122,7 +128,12 @@ pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Re
 
 fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let shading = &arguments.shading;
-    ensure!((0.0..=1.0).contains(&shading.ambient), "--ambient must be between 0 and 1");
+    let ambient = shading.ambient.unwrap_or(shading.look.ambient);
+    ensure!((0.0..=1.0).contains(&ambient), "--ambient must be between 0 and 1");
+    let aa = shading.aa;
+    let antialias = Pattern::of(aa).with_context(|| {
+        format!("--aa {aa}: there are 1, 4, 16 or 64 rays in a pixel with an edge")
+    })?;
     let background = match &shading.background {
         None => None,
         Some(text) => {
@@ -155,6 +166,9 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         budget,
         undecided: shading.undecided,
         light: shading.light.map(|place| DVec3::from_array(place.0)),
+        look: shading.look,
+        occlusion: true,
+        antialias,
         ambient: shading.ambient,
         background,
         ..method
@@ -195,13 +209,19 @@ impl Files {
 
     fn finish(self, picture: &Picture) -> Result<()> {
         if let Some(file) = self.picture {
-            let (width, height) = (picture.buffer.width, picture.buffer.height);
-            file.finish(|out| write_png(out, &picture.rgb, width, height))?;
+            let size = [picture.buffer.width, picture.buffer.height];
+            file.finish(|out| write_png(out, &picture.rgb, size, Some(typed())))?;
         }
         self.arrays
             .into_iter()
             .try_for_each(|(row, file)| file.finish(|out| (row.write)(picture, out)))
     }
+}
+
+/// The command that was typed, as it could be typed again.
+fn typed() -> String {
+    let words = std::env::args_os().skip(1).map(|word| quote(&word.to_string_lossy()));
+    std::iter::once("zeroset".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 /// Says what a look at the picture does not tell: why nothing is seen, and how much is undecided.

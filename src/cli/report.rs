@@ -57,6 +57,8 @@ pub fn object(
         "max_depth": settings.max_depth,
         "steps": settings.steps,
         "budget": settings.budget.map(|budget| budget.as_secs_f64()),
+        "look": settings.look.name,
+        "antialias": settings.antialias.count(),
         "size": [settings.width, settings.height],
         "ms": {
             "parse": ms(subject.parse),
@@ -64,6 +66,8 @@ pub fn object(
             "compile": ms(statistics.times.compile),
             "trace": ms(statistics.times.trace),
             "shade": ms(statistics.times.shade),
+            "occlude": ms(statistics.times.occlude),
+            "antialias": ms(statistics.times.antialias),
         },
         "pixels": {
             "hit": statistics.pixels.hit,
@@ -79,6 +83,7 @@ pub fn object(
             "gradient": count(statistics.work.gradient),
             "given_up": statistics.work.given_up,
         },
+        "edge_rays": statistics.edge_rays,
         "code_bytes": statistics.code_bytes,
         "kernels": kernels,
         "nodes": {"before": statistics.nodes.0, "after": statistics.nodes.1},

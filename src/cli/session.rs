@@ -2,7 +2,7 @@
 
 use super::arguments::InteractiveArgs;
 use super::output::{Output, check_png, write_png};
-use super::render::kernel_settings;
+use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
@@ -92,7 +92,7 @@ impl Session {
             clip: arguments.camera.clip(),
             choice: arguments.camera.choice(),
             orbit: None,
-            settings: Settings { width, height, ..settings },
+            settings: Settings { width, height, ..beautiful(&settings) },
         };
         if let Ok(document) = request.read() {
             note_time(request.time, &document);
@@ -263,12 +263,11 @@ impl Session {
         let picture = finished
             .context("not saved: the picture was changed before it was finished, or never was")?;
         let (buffer, rgb) = (&picture.picture.buffer, &picture.picture.rgb);
-        output.finish(|out| write_png(out, rgb, buffer.width, buffer.height))?;
         let name = path.display().to_string();
-        self.say(&format!(
-            "saved '{name}'; the command that reproduces it:\n{}",
-            picture.command(&name)
-        ));
+        let command = picture.command(&name);
+        let size = [buffer.width, buffer.height];
+        output.finish(|out| write_png(out, rgb, size, Some(command.clone())))?;
+        self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
         Ok(())
     }
 

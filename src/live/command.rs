@@ -9,7 +9,7 @@ use crate::picture::{Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance}
 use crate::scene::{self, CameraChoice, DomainChoice};
 use std::fmt::Write as _;
 use zeroset_syntax::language_names;
-use zeroset_trace::{METHODS, Method, MethodOption, Region, StandardView};
+use zeroset_trace::{LOOKS, Look, METHODS, Method, MethodOption, Region, StandardView};
 
 /// What a line asks for.
 enum Line<'a> {
@@ -51,6 +51,10 @@ pub const COMMANDS: &[CommandRow] = &[
         run: |live, domain| Some(look_at(live, domain.parse().ok()?)) },
     CommandRow { name: "view", arguments: "iso|front|back|left|right|top|bottom", doc: "look from this side",
         run: |live, name| StandardView::named(name).map(|view| look_from(live, view)) },
+    CommandRow { name: "look", arguments: "[NAME]", doc: "how surfaces are lit, and what they stand on",
+        run: |live, name| Some(look(live, name)) },
+    CommandRow { name: "shadows", arguments: "[on|off]", doc: "whether what is in the way of light takes it away",
+        run: |live, choice| Some(shadows(live, optional(choice, switch)?)) },
     CommandRow { name: "method", arguments: "[NAME]", doc: "how rays are traced",
         run: |live, name| Some(method(live, name)) },
     CommandRow { name: "tolerance", arguments: "[PIXELS]", doc: "how far a hit may be from where it is drawn, in pixels",
@@ -175,12 +179,8 @@ fn look_from(live: &Live, view: StandardView) -> Result<Reply, Refusal> {
 
 fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
     if name.is_empty() {
-        let used = live.settings().method;
-        let line = |row: &Method| {
-            let mark = if row == used { '*' } else { ' ' };
-            format!("{mark} {:8} {}", row.name, row.help)
-        };
-        return say(METHODS.iter().map(line).collect::<Vec<_>>().join("\n"));
+        let rows = METHODS.iter().map(|row| (row.name, row.help));
+        return say(listed(rows, live.settings().method.name));
     }
     let Some(method) = Method::named(name) else {
         let names: Vec<&str> = METHODS.iter().map(|row| row.name).collect();
@@ -188,6 +188,47 @@ fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
     };
     live.change(|request| request.settings.method = method);
     Ok(Reply::Done)
+}
+
+fn look(live: &Live, name: &str) -> Result<Reply, Refusal> {
+    if name.is_empty() {
+        let rows = LOOKS.iter().map(|row| (row.name, row.help));
+        return say(listed(rows, live.settings().look.name));
+    }
+    let Some(look) = Look::named(name) else {
+        let names: Vec<&str> = LOOKS.iter().map(|row| row.name).collect();
+        return refused(format!("no look named '{name}'; there is {}", names.join(", ")));
+    };
+    live.change(|request| request.settings.look = look);
+    Ok(Reply::Done)
+}
+
+fn shadows(live: &Live, wanted: Option<bool>) -> Result<Reply, Refusal> {
+    if let Some(wanted) = wanted {
+        live.change(|request| {
+            let settings = &mut request.settings;
+            settings.shadow_depth = wanted.then(|| settings.usual_shadow_depth());
+        });
+    }
+    let state = if live.settings().shadow_depth.is_some() { "on" } else { "off" };
+    say(format!("shadows {state}"))
+}
+
+fn switch(word: &str) -> Option<bool> {
+    match word {
+        "on" => Some(true),
+        "off" => Some(false),
+        _ => None,
+    }
+}
+
+/// Rows of a table by name and help, that in use with a star.
+fn listed<'a>(rows: impl Iterator<Item = (&'a str, &'a str)>, used: &str) -> String {
+    let line = |(name, help)| {
+        let mark = if name == used { '*' } else { ' ' };
+        format!("{mark} {name:8} {help}")
+    };
+    rows.map(line).collect::<Vec<_>>().join("\n")
 }
 
 fn tolerance(live: &Live, wanted: Option<f64>) -> Result<Reply, Refusal> {
@@ -436,7 +477,9 @@ mod tests {
     fn what_is_wrong_is_said_with_a_suggestion() {
         assert!(message(":hepl").ends_with("did you mean :help?"));
         assert!(message(":stauts").ends_with("did you mean :status?"));
-        assert!(message(":s").contains("did you mean :set or :steps or :save or :status?"));
+        assert!(
+            message(":s").contains("did you mean :set or :shadows or :steps or :save or :status?")
+        );
         assert!(message(":xylophone").ends_with(":help lists them"));
         assert!(message(":").contains(":help"));
         assert!(message(":help qqqqqq").starts_with("no function or command named 'qqqqqq'"));

@@ -304,6 +304,9 @@ impl Worker {
         };
         let camera = camera.map_err(|error| scene(error.into()))?;
         let full = &job.request.settings;
+        if let Some(seen) = self.seen_alike(&model, &camera, full) {
+            return self.relight(job, &seen);
+        }
         let mut divisor = coarsest(self.expected(full));
         loop {
             let coarse = divisor > 1;
@@ -312,7 +315,8 @@ impl Worker {
             // A coarse picture is worth finishing while only the camera moves: it is what is seen
             // of the movement.
             let advance = |_| if coarse { self.wanted_coarsely(job) } else { self.wanted(job) };
-            let picture = model.trace(&camera, &settings, &advance);
+            let plain = settings.plain();
+            let picture = model.trace(&camera, &plain, &advance);
             let picture = picture.map_err(|error| scene(error.into()))?;
             if !advance(0) {
                 return Ok(());
@@ -331,17 +335,49 @@ impl Worker {
                 parse,
                 latency: job.requested.elapsed(),
             };
-            self.publish(rendering);
+            let rendering = Arc::new(rendering);
+            self.publish(Arc::clone(&rendering));
             if !coarse {
-                return Ok(());
+                return if settings == plain { Ok(()) } else { self.relight(job, &rendering) };
             }
             divisor = finer(self.expected(full), divisor);
         }
     }
 
-    fn publish(&self, rendering: Rendering) {
+    /// The full picture that is shown, if it differs from what is asked for in nothing but its light.
+    fn seen_alike(
+        &self,
+        model: &Arc<Model>,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Option<Arc<Rendering>> {
+        let seen = self.shared.lock().snapshot.rendering.clone()?;
+        let is_alike = !seen.coarse
+            && Arc::ptr_eq(&seen.model, model)
+            && seen.camera == *camera
+            && seen.request.settings.lit_as(settings) == *settings;
+        is_alike.then_some(seen)
+    }
+
+    /// The full picture as it was asked for, once the plain one is shown and nothing newer is wanted.
+    fn relight(&self, job: &Job, plain: &Rendering) -> Result<(), Reason> {
+        let (settings, advance) = (&job.request.settings, |_| self.wanted(job));
+        let Rendering { model, camera, .. } = plain;
+        let lit = model.relight(&plain.picture, camera, settings, &advance);
+        let picture = lit.map_err(|error| Reason::Scene(error.into()))?;
+        if advance(0) {
+            let (document, model) = (Arc::clone(&plain.document), Arc::clone(model));
+            let (request, revision) = (Arc::clone(&job.request), job.revision);
+            let latency = job.requested.elapsed();
+            let lit = Rendering { revision, request, document, model, picture, latency, ..*plain };
+            self.publish(Arc::new(lit));
+        }
+        Ok(())
+    }
+
+    fn publish(&self, rendering: Arc<Rendering>) {
         let mut state = self.shared.lock();
-        let before = state.snapshot.rendering.replace(Arc::new(rendering));
+        let before = state.snapshot.rendering.replace(rendering);
         state.snapshot.fault = None;
         self.shared.changed.notify_all();
         drop(state);
@@ -447,7 +483,6 @@ fn coarser(full: &Settings, divisor: usize) -> Settings {
         width: full.width.div_ceil(divisor),
         height: full.height.div_ceil(divisor),
         max_depth: depth.min(full.max_depth),
-        shadow_depth: if divisor > 1 { None } else { full.shadow_depth },
         ..full.clone()
     }
 }

@@ -69,10 +69,11 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     };
     let _ = write!(
         text,
-        "time        read {}, {made}, trace {}, shade {}",
+        "time        read {}, {made}, trace {}, shade {}, look {}",
         ms(rendering.parse),
         ms(times.trace),
-        ms(times.shade)
+        ms(times.shade),
+        ms(times.occlude + times.antialias)
     );
     text
 }
@@ -175,6 +176,12 @@ impl Rendering {
         });
         if settings.undecided != UndecidedStyle::Shade {
             let _ = write!(command, " --undecided {}", settings.undecided.name());
+        }
+        if settings.look != usual.look {
+            let _ = write!(command, " --look {}", settings.look.name);
+        }
+        if settings.shadow_depth.is_some() {
+            command.push_str(" --shadows");
         }
         let _ = write!(command, " -o {}", quote(output));
         command

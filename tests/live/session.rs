@@ -8,6 +8,7 @@ use zeroset::live::{Live, Rendering, Reply, Request};
 use zeroset::model::render;
 use zeroset::picture::{Precision, Settings};
 use zeroset::scene;
+use zeroset_trace::Pattern;
 
 /// The picture that `zeroset render` would make of the same text from the same camera.
 fn rendered(frame: &Rendering) -> Vec<u8> {
@@ -43,6 +44,33 @@ fn what_is_typed_is_seen_and_what_is_entered_stays() {
     assert_eq!(live.text(), "x^2+y^2+z^2 = 1\nr = 0.9\nx^2+y^2 = r^2");
     live.enter("z = x").expect("valid");
     assert_eq!(settled(&live).document.surfaces.len(), 1);
+}
+
+#[test]
+fn other_light_traces_nothing() {
+    let text = "x^4+y^4+z^4-5*(x^2+y^2+z^2)+11.8";
+    let settings = Settings { width: 64, height: 64, ..Settings::default() };
+    let antialias = Pattern::of(16).expect("a pattern");
+    let settings = Settings { occlusion: true, antialias, ..settings };
+    let live = Live::new(Request { text: text.into(), settings, ..Request::default() });
+    let plain = settled(&live);
+    assert!(plain.picture.rgb == rendered(&plain) && plain.picture.statistics.edge_rays > 0);
+    assert_eq!(live.enter(":look night").ok(), Some(Reply::Done));
+    let night = settled(&live);
+    let (before, after) = (&plain.picture.statistics, &night.picture.statistics);
+    assert_eq!((before.times.trace, before.work), (after.times.trace, after.work));
+    assert!(night.picture.rgb == rendered(&night) && night.picture.rgb != plain.picture.rgb);
+    assert!(night.command("out.png").contains(" --look night "));
+    assert!(night.revision > plain.revision && night.picture.buffer == plain.picture.buffer);
+    // Shadows ask for rays, but for none from the eye.
+    live.enter(":shadows on").expect("valid");
+    let shadowed = settled(&live);
+    assert_eq!(shadowed.picture.statistics.times.trace, after.times.trace);
+    assert!(
+        shadowed.picture.rgb == rendered(&shadowed) && shadowed.picture.rgb != night.picture.rgb
+    );
+    live.enter(":shadows off").expect("valid");
+    assert!(settled(&live).picture.rgb == night.picture.rgb);
 }
 
 #[test]
@@ -214,6 +242,8 @@ fn commands_are_answered() {
         (":help qqqqqq", "no function or command named 'qqqqqq'"),
         (":help sinn", "did you mean sin?"),
         (":method rays", "no method named 'rays'; there is affine, knoll"),
+        (":look bright", "no look named 'bright'; there is studio, flat, paper, night"),
+        (":shadows maybe", "usage: :shadows [on|off]"),
         (":steps 1", "steps are between 2 and 1048576"),
         (":domain 1,0,1,2,1,2", "is empty"),
         (":set x = 1", "x"),

@@ -316,8 +316,12 @@ fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
     assert_eq!(status[middle], 1);
     let exact = 2.0 * 15.25_f64.sqrt();
     assert!((distance[middle] - exact).abs() < 0.01, "{}", distance[middle]);
-    let [red, _, blue] = picture(&place, "cut.png").get_pixel(16, 16).0;
-    assert!(blue > red, "a cut face has the colour of the inside");
+    let blue = |arguments: &[&str]| {
+        run(&[&["-o", "cut.png"], arguments].concat());
+        picture(&place, "cut.png").get_pixel(16, 16).0[2]
+    };
+    let [whole, cut] = [blue(&[]), blue(&["--clip", "0,-1,0,0"])];
+    assert!(cut > whole + 60, "a cut face is lighter than the outside: {cut}, {whole}");
 }
 
 #[test]
@@ -432,7 +436,9 @@ fn every_thread_count_gives_the_same_claim() {
         let fixed = ["render", surface, "--size", "133x71", "--status", "s.npy", "-o", "p.png"];
         let more = ["--distance", "d.npy", "--method", method, "--threads", threads];
         place.run(&[&fixed[..], &more].concat()).ok();
-        ["s.npy", "p.png", "d.npy"].map(|name| std::fs::read(place.path(name)).expect("written"))
+        let [status, distance] =
+            ["s.npy", "d.npy"].map(|name| std::fs::read(place.path(name)).expect("written"));
+        (status, distance, self::picture(&place, "p.png"))
     };
     for (surface, method) in
         [("tangle", "affine"), ("tangle", "knoll"), ("double-root-sphere", "affine")]
@@ -641,4 +647,43 @@ fn what_is_constant_on_this_domain_only_is_noted() {
         "{}",
         run.stderr
     );
+}
+
+#[test]
+fn a_picture_tells_which_command_made_it() {
+    let place = Place::new();
+    place.run(&["render", "x^2+y^2 = z^2 + ½", "--size", "16", "-o", "it.png"]).ok();
+    let file = std::fs::File::open(place.path("it.png")).expect("written");
+    let reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("valid");
+    let texts = &reader.info().utf8_text;
+    let comment = texts.iter().find(|text| text.keyword == "Comment").expect("a comment");
+    let command = "zeroset render 'x^2+y^2 = z^2 + ½' --size 16 -o it.png";
+    assert_eq!(comment.get_text().expect("text"), command);
+    assert!(reader.info().srgb.is_some());
+}
+
+#[test]
+fn looks_and_edges_change_colours_and_nothing_else() {
+    let place = Place::new();
+    let render = |more: &[&str]| {
+        let fixed = ["render", SPHERE, "--size", "48", "-o", "p.png", "--status", "s.npy"];
+        place.run(&[&fixed[..], more].concat()).ok();
+        (picture(&place, "p.png"), std::fs::read(place.path("s.npy")).expect("written"))
+    };
+    let (usual, status) = render(&[]);
+    for (look, corner) in [
+        ("studio", [244, 244, 246]),
+        ("flat", [255; 3]),
+        ("paper", [255; 3]),
+        ("night", [13, 15, 21]),
+    ] {
+        let (lit, same) = render(&["--look", look]);
+        assert_eq!(lit.get_pixel(0, 0).0, corner, "{look}");
+        assert!(same == status && (lit == usual) == (look == "studio"), "{look}");
+    }
+    let (sharp, same) = render(&["--aa", "1"]);
+    assert!(same == status && sharp != usual);
+    assert_eq!(sharp.get_pixel(24, 24), usual.get_pixel(24, 24));
+    let refused = place.run(&["render", SPHERE, "-o", "p.png", "--aa", "3"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("--aa 3: there are 1, 4, 16 or 64"));
 }

@@ -105,10 +105,10 @@ fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
         serde_json::from_str(&shell(&line("| zeroset eval"))).expect("JSON");
     let value = format!("f = {}", answer["value"].as_f64().expect("a number") as f32);
     assert!(shown.contains(&value), "{value} is not in {shown}");
-    let saved = std::fs::read(scene.terminal.place().join("zeroset-1.png")).expect("saved");
+    let pixels = |name| image::open(scene.terminal.place().join(name)).expect("saved");
+    let saved = pixels("zeroset-1.png");
     shell(&line("-o zeroset-1.png").replace("-o zeroset-1.png", "-o again.png"));
-    let again = std::fs::read(scene.terminal.place().join("again.png")).expect("made again");
-    assert!(saved == again, "the command makes another picture");
+    assert!(saved == pixels("again.png"), "the command makes another picture");
     scene.terminal.type_in(":quit\r");
     assert_eq!(scene.terminal.ends(), 0);
 }

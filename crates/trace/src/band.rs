@@ -16,14 +16,18 @@ pub struct Band<'a> {
     distance: &'a mut [f64],
     drawn: &'a mut [f64],
     bracket: &'a mut [[f64; 2]],
+    /// Whether a pixel is wanted, row by row; empty if all are.
+    only: &'a [bool],
     wanted: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl GBuffer {
-    /// Bands of so many rows each, from the top; the last may have fewer. `wanted` tells whether the work is to go on.
+    /// Bands of so many rows each, from the top; the last may have fewer. `only` says of each pixel whether it is wanted, if
+    /// not all are; `wanted` whether the work is to go on.
     pub(crate) fn bands<'a>(
         &'a mut self,
         rows: usize,
+        only: &'a [bool],
         wanted: &'a (dyn Fn() -> bool + Sync),
     ) -> impl IndexedParallelIterator<Item = Band<'a>> {
         let width = self.width.max(1);
@@ -31,6 +35,7 @@ impl GBuffer {
         let mut brackets: Vec<&mut [[f64; 2]]> = self.bracket.chunks_mut(size).collect();
         let pixels = self.status.len();
         brackets.resize_with(pixels.div_ceil(size), Default::default);
+        assert!(only.is_empty() || only.len() == pixels, "one for each pixel");
         self.status
             .par_chunks_mut(size)
             .zip(self.reason.par_chunks_mut(size))
@@ -46,6 +51,7 @@ impl GBuffer {
                 distance,
                 drawn,
                 bracket,
+                only: only.get(band * size..).map_or(&[], |only| &only[..only.len().min(size)]),
                 wanted,
             })
     }
@@ -56,6 +62,29 @@ impl Band<'_> {
     /// reached are to be [given up](Band::give_up).
     pub fn is_wanted(&self) -> bool {
         (self.wanted)()
+    }
+
+    /// Whether anybody asks what becomes of a pixel, given by its column and its row in the band.
+    #[inline]
+    pub fn is_asked(&self, column: usize, row: usize) -> bool {
+        self.only.is_empty() || self.only[row * self.width + column]
+    }
+
+    /// The same of four pixels of a row, as bits; clear for what sticks out of the band.
+    #[inline]
+    pub(crate) fn asked_of_four(&self, column: usize, row: usize) -> u16 {
+        let Some(rest) = self.only.get(row * self.width + column..(row + 1) * self.width) else {
+            return 0;
+        };
+        if let Some([a, b, c, d]) = rest.first_chunk() {
+            return u16::from(*a) | u16::from(*b) << 1 | u16::from(*c) << 2 | u16::from(*d) << 3;
+        }
+        rest.iter().enumerate().map(|(k, asked)| u16::from(*asked) << k).sum()
+    }
+
+    /// Whether that is so of every pixel.
+    pub fn is_all_asked(&self) -> bool {
+        self.only.is_empty()
     }
 
     /// Calls all pixels from this column on undecided from the eye on, for lack of time: to leave them misses would be a

@@ -65,7 +65,10 @@ fn decode(value: f64) -> f64 {
 impl LinearRgb {
     /// The colour that sRGB encodes with these bytes (IEC 61966-2-1).
     pub fn from_srgb(bytes: [u8; 3]) -> Self {
-        Self(bytes.map(|byte| decode(f64::from(byte) / 255.0) as f32))
+        static AMOUNTS: OnceLock<[f32; 256]> = OnceLock::new();
+        let amount = |byte: usize| decode(byte as f64 / 255.0) as f32;
+        let amounts = AMOUNTS.get_or_init(|| std::array::from_fn(amount));
+        Self(bytes.map(|byte| amounts[usize::from(byte)]))
     }
 
     /// The nearest sRGB bytes; amounts outside [0, 1] are clamped, NaN is black.

@@ -8,6 +8,7 @@ use crate::gbuffer::{Found, GBuffer};
 use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
+use crate::near::{TURNS, turn};
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -43,6 +44,15 @@ impl Driver<'_> {
     /// # Panics
     /// If the buffer has another size than the picture.
     pub fn picture(&self, buffer: &mut GBuffer) -> Work {
+        self.picture_where(&[], buffer)
+    }
+
+    /// Traces the pixels for which `only` says so, row by row, all if it is empty. Of others it may write what it finds by
+    /// the way: a proof or nothing.
+    ///
+    /// # Panics
+    /// If the buffer has another size than the picture, or `only` another number of pixels.
+    pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         let wanted = || (self.advance)(0);
         let trace = |mut band: Band<'_>| {
@@ -55,7 +65,7 @@ impl Driver<'_> {
             }
             work
         };
-        let parts: Vec<Work> = buffer.bands(ROWS, &wanted).map(trace).collect();
+        let parts: Vec<Work> = buffer.bands(ROWS, only, &wanted).map(trace).collect();
         parts.into_iter().fold(Work::default(), |mut sum, part| {
             sum += part;
             sum
@@ -99,14 +109,16 @@ impl Driver<'_> {
         }
     }
 
-    /// Finds which painted points of `buffer` do not see the light. A ray starts `offset` away from its point (in world
+    /// Finds which painted points of `buffer` do not see the light: that of `lights` whose turn it is, in squares of as many
+    /// pixels. A ray starts `offset` away from its point (in world
     /// units), and what it meets before it is clear of that surface does not count: otherwise a surface would shade
     /// itself wherever enclosures are wide.
-    pub fn shadows(&self, buffer: &mut GBuffer, light: &Light, offset: f64) -> Work {
+    pub fn shadows(&self, buffer: &mut GBuffer, lights: &[Light; TURNS], offset: f64) -> Work {
         let painted: Vec<usize> =
             (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
         let segment = |pixel: Pixel| {
             let [column, row] = pixel.map(|place| place as usize);
+            let light = &lights[turn([column, row])];
             let (ray, pixel) = (self.rays.ray(column, row), self.index(pixel));
             let t = ray.parameter(buffer.drawn[pixel]);
             let (way, distance) = light.towards(ray.at(t));
@@ -121,13 +133,14 @@ impl Driver<'_> {
         };
         let tiles = painted.par_chunks(LIST).map(|tile| (self.places(tile), 0));
         for &pixel in &painted {
-            buffer.shadow[pixel] = false;
+            buffer.shadow[pixel] = 0;
         }
         let mut work = Work::default();
         for (found, part) in self.follow(tiles, &segment, Start::OnSurface).into_iter().flatten() {
             work += part;
             for (pixel, found) in found {
-                buffer.shadow[self.index(pixel)] = found.drawn.is_finite();
+                let hidden = if found.drawn.is_finite() { u8::MAX } else { 0 };
+                buffer.shadow[self.index(pixel)] = hidden;
             }
         }
         work

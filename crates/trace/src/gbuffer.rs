@@ -162,11 +162,16 @@ pub struct GBuffer {
     pub normal: Vec<[f32; 3]>,
     /// Whether the painted point lies on a face of the region that cuts a solid open.
     pub cap: Vec<bool>,
-    /// Whether the light is hidden from the painted point.
-    pub shadow: Vec<bool>,
+    /// How much of the light is hidden from the painted point, 255 being all.
+    pub shadow: Vec<u8>,
+    /// How much of what surrounds the painted point is hidden from it by what is near, 255 being all.
+    pub occlusion: Vec<u8>,
 }
 
 static SPARES: Spares<GBuffer> = Spares::new();
+
+/// Buffers of fewer pixels are set by one thread: to wake another takes longer.
+const SHARED: usize = 1 << 14;
 
 impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
@@ -188,7 +193,8 @@ impl GBuffer {
             surface: vec![surface; pixels],
             normal: vec![[0.0; 3]; pixels],
             cap: vec![false; pixels],
-            shadow: vec![false; pixels],
+            shadow: vec![0; pixels],
+            occlusion: vec![0; pixels],
         }
     }
 
@@ -201,19 +207,29 @@ impl GBuffer {
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         self.bracket.clear();
-        let Self {
-            status, reason, distance, drawn, surface: surfaces, normal, cap, shadow, ..
-        } = self;
+        let Self { status, reason, distance, drawn, surface: surfaces, normal, .. } = self;
+        let Self { cap, shadow, occlusion, .. } = self;
+        let mut small = || {
+            fill(status, pixels, Status::Miss);
+            fill(reason, pixels, Reason::None);
+            fill(surfaces, pixels, surface);
+            fill(cap, pixels, false);
+            fill(shadow, pixels, 0);
+            fill(occlusion, pixels, 0);
+        };
+        if pixels < SHARED {
+            small();
+            fill(distance, pixels, f64::INFINITY);
+            fill(drawn, pixels, f64::INFINITY);
+            fill(normal, pixels, [0.0; 3]);
+            return;
+        }
         // Some tens of bytes a pixel: on one thread a part of the frame that shows.
         rayon::scope(|scope| {
             scope.spawn(|_| fill(distance, pixels, f64::INFINITY));
             scope.spawn(|_| fill(drawn, pixels, f64::INFINITY));
             scope.spawn(|_| fill(normal, pixels, [0.0; 3]));
-            fill(status, pixels, Status::Miss);
-            fill(reason, pixels, Reason::None);
-            fill(surfaces, pixels, surface);
-            fill(cap, pixels, false);
-            fill(shadow, pixels, false);
+            small();
         });
     }
 
@@ -283,6 +299,7 @@ impl GBuffer {
                 self.normal[pixel] = other.normal[pixel];
                 self.cap[pixel] = other.cap[pixel];
                 self.shadow[pixel] = other.shadow[pixel];
+                self.occlusion[pixel] = other.occlusion[pixel];
             }
         }
     }
@@ -330,7 +347,8 @@ mod tests {
     #[test]
     fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
         let mut old = pixel(Status::Hit, 5.0, 5.0, 7);
-        (old.normal[0], old.cap[0], old.shadow[0]) = ([1.0, 0.0, 0.0], true, true);
+        (old.normal[0], old.cap[0], old.shadow[0]) = ([1.0, 0.0, 0.0], true, 255);
+        old.occlusion[0] = 9;
         old.reason[0] = Reason::Touching;
         old = old.with_brackets();
         let mut reset = old.clone();
@@ -340,7 +358,8 @@ mod tests {
         assert_eq!(new, reset);
         let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
         assert_eq!((new.status[0], new.distance[0], new.drawn[0], new.surface[0]), expected);
-        assert_eq!((new.normal[0], new.cap[0], new.shadow[0]), ([0.0; 3], false, false));
+        assert_eq!((new.normal[0], new.cap[0]), ([0.0; 3], false));
+        assert_eq!((new.shadow[0], new.occlusion[0]), (0, 0));
         assert!(new.reason[0] == Reason::None && new.bracket.is_empty());
         reset.reset(3, 2, 0);
         assert_eq!(reset, GBuffer::new(3, 2, 0));

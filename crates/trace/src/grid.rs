@@ -3,6 +3,7 @@
 use crate::camera::{Basis, Camera, Projection, Ray};
 use crate::painted::Window;
 use glam::DVec3;
+use std::ops::Range;
 use zeroset_eval::{LANES, Lanes};
 
 /// The rays of a picture, one through each pixel's centre.
@@ -10,6 +11,10 @@ use zeroset_eval::{LANES, Lanes};
 pub struct RayGrid {
     width: usize,
     height: usize,
+    /// Where the centre of the first pixel is, to the right of the picture's middle and above it, in halves of a pixel.
+    first: [i64; 2],
+    /// Half the width and height of the whole picture that this is a part of.
+    reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
     /// Half a pixel's height: on the plane at distance 1, or in world units if parallel.
@@ -31,7 +36,34 @@ impl RayGrid {
             Projection::Orthographic { height } => (height / 2.0, true),
         };
         let unit = scale / height as f64;
-        Self { width, height, eye: camera.eye(), basis: camera.basis, unit, parallel }
+        let (eye, basis) = (camera.eye(), camera.basis);
+        let reach = [width as f64 * unit, height as f64 * unit];
+        Self { width, height, first: first(width, height), reach, eye, basis, unit, parallel }
+    }
+
+    /// The rays of some columns and rows of the picture, counted from its left edge and its top: those of `self`, bit for
+    /// bit.
+    ///
+    /// # Panics
+    /// If they are not in the picture.
+    #[must_use]
+    pub fn part(&self, columns: Range<usize>, rows: Range<usize>) -> Self {
+        assert!(columns.end <= self.width && rows.end <= self.height, "outside of the picture");
+        let [across, upward] = self.first;
+        let first = [across + 2 * columns.start as i64, upward - 2 * rows.start as i64];
+        Self { width: columns.len(), height: rows.len(), first, ..*self }
+    }
+
+    /// The rays of the same picture with each pixel cut into `times` columns and rows.
+    ///
+    /// # Panics
+    /// If this is a [part](Self::part) of a picture.
+    #[must_use]
+    pub fn finer(&self, times: usize) -> Self {
+        assert_eq!(self.first, first(self.width, self.height), "a part of a picture");
+        let (width, height) = (self.width * times, self.height * times);
+        let unit = self.unit / times as f64;
+        Self { width, height, first: first(width, height), unit, ..*self }
     }
 
     /// Pixels in a row.
@@ -86,9 +118,8 @@ impl RayGrid {
     /// their rows: a ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin is moved so.
     #[inline]
     pub(crate) fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
-        let across = (columns as i64 + 1 - self.width as i64) as f64 * self.unit;
-        let upward = (self.height as i64 - 1 - rows as i64) as f64 * self.unit;
-        [across, upward]
+        let [across, upward] = self.first;
+        [across + columns as i64, upward - rows as i64].map(|place| place as f64 * self.unit)
     }
 
     /// About how wide a pixel is at a distance from the eye, in the unit of that distance: of t, or of the world.
@@ -101,6 +132,12 @@ impl RayGrid {
     pub(crate) fn pixel(&self) -> [f64; 2] {
         let width = 2.0 * self.unit;
         if self.is_parallel() { [width, 0.0] } else { [0.0, width] }
+    }
+
+    /// What no screen coordinate exceeds, in the whole picture that this is a part of: so parts are traced as the whole is.
+    #[inline]
+    pub(crate) fn reach(&self) -> [f64; 2] {
+        self.reach
     }
 
     /// Half the distance of neighbouring pixels' screen coordinates.
@@ -119,9 +156,8 @@ impl RayGrid {
     #[inline]
     fn offset(&self, i: usize, j: usize) -> [f64; 2] {
         // Integers until the last step.
-        let across = 2 * i as i64 + 1 - self.width as i64;
-        let upward = self.height as i64 - 1 - 2 * j as i64;
-        [across as f64, upward as f64]
+        let [across, upward] = self.first;
+        [(across + 2 * i as i64) as f64, (upward - 2 * j as i64) as f64]
     }
 
     /// The ray of the pixel with this index, counted row by row from the top.
@@ -167,6 +203,11 @@ impl RayGrid {
         }
         ways
     }
+}
+
+/// [`RayGrid::first`] of a whole picture.
+fn first(width: usize, height: usize) -> [i64; 2] {
+    [1 - width as i64, height as i64 - 1]
 }
 
 /// The tangent of half an angle in degrees. Near 180 it hangs on how much the angle lacks, which is

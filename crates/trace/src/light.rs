@@ -1,6 +1,7 @@
 //! The one light of a picture.
 
 use crate::grid::RayGrid;
+use crate::near::TURNS;
 use glam::DVec3;
 use zeroset_eval::{LANES, Lanes};
 
@@ -13,6 +14,9 @@ pub enum Light {
     Positional(DVec3),
 }
 
+/// The half width of a light, as a share of how far it is.
+const WIDTH: f64 = 0.05;
+
 impl Light {
     /// A distant light above and to the left of the camera, which moves with it.
     pub fn above_left(rays: &RayGrid) -> Self {
@@ -20,6 +24,23 @@ impl Light {
         // cube, its three visible faces then differ clearly, the top the brightest.
         let towards = -rays.forward() + 1.1 * rays.up() - 0.35 * rays.right();
         Self::Directional(towards.normalize())
+    }
+
+    /// The light as a disc rather than a point, by sixteen places on it: a 20th as wide to every side as it is far from
+    /// `centre`. The sun is a tenth of that.
+    pub fn widened(&self, centre: DVec3) -> [Self; TURNS] {
+        let (way, distance) = self.towards(centre);
+        let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
+        std::array::from_fn(|turn| {
+            // Vogel's spiral: evenly over the disc. Turns that follow each other lie far apart.
+            let place = (7 * turn % TURNS) as f64;
+            let (radius, angle) = (((place + 0.5) / TURNS as f64).sqrt(), place * 2.399_963_23);
+            let aside = WIDTH * radius * (angle.cos() * across + angle.sin() * upward);
+            match self {
+                Self::Directional(way) => Self::Directional((*way + aside).normalize()),
+                Self::Positional(at) => Self::Positional(*at + distance * aside),
+            }
+        })
     }
 
     /// The way from `point` to the light: a unit vector and the distance, infinite for a distant

@@ -174,7 +174,13 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
     let unset = Segment { ray: rays.ray(0, band.top), to, pixel };
     let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
     let mut wanted = true;
-    for square in squares(band.width, band.height) {
+    for mut square in squares(band.width, band.height) {
+        if !band.is_all_asked() {
+            square.retain(|&[column, row]| band.is_asked(column, row));
+            if square.is_empty() {
+                continue;
+            }
+        }
         wanted = wanted && band.is_wanted();
         if !wanted {
             for &[column, row] in &square {

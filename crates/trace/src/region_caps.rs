@@ -25,15 +25,17 @@ enum Inside {
 
 /// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates what is proven: an
 /// entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is undefined changes nothing, and any other
-/// makes its pixel undecided from there on. A ray that starts inside the region enters nowhere. Returns what was asked of the
-/// kernel.
+/// makes its pixel undecided from there on. A ray that starts inside the region enters nowhere. Only pixels for which `only`
+/// says so are looked at, all if it is empty. Returns what was asked of the kernel.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
     rays: &RayGrid,
     region: &Region,
     kernel: &dyn Kernel<Enclose, T>,
+    only: &[bool],
 ) -> Work {
     let entries: Vec<(usize, Entry)> = (0..buffer.status.len())
+        .filter(|&pixel| only.is_empty() || only[pixel])
         .filter_map(|pixel| Some((pixel, region.entry(&rays.ray_of(pixel))?)))
         .collect();
     let verdicts: Vec<Inside> = entries
@@ -153,7 +155,7 @@ mod tests {
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let rays = camera.expect("valid").rays(8, 8);
         let mut buffer = GBuffer::new(8, 8, 0);
-        cap(&mut buffer, &rays, region, &LeftHalf);
+        cap(&mut buffer, &rays, region, &LeftHalf, &[]);
         buffer
     }
 

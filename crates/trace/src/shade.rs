@@ -4,9 +4,10 @@ use crate::colour::{BLACK, Codes, LinearRgb};
 use crate::gbuffer::{GBuffer, Status};
 use crate::grid::RayGrid;
 use crate::light::Light;
+use crate::look::Look;
 use crate::painted::{BAND, Window, bits, windows};
 use crate::spare::Spares;
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use zeroset_eval::{LANES, Lanes};
 
@@ -15,8 +16,10 @@ use zeroset_eval::{LANES, Lanes};
 pub struct SurfaceColours {
     /// Of the side on which f > 0.
     pub positive: LinearRgb,
-    /// Of the side on which f < 0, and of a solid's cut faces.
+    /// Of the side on which f < 0.
     pub negative: LinearRgb,
+    /// Of the faces where a region cuts a solid open.
+    pub cut: LinearRgb,
 }
 
 /// How an undecided pixel is told from a hit.
@@ -42,7 +45,9 @@ pub struct Appearance {
     pub background: LinearRgb,
     /// Share of the light that comes from everywhere, within [0, 1].
     pub ambient: f32,
-    /// Where the rest comes from.
+    /// How the surfaces are lit; its background and ambient share do not count.
+    pub look: Look,
+    /// Where the light comes from that casts shadows.
     pub light: Light,
     /// How undecided pixels are marked.
     pub undecided: UndecidedStyle,
@@ -54,17 +59,37 @@ impl SurfaceColours {
     pub fn default_for(surface: usize) -> Self {
         let pair = DEFAULT_PAIRS[surface % DEFAULT_PAIRS.len()];
         let [positive, negative] = pair.map(LinearRgb::from_srgb);
-        Self { positive, negative }
+        Self { positive, negative, cut: cut(positive) }
+    }
+
+    /// The sides of a surface whose outer one has this colour: the inner one is darker and less colourful.
+    pub fn around(outer: LinearRgb) -> Self {
+        let [red, green, blue] = outer.0;
+        let grey = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+        let negative = LinearRgb(outer.0.map(|part| 0.5 * part + 0.12 * grey + 0.02));
+        Self { positive: outer, negative, cut: cut(outer) }
+    }
+
+    /// The same with the sides exchanged.
+    #[must_use]
+    pub fn turned(self) -> Self {
+        Self { positive: self.negative, negative: self.positive, ..self }
     }
 }
 
+/// The colour of what is inside of a solid of this colour: lighter, as if sawn.
+fn cut(outer: LinearRgb) -> LinearRgb {
+    LinearRgb(outer.0.map(|part| 0.45 * part + 0.4))
+}
+
 impl Appearance {
-    /// The default look under this light.
-    pub fn new(light: Light) -> Self {
+    /// A look under this light.
+    pub fn new(look: &Look, light: Light) -> Self {
         Self {
             surfaces: Vec::new(),
-            background: LinearRgb::from_srgb([244, 244, 246]),
-            ambient: 0.3,
+            background: look.background(),
+            ambient: look.ambient,
+            look: *look,
             light,
             undecided: UndecidedStyle::default(),
         }
@@ -87,9 +112,6 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
     [[204, 121, 167], [92, 92, 104]], // reddish purple, grey
 ];
 
-/// Share of a white highlight in the direct light.
-const HIGHLIGHT: f32 = 0.18;
-
 /// Distance of the stripes of a hatch, and their width, in pixels along a row.
 const HATCH_PERIOD: usize = 6;
 const HATCH_WIDTH: usize = 2;
@@ -107,6 +129,7 @@ pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u
     bytes.resize(3 * pixels, 0);
     let row = appearance.background.to_srgb().repeat(buffer.width);
     let (palette, codes) = (appearance.palette(), Codes::get());
+    let lamps = Lamps::new(rays);
     let size = (BAND * buffer.width).max(1);
     bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
         bytes.chunks_mut(row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&row));
@@ -116,13 +139,15 @@ pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u
             rays,
             appearance,
             palette: &palette,
+            lamps,
             codes,
             status: &buffer.status[here.clone()],
             drawn: &buffer.drawn[here.clone()],
             surface: &buffer.surface[here.clone()],
             normal: &buffer.normal[here.clone()],
             cap: &buffer.cap[here.clone()],
-            shadow: &buffer.shadow[here],
+            shadow: &buffer.shadow[here.clone()],
+            occlusion: &buffer.occlusion[here],
         };
         windows(band.drawn, first, buffer.width, |window| band.paint(window, bytes));
     });
@@ -141,13 +166,36 @@ struct Band<'a> {
     rays: &'a RayGrid,
     appearance: &'a Appearance,
     palette: &'a [SurfaceColours],
+    lamps: Lamps,
     codes: &'a Codes,
     status: &'a [Status],
     drawn: &'a [f64],
     surface: &'a [u16],
     normal: &'a [[f32; 3]],
     cap: &'a [bool],
-    shadow: &'a [bool],
+    shadow: &'a [u8],
+    occlusion: &'a [u8],
+}
+
+/// Directions, of length 1, towards the lights that move with the camera.
+#[derive(Clone, Copy)]
+struct Lamps {
+    above: Vec3,
+    fill: Vec3,
+    rim: Vec3,
+}
+
+impl Lamps {
+    fn new(rays: &RayGrid) -> Self {
+        let [forward, right, up] = [rays.forward(), rays.right(), rays.up()];
+        let fill = -forward + 1.1 * right - 0.2 * up;
+        let rim = 0.6 * forward + 0.5 * right + up;
+        Self {
+            above: up.as_vec3(),
+            fill: fill.normalize().as_vec3(),
+            rim: rim.normalize().as_vec3(),
+        }
+    }
 }
 
 impl Band<'_> {
@@ -204,12 +252,15 @@ impl Band<'_> {
         marks: Option<&[Lanes<f32>; 2]>,
         amounts: &mut [Lanes<f32>; 3],
     ) {
-        let Self { rays, appearance, .. } = *self;
-        let (mut normal, mut spare) = ([[0.0; 3]; LANES], [[false; LANES]; 2]);
-        let [in_shadow, is_cap] = &mut spare;
+        let Self { rays, appearance, lamps, .. } = *self;
+        let Appearance { look, ambient: everywhere, .. } = appearance;
+        let (mut normal, mut is_cap) = ([[0.0; 3]; LANES], [false; LANES]);
+        let mut spare = [[0; LANES]; 2];
+        let [shadow, occlusion] = &mut spare;
         let normal = window.load(self.normal, &mut normal);
-        let in_shadow = window.load(self.shadow, in_shadow);
-        let is_cap = window.load(self.cap, is_cap);
+        let shadow = window.load(self.shadow, shadow);
+        let occlusion = window.load(self.occlusion, occlusion);
+        let is_cap = window.load(self.cap, &mut is_cap);
         let points = || rays.points(window, window.load(self.drawn, &mut [0.0; LANES]));
         let to_light = appearance.light.all_towards(points);
         let to_eye = rays.ways_to_eye(window);
@@ -225,7 +276,9 @@ impl Band<'_> {
             let facing = dot(normal, eye);
             // The side that is seen is lit.
             let side = Vec4::ONE.copysign(facing);
-            let lit = four(&|lane| if in_shadow[lane] { 0.0 } else { 1.0 });
+            let lamp = |way: Vec3| side * dot(normal, way.to_array().map(Vec4::splat));
+            let lit = 1.0 - four(&|lane| f32::from(shadow[lane])) / 255.0;
+            let open = 1.0 - four(&|lane| f32::from(occlusion[lane])) / 255.0;
             let direct = lit * (side * dot(normal, light)).max(Vec4::ZERO);
             // The square of the cosine between the normal and the direction half way to the light. From straight behind there
             // is none, and light is not seen.
@@ -233,17 +286,25 @@ impl Band<'_> {
             let cosine = (side * dot(normal, halfway)).max(Vec4::ZERO);
             let square_of_length = dot(halfway, halfway).max(Vec4::splat(f32::MIN_POSITIVE));
             let square = cosine * cosine / square_of_length;
-            let white = HIGHLIGHT * direct.sqrt() * sharpened(square);
-            // The ambient share falls off towards grazing angles, so that shapes stay readable in shadow.
-            let ambient = appearance.ambient * (0.5 + 0.5 * facing.abs());
-            let factor = ambient + (1.0 - appearance.ambient) * direct;
+            let grazing = 1.0 - facing.abs().min(Vec4::ONE);
+            let rim = look.rim * grazing * grazing * lamp(lamps.rim).max(Vec4::ZERO);
+            let white = look.highlight * direct.sqrt() * sharpened(square) + rim;
+            // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
+            let from_above = 0.5 + 0.5 * lamp(lamps.above);
+            let around = look.ground + (1.0 - look.ground) * from_above;
+            let ambient = everywhere * open * around * (1.0 - 0.4 * grazing);
+            let fill = look.fill * open * lamp(lamps.fill).max(Vec4::ZERO);
+            let factor = ambient + (1.0 - everywhere) * (look.key * direct + fill);
+            let edge = grazing * grazing;
+            let factor = factor * (1.0 - look.outline * edge * edge);
             let cap = four(&|lane| if is_cap[lane] { -1.0 } else { 1.0 });
-            let is_negative = facing.min(cap).cmplt(Vec4::ZERO);
+            let (is_negative, is_cut) = (facing.cmplt(Vec4::ZERO), cap.cmplt(Vec4::ZERO));
             for (primary, amounts) in amounts.iter_mut().enumerate() {
-                let (positive, negative) =
-                    (colours.positive.0[primary], colours.negative.0[primary]);
-                let base = Vec4::select(is_negative, Vec4::splat(negative), Vec4::splat(positive));
-                let mut amount = base * factor + white;
+                let [positive, negative, cut] = [colours.positive, colours.negative, colours.cut]
+                    .map(|colour| Vec4::splat(colour.0[primary]));
+                let base = Vec4::select(is_negative, negative, positive);
+                let base = Vec4::select(is_cut, cut, base);
+                let mut amount = toned(base * factor + white);
                 if let Some([left, tint]) = marks {
                     let own = amount * Vec4::from_slice(&left[at..]);
                     amount = own + TINT.0[primary] * Vec4::from_slice(&tint[at..]);
@@ -258,6 +319,19 @@ impl Band<'_> {
 fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
+
+/// Light as a picture shows it: what is brighter than most of the range is brought into it, rather than cut off.
+fn toned(amount: Vec4) -> Vec4 {
+    // Reinhard's curve (2002) with a white point, from the knee on, where its slope is 1.
+    let above = (amount - KNEE).max(Vec4::ZERO) / (1.0 - KNEE);
+    let curve = above * (1.0 + above / (WHITE * WHITE)) / (1.0 + above);
+    amount.min(Vec4::splat(KNEE)) + (1.0 - KNEE) * curve
+}
+
+/// Up to here light is shown as it is.
+const KNEE: f32 = 0.7;
+/// What becomes full light, in units from the knee to 1.
+const WHITE: f32 = 2.0;
 
 /// The 40th power of a cosine, which makes a highlight as small as it is, given its square.
 fn sharpened(square: Vec4) -> Vec4 {
@@ -274,6 +348,7 @@ fn sharpened(square: Vec4) -> Vec4 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::LOOKS;
     use crate::camera::{Camera, Projection};
     use glam::DVec3;
 
@@ -289,7 +364,7 @@ mod tests {
     }
 
     fn headlight() -> Appearance {
-        Appearance::new(Light::Positional(DVec3::NEG_Y * 5.0))
+        Appearance::new(Default::default(), Light::Positional(DVec3::NEG_Y * 5.0))
     }
 
     #[test]
@@ -306,7 +381,7 @@ mod tests {
     fn shadow_leaves_the_ambient_share() {
         let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
         let lit = shade(&buffer, &rays, &headlight());
-        buffer.shadow[0] = true;
+        buffer.shadow[0] = 255;
         let dark = shade(&buffer, &rays, &headlight());
         assert!(dark[0] < lit[0] && dark[0] > 0);
     }
@@ -319,7 +394,7 @@ mod tests {
             let (buffer, rays) = painted([1.0, turned - 3e-4, 0.0]);
             let light = Light::Positional(DVec3::new(aside, 5.0, 0.0));
             let surfaces = vec![SurfaceColours::default_for(0)];
-            let look = Appearance { surfaces, ..Appearance::new(light) };
+            let look = Appearance { surfaces, ..Appearance::new(Default::default(), light) };
             let (lit, plain) = (shade(&buffer, &rays, &look), plain(&buffer, &rays, &look, 0));
             let close = lit.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
             assert!(close, "{k}: {lit:?} {plain:?}");
@@ -339,11 +414,26 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_face_has_the_inner_colour() {
+    fn a_cut_face_has_a_lighter_colour_on_either_side() {
         let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
+        let outer = shade(&buffer, &rays, &headlight());
         buffer.cap[0] = true;
         let cut = shade(&buffer, &rays, &headlight());
-        assert!(cut[0] < cut[2], "{cut:?}");
+        assert!(cut[2] > outer[2], "{cut:?} {outer:?}");
+        buffer.normal[0] = [0.0, 1.0, 0.0];
+        assert_eq!(shade(&buffer, &rays, &headlight()), cut);
+    }
+
+    #[test]
+    fn what_is_near_takes_light_away() {
+        for look in &LOOKS {
+            let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
+            let light = Light::Positional(DVec3::NEG_Y * 5.0);
+            let open = shade(&buffer, &rays, &Appearance::new(look, light));
+            buffer.occlusion[0] = 200;
+            let hidden = shade(&buffer, &rays, &Appearance::new(look, light));
+            assert!(hidden[0] < open[0] && hidden[0] > 0, "{}", look.name);
+        }
     }
 
     /// The colour of one pixel in plain `f64`; not of an undecided one.
@@ -356,16 +446,38 @@ mod tests {
         let normal = DVec3::from_array(buffer.normal[pixel].map(f64::from));
         let (facing, ambient) = (normal.dot(to_eye), f64::from(look.ambient));
         let colours = look.surfaces[usize::from(buffer.surface[pixel]) % look.surfaces.len()];
-        let is_negative = facing < 0.0 || buffer.cap[pixel];
-        let base = if is_negative { colours.negative } else { colours.positive };
+        let base = match (buffer.cap[pixel], facing < 0.0) {
+            (true, _) => colours.cut,
+            (false, true) => colours.negative,
+            (false, false) => colours.positive,
+        };
         let normal = if facing < 0.0 { -normal } else { normal };
         let to_light = look.light.towards(ray.at(ray.parameter(buffer.drawn[pixel]))).0;
         let halfway = (to_light + to_eye).normalize_or_zero();
-        let lit = f64::from(u8::from(!buffer.shadow[pixel]));
+        let [lit, open] = [&buffer.shadow, &buffer.occlusion]
+            .map(|hidden| 1.0 - f64::from(hidden[pixel]) / 255.0);
+        let [ground, key, fill, rim, highlight, outline] = {
+            let Look { ground, key, fill, rim, highlight, outline, .. } = look.look;
+            [ground, key, fill, rim, highlight, outline].map(f64::from)
+        };
+        let lamp = |way: DVec3| normal.dot(way.normalize());
+        let (forward, right, up) = (rays.forward(), rays.right(), rays.up());
         let direct = lit * normal.dot(to_light).max(0.0);
-        let highlight = 0.18 * direct.sqrt() * normal.dot(halfway).max(0.0).powi(40);
-        let factor = ambient * (0.5 + 0.5 * facing.abs()) + (1.0 - ambient) * direct;
-        base.lit(factor as f32, highlight as f32).to_srgb()
+        let grazing = 1.0 - facing.abs().min(1.0);
+        let behind = lamp(0.6 * forward + 0.5 * right + up).max(0.0);
+        let aside = lamp(-forward + 1.1 * right - 0.2 * up).max(0.0);
+        let around = ground + (1.0 - ground) * (0.5 + 0.5 * lamp(up));
+        let ambient_light = ambient * open * around * (1.0 - 0.4 * grazing);
+        let factor = ambient_light + (1.0 - ambient) * (key * direct + fill * open * aside);
+        let factor = factor * (1.0 - outline * grazing.powi(4));
+        let shine = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(40);
+        let white = shine + rim * grazing * grazing * behind;
+        let toned = |amount: f64| {
+            let above = (amount - 0.7).max(0.0) / 0.3;
+            amount.min(0.7) + 0.3 * above * (1.0 + above / 4.0) / (1.0 + above)
+        };
+        let amounts = base.0.map(|part| toned(f64::from(part) * factor + white) as f32);
+        LinearRgb(amounts).to_srgb()
     }
 
     #[test]
@@ -389,16 +501,21 @@ mod tests {
             let normal = DVec3::from_array(normal).normalize_or(DVec3::Z);
             buffer.normal[pixel] = normal.as_vec3().to_array();
             buffer.surface[pixel] = if random(20) == 0 { random(7) as u16 } else { 1 };
-            (buffer.cap[pixel], buffer.shadow[pixel]) = (random(5) == 0, random(5) == 0);
+            buffer.cap[pixel] = random(5) == 0;
+            buffer.shadow[pixel] = if random(3) == 0 { random(256) as u8 } else { 0 };
+            buffer.occlusion[pixel] = random(256) as u8;
         }
         let surfaces: Vec<_> = (0..3).map(SurfaceColours::default_for).collect();
         for light in [Light::above_left(&rays), Light::Positional(DVec3::new(1.0, -2.0, 1.0))] {
-            let look = Appearance { surfaces: surfaces.clone(), ..Appearance::new(light) };
-            let bytes = shade(&buffer, &rays, &look);
-            for (pixel, bytes) in bytes.chunks_exact(3).enumerate() {
-                let plain = plain(&buffer, &rays, &look, pixel);
-                let close = bytes.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
-                assert!(close, "{pixel}: {bytes:?} {plain:?}");
+            for look in &LOOKS {
+                let look =
+                    Appearance { surfaces: surfaces.clone(), ..Appearance::new(look, light) };
+                let bytes = shade(&buffer, &rays, &look);
+                for (pixel, bytes) in bytes.chunks_exact(3).enumerate() {
+                    let plain = plain(&buffer, &rays, &look, pixel);
+                    let close = bytes.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
+                    assert!(close, "{pixel}: {bytes:?} {plain:?}");
+                }
             }
         }
     }

@@ -247,3 +247,26 @@ fn windows_have_the_rays_of_their_pixels() {
         }
     }
 }
+
+#[test]
+fn rays_of_a_part_are_those_of_the_picture() {
+    for projection in
+        [Projection::Perspective { fov: 50.0 }, Projection::Orthographic { height: 3.0 }]
+    {
+        let eye = DVec3::new(2.0, -5.0, 1.0);
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
+        let rays = camera.rays(61, 40);
+        let part = rays.part(7..40, 16..31);
+        assert_eq!((part.width(), part.height(), part.reach()), (33, 15, rays.reach()));
+        let whole: [usize; 2] = [7, 16];
+        for (i, j) in [(0, 0), (32, 14), (5, 9)] {
+            assert_eq!(part.ray(i, j), rays.ray(whole[0] + i, whole[1] + j));
+            let doubled = [2 * whole[0] + 2 * i, 2 * whole[1] + 2 * j];
+            assert_eq!(part.screen(2 * i, 2 * j), rays.screen(doubled[0], doubled[1]));
+        }
+        // The middle of four is the centre of the one that they are cut from.
+        let finer = rays.finer(2);
+        assert_eq!((finer.width(), finer.height()), (122, 80));
+        assert_eq!(finer.screen(2 * 7 * 2 + 1, 2 * 16 * 2 + 1), rays.screen(2 * 7, 2 * 16));
+    }
+}

@@ -45,8 +45,7 @@ impl Frame {
         } else {
             ([at, start * right, start * up], [forward, right, up])
         };
-        let (width, height) = (rays.width() as f64, rays.height() as f64);
-        let reach = [width * rays.unit(), height * rays.unit()];
+        let reach = rays.reach();
         // The way from the eye in f64: a dozen roundings of what is added up, here and in the ray itself.
         let sum = |parts: &[DVec3; 3]| {
             parts[0].abs() + reach[0] * parts[1].abs() + reach[1] * parts[2].abs()

@@ -30,7 +30,8 @@ pub(super) fn trace<T: Scalar>(
     work: &mut Work,
 ) {
     let across = band.width.div_ceil(4);
-    let open = open_pixels(band.width, band.height);
+    let mut open = open_pixels(band.width, band.height);
+    close_unasked(&mut open, band);
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
     let size = frame.size();
     let mut tracer = Tracer {
@@ -75,6 +76,19 @@ fn open_pixels(width: usize, height: usize) -> Vec<u16> {
         *last &= rows;
     }
     open
+}
+
+/// Clears the bits of pixels of which nobody asks what becomes of them.
+fn close_unasked(open: &mut [u16], band: &Band<'_>) {
+    if band.is_all_asked() {
+        return;
+    }
+    let across = band.width.div_ceil(4);
+    for (index, open) in open.iter_mut().enumerate() {
+        let [column, row] = [4 * (index % across), 4 * (index / across)];
+        let asked = (0..4).map(|k| band.asked_of_four(column, row + k) << (4 * k));
+        *open &= asked.sum::<u16>();
+    }
 }
 
 /// Up to sixteen tiles of one size, and what is still to be looked at of each.

@@ -1,0 +1,341 @@
+//! One picture of a model: surfaces are found one after another, then lit.
+
+use super::{Model, Stopwatch, Style, options};
+use crate::picture::{Normals, Picture, Precision, Settings, Statistics, Times};
+use crate::program::ProgramError;
+use glam::DVec3;
+use std::marker::PhantomData;
+use std::time::Instant;
+use zeroset_eval::{KernelFloat, Points};
+use zeroset_syntax::SurfaceKind;
+use zeroset_trace::{
+    Appearance, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource, Pattern, RayGrid,
+    SurfaceColours, Tracer, Work, cap, normals, shade,
+};
+
+/// Told how many pixels were finished since it was last called; `false` ends the work.
+pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
+
+/// Shadow rays start this many of their own slabs away from the surface, so that it does not shade itself.
+const SHADOW_OFFSET_SLABS: f64 = 2.0;
+
+/// Reach of central differences, as a share of the domain's largest extent.
+const STEP: f64 = 1e-3;
+
+/// What is within this share of the domain's largest extent may take ambient light away.
+const NEAR: f64 = 0.12;
+
+impl Model {
+    /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since it was last called,
+    /// and ends the work early by returning `false`, as the end of the settings' budget does: what was not reached then is
+    /// undecided, and not painted.
+    ///
+    /// # Errors
+    /// If a kernel is needed that cannot be made. What [`Model::new`] compiled is there already.
+    pub fn trace(
+        &self,
+        camera: &Camera,
+        settings: &Settings,
+        advance: Advance<'_>,
+    ) -> Result<Picture, ProgramError> {
+        let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
+        let advance = |done| advance(done) && end.is_none_or(|end| Instant::now() < end);
+        match settings.precision {
+            Precision::Auto | Precision::F32 => {
+                Shot::<f32>::new(self, settings, &advance).take(camera)
+            }
+            Precision::F64 => Shot::<f64>::new(self, settings, &advance).take(camera),
+        }
+    }
+}
+
+impl Model {
+    /// The same picture in other light: what was found is not looked for again. `settings` are those of the picture but for
+    /// what lights it, and `advance` is as for [`Model::trace`].
+    ///
+    /// # Errors
+    /// As [`Model::trace`].
+    pub fn relight(
+        &self,
+        picture: &Picture,
+        camera: &Camera,
+        settings: &Settings,
+        advance: Advance<'_>,
+    ) -> Result<Picture, ProgramError> {
+        let mut lit = picture.clone();
+        let (rays, times) =
+            (camera.rays(settings.width, settings.height), &mut lit.statistics.times);
+        let buffer = &mut lit.buffer;
+        buffer.shadow.fill(0);
+        buffer.occlusion.fill(0);
+        let light = match settings.precision {
+            Precision::Auto | Precision::F32 => {
+                Shot::<f32>::new(self, settings, advance).light(&rays, buffer, times)
+            }
+            Precision::F64 => Shot::<f64>::new(self, settings, advance).light(&rays, buffer, times),
+        };
+        let light = light?;
+        lit.statistics.work += light.work;
+        (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
+        Ok(lit)
+    }
+}
+
+/// The colours of a picture, and what they took.
+struct Lit {
+    rgb: Vec<u8>,
+    edge_rays: usize,
+    work: Work,
+}
+
+/// What all parts of a picture share; colours come from kernels of `T`.
+pub(super) struct Shot<'a, T> {
+    pub model: &'a Model,
+    pub settings: &'a Settings,
+    pub advance: Advance<'a>,
+    floats: PhantomData<fn() -> T>,
+}
+
+impl<'a, T: KernelFloat> Shot<'a, T> {
+    fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
+        Self { model, settings, advance, floats: PhantomData }
+    }
+
+    /// The method at work on a surface.
+    pub fn tracer(
+        &self,
+        surface: usize,
+        depth: u32,
+        tolerance: f64,
+    ) -> Result<Box<dyn Tracer + 'a>, ProgramError> {
+        let options = options(self.settings, self.model.styles[surface].kind, depth, tolerance);
+        let (surface, region) = (self.model.program.surface(surface), &self.model.region);
+        Ok(self.settings.method.prepare(surface, region, options)?)
+    }
+
+    /// Looks for a surface along the rays for which `only` says so, all if that is empty.
+    pub fn find(
+        &self,
+        surface: usize,
+        tracer: &dyn Tracer,
+        rays: &RayGrid,
+        only: &[bool],
+        layer: &mut GBuffer,
+        advance: Advance<'_>,
+    ) -> Result<Work, ProgramError> {
+        let mut work = Driver { rays, tracer, advance }.picture_where(only, layer);
+        layer.surface.fill(surface as u16);
+        if self.model.styles[surface].kind == SurfaceKind::Solid {
+            let kernel = self.model.program.kernels::<T>(surface).bounds()?;
+            work += cap(layer, rays, &self.model.region, kernel, only);
+        }
+        Ok(work)
+    }
+
+    /// The normals of a surface where it was found.
+    pub fn face(
+        &self,
+        surface: usize,
+        rays: &RayGrid,
+        layer: &mut GBuffer,
+    ) -> Result<Work, ProgramError> {
+        let kernels = self.model.program.kernels::<T>(surface);
+        let source = match self.settings.normals {
+            None => return Ok(Work::default()),
+            Some(Normals::Gradient) => NormalSource::Gradient(kernels.gradients()?),
+            Some(Normals::Central) => NormalSource::Central(kernels.values()?),
+        };
+        Ok(normals(layer, rays, source, self.extent() * STEP))
+    }
+
+    fn extent(&self) -> f64 {
+        2.0 * self.model.region.half_extent()
+    }
+
+    fn take(&self, camera: &Camera) -> Result<Picture, ProgramError> {
+        let Self { model, settings, advance, .. } = *self;
+        let mut watch = Stopwatch::start();
+        let mut times = model.times.unwrap_or_default();
+        let (width, height) = (settings.width, settings.height);
+        let rays = camera.rays(width, height);
+        let mut work = Work::default();
+        let mut picture: Option<GBuffer> = None;
+        for surface in 0..model.surfaces() {
+            let tracer = self.tracer(surface, settings.max_depth, settings.tolerance)?;
+            let mut layer = GBuffer::new(width, height, 0);
+            if settings.brackets {
+                layer = layer.with_brackets();
+            }
+            work += self.find(surface, &*tracer, &rays, &[], &mut layer, advance)?;
+            times.trace += watch.lap();
+            work += self.face(surface, &rays, &mut layer)?;
+            // One layer at a time, so that many surfaces take no more memory than one.
+            match &mut picture {
+                None => picture = Some(layer),
+                Some(picture) => {
+                    picture.merge(&layer);
+                    layer.hand_back();
+                }
+            }
+            times.shade += watch.lap();
+            if !advance(0) {
+                if let Some(picture) = picture.as_mut().filter(|_| surface + 1 < model.surfaces()) {
+                    picture.give_up();
+                }
+                break;
+            }
+        }
+
+        let mut buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
+        let lit = self.light(&rays, &mut buffer, &mut times)?;
+        work += lit.work;
+        let made = model.program.made();
+        let statistics = Statistics {
+            times,
+            pixels: buffer.counts(),
+            work,
+            edge_rays: lit.edge_rays,
+            code_bytes: made.iter().map(|made| made.bytes).sum(),
+            kernels: made,
+            nodes: model.program.nodes(),
+        };
+        let undefined = (0..model.surfaces()).any(|surface| model.program.is_undefined(surface));
+        let (method, precision) = (settings.method, settings.precision);
+        // Where it is 0 everywhere no ray through the region is decided.
+        let flat = statistics.pixels.undecided > 0 && model.is_flat::<T>()?;
+        let (remarks, rgb) = (model.remarks.clone(), lit.rgb);
+        Ok(Picture { buffer, rgb, method, precision, statistics, undefined, remarks, flat })
+    }
+
+    /// Colours of what was found.
+    fn light(
+        &self,
+        rays: &RayGrid,
+        buffer: &mut GBuffer,
+        times: &mut Times,
+    ) -> Result<Lit, ProgramError> {
+        let settings = self.settings;
+        let mut watch = Stopwatch::start();
+        let light = match settings.light {
+            Some(place) => Light::Positional(place),
+            None => Light::above_left(rays),
+        };
+        let work = self.hide(rays, &light, buffer)?;
+        times.occlude += watch.lap();
+        let (mut rgb, mut edge_rays) = (Vec::new(), 0);
+        if settings.normals.is_some() {
+            let appearance = self.appearance(light);
+            rgb = shade(buffer, rays, &appearance);
+            times.shade += watch.lap();
+            if settings.antialias != Pattern::ONE && (self.advance)(0) {
+                edge_rays = self.smooth_edges(rays, buffer, &appearance, &mut rgb)?;
+                times.antialias += watch.lap();
+            }
+        }
+        Ok(Lit { rgb, edge_rays, work })
+    }
+
+    /// Finds what hides painted points from light: surfaces in the way, if shadows are wanted, and what is near.
+    fn hide(
+        &self,
+        rays: &RayGrid,
+        light: &Light,
+        buffer: &mut GBuffer,
+    ) -> Result<Work, ProgramError> {
+        let Self { model, settings, advance, .. } = *self;
+        let occludes = settings.occlusion && settings.look.occlusion && settings.normals.is_some();
+        let mut work = Work::default();
+        if let Some(depth) = settings.shadow_depth {
+            work += self.shadows(rays, light, depth, buffer)?;
+        }
+        if !occludes && settings.shadow_depth.is_none() || !advance(0) {
+            return Ok(work);
+        }
+        let near = Near::new(buffer, rays, model.region.centre());
+        if settings.shadow_depth.is_some() {
+            // Twice, since beside an edge a square is not whole.
+            (0..2).for_each(|_| near.mean(&mut buffer.shadow));
+        }
+        if occludes {
+            near.occlusion(buffer, NEAR * self.extent());
+            near.mean(&mut buffer.occlusion);
+        }
+        Ok(work)
+    }
+
+    fn shadows(
+        &self,
+        rays: &RayGrid,
+        light: &Light,
+        depth: u32,
+        buffer: &mut GBuffer,
+    ) -> Result<Work, ProgramError> {
+        // A slab of the last depth may lie on either side of the surface that it holds.
+        let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
+        let lights = light.widened(self.model.region.centre());
+        let mut work = Work::default();
+        let mut hidden = vec![0; buffer.drawn.len()];
+        // Shadows are no pixels finished.
+        let wanted = |_| (self.advance)(0);
+        for surface in 0..self.model.surfaces() {
+            let tracer = self.tracer(surface, depth, self.settings.tolerance)?;
+            let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
+            work += driver.shadows(buffer, &lights, offset);
+            hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
+            if !(self.advance)(0) {
+                break;
+            }
+        }
+        buffer.shadow = hidden;
+        Ok(work)
+    }
+
+    fn appearance(&self, light: Light) -> Appearance {
+        let settings = self.settings;
+        let plain = Appearance::new(settings.look, light);
+        let surface = |(index, style): (usize, &Style)| {
+            let colours = match style.color {
+                Some(color) => SurfaceColours::around(LinearRgb::from_srgb(color.rgb)),
+                None => SurfaceColours::default_for(index),
+            };
+            if self.is_negative_outside(index) { colours.turned() } else { colours }
+        };
+        Appearance {
+            surfaces: self.model.styles.iter().enumerate().map(surface).collect(),
+            background: settings.background.unwrap_or(plain.background),
+            ambient: settings.ambient.unwrap_or(plain.ambient),
+            undecided: settings.undecided,
+            ..plain
+        }
+    }
+
+    /// Whether f < 0 on most of the region's faces, so that the side seen from far away is the negative one.
+    fn is_negative_outside(&self, surface: usize) -> bool {
+        /// Points along each edge of a face.
+        const POINTS: usize = 8;
+        /// Of those that have a sign.
+        const MOST: f64 = 0.75;
+        if self.model.styles[surface].kind == SurfaceKind::Solid {
+            return false;
+        }
+        let Ok(kernel) = self.model.program.kernels::<T>(surface).gradients() else { return false };
+        let (low, high) = (self.model.region.low(), self.model.region.high());
+        let points = (0..6 * POINTS * POINTS).map(|n| {
+            let (face, u, v) = (n / (POINTS * POINTS), n / POINTS % POINTS, n % POINTS);
+            let [u, v] = [u, v].map(|place| (place as f64 + 0.5) / POINTS as f64);
+            let mut share = [u, v, (face % 2) as f64];
+            share.rotate_right(face / 2);
+            (low + (high - low) * DVec3::from_array(share)).to_array()
+        });
+        let points: Vec<[f64; 3]> = points.collect();
+        let (mut negative, mut signed) = (0_usize, 0_usize);
+        for (out, points) in kernel.ask_all(&Points::near(&points)).iter().zip(points.chunks(16)) {
+            for value in out.value.0.iter().take(points.len()) {
+                let value: f64 = (*value).into();
+                negative += usize::from(value < 0.0);
+                signed += usize::from(value != 0.0 && !value.is_nan());
+            }
+        }
+        negative as f64 > MOST * signed as f64
+    }
+}

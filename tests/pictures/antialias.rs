@@ -1,0 +1,105 @@
+//! Colours along edges, and that nothing else depends on them.
+
+use glam::Vec3;
+use zeroset::gallery::example;
+use zeroset::model::Model;
+use zeroset::picture::{Picture, Settings};
+use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{Camera, LinearRgb, METHODS, Pattern, edges};
+
+fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
+    let text = example(text).map_or(text, |example| example.text);
+    let document = read(text, &Options::default()).expect("reads");
+    let (region, _) = scene::region(&document, DomainChoice::Document, None).expect("a region");
+    let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+    (Model::new(&document, &region, settings).expect("compiles"), camera)
+}
+
+fn settings(count: usize) -> Settings {
+    let antialias = Pattern::of(count).expect("a pattern");
+    Settings { width: 96, height: 80, antialias, occlusion: true, ..Settings::default() }
+}
+
+fn picture(model: &Model, camera: &Camera, settings: &Settings) -> Picture {
+    model.trace(camera, settings, &|_| true).expect("compiled")
+}
+
+/// Mean distance of colours in light, over the pixels for which `only` says so.
+fn off(one: &Picture, other: &Picture, only: &[bool]) -> f64 {
+    let light = |picture: &Picture, pixel: usize| {
+        Vec3::from_array(LinearRgb::from_srgb(picture.rgb.as_chunks().0[pixel]).0)
+    };
+    let pixels = || (0..only.len()).filter(|&pixel| only[pixel]);
+    let sum: f64 =
+        pixels().map(|pixel| f64::from(light(one, pixel).distance(light(other, pixel)))).sum();
+    sum / pixels().count() as f64
+}
+
+const SURFACES: [&str; 4] =
+    ["sphere", "tangle", "gyroid", "x^2+y^2+z^2=1; x=0.3; (x-1)^2+y^2<=0.1"];
+
+#[test]
+fn more_rays_bring_edges_nearer_to_what_they_are() {
+    for text in SURFACES {
+        let (model, camera) = scene(text, &settings(1));
+        let pictures = Pattern::COUNTS.map(|count| picture(&model, &camera, &settings(count)));
+        let [plain, four, sixteen, many] = &pictures;
+        let edges = edges(&plain.buffer, &camera.rays(96, 80));
+        let count = edges.iter().filter(|edge| **edge).count();
+        let [without, four, sixteen] = [plain, four, sixteen].map(|one| off(one, many, &edges));
+        println!(
+            "{text}: {count} pixels with edges; off without {without:.4}, of four rays {:.3} of that, \
+             of sixteen {:.3}",
+            four / without,
+            sixteen / without
+        );
+        assert!(count > 100 && without > 0.03);
+        assert!(four < 0.5 * without && sixteen < 0.2 * without);
+        let others: Vec<bool> = edges.iter().map(|edge| !edge).collect();
+        for (picture, count) in pictures.iter().zip(Pattern::COUNTS) {
+            assert_eq!(picture.buffer, plain.buffer, "what is known of pixels");
+            assert!(off(picture, plain, &others) == 0.0, "elsewhere nothing changes");
+            let rays = edges.iter().filter(|edge| **edge).count() * count;
+            assert_eq!(picture.statistics.edge_rays, if count > 1 { rays } else { 0 });
+        }
+    }
+}
+
+#[test]
+fn colours_do_not_depend_on_threads_or_on_when_they_are_made() {
+    let settings = Settings { shadow_depth: Some(8), ..settings(16) };
+    for text in SURFACES {
+        let (model, camera) = scene(text, &settings);
+        let whole = picture(&model, &camera, &settings);
+        let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        for threads in [1, 3] {
+            let pool = pool(threads).expect("threads");
+            let same = pool.install(|| picture(&model, &camera, &settings));
+            assert!(same.rgb == whole.rgb && same.buffer == whole.buffer, "{threads} threads");
+        }
+        let plain = picture(&model, &camera, &settings.plain());
+        assert!(plain.rgb != whole.rgb);
+        let lit = model.relight(&plain, &camera, &settings, &|_| true).expect("compiled");
+        assert!(lit.rgb == whole.rgb && lit.buffer == whole.buffer, "{text}");
+        assert_eq!(lit.statistics.edge_rays, whole.statistics.edge_rays);
+    }
+}
+
+#[test]
+fn every_method_smooths_edges() {
+    let plain = Settings { width: 48, height: 40, ..settings(1) };
+    for method in &METHODS {
+        let settings = Settings { method, ..plain.clone() };
+        let (model, camera) = scene("torus-sqrt-form", &settings);
+        let pictures = [1, 16, 64].map(|count| {
+            let antialias = Pattern::of(count).expect("a pattern");
+            picture(&model, &camera, &Settings { antialias, ..settings.clone() })
+        });
+        let [plain, some, many] = &pictures;
+        let edges = edges(&plain.buffer, &camera.rays(48, 40));
+        let share = off(some, many, &edges) / off(plain, many, &edges);
+        println!("{}: {share:.3}", method.name);
+        assert!(share < 0.2, "{}", method.name);
+    }
+}
