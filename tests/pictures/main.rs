@@ -3,6 +3,7 @@
 mod baselines;
 mod cameras;
 mod certified;
+mod domains;
 mod properties;
 mod property_support;
 mod reference;
