@@ -17,6 +17,7 @@
 //!
 //! The command line and any live view share this library. It knows no arguments, terminals or files.
 
+pub mod blank;
 pub mod domain;
 pub mod enclosure;
 pub mod gallery;

@@ -6,6 +6,7 @@
 //! by counting, so that the last of them to use a kernel frees it.
 
 use super::orbit::Orbit;
+use crate::blank::Blank;
 use crate::domain::AutoDomain;
 use crate::model::Model;
 use crate::picture::{Picture, Settings};
@@ -65,6 +66,8 @@ pub struct Rendering {
     pub searched: Option<AutoDomain>,
     /// From where it was taken.
     pub camera: Camera,
+    /// Why nothing is seen, if nothing is.
+    pub blank: Option<Blank>,
     /// The picture; a coarse one has fewer pixels than were asked for.
     pub picture: Picture,
     /// Whether a finer one is still to come.
@@ -319,6 +322,9 @@ impl Worker {
             }
             let pixels = settings.width * settings.height;
             self.pixel = Some(started.elapsed() / pixels as u32);
+            let pixels = picture.statistics.pixels;
+            let blank = (!coarse && pixels.hit + pixels.undecided == 0)
+                .then(|| Blank::find(&document, region, picture.undefined, searched));
             let rendering = Rendering {
                 revision: job.revision,
                 request: Arc::clone(&job.request),
@@ -326,6 +332,7 @@ impl Worker {
                 model: Arc::clone(&model),
                 searched,
                 camera,
+                blank,
                 picture,
                 coarse,
                 parse,
@@ -398,6 +405,19 @@ impl Worker {
             let wanted = || self.wanted(job);
             let found = scene::region_while(document, request.domain, request.clip, &wanted)?;
             let Some((region, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
+            // Another search may find the same domain.
+            let same = old.filter(|built| *built.model.region() == region);
+            let rebound = same.and_then(|built| built.model.rebound(document)).transpose()?;
+            if let Some(model) = rebound {
+                let model = Arc::new(model);
+                self.built = Some(Built {
+                    request: Arc::clone(request),
+                    document: Arc::clone(document),
+                    model: Arc::clone(&model),
+                    searched,
+                });
+                return Ok(Some((model, searched)));
+            }
             let model = Model::new_while(document, &region, &request.settings, &wanted)?;
             let Some(model) = model else { return Ok(None) };
             self.pixel = None;
