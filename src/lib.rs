@@ -20,6 +20,7 @@
 pub mod blank;
 pub mod domain;
 pub mod enclosure;
+pub mod framing;
 pub mod gallery;
 pub mod kernels;
 pub mod live;

@@ -58,7 +58,8 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 /// From where to look. What is `None` is taken from the document, and what that leaves open is
-/// chosen to show the whole domain from [`StandardView::Iso`].
+/// chosen to show the whole domain from [`StandardView::Iso`]; [`framing`](crate::framing) goes as near as what is visible
+/// allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
     /// A named side; the document's eye and upward direction then do not count.

@@ -84,5 +84,5 @@ pub fn why_nothing_is_seen(
     searched: Option<AutoDomain>,
 ) -> String {
     let blank = Blank::find(&subject.document, region, undefined, searched);
-    blank.describe(&|ends| format!("--domain={ends}"))
+    blank.describe(&|ends| format!("--domain {ends}"))
 }

@@ -10,6 +10,8 @@ pub struct Grid {
     half: f64,
     /// Heights at the grid's points that exist, in ascending order.
     sorted: Vec<f64>,
+    /// The lowest and the highest point of the border.
+    border: [f64; 2],
     /// Places that are higher than all around, or lower, and how high: the border apart.
     pub tops: Vec<(f64, f64, f64)>,
 }
@@ -30,6 +32,9 @@ const MOST_ONE_WAY: f64 = 0.785;
 const NEARLY: f64 = 0.15;
 const POLE: f64 = 4.0;
 
+/// A bowl is shown to its rim if that is at least this share of what is shown.
+const RIM: f64 = 0.7;
+
 /// Space above and below a graph, as a share of its height.
 const SPACE: f64 = 0.02;
 
@@ -46,6 +51,11 @@ impl Grid {
         let sampled = heights(&places);
         let mut sorted: Vec<f64> = sampled.iter().copied().filter(|h| h.is_finite()).collect();
         sorted.sort_unstable_by(f64::total_cmp);
+        let on_border =
+            |n: &usize| [0, SIDE - 1].contains(&(n % SIDE)) || [0, SIDE - 1].contains(&(n / SIDE));
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let border = (0..SIDE * SIDE).filter(on_border).map(|n| sampled[n]);
+        let border = border.fold(ends, |[low, high], h| [low.min(h), high.max(h)]);
         let mut tops = Vec::new();
         if let [low, .., high] = sorted[..] {
             let apart = 2.0 * half / (SIDE - 1) as f64;
@@ -54,7 +64,7 @@ impl Grid {
                 tops.extend(found.filter(|top| (top.2 - sampled[n]).abs() <= (high - low) / 2.0));
             }
         }
-        Self { half, sorted, tops }
+        Self { half, sorted, border, tops }
     }
 }
 
@@ -139,7 +149,7 @@ fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> boo
 /// Which heights are shown: all tops and bottoms, and of what rises or falls to the border as much as is fit to be seen.
 /// `None` if there are no heights.
 pub fn shown(grid: &Grid) -> Option<[f64; 2]> {
-    let Grid { half, sorted, tops } = grid;
+    let Grid { half, sorted, border, tops } = grid;
     let (lowest, highest) = (*sorted.first()?, *sorted.last()?);
     let quantile = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
     let heights = || tops.iter().map(|top| top.2);
@@ -178,5 +188,16 @@ pub fn shown(grid: &Grid) -> Option<[f64; 2]> {
         }
     }
     let space = SPACE * (high - low);
-    Some([low - space, high + space])
+    // A bowl is cut at its rim, where all of it that is shown is round.
+    let is_rim =
+        |end: f64, inner: f64| (end - inner).abs() > RIM * (high - low) && low < end && end < high;
+    match (from_below, from_above) {
+        (true, false) if is_rim(border[0], low) && top <= border[0] => {
+            Some([low - space, border[0]])
+        }
+        (false, true) if is_rim(border[1], high) && bottom >= border[1] => {
+            Some([border[1], high + space])
+        }
+        (true | false, true | false) => Some([low - space, high + space]),
+    }
 }

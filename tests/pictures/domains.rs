@@ -17,13 +17,13 @@ const TOLERANCE: f64 = 1.3;
 /// Extents that were counted on a grid, or typed with few digits, may be off by this share of the largest.
 const COUNTED: f64 = 0.01;
 
-struct Row {
-    text: String,
-    bounded: bool,
+pub struct Row {
+    pub text: String,
+    pub bounded: bool,
     wanted: Vec<f64>,
 }
 
-fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<Row> {
     let lines = ROWS.lines().filter(|line| !line.starts_with('#') && !line.is_empty());
     let row = |line: &str| {
         let parts: Vec<&str> = line.split(" | ").collect();
