@@ -89,6 +89,7 @@ mod tests {
         assert!(far.contains("--domain 298.") && far.contains(",301."), "{far}");
         assert!(why("x^2+y^2+z^2=1e-8", 2.0).contains("--domain"));
         assert!(why("z=5", 2.0).contains("4,6"), "{}", why("z=5", 2.0));
+        assert!(why("z=12345.678", 2.0).contains("12344.68,12346.68"));
         assert!(why("x^2+y^2+z^2=-1", 2.0).contains("proven empty"));
         assert!(why("x^2+y^2+z^2=1", 2.0).contains("every ray"));
     }

@@ -22,6 +22,9 @@ const ROOM_OF_GRAPH: f64 = 1.6;
 /// What waves with another than a linear function of place is shown while that function's size is below this.
 const WAVES: f64 = 4.5 * PI;
 
+/// A place on an axis is known to within this share of itself before it is looked for.
+const NEAR: f64 = 0.01;
+
 /// A surface along which nothing changes is so many times longer than wide.
 const ROD: f64 = 1.6;
 
@@ -67,7 +70,13 @@ impl Sight<'_> {
             // Across an axis: around the place where it meets it.
             let mut window = Cell::cube(PLAIN);
             let axis = depends.iter().position(|depends| *depends).unwrap_or_default();
-            let middle = marks.low[axis] + marks.high[axis];
+            let near = marks.low[axis] + marks.high[axis];
+            let about = PLAIN.max(NEAR * near.abs());
+            (window.low[axis], window.high[axis]) = (near - about, near + about);
+            let found = self.search.tight(window, BOX_DEPTH).unwrap_or(window).centre()[axis];
+            // What is as good as a short decimal is one.
+            let short = (found * 100.0).round() / 100.0;
+            let middle = if short.is_finite() { short } else { found };
             (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);
             return window;
         }
