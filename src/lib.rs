@@ -17,8 +17,10 @@
 //!
 //! The command line and any live view share this library. It knows no arguments, terminals or files.
 
+pub mod blank;
 pub mod domain;
 pub mod enclosure;
+pub mod framing;
 pub mod gallery;
 pub mod kernels;
 pub mod live;

@@ -155,6 +155,28 @@ impl Model {
         }
         Ok(false)
     }
+
+    /// Takes a picture, to the end or to that of the settings' budget.
+    ///
+    /// # Errors
+    /// As [`Model::trace`].
+    pub fn picture(
+        &self,
+        camera: &Camera,
+        settings: &Settings,
+        progress: Progress<'_>,
+    ) -> Result<Picture, ProgramError> {
+        let pixels = settings.width * settings.height * self.surfaces();
+        let done = AtomicUsize::new(0);
+        let advance = |pixels_done: usize| {
+            if pixels_done > 0 {
+                let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
+                progress(done, pixels);
+            }
+            true
+        };
+        self.trace(camera, settings, &advance)
+    }
 }
 
 fn options(settings: &Settings, kind: SurfaceKind, depth: u32, tolerance: f64) -> Options {
@@ -224,17 +246,7 @@ pub fn render(
     settings: &Settings,
     progress: Progress<'_>,
 ) -> Result<Picture, ProgramError> {
-    let model = Model::new(document, region, settings)?;
-    let pixels = settings.width * settings.height * document.surfaces.len();
-    let done = AtomicUsize::new(0);
-    let advance = |pixels_done: usize| {
-        if pixels_done > 0 {
-            let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
-            progress(done, pixels);
-        }
-        true
-    };
-    model.trace(camera, settings, &advance)
+    Model::new(document, region, settings)?.picture(camera, settings, progress)
 }
 
 /// At so many points a function is looked at to see whether it is 0 everywhere.

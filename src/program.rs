@@ -90,13 +90,16 @@ impl Program {
         Some(program.check(document).map(|()| program))
     }
 
-    /// The same program for all values together that the document's sliders can be set to: what it says holds for each.
+    /// The same program for all times together that the document's loop has: what it says holds for each.
     #[must_use]
-    pub fn over_ranges(&self, document: &Document) -> Self {
+    pub fn over_time(&self, document: &Document) -> Self {
         let parameters = document.parameters.iter().zip(&self.shared.assumptions.parameters);
-        let range = |(parameter, assumed): (&Parameter, &Interval)| match parameter.range {
-            Some(_) => *assumed,
-            None => parameter.value.bounds(),
+        let range = |(parameter, assumed): (&Parameter, &Interval)| match (
+            parameter.kind,
+            &parameter.range,
+        ) {
+            (ParameterKind::Time, Some(_)) => *assumed,
+            (ParameterKind::Time, None) | (ParameterKind::Slider, _) => parameter.value.bounds(),
         };
         self.with(parameters.map(range).collect())
     }
@@ -170,6 +173,11 @@ impl Program {
     /// The function of each surface in the graph.
     pub fn roots(&self) -> &[NodeId] {
         &self.shared.roots
+    }
+
+    /// The parameters' values, by number.
+    pub fn values(&self) -> &[Interval] {
+        &self.values
     }
 
     /// Nodes as typed and after simplification, all surfaces together.

@@ -1,8 +1,7 @@
 //! Where a document is looked at: the domain and the camera, from what the caller says, else from
 //! the document, else by default.
 
-use crate::domain::{self, AutoDomain, REACH};
-use crate::enclosure::is_periodic;
+use crate::domain::{self, AutoDomain};
 use crate::program::{Program, ProgramError};
 use glam::DVec3;
 use num_traits::ToPrimitive;
@@ -59,7 +58,8 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 /// From where to look. What is `None` is taken from the document, and what that leaves open is
-/// chosen to show the whole domain from [`StandardView::Iso`].
+/// chosen to show the whole domain from [`StandardView::Iso`]; [`framing`](crate::framing) goes as near as what is visible
+/// allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
     /// A named side; the document's eye and upward direction then do not count.
@@ -141,9 +141,8 @@ pub fn region_while(
     Ok(Some((region, searched)))
 }
 
-/// The surface found by intervals, whatever domain the document gives and whatever its sliders are
-/// set to: a surface that grows with a slider would else always look the same. A slider in an
-/// exponent counts with its value, since each value is another function.
+/// The surface found by intervals, whatever domain the document gives: for its parameters as they are set, and for all of the
+/// loop of its time.
 ///
 /// # Errors
 /// If there is no surface, or no code can be made.
@@ -163,20 +162,18 @@ fn search_while(
     document: &Document,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
-    let program = Program::new(document, [Interval { lo: -REACH, hi: REACH }; 3])?;
-    let program = program.over_ranges(document);
-    let surfaces = (0..program.roots().len()).take_while(|_| wanted());
-    let kernels = surfaces.map(|surface| program.kernels(surface).zeros());
-    let kernels = kernels.collect::<Result<Vec<_>, _>>()?;
-    let periodic = is_periodic(program.graph(), program.roots());
-    Ok(domain::find_while(&kernels, periodic, wanted))
+    let program = Program::new(document, [Interval::ENTIRE; 3])?;
+    domain::find_while(&program.over_time(document), wanted)
 }
 
 /// Whether [`search`] finds the same for two documents that differ in nothing but the values of
 /// parameters, of which each is within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
-    { parameters }.all(|(one, other)| one.range.is_some() || one.value == other.value)
+    { parameters }.all(|(one, other)| {
+        let loops = one.kind == ParameterKind::Time && one.range.is_some();
+        loops || one.value == other.value
+    })
 }
 
 /// The box of a region as bounds of x, y and z.

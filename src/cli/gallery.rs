@@ -11,7 +11,9 @@ use image::RgbImage;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
+use zeroset::framing;
 use zeroset::gallery::{Example, examples};
+use zeroset::model::Model;
 use zeroset::picture::Settings;
 use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::Options;
@@ -68,8 +70,9 @@ fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {
     let document = zeroset_syntax::read(example.text, &Options::default())
         .map_err(|errors| anyhow!("{errors}"))?;
     let (region, _) = scene::region(&document, DomainChoice::Document, None)?;
-    let camera = scene::camera(&document, &region, &CameraChoice::default())?;
-    let picture = zeroset::model::render(&document, &region, &camera, settings, &|_, _| {})?;
+    let model = Model::new(&document, &region, settings)?;
+    let camera = framing::camera(&model, &document, &CameraChoice::default(), settings)?;
+    let picture = model.picture(&camera, settings, &|_, _| {})?;
     RgbImage::from_raw(settings.width as u32, settings.height as u32, picture.rgb)
         .context("a picture of the wrong size")
 }

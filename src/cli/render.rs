@@ -13,7 +13,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 use zeroset::domain::AutoDomain;
+use zeroset::framing;
 use zeroset::live::quote;
+use zeroset::model::Model;
 use zeroset::picture::{Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use zeroset::scene;
 use zeroset_syntax::SrgbColor;
@@ -35,12 +37,11 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let render = || -> Result<_> {
         let document = &subject.document;
         let (region, searched) = scene::region(document, subject.domain, clip)?;
-        let camera = scene::camera(document, &region, &choice)?;
+        let model = Model::new(document, &region, &settings)?;
+        let camera = framing::camera(&model, document, &choice, &settings)?;
         let pixels = settings.width * settings.height * document.surfaces.len();
         let bar = Progress::new(pixels as u64, "tracing");
-        let picture = zeroset::model::render(document, &region, &camera, &settings, &|done, _| {
-            bar.reach(done as u64);
-        })?;
+        let picture = model.picture(&camera, &settings, &|done, _| bar.reach(done as u64))?;
         Ok((region, searched, camera, picture))
     };
     let (region, searched, camera, picture) = in_threads(arguments.tracing.threads, render)?;

@@ -5,7 +5,8 @@ use super::notes;
 use super::source::{self, Source};
 use anyhow::Result;
 use std::time::{Duration, Instant};
-use zeroset::domain::{AutoDomain, Finding, REACH};
+use zeroset::blank::Blank;
+use zeroset::domain::AutoDomain;
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Options};
 use zeroset_trace::Region;
@@ -82,31 +83,6 @@ pub fn why_nothing_is_seen(
     undefined: bool,
     searched: Option<AutoDomain>,
 ) -> String {
-    if undefined {
-        return "nothing is seen: the function has no value anywhere in the domain".to_owned();
-    }
-    match searched.or_else(|| scene::search(&subject.document).ok()) {
-        Some(found) if found.finding == Finding::Empty && is_near(region) => {
-            "nothing is seen: the surface is proven empty up to ±256".to_owned()
-        }
-        Some(found) if found.finding != Finding::Empty && outside(&found, region) => {
-            let [x0, y0, z0] = found.low;
-            let [x1, y1, z1] = found.high;
-            format!(
-                "nothing is seen here; the surface lies elsewhere: try --domain {x0},{x1},{y0},{y1},{z0},{z1}"
-            )
-        }
-        _ => "nothing is seen: every ray is proven to miss".to_owned(),
-    }
-}
-
-/// Whether the region lies where surfaces are looked for.
-fn is_near(region: &Region) -> bool {
-    region.low().abs().max(region.high().abs()).max_element() <= REACH
-}
-
-/// Whether the domain found reaches beyond the one looked at.
-fn outside(found: &AutoDomain, region: &Region) -> bool {
-    (0..3)
-        .any(|axis| found.low[axis] < region.low()[axis] || found.high[axis] > region.high()[axis])
+    let blank = Blank::find(&subject.document, region, undefined, searched);
+    blank.describe(&|ends| format!("--domain {ends}"))
 }

@@ -6,16 +6,18 @@
 //! by counting, so that the last of them to use a kernel frees it.
 
 use super::orbit::Orbit;
+use crate::blank::Blank;
 use crate::domain::AutoDomain;
+use crate::framing;
 use crate::model::Model;
 use crate::picture::{Picture, Settings};
 use crate::scene::{self, CameraChoice, DomainChoice, SceneError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use zeroset_syntax::{Document, Errors, Options};
-use zeroset_trace::{Camera, HalfSpace};
+use zeroset_trace::{Camera, HalfSpace, Region};
 
 /// Everything that a picture depends on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -65,6 +67,8 @@ pub struct Rendering {
     pub searched: Option<AutoDomain>,
     /// From where it was taken.
     pub camera: Camera,
+    /// Why nothing is seen, if nothing is.
+    pub blank: Option<Blank>,
     /// The picture; a coarse one has fewer pixels than were asked for.
     pub picture: Picture,
     /// Whether a finer one is still to come.
@@ -164,7 +168,13 @@ impl Pipeline {
             stop: false,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
-        let worker = Worker { shared: Arc::clone(&shared), read: None, built: None, pixel: None };
+        let worker = Worker {
+            shared: Arc::clone(&shared),
+            read: None,
+            built: None,
+            framed: None,
+            pixel: None,
+        };
         Self { shared, worker: Some(std::thread::spawn(move || worker.run())) }
     }
 
@@ -225,6 +235,7 @@ struct Worker {
     shared: Arc<Shared>,
     read: Option<Read>,
     built: Option<Built>,
+    framed: Option<Framed>,
     /// Time per pixel of the present model's last picture.
     pixel: Option<Duration>,
 }
@@ -241,6 +252,16 @@ struct Built {
     document: Arc<Document>,
     model: Arc<Model>,
     searched: Option<AutoDomain>,
+}
+
+/// A camera that was fitted, and to what.
+struct Framed {
+    /// It may be gone.
+    model: Weak<Model>,
+    region: Region,
+    choice: CameraChoice,
+    size: (usize, usize),
+    camera: Camera,
 }
 
 /// A model, and what was found if its domain was searched for.
@@ -261,7 +282,7 @@ impl Worker {
             let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
             let reason = served.unwrap_or_else(|_| {
                 // Whatever was half made is not to be trusted.
-                (self.read, self.built) = (None, None);
+                (self.read, self.built, self.framed) = (None, None, None);
                 Err(Reason::Bug)
             });
             let mut state = self.shared.lock();
@@ -299,10 +320,10 @@ impl Worker {
         let Some((model, searched)) = made else { return Ok(()) };
         let region = model.region();
         let camera = match &job.request.orbit {
-            Some(orbit) => orbit.camera(region),
-            None => scene::camera(&document, region, &job.request.choice),
+            Some(orbit) => orbit.camera(region).map(Some).map_err(SceneError::from),
+            None => self.framed(job, &document, &model),
         };
-        let camera = camera.map_err(|error| scene(error.into()))?;
+        let Some(camera) = camera.map_err(scene)? else { return Ok(()) };
         let full = &job.request.settings;
         if let Some(seen) = self.seen_alike(&model, &camera, full) {
             return self.relight(job, &seen);
@@ -323,6 +344,9 @@ impl Worker {
             }
             let pixels = settings.width * settings.height;
             self.pixel = Some(started.elapsed() / pixels as u32);
+            let pixels = picture.statistics.pixels;
+            let blank = (!coarse && pixels.hit + pixels.undecided == 0)
+                .then(|| Blank::find(&document, region, picture.undefined, searched));
             let rendering = Rendering {
                 revision: job.revision,
                 request: Arc::clone(&job.request),
@@ -330,6 +354,7 @@ impl Worker {
                 model: Arc::clone(&model),
                 searched,
                 camera,
+                blank,
                 picture,
                 coarse,
                 parse,
@@ -342,6 +367,36 @@ impl Worker {
             }
             divisor = finer(self.expected(full), divisor);
         }
+    }
+
+    /// The camera where nobody turned the view: fitted once for a model, and kept while only parameters move.
+    fn framed(
+        &mut self,
+        job: &Job,
+        document: &Document,
+        model: &Arc<Model>,
+    ) -> Result<Option<Camera>, SceneError> {
+        let Request { choice, settings, .. } = &*job.request;
+        let (width, height) = (settings.width, settings.height);
+        let kept = self.framed.as_ref().filter(|framed| {
+            framed.choice == *choice
+                && framed.size == (width, height)
+                && (std::ptr::eq(framed.model.as_ptr(), Arc::as_ptr(model))
+                    || model.is_rebound() && framed.region == *model.region())
+        });
+        if let Some(framed) = kept {
+            return Ok(Some(framed.camera));
+        }
+        let wanted = || self.wanted(job);
+        let camera = framing::camera_while(model, document, choice, settings, &wanted)?;
+        self.framed = camera.map(|camera| Framed {
+            model: Arc::downgrade(model),
+            region: *model.region(),
+            choice: *choice,
+            size: (width, height),
+            camera,
+        });
+        Ok(camera)
     }
 
     /// The full picture that is shown, if it differs from what is asked for in nothing but its light.
@@ -434,6 +489,19 @@ impl Worker {
             let wanted = || self.wanted(job);
             let found = scene::region_while(document, request.domain, request.clip, &wanted)?;
             let Some((region, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
+            // Another search may find the same domain.
+            let same = old.filter(|built| *built.model.region() == region);
+            let rebound = same.and_then(|built| built.model.rebound(document)).transpose()?;
+            if let Some(model) = rebound {
+                let model = Arc::new(model);
+                self.built = Some(Built {
+                    request: Arc::clone(request),
+                    document: Arc::clone(document),
+                    model: Arc::clone(&model),
+                    searched,
+                });
+                return Ok(Some((model, searched)));
+            }
             let model = Model::new_while(document, &region, &request.settings, &wanted)?;
             let Some(model) = model else { return Ok(None) };
             self.pixel = None;

@@ -55,6 +55,9 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     if let Some(why) = rendering.picture.why_undecided() {
         let _ = writeln!(text, "undecided   {why}");
     }
+    if let Some(why) = rendering.why_blank() {
+        let _ = writeln!(text, "note        {why}");
+    }
     for remark in &rendering.picture.remarks {
         let _ = writeln!(text, "note        {remark}");
     }
@@ -97,8 +100,16 @@ fn ms(time: Duration) -> String {
 }
 
 impl Rendering {
-    /// One short line: time, size, method and the options that it reads, undecided pixels, compile time.
+    /// Why nothing is seen and the command that shows something, if nothing is seen.
+    pub fn why_blank(&self) -> Option<String> {
+        Some(self.blank?.describe(&|ends| format!(":domain {ends}")))
+    }
+
+    /// One short line: why nothing is seen, or time, size, method and the options that it reads, undecided pixels, compile time.
     pub fn summary(&self) -> String {
+        if let Some(why) = self.why_blank() {
+            return why;
+        }
         let statistics = &self.picture.statistics;
         let (width, height) = (self.picture.buffer.width, self.picture.buffer.height);
         let undecided = statistics.pixels.undecided;

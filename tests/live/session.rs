@@ -169,13 +169,15 @@ fn the_view_survives_edits_until_it_is_reset() {
     assert_eq!(settled(&live).camera, turned);
     live.load("test", "domain 2\nx^4+y^4+z^4 = 1", true);
     assert_eq!(settled(&live).camera, turned);
+    // What nobody chose is fitted to what is seen.
+    let fresh = |text: &str| settled(&start(text, 32)).camera;
     live.reset_view();
-    assert_eq!(settled(&live).camera.eye(), eye);
+    assert_eq!(settled(&live).camera, fresh("domain 2\nx^4+y^4+z^4 = 1"));
     live.enter(":view top").expect("valid");
     assert!(settled(&live).camera.rays(1, 1).forward().z < -0.99);
     // A new document starts anew.
     live.load("other", "domain 2\nx+y+z", false);
-    assert_eq!(settled(&live).camera.eye(), eye);
+    assert_eq!(settled(&live).camera, fresh("domain 2\nx+y+z"));
 }
 
 #[test]

@@ -4,6 +4,8 @@ mod antialias;
 mod baselines;
 mod cameras;
 mod certified;
+mod domains;
+mod framing;
 mod properties;
 mod property_support;
 mod reference;

@@ -262,7 +262,8 @@ fn definitions_and_time_change_the_surface() {
     let place = Place::new();
     let pixels = |arguments: &[&str]| {
         let formula = "r = 1\nx^2+y^2+z^2 = (r+t)^2";
-        let fixed = ["render", formula, "--json", "--size", "32", "--domain", "3"];
+        let camera = ["--domain", "3", "--eye", "6,-9,4.5"];
+        let fixed = [&["render", formula, "--json", "--size", "32"], &camera[..]].concat();
         let all = [&fixed[..], arguments].concat();
         place.run(&all).ok().json()["pixels"]["hit"].as_u64().expect("a count")
     };

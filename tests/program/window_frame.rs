@@ -107,7 +107,7 @@ fn a_saved_file_is_seen_at_once() {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().join("surface.zset");
     let save = |text: &str| std::fs::write(&path, text).expect("written");
-    save("domain 2\nmax(abs(x),abs(y),abs(z)) = 1");
+    save("domain 2\nmax(abs(x),abs(y),abs(z)) = 1\nview eye (4, -6, 3)");
     let name = path.to_str().expect("UTF-8");
     let scene = Scene::start(&[name, "--size", "400x320"]);
     let width = |scene: &Scene| {
@@ -115,7 +115,9 @@ fn a_saved_file_is_seen_at_once() {
         right - left
     };
     let before = width(&scene);
-    scene.changes("reload", || save("domain 2\nmax(abs(x),abs(y),abs(z)) = 1/2"));
+    scene.changes("reload", || {
+        save("domain 2\nmax(abs(x),abs(y),abs(z)) = 1/2\nview eye (4, -6, 3)");
+    });
     let small = width(&scene);
     assert!(small * 5 < before * 4, "{small} is not smaller than {before}");
     // A mistake keeps the picture, with a border.
@@ -126,7 +128,9 @@ fn a_saved_file_is_seen_at_once() {
     });
     assert_eq!(width(&scene), small);
     scene.terminal.shows("surface.zset:2");
-    scene.changes("mended", || save("domain 2\nmax(abs(x),abs(y),abs(z)) = 3/2"));
+    scene.changes("mended", || {
+        save("domain 2\nmax(abs(x),abs(y),abs(z)) = 3/2\nview eye (4, -6, 3)");
+    });
     scene.key("q");
     assert_eq!(scene.terminal.ends(), 0);
 }

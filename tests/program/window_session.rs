@@ -103,7 +103,7 @@ fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
     };
     let answer: serde_json::Value =
         serde_json::from_str(&shell(&line("| zeroset eval"))).expect("JSON");
-    let value = format!("f = {}", answer["value"].as_f64().expect("a number") as f32);
+    let value = format!("f = {}", answer["value"].as_f64().expect("a number"));
     assert!(shown.contains(&value), "{value} is not in {shown}");
     let pixels = |name| image::open(scene.terminal.place().join(name)).expect("saved");
     let saved = pixels("zeroset-1.png");

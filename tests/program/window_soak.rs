@@ -115,7 +115,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     let run = Command::new("sh").args(["-c", &command]).current_dir(&place).output();
     let run = run.expect("sh runs");
     assert!(run.status.success(), "{command}: {}", String::from_utf8_lossy(&run.stderr));
-    let read = |name: &str| std::fs::read(place.join(name)).expect(name);
+    let read = |name: &str| image::open(place.join(name)).expect(name);
     assert!(read("end.png") == read("again.png"), "the last picture is stale");
     terminal.type_in("\u{4}");
     assert_eq!(terminal.ends(), 0);

@@ -1,0 +1,239 @@
+//! Boxes that may hold a point of some surface: halved, asked about and counted.
+
+use std::cell::Cell as Counter;
+use zeroset_eval::{Boxes, ContractTiles, FindZeros, Kernel, LANES, Planes, Tiles, Zeros};
+
+/// A box of space; an end may be infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    pub low: [f64; 3],
+    pub high: [f64; 3],
+}
+
+impl Cell {
+    /// The cube around the origin with this half extent.
+    pub fn cube(half: f64) -> Self {
+        Self { low: [-half; 3], high: [half; 3] }
+    }
+
+    /// The extent along an axis.
+    pub fn extent(&self, axis: usize) -> f64 {
+        self.high[axis] - self.low[axis]
+    }
+
+    /// The largest extent.
+    pub fn largest(&self) -> f64 {
+        (0..3).map(|axis| self.extent(axis)).fold(0.0, f64::max)
+    }
+
+    /// The middle.
+    pub fn centre(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.low[axis].midpoint(self.high[axis]))
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn around(&self, other: &Self) -> Self {
+        let ends = |pick: fn(f64, f64) -> f64, one: &[f64; 3], two: &[f64; 3]| {
+            [0, 1, 2].map(|axis| pick(one[axis], two[axis]))
+        };
+        Self {
+            low: ends(f64::min, &self.low, &other.low),
+            high: ends(f64::max, &self.high, &other.high),
+        }
+    }
+
+    /// Whether `other` lies inside.
+    pub fn holds(&self, other: &Self) -> bool {
+        (0..3).all(|axis| self.low[axis] <= other.low[axis] && other.high[axis] <= self.high[axis])
+    }
+
+    /// The eight parts into which halving all sides divides it; they cover it, whatever rounding does.
+    fn parts(self) -> impl Iterator<Item = Self> {
+        let middle = self.centre();
+        (0..8).map(move |n| {
+            let mut part = self;
+            for (axis, middle) in middle.into_iter().enumerate() {
+                if n >> axis & 1 == 1 { part.low[axis] = middle } else { part.high[axis] = middle }
+            }
+            part
+        })
+    }
+}
+
+/// Which cells may hold a point of some surface, for so many evaluations.
+pub struct Search<'a> {
+    /// The surfaces' kernels.
+    pub surfaces: Vec<&'a dyn Kernel<FindZeros, f64>>,
+    /// The same by affine forms, asked about what the others leave open; none until they are worth their code.
+    pub forms: Vec<&'a dyn Kernel<ContractTiles, f64>>,
+    /// Asked between evaluations; once false, it must stay false.
+    pub wanted: &'a dyn Fn() -> bool,
+    /// Evaluations left. Without any, every cell may hold a point.
+    pub work: Counter<u64>,
+}
+
+impl Search<'_> {
+    /// Whether the answers are still wanted.
+    pub fn is_wanted(&self) -> bool {
+        (self.wanted)()
+    }
+
+    /// Takes evaluations from what is left, and tells whether there were as many.
+    pub fn spend(&self, evaluations: u64) -> bool {
+        let left = self.work.get();
+        self.work.set(left.saturating_sub(evaluations));
+        left >= evaluations
+    }
+
+    /// The cells that are not proven empty; none, so that every search ends, when it is no longer wanted.
+    pub fn open(&self, cells: &[Cell]) -> Vec<Cell> {
+        if !self.is_wanted() {
+            return Vec::new();
+        }
+        let mut open = Vec::with_capacity(cells.len());
+        for chunk in cells.chunks(LANES) {
+            if !self.spend((chunk.len() * self.surfaces.len()) as u64) {
+                open.extend_from_slice(chunk);
+                continue;
+            }
+            let mut boxes = Boxes::<f64> { count: chunk.len() as u32, ..Boxes::default() };
+            for (lane, cell) in chunk.iter().enumerate() {
+                for axis in 0..3 {
+                    boxes.neg_lo[axis][lane] = -cell.low[axis];
+                    boxes.hi[axis][lane] = cell.high[axis];
+                }
+            }
+            let mut possible = 0;
+            for surface in &self.surfaces {
+                let mut zeros = Zeros::default();
+                surface.ask(&boxes, &mut zeros);
+                possible |= zeros.possible;
+            }
+            let left = chunk.iter().enumerate().filter(|(lane, _)| possible >> lane & 1 == 1);
+            open.extend(left.map(|(_, cell)| *cell));
+        }
+        if self.forms.is_empty() { open } else { self.open_by_forms(&open) }
+    }
+
+    /// The cells that are not proven empty by affine forms.
+    fn open_by_forms(&self, cells: &[Cell]) -> Vec<Cell> {
+        let mut open = Vec::with_capacity(cells.len());
+        for chunk in cells.chunks(LANES) {
+            if !self.spend((chunk.len() * self.forms.len()) as u64) {
+                open.extend_from_slice(chunk);
+                continue;
+            }
+            // A box is a tile of rays along z, its screen the plane z = 0.
+            let mut tiles = Tiles::<f64> { count: chunk.len() as u32, ..Tiles::default() };
+            for (lane, cell) in chunk.iter().enumerate() {
+                let centre = cell.centre();
+                for (axis, centre) in centre.into_iter().enumerate().take(2) {
+                    let reach = (cell.high[axis] - centre).max(centre - cell.low[axis]);
+                    tiles.centre[axis][lane] = centre;
+                    tiles.half[axis][lane] = reach.next_up();
+                }
+                (tiles.near[lane], tiles.far[lane]) = (cell.low[2], cell.high[2]);
+            }
+            for lane in 0..LANES {
+                (tiles.origin[3][lane], tiles.origin[7][lane]) = (1.0, 1.0);
+                tiles.direction[2][lane] = 1.0;
+            }
+            tiles.allow_rounding();
+            let mut possible = 0;
+            for surface in &self.forms {
+                let mut planes = Planes::default();
+                surface.ask(&tiles, &mut planes);
+                possible |= planes.possible;
+            }
+            let left = chunk.iter().enumerate().filter(|(lane, _)| possible >> lane & 1 == 1);
+            open.extend(left.map(|(_, cell)| *cell));
+        }
+        open
+    }
+
+    /// Whether there is nothing outside a box, however far: proven, if `true`. The parts of space around it are asked about
+    /// as boxes with infinite ends.
+    pub fn nothing_outside(&self, inner: &Cell) -> bool {
+        let parts = (0..27).filter(|n| *n != 13).map(|n: usize| {
+            let place = [n % 3, n / 3 % 3, n / 9];
+            let end = |axis: usize, side: usize| match place[axis] + side {
+                0 => f64::NEG_INFINITY,
+                1 => inner.low[axis],
+                2 => inner.high[axis],
+                _ => f64::INFINITY,
+            };
+            Cell {
+                low: [0, 1, 2].map(|axis| end(axis, 0)),
+                high: [0, 1, 2].map(|axis| end(axis, 1)),
+            }
+        });
+        self.open(&parts.collect::<Vec<_>>()).is_empty() && self.is_wanted()
+    }
+
+    /// Whether nothing lies between a box and a larger one about it: proven, if `true`.
+    pub fn nothing_between(&self, inner: &Cell, outer: &Cell) -> bool {
+        let mut left = vec![*outer];
+        for _ in 0..SHELL_DEPTH {
+            let parts = left.iter().flat_map(|cell| cell.parts());
+            left = self.open(&parts.filter(|cell| !inner.holds(cell)).collect::<Vec<_>>());
+            if left.is_empty() || left.len() > SHELL_CELLS {
+                break;
+            }
+        }
+        left.is_empty() && self.is_wanted()
+    }
+
+    /// A box around everything in `whole` that is not proven empty, found ever finer in cells of
+    /// 2 to minus `depth` of its sides; `None` if there is nothing.
+    pub fn tight(&self, mut whole: Cell, depth: u32) -> Option<Cell> {
+        for _ in 0..ROUNDS {
+            let hull = self.hull(&whole, depth)?;
+            let is_snug = |axis: usize| {
+                hull.extent(axis) >= SNUG * whole.extent(axis)
+                    || hull.extent(axis) < NARROW * hull.largest()
+            };
+            if (0..3).all(is_snug) || self.work.get() == 0 {
+                return Some(hull);
+            }
+            whole = hull;
+        }
+        Some(whole)
+    }
+
+    /// The smallest box around the smallest cells of `whole` that are not proven empty.
+    fn hull(&self, whole: &Cell, finest: u32) -> Option<Cell> {
+        let mut hull: Option<Cell> = None;
+        let mut open = vec![(*whole, 0)];
+        let mut parts = Vec::with_capacity(LANES);
+        while let Some((cell, depth)) = open.pop() {
+            if hull.as_ref().is_some_and(|hull| hull.holds(&cell)) {
+                continue;
+            }
+            if depth == finest || self.work.get() == 0 {
+                hull = Some(hull.map_or(cell, |hull| hull.around(&cell)));
+                continue;
+            }
+            parts.clear();
+            parts.extend(cell.parts());
+            open.extend(self.open(&parts).into_iter().map(|part| (part, depth + 1)));
+        }
+        hull
+    }
+}
+
+/// Between two cubes, cells are halved this often, or until more than so many are left: beyond that, a surface that passes
+/// through would only cost time.
+const SHELL_DEPTH: u32 = 6;
+const SHELL_CELLS: usize = 2048;
+
+/// A box is looked through in cells of 2 to minus this of its sides; by affine forms, of that.
+pub const BOX_DEPTH: u32 = 6;
+pub const FINE_DEPTH: u32 = 7;
+
+/// A box is looked through again if a side became shorter than this share of itself, at most so often.
+const SNUG: f64 = 0.75;
+const ROUNDS: u32 = 400;
+
+/// A side that is shorter than this share of the longest is not looked at again.
+const NARROW: f64 = 1e-3;

@@ -1,0 +1,327 @@
+//! What a function does at infinity: it is asked in coordinates in which infinity is a face of a cube.
+//!
+//! In a chart of the first axis, a point is (s, u, v) scaled: x = s/wᵃ, y = u/wᵇ, z = v/wᶜ with s = ±1, u and v within ±1 and
+//! w from 0 to 1/R. The weights a, b, c are whole numbers; all of space with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ is covered by
+//! the charts of the three axes. There every step that is built of sums, products, quotients, roots and choices is w to
+//! minus its degree times a function that is finite at w = 0. If that function has no zero on any chart, the surface has no
+//! point outside the box ±(Rᵃ, Rᵇ, Rᶜ): a proof, since it is asked by intervals that are rounded outward.
+//!
+//! Knows neither kernels nor what becomes of the answer.
+
+use super::outward::Bounds;
+use zeroset_interval::Interval;
+use zeroset_ir::{Graph, Node, NodeId};
+use zeroset_ops::Op;
+
+/// A step of a function, and the steps that it takes.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Axis(usize),
+    Number(Bounds),
+    Negation(usize),
+    /// With the powers of w that bring both to the same degree.
+    Sum(Lifted, Lifted),
+    Difference(Lifted, Lifted),
+    Product(usize, usize),
+    Quotient(usize, usize),
+    Power(usize, u32),
+    Root(usize),
+    Absolute(usize),
+    Least(Lifted, Lifted),
+    Most(Lifted, Lifted),
+}
+
+/// A step times a power of w.
+type Lifted = (usize, u32);
+
+/// A function that can be asked at infinity.
+pub struct Homogeneous {
+    steps: Vec<Step>,
+}
+
+/// Higher degrees leave no room for numbers.
+const HIGHEST: i32 = 64;
+
+impl Homogeneous {
+    /// The function at `root` for parameters within bounds; `None` if it is built of other steps.
+    pub fn new(
+        graph: &Graph,
+        root: NodeId,
+        parameters: &[Interval],
+        weights: [u32; 3],
+    ) -> Option<Self> {
+        let needed = graph.reachable(&[root]);
+        let mut place = vec![usize::MAX; graph.len()];
+        let (mut steps, mut degrees) = (Vec::new(), Vec::<i32>::new());
+        for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+            let (step, degree) = match node {
+                Node::Variable(axis) => {
+                    (Step::Axis(*axis as usize), weights[*axis as usize] as i32)
+                }
+                Node::Parameter(number) => {
+                    (Step::Number(parameters.get(*number as usize).copied()?.into()), 0)
+                }
+                Node::Constant(value) => (Step::Number(value.bounds().into()), 0),
+                Node::Apply(op, operands) => {
+                    let at = |k: usize| (place[operands[k].index()], operands[k]);
+                    applied(graph, *op, at, &degrees)?
+                }
+            };
+            if degree.abs() > HIGHEST {
+                return None;
+            }
+            place[id.index()] = steps.len();
+            steps.push(step);
+            degrees.push(degree);
+        }
+        Some(Self { steps })
+    }
+
+    /// Whether every zero lies in the box of ±2 to `exponent` times the weight of each axis: proven, if `true`. `work` is a
+    /// number of evaluations to spend, and what is left of them.
+    pub fn is_within(&self, exponent: u32, work: &mut u64) -> bool {
+        let farthest = 0.5_f64.powi(exponent as i32);
+        if farthest == 0.0 || self.changes_sign_at_infinity(work) {
+            return false;
+        }
+        let scratch = &mut Vec::new();
+        (0..3).all(|axis| {
+            [1.0, -1.0].into_iter().all(|side| {
+                let mut stack = vec![[[-1.0, 1.0], [-1.0, 1.0], [0.0, farthest]]];
+                while let Some(part) = stack.pop() {
+                    if *work == 0 {
+                        return false;
+                    }
+                    *work -= 1;
+                    if !self.over(axis, side, part, scratch).has_zero() {
+                        continue;
+                    }
+                    let share =
+                        |k: usize| (part[k][1] - part[k][0]) / if k == 2 { farthest } else { 2.0 };
+                    let spreads = self.slopes(axis, side, part).map(|slopes| {
+                        let (value, spreads) = self.about_middle(axis, side, part, slopes, scratch);
+                        (value.has_zero(), spreads)
+                    });
+                    let (open_still, spreads) =
+                        spreads.unwrap_or_else(|| (true, [0, 1, 2].map(share)));
+                    if !open_still {
+                        continue;
+                    }
+                    // Across what it changes most along.
+                    let widest =
+                        (1..3).fold(0, |most, k| if spreads[k] > spreads[most] { k } else { most });
+                    let middle = part[widest][0].midpoint(part[widest][1]);
+                    if share(widest) < SMALLEST {
+                        return false;
+                    }
+                    let [mut near, mut far] = [part; 2];
+                    (near[widest][1], far[widest][0]) = (middle, middle);
+                    stack.extend([far, near]);
+                }
+                true
+            })
+        })
+    }
+
+    /// Whether there are values of both signs at infinity, so that no proof can be had.
+    fn changes_sign_at_infinity(&self, work: &mut u64) -> bool {
+        let (mut below, mut above, mut scratch) = (false, false, Vec::new());
+        for axis in 0..3 {
+            for side in [1.0, -1.0] {
+                for n in 0..SAMPLES * SAMPLES {
+                    let place = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(SAMPLES) - 1.0;
+                    let (u, v) = (place(n % SAMPLES), place(n / SAMPLES));
+                    *work = work.saturating_sub(1);
+                    let value = self.over(axis, side, [[u, u], [v, v], [0.0, 0.0]], &mut scratch);
+                    below |= value.is_negative();
+                    above |= value.is_positive();
+                    if below && above {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    /// Bounds over part of a chart by the mean value theorem, from the value in the middle and bounds of the slopes, and how
+    /// much each coordinate adds to them.
+    fn about_middle(
+        &self,
+        axis: usize,
+        side: f64,
+        part: [[f64; 2]; 3],
+        slopes: [Bounds; 3],
+        known: &mut Vec<Bounds>,
+    ) -> (Bounds, [f64; 3]) {
+        let middle = part.map(|[low, high]| low.midpoint(high));
+        let mut value = self.over(axis, side, middle.map(|c| [c, c]), known);
+        let mut spreads = [0.0; 3];
+        for (k, slope) in slopes.into_iter().enumerate() {
+            let way = Bounds::new(part[k][0], part[k][1]);
+            let change = slope.times(way.plus(Bounds::new(-middle[k], -middle[k])));
+            value = value.plus(change);
+            spreads[k] = change.width();
+        }
+        (value, spreads)
+    }
+
+    /// Bounds of the derivatives by u, v and w over part of a chart.
+    fn slopes(&self, axis: usize, side: f64, part: [[f64; 2]; 3]) -> Option<[Bounds; 3]> {
+        const ZERO: Bounds = Bounds::ZERO;
+        let [u, v, w] = part.map(|[low, high]| Bounds::new(low, high));
+        let mut coordinates = [(Bounds::new(side, side), [ZERO; 3]); 3];
+        coordinates[(axis + 1) % 3] = (u, [Bounds::ONE, ZERO, ZERO]);
+        coordinates[(axis + 2) % 3] = (v, [ZERO, Bounds::ONE, ZERO]);
+        let mut known: Vec<(Bounds, [Bounds; 3])> = Vec::with_capacity(self.steps.len());
+        let each = |f: &dyn Fn(usize) -> Bounds| [f(0), f(1), f(2)];
+        for step in &self.steps {
+            let power = |(base, slopes): (Bounds, [Bounds; 3]), n: u32| {
+                let factor = match n {
+                    0 => ZERO,
+                    _ => Bounds::new(f64::from(n), f64::from(n)).times(base.power(n - 1)),
+                };
+                (base.power(n), each(&|k| factor.times(slopes[k])))
+            };
+            let product = |(a, da): (Bounds, [Bounds; 3]), (b, db): (Bounds, [Bounds; 3])| {
+                (a.times(b), each(&|k| a.times(db[k]).plus(b.times(da[k]))))
+            };
+            let lifted = |(place, n): Lifted| match n {
+                0 => known[place],
+                _ => product(known[place], power((w, [ZERO, ZERO, Bounds::ONE]), n)),
+            };
+            let sum = |a: (Bounds, [Bounds; 3]), b: (Bounds, [Bounds; 3])| {
+                (a.0.plus(b.0), each(&|k| a.1[k].plus(b.1[k])))
+            };
+            let negated = |(a, da): (Bounds, [Bounds; 3])| (a.negated(), da.map(Bounds::negated));
+            let value = match *step {
+                Step::Axis(axis) => coordinates[axis],
+                Step::Number(value) => (value, [ZERO; 3]),
+                Step::Negation(a) => negated(known[a]),
+                Step::Sum(a, b) => sum(lifted(a), lifted(b)),
+                Step::Difference(a, b) => sum(lifted(a), negated(lifted(b))),
+                Step::Product(a, b) if a == b => power(known[a], 2),
+                Step::Product(a, b) => product(known[a], known[b]),
+                Step::Power(a, n) => power(known[a], n),
+                Step::Quotient(..)
+                | Step::Root(_)
+                | Step::Absolute(_)
+                | Step::Least(..)
+                | Step::Most(..) => return None,
+            };
+            known.push(value);
+        }
+        known.last().map(|last| last.1)
+    }
+
+    /// Bounds over part of a chart.
+    fn over(&self, axis: usize, side: f64, part: [[f64; 2]; 3], known: &mut Vec<Bounds>) -> Bounds {
+        let [u, v, w] = part.map(|[low, high]| Bounds::new(low, high));
+        let mut coordinates = [Bounds::new(side, side); 3];
+        (coordinates[(axis + 1) % 3], coordinates[(axis + 2) % 3]) = (u, v);
+        known.clear();
+        for step in &self.steps {
+            let lifted = |(place, power): Lifted| known[place].times(w.power(power));
+            let value = match *step {
+                Step::Axis(axis) => coordinates[axis],
+                Step::Number(value) => value,
+                Step::Negation(a) => known[a].negated(),
+                Step::Sum(a, b) => lifted(a).plus(lifted(b)),
+                Step::Difference(a, b) => lifted(a).plus(lifted(b).negated()),
+                Step::Product(a, b) if a == b => known[a].power(2),
+                Step::Product(a, b) => known[a].times(known[b]),
+                Step::Quotient(a, b) => known[a].over(known[b]),
+                Step::Power(a, n) => known[a].power(n),
+                Step::Root(a) => known[a].root(),
+                Step::Absolute(a) => known[a].absolute(),
+                Step::Least(a, b) => lifted(a).least(lifted(b)),
+                Step::Most(a, b) => lifted(a).most(lifted(b)),
+            };
+            known.push(value);
+        }
+        known.last().copied().unwrap_or(Bounds::ENTIRE)
+    }
+}
+
+/// Parts of a chart below this share of it are not halved.
+const SMALLEST: f64 = 1.0 / 4096.0;
+
+/// Samples in a row of a chart's face at infinity.
+const SAMPLES: u32 = 6;
+
+/// A step and its degree.
+fn applied(
+    graph: &Graph,
+    op: Op,
+    at: impl Fn(usize) -> (usize, NodeId),
+    degrees: &[i32],
+) -> Option<(Step, i32)> {
+    let one = |k: usize| at(k).0;
+    let degree = |k: usize| degrees[one(k)];
+    let level = || {
+        let most = degree(0).max(degree(1));
+        let lifted = |k: usize| (one(k), (most - degree(k)) as u32);
+        (lifted(0), lifted(1), most)
+    };
+    Some(match op {
+        Op::Neg => (Step::Negation(one(0)), degree(0)),
+        Op::Abs => (Step::Absolute(one(0)), degree(0)),
+        Op::Sqr => (Step::Power(one(0), 2), 2 * degree(0)),
+        Op::Sqrt if degree(0) % 2 == 0 => (Step::Root(one(0)), degree(0) / 2),
+        Op::Add => {
+            let (a, b, most) = level();
+            (Step::Sum(a, b), most)
+        }
+        Op::Sub => {
+            let (a, b, most) = level();
+            (Step::Difference(a, b), most)
+        }
+        Op::Mul => (Step::Product(one(0), one(1)), degree(0) + degree(1)),
+        Op::Div => (Step::Quotient(one(0), one(1)), degree(0) - degree(1)),
+        Op::Min => {
+            let (a, b, most) = level();
+            (Step::Least(a, b), most)
+        }
+        Op::Max => {
+            let (a, b, most) = level();
+            (Step::Most(a, b), most)
+        }
+        Op::Pow => {
+            let Node::Constant(exponent) = graph.node(at(1).1) else { return None };
+            let exponent = u32::try_from(exponent.as_integer()?).ok()?;
+            (Step::Power(one(0), exponent), degree(0).checked_mul(i32::try_from(exponent).ok()?)?)
+        }
+        Op::Sqrt
+        | Op::Sign
+        | Op::Floor
+        | Op::Ceil
+        | Op::Round
+        | Op::Trunc
+        | Op::Fract
+        | Op::Cbrt
+        | Op::Exp
+        | Op::Ln
+        | Op::Log2
+        | Op::Log10
+        | Op::Sin
+        | Op::Cos
+        | Op::Tan
+        | Op::Asin
+        | Op::Acos
+        | Op::Atan
+        | Op::Sinh
+        | Op::Cosh
+        | Op::Tanh
+        | Op::Asinh
+        | Op::Acosh
+        | Op::Atanh
+        | Op::Mod
+        | Op::Atan2
+        | Op::SelectNegative
+        | Op::Otherwise
+        | Op::WhereNonneg
+        | Op::WherePositive
+        | Op::WhereNonzero
+        | Op::WhereDefined => return None,
+    })
+}

@@ -1,0 +1,187 @@
+//! What a function's graph shows at a glance: periods, axes that it does not depend on, and what it is a graph over.
+//!
+//! Nothing here is a proof: it serves to choose where to look. Knows neither kernels nor boxes.
+
+use std::f64::consts::TAU;
+use zeroset_interval::Interval;
+use zeroset_ir::{Graph, Node, NodeId};
+use zeroset_ops::Op;
+
+/// A linear function: what x, y and z are multiplied by.
+type Linear = [f64; 3];
+
+/// What is known of a function.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// Whether it depends on each axis.
+    pub depends: [bool; 3],
+    /// The period along each axis, where it depends on that only by sines, cosines and tangents of linear functions.
+    pub period: [Option<f64>; 3],
+    /// Whether a sine, cosine or tangent of anything else that varies occurs, and of what: the first such argument.
+    pub waves: Option<NodeId>,
+    /// Whether it is linear altogether.
+    pub is_plane: bool,
+    /// The axis for which it can be solved, since it is that axis times a number and a function of the two others.
+    pub height: Option<(usize, f64)>,
+    /// Whether all of it is sums, products and whole powers.
+    pub is_polynomial: bool,
+}
+
+/// What is known of a node.
+#[derive(Clone, Copy)]
+struct Known {
+    depends: [bool; 3],
+    linear: Option<Linear>,
+    /// Per axis, the factor if the node is that axis times the factor and something that does not depend on it.
+    solved: [Option<f64>; 3],
+    is_polynomial: bool,
+    value: Option<f64>,
+}
+
+impl Shape {
+    /// The shape of the function at `root`, for parameters within bounds.
+    pub fn of(graph: &Graph, root: NodeId, parameters: &[Interval]) -> Self {
+        let needed = graph.reachable(&[root]);
+        let number = |bounds: Interval| Known {
+            depends: [false; 3],
+            linear: Some([0.0; 3]),
+            solved: [Some(0.0); 3],
+            is_polynomial: true,
+            value: Some(bounds.lo.midpoint(bounds.hi)),
+        };
+        let mut known: Vec<Known> = Vec::with_capacity(graph.len());
+        let mut shape = Self::default();
+        for (id, node) in graph.iter() {
+            let this = match node {
+                _ if !needed[id.index()] => number(Interval::ZERO),
+                Node::Variable(axis) => {
+                    let unit = |k: usize| if k == *axis as usize { 1.0 } else { 0.0 };
+                    let linear = [unit(0), unit(1), unit(2)];
+                    let depends = linear.map(|factor| factor != 0.0);
+                    let solved = linear.map(Some);
+                    Known {
+                        depends,
+                        linear: Some(linear),
+                        solved,
+                        is_polynomial: true,
+                        value: None,
+                    }
+                }
+                Node::Parameter(at) => {
+                    number(parameters.get(*at as usize).copied().unwrap_or(Interval::ONE))
+                }
+                Node::Constant(value) => number(value.bounds()),
+                Node::Apply(op, operands) => {
+                    let operands: Vec<Known> =
+                        operands.iter().map(|id| known[id.index()]).collect();
+                    combined(*op, &operands)
+                }
+            };
+            known.push(this);
+        }
+        let found = known[root.index()];
+        (shape.depends, shape.is_polynomial) = (found.depends, found.is_polynomial);
+        shape.is_plane = found.linear.is_some();
+        // Graphs over the ground first.
+        let height = [2, 1, 0].into_iter().find_map(|axis| {
+            let factor = found.solved[axis].filter(|factor| *factor != 0.0)?;
+            (0..3).all(|other| found.depends[other]).then_some((axis, factor))
+        });
+        shape.height = height.filter(|_| !shape.is_plane);
+        shape.find_waves(graph, root, &known);
+        shape
+    }
+
+    fn find_waves(&mut self, graph: &Graph, root: NodeId, known: &[Known]) {
+        let (mut open, mut seen) = (vec![root], vec![false; graph.len()]);
+        let (mut period, mut plain) = ([0.0_f64; 3], [false; 3]);
+        while let Some(id) = open.pop() {
+            if std::mem::replace(&mut seen[id.index()], true) {
+                continue;
+            }
+            match graph.node(id) {
+                Node::Variable(axis) => plain[*axis as usize] = true,
+                Node::Parameter(_) | Node::Constant(_) => {}
+                Node::Apply(op, operands) => {
+                    let argument = known[operands[0].index()];
+                    let waves = matches!(op, Op::Sin | Op::Cos | Op::Tan)
+                        && argument.depends.contains(&true);
+                    match argument.linear {
+                        Some(linear) if waves => {
+                            for (period, factor) in period.iter_mut().zip(linear) {
+                                if factor != 0.0 {
+                                    *period = period.max(TAU / factor.abs());
+                                }
+                            }
+                        }
+                        _ => {
+                            if waves && self.waves.is_none() {
+                                self.waves = Some(operands[0]);
+                            }
+                            open.extend(operands.iter().copied());
+                        }
+                    }
+                }
+            }
+        }
+        for axis in 0..3 {
+            let repeats = period[axis] > 0.0 && period[axis].is_finite() && !plain[axis];
+            self.period[axis] = repeats.then_some(period[axis]);
+        }
+    }
+}
+
+/// What is known of an operation on what is known.
+fn combined(op: Op, operands: &[Known]) -> Known {
+    let depends = [0, 1, 2].map(|axis| operands.iter().any(|one| one.depends[axis]));
+    let number = |k: usize| operands.get(k).and_then(|one| one.value);
+    let value = number(0).and_then(|a| {
+        if op == Op::Neg {
+            Some(-a)
+        } else if op == Op::Sqrt {
+            Some(a.sqrt())
+        } else if op == Op::Sqr {
+            Some(a * a)
+        } else {
+            let b = number(1)?;
+            let pairs = [(Op::Add, a + b), (Op::Sub, a - b), (Op::Mul, a * b), (Op::Div, a / b)];
+            pairs.into_iter().find(|pair| pair.0 == op).map(|pair| pair.1)
+        }
+    });
+    let each = |f: &dyn Fn(usize) -> Option<f64>| -> Option<Linear> { Some([f(0)?, f(1)?, f(2)?]) };
+    let part = |k: usize, axis: usize| operands[k].linear.map(|linear| linear[axis]);
+    let is_sum = op == Op::Add || op == Op::Sub;
+    let scale = if op == Op::Mul {
+        number(0).map(|factor| (factor, 1)).or(number(1).map(|factor| (factor, 0)))
+    } else if op == Op::Div {
+        number(1).map(|divisor| (1.0 / divisor, 0))
+    } else {
+        (op == Op::Neg).then_some((-1.0, 0))
+    };
+    let (linear, solved): (Option<Linear>, [Option<f64>; 3]) = if is_sum {
+        let sign = if op == Op::Add { 1.0 } else { -1.0 };
+        let sum = |a: Option<f64>, b: Option<f64>| Some(a? + sign * b?);
+        let solved = [0, 1, 2].map(|axis| sum(operands[0].solved[axis], operands[1].solved[axis]));
+        (each(&|axis| sum(part(0, axis), part(1, axis))), solved)
+    } else if let Some((factor, k)) = scale {
+        let scaled = |part: Option<f64>| part.map(|part| factor * part);
+        (each(&|axis| scaled(part(k, axis))), operands[k].solved.map(scaled))
+    } else {
+        (None, unsolved(depends))
+    };
+    let is_built = if op == Op::Pow {
+        number(1).is_some_and(|n| n.fract() == 0.0 && n >= 0.0)
+    } else if op == Op::Div {
+        number(1).is_some()
+    } else {
+        is_sum || [Op::Neg, Op::Mul, Op::Sqr].contains(&op) || !depends.contains(&true)
+    };
+    let is_polynomial = is_built && operands.iter().all(|one| one.is_polynomial);
+    let linear = if depends.contains(&true) { linear } else { Some([0.0; 3]) };
+    Known { depends, linear, solved, is_polynomial, value }
+}
+
+/// A factor 0 where nothing depends on the axis.
+fn unsolved(depends: [bool; 3]) -> [Option<f64>; 3] {
+    depends.map(|depends| (!depends).then_some(0.0))
+}

@@ -1,0 +1,145 @@
+//! What is found of typed formulas, and that nothing is found of what was given up.
+
+use super::*;
+use crate::scene::search;
+use std::cell::Cell as Asked;
+use zeroset_syntax::{Document, Options, read};
+
+fn document(text: &str) -> Document {
+    read(text, &Options::default()).expect("reads")
+}
+
+fn found(text: &str) -> AutoDomain {
+    search(&document(text)).expect(text)
+}
+
+#[test]
+fn a_ball_is_bounded_by_a_snug_box_wherever_it_is() {
+    for (centre, radius) in [
+        ([0.0; 3], 1.0),
+        ([3.0, 0.0, -20.0], 0.5),
+        ([-100.0, 7.0, 0.25], 0.03125),
+        ([1e9, -2e9, 1.0], 1.0),
+        ([0.0; 3], 1e-9),
+        ([0.0; 3], 1e12),
+    ] {
+        let [x, y, z] = centre;
+        let found = found(&format!("(x-({x}))^2+(y-({y}))^2+(z-({z}))^2=({radius})^2"));
+        assert_eq!(found.finding, Finding::Bounded);
+        for (axis, c) in centre.into_iter().enumerate() {
+            assert!(found.low[axis] < c - radius && c + radius < found.high[axis], "{found:?}");
+            assert!(found.high[axis] - found.low[axis] < 2.5 * radius, "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn bounded_is_said_only_of_what_is_bounded() {
+    for text in [
+        "x^2+y^2=z^2",
+        "x^2+y^2=1",
+        "z=5",
+        "x*y*z=1",
+        "x^2+y^2-1e-9*z^2=1",
+        "x^2+y^2+z^2-1e-30*x^4=1",
+        "(x^2+y^2+z^2-1)*(z-1e15)=0",
+        "x^2+y^2+z^2=1\nz=1e13",
+        "y=exp(x)",
+        "x^2+y^2+z^2=1/(x-3)",
+        "sin(x)+sin(y)+sin(z)=0",
+        "sqrt(x^2+y^2)=z",
+        "x^4+y^4=x*y*z",
+        "min(x^2+y^2+z^2-1,z-3)=0",
+    ] {
+        let found = found(text);
+        assert!(
+            found.finding != Finding::Bounded && !found.finding.is_empty(),
+            "{text}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn what_is_nowhere_is_proven_empty() {
+    assert_eq!(found("x^2+y^2+z^2=-1").finding, Finding::Empty);
+    assert_eq!(found("x^4+y^4+z^4-x*y*z+9=0").finding, Finding::Empty);
+}
+
+#[test]
+fn what_waves_is_bounded_as_far_as_was_looked() {
+    let found = found("x^2+y^2+z^2=9+x*sin(x)");
+    assert_eq!(found.finding, Finding::BoundedNear);
+    assert!(found.low[0] < -3.0 && found.high[0] < 6.0, "{found:?}");
+}
+
+#[test]
+fn two_surfaces_share_a_domain() {
+    let found = found("x^2+y^2+z^2=1\n(x-5)^2+y^2+z^2=1");
+    assert!(found.low[0] < -1.0 && found.high[0] > 6.0 && found.high[1] < 1.3, "{found:?}");
+}
+
+#[test]
+fn a_slider_s_range_does_not_count_but_the_loop_of_time_does() {
+    assert!(found("r = 1 in [0,5]\nx^2+y^2+z^2=r^2").high[0] < 1.3);
+    assert!(found("t = 1 in [0,5]\nx^2+y^2+z^2=t^2").high[0] > 5.0);
+}
+
+#[test]
+fn nothing_panics_and_every_domain_is_a_box() {
+    for text in [
+        "x^(1e9)+y=0",
+        "x^2000+y^2000+z^2000=1",
+        "x^9999999999=y",
+        "exp(exp(exp(x)))=y",
+        "1e308*x^2+y^2+z^2=1e308",
+        "1e-320*x+y+z=0",
+        "x/0+y=0",
+        "ln(x)*ln(y)*ln(z)=1",
+        "z=1/0*x*y",
+        "z=ln(-x^2-y^2)+y",
+        "z=x^300*y^300",
+        "z=1e300*x*y",
+        "floor(x)+floor(y)=z",
+        "mod(x,1)=y*z",
+        "tan(x)+tan(y)=z",
+        "sin(1e300*x)+y+z=0",
+        "x^2+y^2+z^2=0",
+        "x^y+z=1",
+        "atan2(y,x)=z",
+        "x*0+y*0+z*1e-300=1",
+    ] {
+        let Ok(found) = search(&document(text)) else { continue };
+        for axis in 0..3 {
+            let [low, high] = [found.low[axis], found.high[axis]];
+            assert!(low.is_finite() && high.is_finite() && low < high, "{text}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_search_that_is_no_longer_wanted_ends_without_an_answer() {
+    let document = document("(x-3)^2+y^2+(z+20)^2=0.25");
+    let program = Program::new(&document, [Interval::ENTIRE; 3]).expect("small");
+    let asked = Asked::new(0);
+    let until = |last: u32| {
+        asked.set(0);
+        let wanted = || {
+            asked.set(asked.get() + 1);
+            asked.get() <= last
+        };
+        find_while(&program, &wanted).expect("code")
+    };
+    assert!(until(u32::MAX).is_some());
+    let all = asked.get();
+    for last in [0, 1, all / 2, all - 1] {
+        assert_eq!(until(last), None, "asked {last} of {all} times");
+        assert!(asked.get() < last + 64, "{} evaluations after {last}", asked.get());
+    }
+}
+
+#[test]
+fn bounds_have_few_digits() {
+    assert_eq!(roomy(&Cell::cube(1.0)), Cell::cube(1.1));
+    let cell = Cell { low: [-130.0; 3], high: [128.0; 3] };
+    assert_eq!(roomy(&cell), Cell { low: [-143.0; 3], high: [141.0; 3] });
+}

@@ -1,0 +1,229 @@
+//! The camera that nobody chose: as near as what is visible allows, from a side on which flat things are not seen edge-on.
+//!
+//! What is visible is found by a small picture of the whole domain. Whatever lies behind it lies within its outline, too, so
+//! the outline is all that has to fit. Nothing here is a proof, nor depends on the picture's method or on threads.
+
+use crate::model::Model;
+use crate::picture::Settings;
+use crate::scene::{self, CameraChoice, SceneError};
+use glam::DVec3;
+use zeroset_syntax::Document;
+use zeroset_trace::{Camera, CameraError, Projection, Region, StandardView};
+
+/// Rows and columns of the small picture.
+const SIDE: usize = 64;
+
+/// What is visible takes this share of the picture's shorter side.
+const FILLED: f64 = 0.86;
+
+/// A painted pixel of the small picture stands for what lies so many pixels around its centre.
+const REACH: f64 = 0.75;
+
+/// With fewer painted pixels than these too little is known, and the whole domain is shown.
+const LEAST: usize = 8;
+
+/// What is thinner than this share of its width is flat, and shown from where the sine between it and the view is at least
+/// so much.
+const THIN: f64 = 0.15;
+const LEAST_SINE: f64 = 0.5;
+
+/// Sides from which flat things are shown, in order: higher than the usual one, and then from its right and left.
+const SIDES: [DVec3; 5] = [
+    DVec3::new(2.0, -3.0, 2.6),
+    DVec3::new(3.0, 2.0, 2.6),
+    DVec3::new(-2.0, -3.0, 2.6),
+    DVec3::new(2.0, -3.0, 6.0),
+    DVec3::new(-3.0, 2.0, 2.6),
+];
+
+/// The camera for pictures of `model`, which was made of `document`: what is chosen by `choice` or by the document stays as it
+/// is; where neither gives another side than the usual one, an eye, a target, a field of view
+/// or a height, what is visible is fitted into a picture of
+/// the settings' size.
+/// `None` if that was no longer `wanted`.
+///
+/// # Errors
+/// If eye and target coincide, the upward direction is useless, or a number is out of range.
+pub fn camera_while(
+    model: &Model,
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Camera>, SceneError> {
+    let region = model.region();
+    let usual = scene::camera(document, region, choice)?;
+    let fov = match usual.projection() {
+        Projection::Perspective { fov } if !is_chosen(document, choice) => fov,
+        Projection::Perspective { .. } | Projection::Orthographic { .. } => return Ok(Some(usual)),
+    };
+    let is_upright =
+        choice.up.is_none() && document.view.as_ref().is_none_or(|view| view.up.is_none());
+    let view = View { fov, up: usual.up(), aspect: settings.width as f64 / settings.height as f64 };
+    let back = (usual.eye() - usual.target()).normalize();
+    let look = |back: DVec3| -> Result<Option<Vec<Spot>>, SceneError> {
+        let whole = view.fitted(back, &corners(region), 1.0)?;
+        spots(model, &whole, settings, wanted)
+    };
+    let Some(mut seen) = look(back)? else { return Ok(None) };
+    let mut side = back;
+    if is_upright
+        && let Some(normal) = flat(&seen)
+        && normal.dot(back).abs() < LEAST_SINE
+    {
+        let sides = SIDES.map(DVec3::normalize);
+        let steep = |side: &&DVec3| normal.dot(**side).abs() >= LEAST_SINE;
+        side = *sides.iter().find(steep).unwrap_or(&sides[0]);
+        let Some(spots) = look(side)? else { return Ok(None) };
+        seen = spots;
+    }
+    let fitted = if seen.len() < LEAST {
+        view.fitted(side, &corners(region), FILLED)
+    } else {
+        view.fitted(side, &seen, FILLED)
+    };
+    // Where floats leave no room, the usual view is as good as any.
+    Ok(Some(fitted.unwrap_or(usual)))
+}
+
+/// As [`camera_while`], to the end.
+///
+/// # Errors
+/// As [`camera_while`].
+///
+/// # Panics
+/// Never: the camera is wanted to the end.
+pub fn camera(
+    model: &Model,
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+) -> Result<Camera, SceneError> {
+    let camera = camera_while(model, document, choice, settings, &|| true)?;
+    Ok(camera.expect("wanted to the end"))
+}
+
+/// Whether somebody said from where to look, at what, or how much is seen: another side than the usual one is that of the
+/// whole domain.
+fn is_chosen(document: &Document, choice: &CameraChoice) -> bool {
+    let CameraChoice { view, eye, target, up: _, projection } = choice;
+    let other = |view: StandardView| view != StandardView::default();
+    let asked = view.is_some();
+    let given =
+        view.is_some_and(other) || eye.is_some() || target.is_some() || projection.is_some();
+    given
+        || document.view.as_ref().is_some_and(|view| {
+            let side = view.preset.and_then(StandardView::named);
+            let place = !asked && (view.eye.is_some() || side.is_some_and(other));
+            place || view.target.is_some() || view.fov.is_some() || view.ortho.is_some()
+        })
+}
+
+/// A point that is visible, and how far it reaches.
+#[derive(Clone, Copy)]
+struct Spot {
+    at: DVec3,
+    radius: f64,
+}
+
+fn corners(region: &Region) -> Vec<Spot> {
+    let (low, high) = (region.low(), region.high());
+    let corner = |n: u32| {
+        let end = |axis: usize| if n >> axis & 1 == 1 { high[axis] } else { low[axis] };
+        Spot { at: DVec3::new(end(0), end(1), end(2)), radius: 0.0 }
+    };
+    (0..8).map(corner).collect()
+}
+
+/// What is painted in a small picture.
+fn spots(
+    model: &Model,
+    camera: &Camera,
+    settings: &Settings,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Vec<Spot>>, SceneError> {
+    let small = Settings {
+        width: SIDE,
+        height: SIDE,
+        precision: settings.precision,
+        normals: None,
+        ..Settings::default()
+    };
+    let picture = model.trace(camera, &small, &|_| wanted())?;
+    if !wanted() {
+        return Ok(None);
+    }
+    let rays = camera.rays(SIDE, SIDE);
+    let frame = camera.rays(1, 1);
+    let slope = match camera.projection() {
+        Projection::Perspective { fov } => (fov.to_radians() / 2.0).tan(),
+        Projection::Orthographic { .. } => 0.0,
+    };
+    let painted = (0..SIDE * SIDE).filter(|pixel| picture.buffer.is_drawn(*pixel));
+    let spot = |pixel: usize| {
+        let ray = rays.ray(pixel % SIDE, pixel / SIDE);
+        let at = ray.at(ray.parameter(picture.buffer.drawn[pixel]));
+        let depth = (at - camera.eye()).dot(frame.forward());
+        Spot { at, radius: REACH * depth * 2.0 * slope / SIDE as f64 }
+    };
+    Ok(Some(painted.map(spot).filter(|spot| spot.at.is_finite()).collect()))
+}
+
+/// What of a camera is not its place.
+struct View {
+    fov: f64,
+    up: DVec3,
+    /// Width by height of the picture.
+    aspect: f64,
+}
+
+impl View {
+    /// The nearest camera on the side of `back` that shows all spots within a share of the picture's shorter side.
+    fn fitted(&self, back: DVec3, spots: &[Spot], share: f64) -> Result<Camera, CameraError> {
+        let projection = Projection::Perspective { fov: self.fov };
+        let middle = spots.iter().map(|spot| spot.at).sum::<DVec3>() / spots.len() as f64;
+        let size = spots.iter().map(|spot| (spot.at - middle).length()).fold(0.0, f64::max);
+        let trial =
+            Camera::new(middle + back * size.max(f64::MIN_POSITIVE), middle, self.up, projection)?;
+        let frame = trial.rays(1, 1);
+        let (forward, right, up) = (frame.forward(), frame.right(), frame.up());
+        let slope = share * (self.fov.to_radians() / 2.0).tan() * self.aspect.min(1.0);
+        // How far the planes through the eye and an edge of the picture have to lie outside.
+        let edge = |side: DVec3| {
+            let room = (1.0 + slope * slope).sqrt();
+            let outside = |spot: &Spot| {
+                let way = spot.at - middle;
+                way.dot(side) - slope * way.dot(forward) + room * spot.radius
+            };
+            spots.iter().map(outside).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let [left, right_edge, bottom, top] = [edge(-right), edge(right), edge(-up), edge(up)];
+        let distance = (left + right_edge).max(bottom + top) / (2.0 * slope);
+        let across = right * ((right_edge - left) / 2.0) + up * ((top - bottom) / 2.0);
+        let target = middle + across;
+        Camera::new(target - forward * distance, target, self.up, projection)
+    }
+}
+
+/// The normal of the plane near which all spots lie, if there is one.
+fn flat(spots: &[Spot]) -> Option<DVec3> {
+    let first = spots.first()?.at;
+    let farthest = |distance: &dyn Fn(DVec3) -> f64| {
+        let by_distance =
+            |one: &&Spot, other: &&Spot| distance(one.at).total_cmp(&distance(other.at));
+        spots.iter().max_by(by_distance).map(|spot| spot.at)
+    };
+    let one = farthest(&|at| (at - first).length())?;
+    let other = farthest(&|at| (at - one).length())?;
+    let along = (other - one).normalize_or_zero();
+    let off = |at: DVec3| (at - one).reject_from(along);
+    if along == DVec3::ZERO {
+        return None;
+    }
+    let third = farthest(&|at| off(at).length())?;
+    let normal = along.cross(off(third)).normalize_or_zero();
+    let heights = spots.iter().map(|spot| (spot.at - one).dot(normal));
+    let [low, high] = heights.fold([0.0_f64; 2], |[low, high], h| [low.min(h), high.max(h)]);
+    let is_flat = normal != DVec3::ZERO && high - low < THIN * off(third).length();
+    is_flat.then_some(normal)
+}

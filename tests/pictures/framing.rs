@@ -1,0 +1,129 @@
+//! How much of the picture is taken by what is visible, where nobody chose a camera: over the gallery and the hundred typed
+//! equations.
+//!
+//! All rows: `cargo test --release --test pictures framing -- --nocapture`.
+
+use crate::domains::rows;
+use std::fmt::Write as _;
+use std::time::Instant;
+use zeroset::framing;
+use zeroset::gallery::examples;
+use zeroset::model::Model;
+use zeroset::picture::Settings;
+use zeroset::scene::{CameraChoice, DomainChoice, region};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{Camera, Projection};
+
+/// Pixels of the picture's shorter side.
+const SIDE: usize = 96;
+
+/// What is visible should take as much of it.
+const SHARES: [f64; 2] = [0.55, 0.95];
+
+/// So many of all pictures do.
+const LEAST: f64 = 0.95;
+
+/// The larger extent of what is painted, as a share of the picture's shorter side, and whether it touches the border.
+fn share(model: &Model, camera: &Camera, width: usize, height: usize) -> (f64, bool) {
+    let settings = Settings { width, height, normals: None, ..Settings::default() };
+    let buffer = model.trace(camera, &settings, &|_| true).expect("kernels").buffer;
+    let painted: Vec<(usize, usize)> = (0..width * height)
+        .filter(|pixel| buffer.is_drawn(*pixel))
+        .map(|pixel| (pixel % width, pixel / width))
+        .collect();
+    let extent = |place: &dyn Fn(&(usize, usize)) -> usize| {
+        let (low, high) = (painted.iter().map(place).min(), painted.iter().map(place).max());
+        low.zip(high).map_or(0, |(low, high)| high + 1 - low)
+    };
+    let largest = extent(&|place| place.0).max(extent(&|place| place.1));
+    let border =
+        |(x, y): &(usize, usize)| *x == 0 || *y == 0 || *x + 1 == width || *y + 1 == height;
+    (largest as f64 / width.min(height) as f64, painted.iter().any(border))
+}
+
+#[test]
+fn what_is_visible_fills_the_picture_and_nothing_bounded_is_cut() {
+    let typed = rows().into_iter().map(|row| (row.text, row.bounded));
+    let all = examples().into_iter().map(|example| (example.text.to_owned(), false)).chain(typed);
+    let (mut good, mut count, mut report, mut times) = (0, 0, String::new(), Vec::new());
+    for (text, bounded) in all {
+        let document = read(&text, &Options::default()).expect(&text);
+        let (region, _) = region(&document, DomainChoice::Document, None).expect(&text);
+        let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect(&text);
+        let started = Instant::now();
+        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings);
+        let camera = camera.expect(&text);
+        times.push(started.elapsed().as_secs_f64() * 1e3);
+        let (share, touches) = share(&model, &camera, SIDE, SIDE);
+        count += 1;
+        let fits = (SHARES[0]..=SHARES[1]).contains(&share);
+        good += usize::from(fits);
+        let name = text.lines().find(|line| !line.starts_with("r = ")).unwrap_or_default();
+        if !fits || touches {
+            let _ = writeln!(report, "{share:.2} {} {name}", if touches { "cut" } else { "   " });
+        }
+        assert!(!(bounded && touches), "cut: {text}");
+    }
+    times.sort_unstable_by(f64::total_cmp);
+    let (median, worst) = (times[times.len() / 2], times[times.len() - 1]);
+    println!("{report}{good} of {count} fill the picture");
+    println!("median {median:.2} ms, worst {worst:.2} ms");
+    assert!(good as f64 >= LEAST * f64::from(count), "{report}");
+}
+
+#[test]
+fn a_tall_picture_and_a_wide_one_hold_it_all() {
+    let document = read("x^2/9+y^2+z^2/4=1", &Options::default()).expect("reads");
+    let (region, _) = region(&document, DomainChoice::Document, None).expect("bounded");
+    for (width, height) in [(60, 150), (150, 60), (90, 90)] {
+        let settings = Settings { width, height, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect("compiles");
+        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings);
+        let (share, touches) = share(&model, &camera.expect("a camera"), width, height);
+        assert!(!touches && (SHARES[0]..SHARES[1]).contains(&share), "{width}x{height}: {share}");
+    }
+}
+
+#[test]
+fn what_was_chosen_stays() {
+    let perspective = |fov| Some(Projection::Perspective { fov });
+    let height = Some(Projection::Orthographic { height: 3.0 });
+    let usual = CameraChoice::default();
+    let eye = Some(glam::DVec3::new(4.0, 3.0, 6.0));
+    for (line, choice) in [
+        ("view eye (4, 3, 6)", usual),
+        ("view front", usual),
+        ("view fov 20", usual),
+        ("", CameraChoice { projection: height, ..usual }),
+        ("", CameraChoice { projection: perspective(10.0), ..usual }),
+        ("", CameraChoice { view: zeroset_trace::StandardView::named("front"), ..usual }),
+        ("", CameraChoice { eye, ..usual }),
+        ("", CameraChoice { target: eye, ..usual }),
+    ] {
+        let text = format!("{line}\ndomain 2\nx^2+y^2+z^2=1");
+        let document = read(&text, &Options::default()).expect("reads");
+        let (region, _) = region(&document, DomainChoice::Document, None).expect("given");
+        let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect("compiles");
+        let framed = framing::camera(&model, &document, &choice, &settings).expect("valid");
+        let given = zeroset::scene::camera(&document, &region, &choice).expect("valid");
+        assert_eq!(framed, given, "{text} {choice:?}");
+    }
+}
+
+#[test]
+fn flat_things_are_not_seen_edge_on() {
+    for text in ["x+2y+3z=4", "z=5", "2x+3y=0.1z", "x=-1.5y"] {
+        let document = read(text, &Options::default()).expect("reads");
+        let (region, _) = region(&document, DomainChoice::Document, None).expect("a plane");
+        let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect("compiles");
+        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings);
+        let camera = camera.expect("a camera");
+        let settings = Settings { normals: None, ..settings };
+        let buffer = model.trace(&camera, &settings, &|_| true).expect("kernels").buffer;
+        let painted = (0..SIDE * SIDE).filter(|pixel| buffer.is_drawn(*pixel)).count();
+        assert!(painted > SIDE * SIDE / 5, "{text}: {painted} pixels, {camera:?}");
+    }
+}
