@@ -2,6 +2,7 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::constant::near_integers;
+use crate::coordinates;
 use crate::cycle::no_recursion;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::Rule;
@@ -9,7 +10,7 @@ use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
-use crate::scan::scan;
+use crate::program::{Program, program};
 use crate::scene::{DomainLine, SceneSetting, SrgbColor, ViewLine, scene_line};
 use crate::scope::Scope;
 use crate::span::Span;
@@ -162,14 +163,22 @@ impl<'a> Reader<'a> {
     /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to
     /// their fields.
     fn statements(&mut self) -> Result<(Vec<Built>, Scope), Errors> {
-        let pieces = scan(self.text, &self.options.limits)?;
-        let mut lines = lines(self.text, &pieces)?;
+        let program = program(self.text, &self.options.limits)?;
+        let mut lines = lines(self.text, &program.units)?;
         let mut scope = Scope::default();
         for (name, _) in self.options.overrides {
             scope.define(name, None);
         }
+        coordinates::settle(self.text, &mut lines, &scope);
         settle_heads(&mut lines, &mut scope, &mut self.notes);
-        let mut built = Vec::new();
+        let (mut built, notes) = coordinates::implied(
+            self.text,
+            &lines,
+            &mut scope,
+            program.is_program,
+            &self.options.limits,
+        );
+        self.notes.extend(notes);
         for line in lines {
             let result = if line.pair.as_rule() == Rule::line {
                 build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
@@ -188,6 +197,10 @@ impl<'a> Reader<'a> {
             }
         }
         self.check()?;
+        if let Some((drawn, note)) = drawn_by_program(&program, &built) {
+            built.push(drawn);
+            self.notes.push(note);
+        }
         Ok((built, scope))
     }
 
@@ -263,16 +276,12 @@ impl<'a> Reader<'a> {
             let above = self.colors.iter().rfind(|(at, _)| *at < surface.span.start);
             surface.color = above.map(|(_, color)| *color);
         }
+        self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         self.notes.sort_by_key(|note| note.span);
         // One note on a name is enough.
         let mut seen = FxHashSet::default();
-        self.notes.retain(|note| match note.kind {
-            NoteKind::ConstantUsed { .. } | NoteKind::ProductOfNames { .. } => {
-                seen.insert(note.kind.clone())
-            }
-            _ => true,
-        });
+        self.notes.retain(|note| !note.kind.is_about_a_name() || seen.insert(note.kind.clone()));
         // Each is drawn with the line that it is about, which may be the whole text.
         if let Some(note) = self.notes.get(MOST_NOTES) {
             let span = note.span;
@@ -336,7 +345,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
         None => (lowering.solid(expr, false)?, SurfaceKind::Solid),
     };
     let root = restrictions.iter().try_fold(root, |root, condition| match kind {
-        SurfaceKind::Equation => lowering.restrict(root, condition),
+        SurfaceKind::Equation => lowering.restrict(root, condition, &[]),
         SurfaceKind::Solid => lowering.cut(root, condition),
     })?;
     Ok(Surface { root, kind, span: built.span, echo: echo(expr, restrictions), color: None })
@@ -393,6 +402,30 @@ fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, No
         parameters: definition.parameters.as_ref().map(Vec::len),
     };
     Err(Error::new(definition.name.span, kind))
+}
+
+/// What a program draws that returns nothing: its last function of a point of space, or the last
+/// number that it sets.
+fn drawn_by_program(program: &Program, built: &[Built]) -> Option<(Built, Note)> {
+    if built.iter().any(|built| matches!(built.statement, Statement::Draw { .. })) {
+        return None;
+    }
+    let (name, kind) = if let Some(name) = &program.last_function {
+        let function = Function::Defined(name.text.clone());
+        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), name.span);
+        let point = Axis::ALL.iter().map(|axis| coordinate(*axis)).collect();
+        let point = Expr::new(ExprKind::Call(Function::Vector(3), point), name.span);
+        (name, ExprKind::Call(function, vec![point]))
+    } else {
+        let name = program.last_value.as_ref().filter(|_| program.is_program)?;
+        (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
+    };
+    let expr = Expr::new(kind, name.span);
+    let drawn = expr.to_string();
+    let statement = Statement::Draw { expr, restrictions: Vec::new() };
+    let note = Note { span: name.span, kind: NoteKind::DrawsFunction { drawn } };
+    let used = std::iter::once(name.text.clone()).collect();
+    Some((Built { statement, span: name.span, notes: Vec::new(), used }, note))
 }
 
 /// The title and text of the comment that a document starts with.

@@ -3,22 +3,31 @@
 //! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
-use crate::ast::{Expr, ExprKind, Function, NamedValue, ProductSign};
+use crate::ast::{Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign};
 use crate::build::{Builder, Signs, number_only, product_of, root_text};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
+use crate::special::{Logic, logic};
 use crate::spelling::{decimal, plain_name, superscript_digit, vulgar};
+use crate::value::LETTERS;
 use std::collections::VecDeque;
-use zeroset_ops::Op;
+use zeroset_ir::Axis;
+use zeroset_ops::{Form, Op};
 
 /// A piece of a run.
 pub(crate) enum Item<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
+    /// What takes more than numbers, in the brackets that follow.
+    Form(&'static Form, Span),
+    /// A condition, its parts in the brackets that follow.
+    Logic(Logic, Span),
+    /// `.xz` behind a vector.
+    Component(String, Span),
     /// Round or square brackets.
     Group(Pair<'i>),
     /// Anything that is one factor whatever surrounds it: braces, bars, `\frac`, `\sqrt{}`.
@@ -50,7 +59,7 @@ impl Builder<'_> {
     }
 
     #[inline(never)] // not a part of the recursion, so not of its stack frames
-    fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
+    pub(crate) fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
         let span = self.span(&pair);
         let typed = self.typed(&pair);
         items.push_back(match pair.as_rule() {
@@ -67,6 +76,7 @@ impl Builder<'_> {
             Rule::caret => Item::Caret(self.signs(&mut pair.into_inner()), span),
             Rule::radical => Item::Radical(typed.chars().next().unwrap_or('√'), span),
             Rule::group => Item::Group(pair),
+            Rule::component => Item::Component(letters(typed), span),
             Rule::vulgar => {
                 // `2½` is five halves to some and one to others.
                 if let Some(Item::Leaf(before)) = items.back()
@@ -84,7 +94,21 @@ impl Builder<'_> {
     /// Adds the items that a name stands for: usually one.
     fn name(&mut self, typed: &str, span: Span, items: &mut Items<'_>) -> Fallible<()> {
         let name = plain_name(typed);
-        match self.scope.meaning(&name, self.locals) {
+        if let Some(lifted) = self.alias(&name) {
+            items.push_back(Item::Leaf(Expr::new(lifted, span)));
+            return Ok(());
+        }
+        if self.text[span.end..].trim_start_matches(BLANKS).starts_with(['(', '[']) {
+            if let Some(form) = self.scope.form(&name, &self.locals) {
+                items.push_back(Item::Form(form, span));
+                return Ok(());
+            }
+            if let (Some(logic), false) = (logic(&name), self.scope.is_defined(&name)) {
+                items.push_back(Item::Logic(logic, span));
+                return Ok(());
+            }
+        }
+        match self.scope.meaning(&name, &self.locals) {
             Meaning::Value(value) => items.push_back(self.leaf(value, span)),
             Meaning::Function(callee) => {
                 if let Callee::Defined(name, _) = &callee {
@@ -100,14 +124,27 @@ impl Builder<'_> {
                     // typed.
                     let place = Span::new(at, at + letter.len());
                     at = place.end;
-                    if let Meaning::Value(value) = self.scope.meaning(letter, self.locals) {
+                    if let Meaning::Value(value) = self.scope.meaning(letter, &self.locals) {
                         items.push_back(self.leaf(value, place));
                     }
                 }
                 let product = letters.join("*");
                 self.note(span, NoteKind::ProductOfNames { name, product });
             }
-            Meaning::Unknown => return Err(self.unknown(&name, typed, span)),
+            Meaning::Unknown => {
+                if typed == "E" {
+                    self.note(span, NoteKind::CapitalE);
+                    let value = NamedValue::Constant(NamedConstant::E);
+                    items.push_back(self.leaf(value, span));
+                    return Ok(());
+                }
+                let Some(axis) = capital(&name) else {
+                    return Err(self.unknown(&name, typed, span));
+                };
+                self.note(span, NoteKind::CapitalCoordinates);
+                let value = NamedValue::Coordinate(axis);
+                items.push_back(Item::Leaf(Expr::new(ExprKind::Name(value), span)));
+            }
         }
         Ok(())
     }
@@ -164,7 +201,13 @@ impl Builder<'_> {
     /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is
     /// above it.
     pub(crate) fn power(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
-        let base = self.primary(items)?;
+        let mut base = self.primary(items)?;
+        while let Some(Item::Component(letters, span)) = items.front() {
+            let (letters, span) = (letters.clone(), base.span.to(*span));
+            items.pop_front();
+            self.room(span, 1)?;
+            base = Expr::new(ExprKind::Component(Box::new(base), letters), span);
+        }
         match items.front() {
             Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
             _ => Ok(base),
@@ -179,7 +222,14 @@ impl Builder<'_> {
             levels += 1 + chain.last().map_or(0, |(signs, _)| signs.len());
             chain.push(match items.pop_front() {
                 Some(Item::Caret(signs, span)) => {
-                    (signs, self.deeper(span, levels, |b| b.primary(items))?)
+                    let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
+                    while let Some(Item::Component(letters, span)) = items.front() {
+                        let (letters, span) = (letters.clone(), exponent.span.to(*span));
+                        items.pop_front();
+                        let kind = ExprKind::Component(Box::new(exponent), letters);
+                        exponent = Expr::new(kind, span);
+                    }
+                    (signs, exponent)
                 }
                 Some(Item::Superscript(number)) => {
                     self.room(number.span, levels)?;
@@ -228,6 +278,14 @@ impl Builder<'_> {
                 self.deeper(span, 1, |b| b.application(&callee, span, items))
             }
             Item::Group(pair) => self.group(pair),
+            Item::Form(form, span) => {
+                let group = self.brackets(items, span)?;
+                self.deeper(span, 1, |b| b.form(form, span, group))
+            }
+            Item::Logic(logic, span) => {
+                let group = self.brackets(items, span)?;
+                self.deeper(span, 1, |b| b.logic(logic, span, group))
+            }
             Item::Closed(pair) => {
                 let span = self.span(&pair);
                 self.deeper(span, 1, |b| b.closed(pair, span))
@@ -236,17 +294,37 @@ impl Builder<'_> {
                 let inner = b.power(items)?;
                 number_only(&inner)?;
                 let place = span.to(inner.span);
-                if let Some(Item::Leaf(_) | Item::Group(_) | Item::Function(..) | Item::Closed(_)) =
-                    items.front()
+                if let Some(
+                    Item::Leaf(_)
+                    | Item::Group(_)
+                    | Item::Function(..)
+                    | Item::Form(..)
+                    | Item::Closed(_),
+                ) = items.front()
                 {
                     b.note(place, NoteKind::RadicalScope { radical });
                 }
                 let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };
                 Ok(native(op, inner, place))
             }),
+            Item::Component(_, span) => {
+                let found = self.text[span.range()].to_owned();
+                Err(Error::new(span, ErrorKind::Unexpected { found }))
+            }
             Item::Caret(_, span) | Item::Superscript(Expr { span, .. }) => {
                 let sign = "^".to_owned();
                 Err(Error::new(span, ErrorKind::MissingBefore { sign }))
+            }
+        }
+    }
+
+    /// The brackets behind a form.
+    fn brackets<'i>(&self, items: &mut Items<'i>, span: Span) -> Fallible<Pair<'i>> {
+        match items.pop_front() {
+            Some(Item::Group(pair)) => Ok(pair),
+            _ => {
+                let name = self.text[span.range()].to_owned();
+                Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
             }
         }
     }
@@ -267,13 +345,14 @@ impl Builder<'_> {
     fn group(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         let is_square = pair.as_str().starts_with('[');
+        let whole = pair.clone();
         let mut inner = pair.into_inner();
         let kind = match (inner.next(), inner.next()) {
             (Some(only), None) => {
                 return self.expression(only).map(|expr| Expr::new(expr.kind, span));
             }
             (None, _) => ErrorKind::EmptyBrackets,
-            _ if is_square => ErrorKind::Vector,
+            _ if is_square => return self.deeper(span, 1, |b| b.list(whole, span)),
             _ => ErrorKind::Tuple,
         };
         Err(Error::new(span, kind))
@@ -284,6 +363,7 @@ impl Builder<'_> {
         let rule = pair.as_rule();
         let first = pair.as_str().chars().next();
         let typed = self.typed(&pair);
+        let whole = pair.clone();
         let mut inner = pair.into_inner();
         match rule {
             Rule::enclosed => {
@@ -293,8 +373,16 @@ impl Builder<'_> {
                     _ => Op::Abs,
                 };
                 let inner = self.value(inner.next().expect("bars hold an expression"))?;
+                if op == Op::Abs && is_vector(&inner) {
+                    let length = self.scope.forms(&Callee::BuiltIn("length".to_owned()));
+                    let length = length.function(1).expect("a function of one value");
+                    return Ok(Expr::new(ExprKind::Call(length, vec![inner]), span));
+                }
                 Ok(native(op, inner, span))
             }
+            Rule::choice => self.choice(whole, span),
+            Rule::list => self.list(whole, span),
+            Rule::series => self.big_series(whole, span),
             Rule::fraction => {
                 let parts: Fallible<_> = inner.map(|part| self.part(part)).collect();
                 product_of(parts?).map(|quotient| Expr::new(quotient.kind, span))
@@ -331,6 +419,41 @@ impl Builder<'_> {
             _ => self.deeper(span, 1, |b| b.closed(pair, span))?,
         };
         Ok((ProductSign::Over, part))
+    }
+}
+
+/// Blanks between a name and its brackets.
+const BLANKS: [char; 2] = [' ', '\t'];
+
+/// The coordinate that a capital letter stands for in other languages.
+fn capital(name: &str) -> Option<Axis> {
+    match name {
+        "X" => Some(Axis::X),
+        "Y" => Some(Axis::Y),
+        "Z" => Some(Axis::Z),
+        _ => None,
+    }
+}
+
+/// The letters of `.rgb`, by position.
+fn letters(typed: &str) -> String {
+    let by_position = |letter: char| {
+        let found = ["rgba", "stpq"].iter().find_map(|set| set.find(letter));
+        found.and_then(|index| LETTERS.chars().nth(index)).unwrap_or(letter)
+    };
+    typed.chars().skip(1).map(by_position).collect()
+}
+
+/// Whether an expression is a vector by its form alone.
+pub(crate) fn is_vector(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Call(Function::Vector(_), _) => true,
+        ExprKind::Component(_, letters) => letters.len() > 1,
+        // An operation on a vector is one.
+        ExprKind::Call(Function::Native(_), arguments) => arguments.iter().any(is_vector),
+        ExprKind::Negate(inner) => is_vector(inner),
+        ExprKind::Sum(first, rest) => is_vector(first) || rest.iter().any(|(_, e)| is_vector(e)),
+        _ => false,
     }
 }
 
