@@ -3,11 +3,12 @@
 
 use crate::ast::{Expr, ExprKind, Function, ProductSign};
 use crate::build::{Builder, number_only, product_of};
+use crate::closed::is_vector;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
 use crate::print::factor_text;
-use crate::run::{Item, Items, is_vector};
+use crate::run::{Item, Items};
 use crate::scope::{Callee, is_variadic};
 use crate::span::Span;
 use crate::spelling::{is_name, short_formula};

@@ -11,6 +11,7 @@ use crate::note::{Note, NoteKind};
 use crate::scan::{Piece, Token, scan};
 use crate::span::Span;
 use crate::spelling::{closer, decimal};
+use std::collections::VecDeque;
 
 /// A symbol, or a pair of brackets with what is in it, arranged.
 enum Node {
@@ -171,10 +172,10 @@ impl Arranger<'_> {
             } else if crate::spelling::is_closer(token.symbol) {
                 depth = depth.saturating_sub(1);
             } else if depth == 0 {
-                colon |= token.symbol == ':' && token.span.start < token.span.end;
+                colon |= token.symbol == ':';
                 comma |= token.symbol == ',';
-                relation |= "=≠<≤>≥∧∨¬".contains(token.symbol);
             }
+            relation |= "=≠<≤>≥∧∨¬".contains(token.symbol);
         }
         if open.symbol == '{' && colon {
             (open.symbol, close.symbol) = ('⦃', '⦄');
@@ -315,26 +316,22 @@ impl Arranger<'_> {
             return Err(Error::new(span, ErrorKind::TooDeep { limit }));
         }
         out.push(Token::new('⦃', Span::at(span.start)));
-        let mut end = span.end;
-        let mut rest = nodes;
-        loop {
-            end = rest.last().map_or(end, |node| node.span().end);
-            // The parts before, between and after the two signs.
-            let Some((first, second)) = self.signs(&rest, is_ternary) else {
-                flatten(rest, out);
-                break;
-            };
-            let mut after = rest.split_off(second);
-            let mut middle = rest.split_off(first);
-            let (Node::Leaf(sign), Node::Leaf(joint)) = (middle.remove(0), after.remove(0)) else {
-                break;
-            };
-            self.part(rest, is_ternary, out)?;
-            out.push(Token::new(if is_ternary { ':' } else { '¿' }, sign.span));
-            self.part(middle, is_ternary, out)?;
-            out.push(Token::new(',', joint.span));
-            rest = after;
+        let end = nodes.last().map_or(span.end, |node| node.span().end);
+        let mut rest = VecDeque::from(nodes);
+        // The parts before, between and after the two signs.
+        while let Some((first, second)) = self.signs(rest.iter(), is_ternary) {
+            let joint = rest[second].span();
+            let sign = rest[first].span();
+            let mut parts = rest.drain(..=second);
+            let before: Vec<Node> = parts.by_ref().take(first).collect();
+            let between: Vec<Node> = parts.by_ref().skip(1).take(second - first - 1).collect();
+            drop(parts);
+            self.part(before, is_ternary, out)?;
+            out.push(Token::new(if is_ternary { ':' } else { '¿' }, sign));
+            self.part(between, is_ternary, out)?;
+            out.push(Token::new(',', joint));
         }
+        flatten(rest.into(), out);
         out.push(Token::new('⦄', Span::at(end)));
         self.depth -= 1;
         Ok(())
@@ -342,7 +339,7 @@ impl Arranger<'_> {
 
     /// A part of a choice, which may be a choice.
     fn part(&mut self, nodes: Vec<Node>, is_ternary: bool, out: &mut Vec<Token>) -> Fallible<()> {
-        if self.signs(&nodes, is_ternary).is_some() {
+        if self.signs(nodes.iter(), is_ternary).is_some() {
             return self.chosen(nodes, is_ternary, out);
         }
         flatten(nodes, out);
@@ -350,16 +347,20 @@ impl Arranger<'_> {
     }
 
     /// The places of the first sign of a choice and of the one that belongs to it.
-    fn signs(&self, nodes: &[Node], is_ternary: bool) -> Option<(usize, usize)> {
+    fn signs<'n>(
+        &self,
+        nodes: impl Iterator<Item = &'n Node> + Clone,
+        is_ternary: bool,
+    ) -> Option<(usize, usize)> {
         let opens = |node: &Node| {
             if is_ternary { node.is('⸮') } else { self.is_word(node, "if") }
         };
         let closes = |node: &Node| {
             if is_ternary { node.is(':') } else { self.is_word(node, "else") }
         };
-        let first = nodes.iter().position(opens)?;
+        let first = nodes.clone().position(opens)?;
         let mut depth = 0_usize;
-        for (index, node) in nodes.iter().enumerate().skip(first) {
+        for (index, node) in nodes.enumerate().skip(first) {
             if opens(node) {
                 depth += 1;
             } else if closes(node) {

@@ -1,6 +1,7 @@
 //! From what the grammar recognised to the syntax tree: everything but rows of factors, which `run`
 //! shapes.
 
+use crate::aliases::Aliases;
 use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule, recognise};
@@ -22,7 +23,7 @@ pub(crate) struct Builder<'a> {
     /// Parameters of the function being defined.
     pub locals: Vec<Name>,
     /// Names that stand for what was made of them.
-    pub aliases: &'a [(String, ExprKind)],
+    pub aliases: Aliases,
     pub limits: &'a Limits,
     depth: usize,
     /// How many of the locals are parameters; the others count sums.
@@ -44,7 +45,7 @@ impl<'a> Builder<'a> {
         limits: &'a Limits,
     ) -> Self {
         let (notes, used) = (piece.notes.clone(), FxHashSet::default());
-        let (locals, aliases) = (locals.to_vec(), [].as_slice());
+        let (locals, aliases) = (locals.to_vec(), Aliases::default());
         let parameters = locals.len();
         Self { text, piece, scope, locals, aliases, limits, depth: 0, parameters, notes, used }
     }
@@ -53,7 +54,7 @@ impl<'a> Builder<'a> {
     pub(crate) fn alias(&mut self, name: &str) -> Option<ExprKind> {
         // An index of a sum hides it.
         let hidden = self.locals.iter().rposition(|local| local.text == name);
-        let (_, kind) = self.aliases.iter().rfind(|(alias, _)| alias == name)?;
+        let kind = self.aliases.find(name)?;
         if hidden.is_some_and(|at| at >= self.parameters) {
             return None;
         }

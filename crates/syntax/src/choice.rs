@@ -34,26 +34,17 @@ impl<'a> Lowering<'a> {
             None => None,
         };
         for ((condition, place), value) in pieces.iter().zip(values).rev() {
-            rest = Some(match rest {
-                Some(rest) => {
-                    let operands = [value, rest];
-                    let size = common_size(&operands, place.span)?;
-                    let mut nodes = Vec::with_capacity(size);
-                    for index in 0..size {
-                        let part = |value: &Value| value.parts()[index % value.parts().len()];
-                        let (yes, no) = (part(&operands[0]), part(&operands[1]));
-                        nodes.push(self.choose(condition, false, yes, no, locals)?);
-                    }
-                    Value::new(nodes)
-                }
-                None => {
-                    let mut nodes = Vec::new();
-                    for node in value.parts() {
-                        nodes.push(self.only_where(*node, condition, locals)?);
-                    }
-                    Value::new(nodes)
-                }
-            });
+            let operands: Vec<Value> = std::iter::once(value).chain(rest).collect();
+            let size = common_size(&operands, place.span)?;
+            let mut nodes = Vec::with_capacity(size);
+            for index in 0..size {
+                let part = |value: &Value| value.parts()[index % value.parts().len()];
+                nodes.push(match operands.as_slice() {
+                    [yes, no] => self.choose(condition, false, part(yes), part(no), locals)?,
+                    only => self.only_where(part(&only[0]), condition, locals)?,
+                });
+            }
+            rest = Some(Value::new(nodes));
         }
         rest.ok_or_else(|| Error::new(Span::default(), ErrorKind::Empty))
     }

@@ -13,7 +13,7 @@ use crate::scope::{Scope, canonical};
 use crate::span::Span;
 use crate::spelling::plain_name;
 use crate::statement::{Built, Line};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A name with its definition.
 type Given = (&'static str, &'static str);
@@ -35,7 +35,7 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
         let parameters = line.head.iter().filter_map(|head| head.parameters.as_ref()).flatten();
         let hidden: Vec<&str> = parameters
             .map(|name| name.text.as_str())
-            .chain(unit.aliases.iter().map(|(name, _)| name.as_str()))
+            .chain(unit.aliases.iter().map(|(name, _)| name))
             .collect();
         for token in &line.piece.tokens {
             let name = match token.symbol {
@@ -69,29 +69,33 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
 /// Makes `r = 1 + cos(theta)` an equation: a left side that is one of the names and equal to another
 /// that has no definition, and that nothing else uses.
 pub(crate) fn settle(text: &str, lines: &mut [Line<'_>], scope: &Scope) {
-    let defined: Vec<String> = lines
+    let defined: FxHashSet<String> = lines
         .iter()
         .filter_map(|line| line.head.as_ref())
         .map(|head| canonical(&head.name.text).map_or(head.name.text.clone(), str::to_owned))
         .collect();
-    let has = |name: &str| defined.iter().any(|other| other == name);
+    let has = |name: &str| defined.contains(name);
     let uses = uses(text, lines, scope);
-    for index in 0..lines.len() {
-        let line = &lines[index];
+    for (index, line) in lines.iter_mut().enumerate() {
         let Some(head) = line.head.as_ref().filter(|head| head.parameters.is_none()) else {
             continue;
         };
         let Some(own) = canonical(&head.name.text).filter(|_| line.unit.head.is_none()) else {
             continue;
         };
-        let used_elsewhere =
-            uses.get(own).is_some_and(|all| all.iter().any(|(at, _)| *at != index));
+        // Uses are in the order of their lines.
+        let used_elsewhere = uses.get(own).is_some_and(|all| {
+            let mut ends = all.first().into_iter().chain(all.last());
+            ends.any(|(at, _)| *at != index)
+        });
         let in_terms_of_others = ["r", "rho", "theta", "phi"].into_iter().any(|other| {
-            let here = uses.get(other).is_some_and(|all| all.iter().any(|(at, _)| *at == index));
+            let here = uses
+                .get(other)
+                .is_some_and(|all| all.binary_search_by_key(&index, |(at, _)| *at).is_ok());
             other != own && here && !has(other)
         });
         if in_terms_of_others && !used_elsewhere {
-            lines[index].head = None;
+            line.head = None;
         }
     }
 }
@@ -120,10 +124,13 @@ pub(crate) fn implied(
     }
     let [r, rho, theta, phi] = ["r", "rho", "theta", "phi"].map(place);
     // With x or y, an r that is nothing else is a radius that was forgotten.
-    let with_plane = uses.get("r").is_some_and(|all| {
-        let plane = ["x", "y"].iter().filter_map(|name| uses.get(name)).flatten();
-        plane.clone().any(|(line, _)| all.iter().any(|(at, _)| at == line))
-    });
+    let plane: FxHashSet<usize> = ["x", "y"]
+        .iter()
+        .filter_map(|name| uses.get(name))
+        .flatten()
+        .map(|(line, _)| *line)
+        .collect();
+    let with_plane = uses.get("r").is_some_and(|all| all.iter().any(|(at, _)| plane.contains(at)));
     let is_angle = phi.is_some() && (r.is_some() || rho.is_some() || theta.is_some());
     let phi = phi.filter(|_| is_angle);
     let r = r.filter(|_| !with_plane || theta.is_some());
@@ -167,10 +174,7 @@ fn system([r, rho, theta, phi]: [bool; 4], with_z: bool) -> Option<(&'static str
         (false, true, false, _) if with_z => {
             (cylindrical, vec![("rho", CYLINDER), ("phi", AROUND)])
         }
-        (false, true, _, _) => {
-            (spherical, vec![("rho", SPHERE), ("theta", AROUND), ("phi", "acos(z/rho)")])
-        }
-        (false, false, true, true) => {
+        (false, true, _, _) | (false, false, true, true) => {
             (spherical, vec![("rho", SPHERE), ("theta", AROUND), ("phi", "acos(z/rho)")])
         }
         (false, false, true, false) => (cylindrical, vec![("theta", AROUND)]),
@@ -205,17 +209,25 @@ fn place_at_start(expr: &mut Expr) {
     match &mut expr.kind {
         ExprKind::Sum(first, rest) => {
             place_at_start(first);
-            rest.iter_mut().for_each(|(_, term)| place_at_start(term));
+            for (_, term) in rest {
+                place_at_start(term);
+            }
         }
         ExprKind::Product(first, rest) => {
             place_at_start(first);
-            rest.iter_mut().for_each(|(_, factor)| place_at_start(factor));
+            for (_, factor) in rest {
+                place_at_start(factor);
+            }
         }
         ExprKind::Power(base, exponent) => {
             place_at_start(base);
             place_at_start(exponent);
         }
-        ExprKind::Call(_, arguments) => arguments.iter_mut().for_each(place_at_start),
+        ExprKind::Call(_, arguments) => {
+            for argument in arguments {
+                place_at_start(argument);
+            }
+        }
         _ => {}
     }
 }

@@ -1,23 +1,24 @@
 //! A whole text read: surfaces in one graph, parameters, domain, view and notes.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
+use crate::ast::{Definition, Expr, Name, Statement};
 use crate::constant::near_integers;
 use crate::coordinates;
 use crate::cycle::no_recursion;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::Rule;
+use crate::implied::{drawn_by_program, equals, implied_drawing, number_zero};
 use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
-use crate::program::{Program, program};
+use crate::program::program;
 use crate::scene::{DomainLine, SceneSetting, SrgbColor, ViewLine, scene_line};
 use crate::scope::Scope;
 use crate::span::Span;
 use crate::spelling::short_name;
-use crate::statement::{Built, build, is_plain_number, lines, settle_heads};
+use crate::statement::{Built, build, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
-use zeroset_ir::{Axis, Constant, Graph, NodeId};
+use zeroset_ir::{Constant, Graph, NodeId};
 
 /// What reading depends on beside the text.
 #[derive(Clone, Copy, Debug, Default)]
@@ -175,7 +176,7 @@ impl<'a> Reader<'a> {
             self.text,
             &lines,
             &mut scope,
-            program.is_program,
+            program.in_steps,
             &self.options.limits,
         );
         self.notes.extend(notes);
@@ -358,74 +359,6 @@ fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     }
     let equation = equals(expr.clone(), number_zero(expr.span));
     Drawing { expr: &equation, restrictions }.to_string()
-}
-
-fn equals(left: Expr, right: Expr) -> Expr {
-    let span = left.span;
-    Expr::new(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]), span)
-}
-
-fn number_zero(span: Span) -> Expr {
-    Expr::new(ExprKind::Number("0".to_owned()), span)
-}
-
-/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
-/// height.
-fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, Note)> {
-    for (definition, built) in definitions.iter().rev() {
-        let parameters: Vec<&str> =
-            definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
-        let span = definition.name.span;
-        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), span);
-        let function = Function::Defined(definition.name.text.clone());
-        let arguments: Vec<Expr> =
-            Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
-        let call = Expr::new(ExprKind::Call(function, arguments), span);
-        let expr = match parameters.as_slice() {
-            ["x", "y", "z"] => equals(call, number_zero(span)),
-            ["x", "y"] => equals(coordinate(Axis::Z), call),
-            _ => continue,
-        };
-        let drawn = expr.to_string();
-        let statement = Statement::Draw { expr, restrictions: Vec::new() };
-        let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };
-        let built =
-            Built { statement, span: built.span, notes: Vec::new(), used: FxHashSet::default() };
-        return Ok((built, note));
-    }
-    let Some((definition, _)) = definitions.last() else {
-        return Err(Error::new(Span::at(0), ErrorKind::Empty));
-    };
-    let kind = ErrorKind::NothingToDraw {
-        last: definition.name.text.clone(),
-        is_number: is_plain_number(&definition.body),
-        parameters: definition.parameters.as_ref().map(Vec::len),
-    };
-    Err(Error::new(definition.name.span, kind))
-}
-
-/// What a program draws that returns nothing: its last function of a point of space, or the last
-/// number that it sets.
-fn drawn_by_program(program: &Program, built: &[Built]) -> Option<(Built, Note)> {
-    if built.iter().any(|built| matches!(built.statement, Statement::Draw { .. })) {
-        return None;
-    }
-    let (name, kind) = if let Some(name) = &program.last_function {
-        let function = Function::Defined(name.text.clone());
-        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), name.span);
-        let point = Axis::ALL.iter().map(|axis| coordinate(*axis)).collect();
-        let point = Expr::new(ExprKind::Call(Function::Vector(3), point), name.span);
-        (name, ExprKind::Call(function, vec![point]))
-    } else {
-        let name = program.last_value.as_ref().filter(|_| program.is_program)?;
-        (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
-    };
-    let expr = Expr::new(kind, name.span);
-    let drawn = expr.to_string();
-    let statement = Statement::Draw { expr, restrictions: Vec::new() };
-    let note = Note { span: name.span, kind: NoteKind::DrawsFunction { drawn } };
-    let used = std::iter::once(name.text.clone()).collect();
-    Some((Built { statement, span: name.span, notes: Vec::new(), used }, note))
 }
 
 /// The title and text of the comment that a document starts with.

@@ -159,6 +159,8 @@ pub enum ErrorKind {
     Calculus,
     #[error("a program's `{word}` is not read here")]
     Program { word: String },
+    #[error("a program sets at most {limit} names")]
+    TooManyNames { limit: usize },
     #[error("`//` is no integer division")]
     IntegerDivision,
 

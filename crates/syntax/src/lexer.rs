@@ -3,6 +3,7 @@
 //! What people paste is brought to the same symbols here: LaTeX environments, comments of other
 //! languages, names of modules before functions, components of vectors.
 
+use crate::scan::start;
 use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, symbol, vulgar};
 
 /// What is known where a symbol is read.
@@ -132,7 +133,7 @@ fn comment(rest: &str, context: Context) -> Option<usize> {
     if rest.starts_with("/*") {
         return Some(until("*/", 2));
     }
-    if rest.starts_with("(*") && !rest.starts_with("(**)") && rest.contains("*)") {
+    if rest.starts_with("(*") && rest[2..].contains("*)") {
         return Some(until("*)", 2));
     }
     if rest.starts_with("\"\"\"") {
@@ -158,7 +159,7 @@ fn ends_value(symbol: char) -> bool {
 
 /// `.xz` behind a vector; a method without meaning here.
 fn component(rest: &str, context: Context) -> (char, usize) {
-    let word = &rest[1..1 + prefix(&rest[1..], in_name)];
+    let word = &rest[1..=prefix(&rest[1..], in_name)];
     if is_component(word) {
         return ('‧', 1 + word.len());
     }
@@ -288,7 +289,7 @@ fn sign(rest: &str) -> (char, usize) {
 /// `\begin{…}` or `\end{…}`.
 fn environment(rest: &str, begins: bool) -> (char, usize) {
     let open = if begins { r"\begin{".len() } else { r"\end{".len() };
-    let Some(length) = rest.get(open..).and_then(|name| name.find('}')) else {
+    let Some(length) = start(rest, 60).get(open..).and_then(|name| name.find('}')) else {
         return ('?', 1);
     };
     let mut end = open + length + 1;
@@ -305,7 +306,7 @@ fn environment(rest: &str, begins: bool) -> (char, usize) {
 /// Words in braces behind `\text`; `None` if they may be a name.
 fn text(rest: &str) -> Option<(char, usize)> {
     let inner = rest.strip_prefix('{')?;
-    let length = inner.find('}')?;
+    let length = start(inner, 60).find('}')?;
     let words = inner[..length].trim_matches([' ', ',', '.', ';', '~']);
     let symbol = match words {
         "and" => '∧',

@@ -14,12 +14,14 @@
 //! # Ok::<(), zeroset_syntax::Errors>(())
 //! ```
 
+mod aliases;
 mod application;
 mod arrange;
 pub mod ast;
 mod bars;
 mod build;
 mod choice;
+mod closed;
 mod condition;
 mod constant;
 mod coordinates;
@@ -29,6 +31,7 @@ mod document;
 mod error;
 mod explain;
 mod grammar;
+mod implied;
 mod lexer;
 mod limits;
 mod lower;
@@ -43,6 +46,7 @@ mod run;
 mod scan;
 mod scene;
 mod scope;
+mod series;
 mod span;
 mod special;
 mod spelling;

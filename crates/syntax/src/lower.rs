@@ -12,7 +12,7 @@ use crate::limits::Limits;
 use crate::note::Note;
 use crate::prelude;
 use crate::span::Span;
-use crate::value::{Value, numbers};
+use crate::value::{Value, component, numbers, vector};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -204,7 +204,7 @@ impl<'a> Lowering<'a> {
             }
             ExprKind::Component(vector, letters) => {
                 let value = self.value_of(vector, locals)?;
-                self.component(value, letters, expr.span)
+                component(value, letters, expr.span)
             }
             ExprKind::Series(series) => self.series(series, expr.span, locals),
             ExprKind::Compare(..) | ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => {
@@ -295,7 +295,7 @@ impl<'a> Lowering<'a> {
                 let nodes = numbers(&arguments, span)?;
                 self.root(nodes[0], nodes[1], span).map(Value::Number)
             }
-            Function::Vector(size) => self.vector(usize::from(*size), arguments, span),
+            Function::Vector(size) => vector(usize::from(*size), &arguments, span),
             Function::OfVectors(function) => self.of_vectors(*function, &arguments, span),
             Function::Iterate(function) => self.iterate(function, arguments, span),
             Function::Composed(index)

@@ -103,9 +103,11 @@ impl fmt::Display for Expr {
             }
             ExprKind::Choice(pieces, otherwise) => write_choice(f, pieces, otherwise.as_deref()),
             ExprKind::Component(vector, letters) => {
-                // What is a number cannot be told from its letters, so it is in brackets.
+                // A dot behind a number or a coordinate is no component.
                 match vector.kind {
-                    ExprKind::Number(_) => write!(f, "({vector})")?,
+                    ExprKind::Number(_) | ExprKind::Name(NamedValue::Coordinate(_)) => {
+                        write!(f, "({vector})")?;
+                    }
                     _ => write(f, vector, Tightness::Atom)?,
                 }
                 write!(f, ".{letters}")
@@ -206,6 +208,8 @@ impl fmt::Display for Statement {
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
         ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
+        // Setting a component, in a program.
+        ExprKind::Component(vector, _) => matches!(vector.kind, ExprKind::Name(_)),
         ExprKind::Call(Function::Defined(_), arguments) => {
             arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
         }

@@ -5,16 +5,19 @@
 //! that runs in steps: `vec2 q = p.xz;` in `f(p)` is `f_q(p) = p.xz`, and `q` below it `f_q(p)`. Each
 //! time that a name is set again it is another one. What a formula means is not known here.
 
+use crate::aliases::Aliases;
 use crate::arrange::arrange;
 use crate::ast::{Expr, ExprKind, Function, Name, NamedValue};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
-use crate::program_words::{Words, size_of};
+use crate::program_words::{Words, begins_name, bracketed, size_of, split};
 use crate::scan::{Piece, Token, scan};
 use crate::statement::Head;
 use rustc_hash::FxHashSet;
-use std::rc::Rc;
+
+/// The most names that a function sets, and the most functions on one line.
+const MOST_NAMES: usize = 300;
 
 /// A statement, and what the program around it says of it.
 pub(crate) struct Unit {
@@ -22,7 +25,7 @@ pub(crate) struct Unit {
     /// What it defines, where its symbols are the right side only.
     pub head: Option<Head>,
     /// What names stand for here, the last of a name counting.
-    pub aliases: Rc<Vec<(String, ExprKind)>>,
+    pub aliases: Aliases,
     /// The components that are set, of a vector that had this value before.
     pub write: Option<Write>,
     /// Whether a height over x and y is drawn.
@@ -41,7 +44,7 @@ pub(crate) struct Write {
 pub(crate) struct Program {
     pub units: Vec<Unit>,
     /// Whether names are typed or set in steps, as programs do.
-    pub is_program: bool,
+    pub in_steps: bool,
     /// The last function of one vector of three components.
     pub last_function: Option<Name>,
     /// The last number that was set outside functions.
@@ -58,12 +61,13 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
         .flatten()
         .map(|token| &text[token.span.range()])
         .collect::<FxHashSet<_>>();
-    let is_program = statements.iter().any(|tokens| words.is_step(tokens));
+    let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
     let mut reader = Reader {
         words,
         limits,
         taken: taken.into_iter().map(str::to_owned).collect(),
-        program: Program { is_program, ..Program::default() },
+        heads: FxHashSet::default(),
+        program: Program { in_steps, ..Program::default() },
     };
     let mut top = Frame::default();
     let mut statements = statements.into_iter();
@@ -78,7 +82,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
 struct Frame {
     /// The function's name and parameters.
     function: Option<(Name, Vec<Name>)>,
-    aliases: Rc<Vec<(String, ExprKind)>>,
+    aliases: Aliases,
     /// Names that were set, with the number of their components.
     set: Vec<(String, usize)>,
 }
@@ -86,7 +90,10 @@ struct Frame {
 struct Reader<'a> {
     words: Words<'a>,
     limits: &'a Limits,
+    /// Names that the text uses, or that were made.
     taken: FxHashSet<String>,
+    /// Names that were defined.
+    heads: FxHashSet<String>,
     program: Program,
 }
 
@@ -107,14 +114,14 @@ impl Reader<'_> {
             return self.plain(tokens, frame, false);
         }
         match self.words.word(first) {
-            "import" | "from" if self.words.begins_name(tokens.get(1)) => return Ok(()),
+            "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
             "for" | "while" | "struct" | "switch" | "void" | "if" | "else" | "do"
-                if self.words.is_command(&tokens) =>
+                if Words::is_command(&tokens) =>
             {
                 let word = self.words.word(first).to_owned();
                 return Err(Error::new(first.span, ErrorKind::Program { word }));
             }
-            "def" if tokens.len() > 3 => return self.python(tokens, following),
+            "def" if tokens.len() > 3 => return self.python(&tokens, following),
             "return" if tokens.len() > 1 => {
                 tokens.remove(0);
                 return self.result(tokens, frame);
@@ -149,7 +156,17 @@ impl Reader<'_> {
             _ => {}
         }
         if self.words.has_body(&tokens) {
-            return self.function(tokens, frame);
+            let mut rest = tokens;
+            for _ in 0..MOST_NAMES {
+                rest = self.function(rest)?;
+                if rest.is_empty() {
+                    return Ok(());
+                }
+                if !self.words.has_body(&rest) {
+                    return self.statement(rest, frame, following);
+                }
+            }
+            return Err(Error::new(first.span, ErrorKind::TooManyNames { limit: MOST_NAMES }));
         }
         let types = self.words.types(&tokens);
         if types > 0 {
@@ -157,8 +174,8 @@ impl Reader<'_> {
             tokens.drain(..types);
             return self.declarations(tokens, size.unwrap_or(1), frame);
         }
-        if self.program.is_program || frame.function.is_some() {
-            if let Some((left, right)) = self.words.parallel(&tokens) {
+        if self.program.in_steps || frame.function.is_some() {
+            if let Some((left, right)) = Words::parallel(&tokens) {
                 for (name, value) in left.into_iter().zip(right) {
                     self.set(self.words.name(name), 1, value, None, frame)?;
                 }
@@ -195,7 +212,7 @@ impl Reader<'_> {
         tokens: Vec<Token>,
         head: Option<Head>,
         write: Option<Write>,
-        aliases: &Rc<Vec<(String, ExprKind)>>,
+        aliases: &Aliases,
         is_height: bool,
     ) -> Fallible<()> {
         if tokens.is_empty() {
@@ -205,7 +222,8 @@ impl Reader<'_> {
             };
         }
         if let Some(piece) = arrange(self.words.text, tokens, self.limits)? {
-            let aliases = Rc::clone(aliases);
+            let aliases = aliases.clone();
+            self.heads.extend(head.iter().map(|head| head.name.text.clone()));
             self.program.units.push(Unit { piece, head, aliases, write, is_height });
         }
         Ok(())
@@ -213,7 +231,7 @@ impl Reader<'_> {
 
     /// `float a = 1., b = 2.`, its types taken away.
     fn declarations(&mut self, tokens: Vec<Token>, size: usize, frame: &mut Frame) -> Fallible<()> {
-        for tokens in self.words.split(tokens, ',') {
+        for tokens in split(tokens, ',') {
             if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
                 self.lambda(name, parameters, value, frame)?;
             } else if let Some((name, None, value)) = self.words.assignment(&tokens) {
@@ -241,8 +259,11 @@ impl Reader<'_> {
         letters: Option<String>,
         frame: &mut Frame,
     ) -> Fallible<()> {
+        if frame.set.len() >= MOST_NAMES {
+            return Err(Error::new(name.span, ErrorKind::TooManyNames { limit: MOST_NAMES }));
+        }
         let again = frame.set.iter().any(|(set, _)| *set == name.text)
-            && frame.aliases.iter().any(|(alias, _)| *alias == name.text)
+            && frame.aliases.find(&name.text).is_some()
             || self.defined(&name.text);
         let is_inner = frame.function.is_some();
         let text = match &frame.function {
@@ -255,11 +276,9 @@ impl Reader<'_> {
         let parameters = frame.function.as_ref().map(|(_, parameters)| parameters.clone());
         let parameters = parameters.filter(|parameters| !parameters.is_empty());
         let write = letters.map(|letters| {
-            let before = frame.aliases.iter().rfind(|(alias, _)| *alias == name.text);
-            let before = before.map_or_else(
-                || ExprKind::Name(self.unset(&name.text, frame)),
-                |(_, kind)| kind.clone(),
-            );
+            let before = frame.aliases.find(&name.text);
+            let before = before
+                .map_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)), ExprKind::clone);
             Write { letters, before, size }
         });
         let kind = match &parameters {
@@ -277,14 +296,14 @@ impl Reader<'_> {
         let head = Head { name: Name { text, span: name.span }, parameters };
         self.push(value, Some(head), write, &frame.aliases, false)?;
         if renamed || is_inner {
-            Rc::make_mut(&mut frame.aliases).push((name.text.clone(), kind));
+            frame.aliases.push(name.text.clone(), kind);
         }
         frame.set.push((name.text, size));
         Ok(())
     }
 
     /// What a name stands for that nothing has set.
-    fn unset(&self, name: &str, frame: &Frame) -> NamedValue {
+    fn unset(name: &str, frame: &Frame) -> NamedValue {
         let parameters = frame.function.iter().flat_map(|(_, parameters)| parameters);
         if parameters.into_iter().any(|parameter| parameter.text == name) {
             NamedValue::Local(name.to_owned())
@@ -294,8 +313,7 @@ impl Reader<'_> {
     }
 
     fn defined(&self, name: &str) -> bool {
-        let heads = self.program.units.iter().filter_map(|unit| unit.head.as_ref());
-        heads.into_iter().any(|head| head.name.text == name)
+        self.heads.contains(name)
     }
 
     fn uses(&self, tokens: &[Token], name: &str) -> bool {
@@ -322,30 +340,33 @@ impl Reader<'_> {
         self.push(tokens, head, None, &frame.aliases, false)
     }
 
-    /// A function whose body stands in braces, and what follows it.
-    fn function(&mut self, tokens: Vec<Token>, outer: &mut Frame) -> Fallible<()> {
+    /// A function whose body stands in braces; what follows it is left.
+    fn function(&mut self, tokens: Vec<Token>) -> Fallible<Vec<Token>> {
         let Some((name, parameters, body, rest)) = self.words.function(&tokens) else {
-            return self.plain(tokens, outer, false);
+            return Ok(tokens);
         };
         let mut frame = self.enter(self.words.name(name), parameters)?;
         let mut none = Vec::new().into_iter();
         let mut returned = false;
-        for tokens in self.words.split(body, ';') {
+        for tokens in split(body, ';') {
             if returned {
                 break;
             }
             returned = tokens.first().is_some_and(|token| self.words.word(*token) == "return");
             self.statement(tokens, &mut frame, &mut none)?;
         }
-        self.leave(frame, returned)?;
-        if rest.is_empty() { Ok(()) } else { self.statement(rest, outer, &mut none) }
+        if let (Some((name, _)), false) = (frame.function, returned) {
+            let word = "void".to_owned();
+            return Err(Error::new(name.span, ErrorKind::Program { word }));
+        }
+        Ok(rest)
     }
 
     /// `def name(parameters):` and the lines up to `return`.
-    fn python(&mut self, tokens: Vec<Token>, following: &mut Statements) -> Fallible<()> {
+    fn python(&mut self, tokens: &[Token], following: &mut Statements) -> Fallible<()> {
         let word = "def".to_owned();
         let refused = Error::new(tokens[0].span, ErrorKind::Program { word });
-        let Some((name, parameters, first)) = self.words.python(&tokens) else {
+        let Some((name, parameters, first)) = Words::python(tokens) else {
             return Err(refused);
         };
         let mut frame = self.enter(self.words.name(name), parameters)?;
@@ -357,7 +378,7 @@ impl Reader<'_> {
             let returned = tokens.first().is_some_and(|t| self.words.word(*t) == "return");
             self.statement(tokens, &mut frame, following)?;
             if returned {
-                return self.leave(frame, true);
+                return Ok(());
             }
         }
     }
@@ -372,12 +393,11 @@ impl Reader<'_> {
                 continue;
             };
             let parameter = self.words.name(token);
-            match value {
-                Some(value) => given.push((parameter, value)),
-                None => {
-                    frame.set.push((parameter.text.clone(), size));
-                    names.push((parameter, size));
-                }
+            if let Some(value) = value {
+                given.push((parameter, value));
+            } else {
+                frame.set.push((parameter.text.clone(), size));
+                names.push((parameter, size));
             }
         }
         if let [(_, 3)] = names.as_slice() {
@@ -387,21 +407,12 @@ impl Reader<'_> {
             let text = self.fresh(&format!("{}_{}", name.text, parameter.text));
             let kind = ExprKind::Name(NamedValue::Defined(text.clone()));
             let head = Head { name: Name { text, span: parameter.span }, parameters: None };
-            self.push(value, Some(head), None, &Rc::default(), false)?;
-            Rc::make_mut(&mut frame.aliases).push((parameter.text, kind));
+            self.push(value, Some(head), None, &Aliases::default(), false)?;
+            frame.aliases.push(parameter.text, kind);
         }
         let names = names.into_iter().map(|(name, _)| name).collect();
         frame.function = Some((name, names));
         Ok(frame)
-    }
-
-    fn leave(&mut self, frame: Frame, returned: bool) -> Fallible<()> {
-        match frame.function {
-            Some((name, _)) if !returned => {
-                Err(Error::new(name.span, ErrorKind::Program { word: "void".to_owned() }))
-            }
-            _ => Ok(()),
-        }
     }
 
     /// `f = lambda x, y: …` and `f = (x, y) => …`.
@@ -421,10 +432,10 @@ impl Reader<'_> {
 
     /// `let(a = 1, b = 2) value`.
     fn bindings(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
-        let Some((inner, rest)) = self.words.bracketed(&tokens[1..]) else {
+        let Some((inner, rest)) = bracketed(&tokens[1..]) else {
             return self.plain(tokens, frame, false);
         };
-        for tokens in self.words.split(inner, ',') {
+        for tokens in split(inner, ',') {
             if let Some((name, None, value)) = self.words.assignment(&tokens) {
                 self.set(self.words.name(name), 1, value, None, frame)?;
             }

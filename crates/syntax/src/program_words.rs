@@ -42,19 +42,15 @@ impl<'a> Words<'a> {
         Name { text: plain_name(&self.text[token.span.range()]), span: token.span }
     }
 
-    pub(crate) fn begins_name(self, token: Option<&Token>) -> bool {
-        token.is_some_and(|token| is_name(token.symbol))
-    }
-
     /// Whether a word is followed by brackets or a name, and not by a sign.
-    pub(crate) fn is_command(self, tokens: &[Token]) -> bool {
+    pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
         if is_name(next.symbol) || next.symbol == '{' {
             return true;
         }
         // `if(c, a, b)` is a value; `if (c) a` is not.
-        let Some((inner, rest)) = self.bracketed(&tokens[1..]) else { return false };
-        self.split(inner, ',').len() == 1
+        let Some((inner, rest)) = bracketed(&tokens[1..]) else { return false };
+        split(inner, ',').len() == 1
             && rest.first().is_some_and(|next| is_name(next.symbol) || next.symbol == '{')
     }
 
@@ -88,7 +84,7 @@ impl<'a> Words<'a> {
         }
         match tokens {
             [name, component, equals, ..] if is_name(name.symbol) => {
-                component.symbol == '‧' && equals.symbol == '='
+                component.symbol == '‧' && equals.symbol == '=' && self.sets(*equals)
                     || "+-*/".contains(component.symbol)
                         && equals.symbol == '='
                         && component.span.end == equals.span.start
@@ -97,10 +93,15 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// Whether an equals sign can set: two of them state.
+    fn sets(self, equals: Token) -> bool {
+        !self.text[equals.span.range()].starts_with("==")
+    }
+
     /// How many words before a declared name are types.
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
         let count = tokens.iter().take_while(|token| is_type(self.word(**token))).count();
-        if self.begins_name(tokens.get(count)) { count } else { 0 }
+        if begins_name(tokens.get(count)) { count } else { 0 }
     }
 
     /// Whether a statement is a function whose body stands in braces.
@@ -119,24 +120,23 @@ impl<'a> Words<'a> {
             return None;
         }
         let name = tokens[types];
-        let (parameters, rest) = self.bracketed(&tokens[types + 1..])?;
+        let (parameters, rest) = bracketed(&tokens[types + 1..])?;
         // The type of the result may stand behind an arrow.
         let brace = rest.iter().position(|token| token.symbol == '{')?;
         let is_arrow = rest.first().is_some_and(|token| token.symbol == '-');
         if brace > 0 && !is_arrow {
             return None;
         }
-        let (body, rest) = self.bracketed(&rest[brace..])?;
-        Some((name, self.split(parameters, ','), body, rest))
+        let (body, rest) = bracketed(&rest[brace..])?;
+        Some((name, split(parameters, ','), body, rest))
     }
 
     /// Name, parameters and what stands behind the colon of `def name(parameters):`.
-    pub(crate) fn python(self, tokens: &[Token]) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
-        let (parameters, rest) = self.bracketed(&tokens[2..])?;
+    pub(crate) fn python(tokens: &[Token]) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
+        let (parameters, rest) = bracketed(&tokens[2..])?;
         let colon = rest.iter().position(|token| token.symbol == ':')?;
         let name = *tokens.get(1)?;
-        is_name(name.symbol)
-            .then(|| (name, self.split(parameters, ','), rest[colon + 1..].to_vec()))
+        is_name(name.symbol).then(|| (name, split(parameters, ','), rest[colon + 1..].to_vec()))
     }
 
     /// Name, parameters and value of `f = lambda x: …` or `f = (x) => …`; the name may be left out.
@@ -153,17 +153,17 @@ impl<'a> Words<'a> {
         };
         if self.word(*rest.first()?) == "lambda" {
             let colon = rest.iter().position(|token| token.symbol == ':')?;
-            let parameters = self.split(rest[1..colon].to_vec(), ',');
+            let parameters = split(rest[1..colon].to_vec(), ',');
             return Some((name, parameters, rest[colon + 1..].to_vec()));
         }
-        let (parameters, rest) = self.bracketed(rest)?;
+        let (parameters, rest) = bracketed(rest)?;
         match rest.as_slice() {
             [equals, above, value @ ..]
                 if equals.symbol == '='
                     && above.symbol == '>'
                     && equals.span.end == above.span.start =>
             {
-                Some((name, self.split(parameters, ','), value.to_vec()))
+                Some((name, split(parameters, ','), value.to_vec()))
             }
             _ => None,
         }
@@ -175,10 +175,10 @@ impl<'a> Words<'a> {
         self,
         tokens: &[Token],
     ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
-        let (parameters, rest) = self.bracketed(tokens.get(1..)?)?;
+        let (parameters, rest) = bracketed(tokens.get(1..)?)?;
         let [equals, word, ..] = rest.as_slice() else { return None };
         let is_let = equals.symbol == '=' && self.word(*word) == "let";
-        is_let.then(|| (tokens[0], self.split(parameters, ','), rest[1..].to_vec()))
+        is_let.then(|| (tokens[0], split(parameters, ','), rest[1..].to_vec()))
     }
 
     /// Name, size and value of a parameter.
@@ -205,9 +205,7 @@ impl<'a> Words<'a> {
         let rest = &rest[usize::from(letters.is_some())..];
         let typed = letters.map(|token| self.text[token.span.start + 1..token.span.end].to_owned());
         match rest {
-            [equals, value @ ..]
-                if equals.symbol == '=' && !self.text[equals.span.range()].starts_with("==") =>
-            {
+            [equals, value @ ..] if equals.symbol == '=' && self.sets(*equals) => {
                 let is_arrow = value
                     .first()
                     .is_some_and(|next| next.symbol == '>' && next.span.start == equals.span.end);
@@ -233,10 +231,10 @@ impl<'a> Words<'a> {
     }
 
     /// The names and values of `a, b = 1, 2`.
-    pub(crate) fn parallel(self, tokens: &[Token]) -> Option<(Vec<Token>, Vec<Vec<Token>>)> {
+    pub(crate) fn parallel(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Vec<Token>>)> {
         let equals = tokens.iter().position(|token| token.symbol == '=')?;
-        let names = self.split(tokens[..equals].to_vec(), ',');
-        let values = self.split(tokens[equals + 1..].to_vec(), ',');
+        let names = split(tokens[..equals].to_vec(), ',');
+        let values = split(tokens[equals + 1..].to_vec(), ',');
         let single = |tokens: &Vec<Token>| match tokens.as_slice() {
             [only] if is_name(only.symbol) => Some(*only),
             _ => None,
@@ -246,43 +244,6 @@ impl<'a> Words<'a> {
         Some((names, values))
     }
 
-    /// What brackets hold that `tokens` begin with, and what follows them.
-    pub(crate) fn bracketed(self, tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
-        closer(tokens.first()?.symbol)?;
-        let mut depth = 0_usize;
-        for (index, token) in tokens.iter().enumerate() {
-            if closer(token.symbol).is_some() {
-                depth += 1;
-            } else if is_closer(token.symbol) {
-                depth -= 1;
-                if depth == 0 {
-                    return Some((tokens[1..index].to_vec(), tokens[index + 1..].to_vec()));
-                }
-            }
-        }
-        None
-    }
-
-    /// The parts between `sign`, outside brackets; empty ones are left out.
-    pub(crate) fn split(self, tokens: Vec<Token>, sign: char) -> Vec<Vec<Token>> {
-        let mut parts = vec![Vec::new()];
-        let mut depth = 0_usize;
-        for token in tokens {
-            if closer(token.symbol).is_some() {
-                depth += 1;
-            } else if is_closer(token.symbol) {
-                depth = depth.saturating_sub(1);
-            }
-            if depth == 0 && token.symbol == sign {
-                parts.push(Vec::new());
-            } else if let Some(part) = parts.last_mut() {
-                part.push(token);
-            }
-        }
-        parts.retain(|part: &Vec<Token>| !part.is_empty());
-        parts
-    }
-
     /// Leaves of a command that plots its first argument only that; whether that is a height.
     pub(crate) fn plot(self, tokens: &mut Vec<Token>) -> bool {
         let word = self.word(tokens[0]);
@@ -290,9 +251,9 @@ impl<'a> Words<'a> {
         if !is_height && !matches!(word, "ContourPlot3D" | "RegionPlot3D" | "implicit_plot3d") {
             return false;
         }
-        let Some((inner, rest)) = self.bracketed(&tokens[1..]) else { return false };
+        let Some((inner, rest)) = bracketed(&tokens[1..]) else { return false };
         if rest.is_empty()
-            && let Some(first) = self.split(inner, ',').into_iter().next()
+            && let Some(first) = split(inner, ',').into_iter().next()
         {
             *tokens = first;
             return is_height;
@@ -302,7 +263,7 @@ impl<'a> Words<'a> {
 
     /// `f[x_, y_]` as `f[x, y]`, on the left of a definition.
     pub(crate) fn patterns(self, tokens: &mut [Token]) {
-        let Some((inner, _)) = tokens.get(1..).and_then(|rest| self.bracketed(rest)) else {
+        let Some((inner, _)) = tokens.get(1..).and_then(bracketed) else {
             return;
         };
         if tokens[1].symbol != '[' {
@@ -318,4 +279,46 @@ impl<'a> Words<'a> {
             }
         }
     }
+}
+
+/// What brackets hold that `tokens` begin with, and what follows them.
+pub(crate) fn bracketed(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
+    closer(tokens.first()?.symbol)?;
+    let mut depth = 0_usize;
+    for (index, token) in tokens.iter().enumerate() {
+        if closer(token.symbol).is_some() {
+            depth += 1;
+        } else if is_closer(token.symbol) {
+            depth -= 1;
+            if depth == 0 {
+                return Some((tokens[1..index].to_vec(), tokens[index + 1..].to_vec()));
+            }
+        }
+    }
+    None
+}
+
+/// The parts between `sign`, outside brackets; empty ones are left out.
+pub(crate) fn split(tokens: Vec<Token>, sign: char) -> Vec<Vec<Token>> {
+    let mut parts = vec![Vec::new()];
+    let mut depth = 0_usize;
+    for token in tokens {
+        if closer(token.symbol).is_some() {
+            depth += 1;
+        } else if is_closer(token.symbol) {
+            depth = depth.saturating_sub(1);
+        }
+        if depth == 0 && token.symbol == sign {
+            parts.push(Vec::new());
+        } else if let Some(part) = parts.last_mut() {
+            part.push(token);
+        }
+    }
+    parts.retain(|part: &Vec<Token>| !part.is_empty());
+    parts
+}
+
+/// Whether a symbol is a name.
+pub(crate) fn begins_name(token: Option<&Token>) -> bool {
+    token.is_some_and(|token| is_name(token.symbol))
 }

@@ -3,15 +3,16 @@
 //! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
-use crate::ast::{Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign};
-use crate::build::{Builder, Signs, number_only, product_of, root_text};
+use crate::ast::{Expr, ExprKind, NamedConstant, NamedValue, ProductSign};
+use crate::build::{Builder, Signs, number_only, root_text};
+use crate::closed::{native, number};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
 use crate::special::{Logic, logic};
-use crate::spelling::{decimal, plain_name, superscript_digit, vulgar};
+use crate::spelling::{decimal, plain_name, superscript_digit};
 use crate::value::LETTERS;
 use std::collections::VecDeque;
 use zeroset_ir::Axis;
@@ -320,13 +321,11 @@ impl Builder<'_> {
 
     /// The brackets behind a form.
     fn brackets<'i>(&self, items: &mut Items<'i>, span: Span) -> Fallible<Pair<'i>> {
-        match items.pop_front() {
-            Some(Item::Group(pair)) => Ok(pair),
-            _ => {
-                let name = self.text[span.range()].to_owned();
-                Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
-            }
+        if let Some(Item::Group(pair)) = items.pop_front() {
+            return Ok(pair);
         }
+        let name = self.text[span.range()].to_owned();
+        Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
     }
 
     /// A number or a value; brackets after a value multiply, unless they hold several arguments.
@@ -339,86 +338,6 @@ impl Builder<'_> {
             return Err(Error::new(place, ErrorKind::NotAFunction { name }));
         }
         Ok(expr)
-    }
-
-    /// Round or square brackets around one expression.
-    fn group(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let span = self.span(&pair);
-        let is_square = pair.as_str().starts_with('[');
-        let whole = pair.clone();
-        let mut inner = pair.into_inner();
-        let kind = match (inner.next(), inner.next()) {
-            (Some(only), None) => {
-                return self.expression(only).map(|expr| Expr::new(expr.kind, span));
-            }
-            (None, _) => ErrorKind::EmptyBrackets,
-            _ if is_square => return self.deeper(span, 1, |b| b.list(whole, span)),
-            _ => ErrorKind::Tuple,
-        };
-        Err(Error::new(span, kind))
-    }
-
-    /// Braces, bars, brackets that round, a fraction or a root.
-    pub(crate) fn closed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        let rule = pair.as_rule();
-        let first = pair.as_str().chars().next();
-        let typed = self.typed(&pair);
-        let whole = pair.clone();
-        let mut inner = pair.into_inner();
-        match rule {
-            Rule::enclosed => {
-                let op = match first {
-                    Some('⌊') => Op::Floor,
-                    Some('⌈') => Op::Ceil,
-                    _ => Op::Abs,
-                };
-                let inner = self.value(inner.next().expect("bars hold an expression"))?;
-                if op == Op::Abs && is_vector(&inner) {
-                    let length = self.scope.forms(&Callee::BuiltIn("length".to_owned()));
-                    let length = length.function(1).expect("a function of one value");
-                    return Ok(Expr::new(ExprKind::Call(length, vec![inner]), span));
-                }
-                Ok(native(op, inner, span))
-            }
-            Rule::choice => self.choice(whole, span),
-            Rule::list => self.list(whole, span),
-            Rule::series => self.big_series(whole, span),
-            Rule::fraction => {
-                let parts: Fallible<_> = inner.map(|part| self.part(part)).collect();
-                product_of(parts?).map(|quotient| Expr::new(quotient.kind, span))
-            }
-            Rule::vulgar => {
-                let digits = typed.chars().next().and_then(vulgar);
-                let digits = digits.expect("the scanner knows no others");
-                let part = |digit: char| (ProductSign::Over, number(digit.to_string(), span));
-                product_of(digits.map(part).to_vec())
-            }
-            Rule::root => {
-                let first = inner.next().expect("a root has braces");
-                let Some(radicand) = inner.next() else {
-                    let (_, radicand) = self.part(first)?;
-                    return Ok(native(Op::Sqrt, radicand, span));
-                };
-                let index = self.value(first.into_inner().next().expect("an index"))?;
-                let (_, radicand) = self.part(radicand)?;
-                Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
-            }
-            _ => {
-                let expr = self.sum(inner.next().expect("braces hold a sum"))?;
-                number_only(&expr)?;
-                Ok(expr)
-            }
-        }
-    }
-
-    /// A part of a fraction, or what is below a root: one digit, or braces.
-    fn part(&mut self, pair: Pair<'_>) -> Fallible<(ProductSign, Expr)> {
-        let span = self.span(&pair);
-        let part = match pair.as_rule() {
-            Rule::digit => number(self.typed(&pair).to_owned(), span),
-            _ => self.deeper(span, 1, |b| b.closed(pair, span))?,
-        };
-        Ok((ProductSign::Over, part))
     }
 }
 
@@ -442,25 +361,4 @@ fn letters(typed: &str) -> String {
         found.and_then(|index| LETTERS.chars().nth(index)).unwrap_or(letter)
     };
     typed.chars().skip(1).map(by_position).collect()
-}
-
-/// Whether an expression is a vector by its form alone.
-pub(crate) fn is_vector(expr: &Expr) -> bool {
-    match &expr.kind {
-        ExprKind::Call(Function::Vector(_), _) => true,
-        ExprKind::Component(_, letters) => letters.len() > 1,
-        // An operation on a vector is one.
-        ExprKind::Call(Function::Native(_), arguments) => arguments.iter().any(is_vector),
-        ExprKind::Negate(inner) => is_vector(inner),
-        ExprKind::Sum(first, rest) => is_vector(first) || rest.iter().any(|(_, e)| is_vector(e)),
-        _ => false,
-    }
-}
-
-fn number(digits: String, span: Span) -> Expr {
-    Expr::new(ExprKind::Number(digits), span)
-}
-
-fn native(op: Op, argument: Expr, span: Span) -> Expr {
-    Expr::new(ExprKind::Call(Function::Native(op), vec![argument]), span)
 }

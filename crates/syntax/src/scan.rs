@@ -157,16 +157,27 @@ fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> 
     if text[before.span.end..place].contains('\n') {
         return true;
     }
-    let line = rest[2..line_length(rest)].trim();
+    let line = start(rest, 200);
+    let line = line[2..line_length(line)].trim();
     match open {
         Some(Token { symbol: '(' | '[', .. }) => !line.contains([')', ']']),
         Some(_) => true,
         None => {
             let word = line.find(|c| !in_name(c)).unwrap_or(line.len());
             let is_divisor = line.starts_with(|c: char| c.is_ascii_digit() || "(.-".contains(c));
-            !is_divisor && !(word <= 1 && word == line.len()) && !line[word..].starts_with(" =")
+            let is_letter = word <= 1 && word == line.len();
+            !(is_divisor || is_letter || line[word..].starts_with(" ="))
         }
     }
+}
+
+/// The first bytes of `text`, no more than `most`.
+pub(crate) fn start(text: &str, most: usize) -> &str {
+    let mut end = most.min(text.len());
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    &text[..end]
 }
 
 /// Whether a line of an environment goes on with the one before.

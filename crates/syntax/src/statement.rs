@@ -14,6 +14,7 @@ use crate::spelling::{is_definable, plain_name};
 use crate::value::LETTERS;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
+use zeroset_ops::Meaning as Stands;
 
 /// Each use of a name looks through the parameters, so their number is bounded.
 const MOST_PARAMETERS: usize = 64;
@@ -55,7 +56,7 @@ pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, 
         match recognise(text, piece, rule) {
             Ok(pair) => {
                 let head = unit.head.clone().or_else(|| head(text, piece, &pair));
-                lines.push(Line { head, piece, unit, pair });
+                lines.push(Line { piece, unit, pair, head });
             }
             Err(error) => errors.push(*error),
         }
@@ -188,6 +189,16 @@ fn is_miscounted(head: &Head) -> bool {
 /// none, or nothing is called.
 fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
+    if let Some(form) = zeroset_ops::form(&head.name.text) {
+        return match form.meaning {
+            Stands::Vector(_) => Some(true),
+            Stands::Dot | Stands::Cross | Stands::Distance | Stands::Reflect => Some(count == 2),
+            Stands::Normalize => Some(count == 1),
+            Stands::Choose | Stands::Pieces | Stands::Sum | Stands::Product | Stands::Iterate => {
+                None
+            }
+        };
+    }
     match Scope::default().meaning(&head.name.text, &[]) {
         Meaning::Function(callee) => {
             Some(Scope::default().forms(&callee).function(count).is_some())
@@ -200,7 +211,7 @@ fn accepts(head: &Head) -> Option<bool> {
 pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) -> Fallible<Built> {
     let locals = line.head.as_ref().and_then(|head| head.parameters.as_deref());
     let mut builder = Builder::new(text, line.piece, scope, locals.unwrap_or_default(), limits);
-    builder.aliases = &line.unit.aliases;
+    builder.aliases = line.unit.aliases.clone();
     let mut parts = line.pair.into_inner();
     let expression = parts.next().expect("a line has an expression");
     let mut range = None;

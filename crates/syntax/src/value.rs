@@ -105,42 +105,6 @@ impl Lowering<'_> {
         self.graph.apply(Op::Sqrt, &[sum])
     }
 
-    /// A vector of `size` components: of as many in all, or of one that is repeated.
-    pub(crate) fn vector(
-        &mut self,
-        size: usize,
-        arguments: Vec<Value>,
-        span: Span,
-    ) -> Fallible<Value> {
-        let given = arguments.iter().map(Value::size).sum();
-        // `vec2(p)` takes the first components of a longer vector.
-        let is_cut = arguments.len() == 1 && given > size;
-        if given != size && given != 1 && !is_cut {
-            return Err(Error::new(span, ErrorKind::VectorSize { size, given }));
-        }
-        let mut nodes: Vec<NodeId> =
-            arguments.iter().flat_map(|value| value.parts().iter().copied()).take(size).collect();
-        nodes.resize(size, nodes[0]);
-        Ok(Value::Vector(nodes))
-    }
-
-    /// The components that `letters` name.
-    pub(crate) fn component(&mut self, value: Value, letters: &str, span: Span) -> Fallible<Value> {
-        let Value::Vector(nodes) = value else {
-            let letters = letters.to_owned();
-            return Err(Error::new(span, ErrorKind::ComponentOfNumber { letters }));
-        };
-        let mut found = Vec::with_capacity(letters.len());
-        for letter in letters.chars() {
-            let Some(node) = LETTERS.find(letter).and_then(|index| nodes.get(index)) else {
-                let kind = ErrorKind::NoComponent { letter, size: nodes.len() };
-                return Err(Error::new(span, kind));
-            };
-            found.push(*node);
-        }
-        Ok(Value::new(found))
-    }
-
     /// A function that mixes components.
     pub(crate) fn of_vectors(
         &mut self,
@@ -186,6 +150,37 @@ impl Lowering<'_> {
         let products = self.native(Op::Mul, &[left.clone(), right.clone()], span)?;
         Ok(self.fold(Op::Add, products.parts()))
     }
+}
+
+/// A vector of `size` components: of as many in all, or of one that is repeated.
+pub(crate) fn vector(size: usize, arguments: &[Value], span: Span) -> Fallible<Value> {
+    let given = arguments.iter().map(Value::size).sum();
+    // `vec2(p)` takes the first components of a longer vector.
+    let is_cut = arguments.len() == 1 && given > size;
+    if given != size && given != 1 && !is_cut {
+        return Err(Error::new(span, ErrorKind::VectorSize { size, given }));
+    }
+    let mut nodes: Vec<NodeId> =
+        arguments.iter().flat_map(|value| value.parts().iter().copied()).take(size).collect();
+    nodes.resize(size, nodes[0]);
+    Ok(Value::Vector(nodes))
+}
+
+/// The components that `letters` name.
+pub(crate) fn component(value: Value, letters: &str, span: Span) -> Fallible<Value> {
+    let Value::Vector(nodes) = value else {
+        let letters = letters.to_owned();
+        return Err(Error::new(span, ErrorKind::ComponentOfNumber { letters }));
+    };
+    let mut found = Vec::with_capacity(letters.len());
+    for letter in letters.chars() {
+        let Some(node) = LETTERS.find(letter).and_then(|index| nodes.get(index)) else {
+            let kind = ErrorKind::NoComponent { letter, size: nodes.len() };
+            return Err(Error::new(span, kind));
+        };
+        found.push(*node);
+    }
+    Ok(Value::new(found))
 }
 
 /// The number of components of all operands; that of numbers is 1.

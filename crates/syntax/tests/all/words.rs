@@ -4,6 +4,7 @@
 //! A reading is compared by value with the same in plain language, at seeded points, in exact
 //! arithmetic where that is possible and in enclosures elsewhere.
 
+use std::fmt::Write as _;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
@@ -121,14 +122,14 @@ fn points() -> Vec<[Constant; 3]> {
 fn agree(left: Option<&Constant>, right: Option<&Constant>) -> bool {
     match (left, right) {
         (None, None) => true,
-        (Some(left), Some(right)) => match (left.exact(), right.exact()) {
-            (Some(left), Some(right)) => left == right,
-            _ => {
-                let (a, b) = (left.bounds(), right.bounds());
-                let size = 1.0 + a.lo.abs().max(a.hi.abs());
-                a.lo.max(b.lo) - a.hi.min(b.hi) <= 1e-9 * size && a.hi - a.lo <= 1e-6 * size
+        (Some(left), Some(right)) => {
+            if let (Some(left), Some(right)) = (left.exact(), right.exact()) {
+                return left == right;
             }
-        },
+            let (a, b) = (left.bounds(), right.bounds());
+            let size = 1.0 + a.lo.abs().max(a.hi.abs());
+            a.lo.max(b.lo) - a.hi.min(b.hi) <= 1e-9 * size && a.hi - a.lo <= 1e-6 * size
+        }
         _ => false,
     }
 }
@@ -194,7 +195,7 @@ fn words_are_read_as_meant_or_refused_with_a_way_out() {
     for row in &rows {
         if let Some(what) = wrong(row, &points) {
             count += 1;
-            report.push_str(&format!("words.txt:{}\n{}\n{what}\n\n", row.line, row.text));
+            writeln!(report, "words.txt:{}\n{}\n{what}\n", row.line, row.text).unwrap();
         }
     }
     assert!(report.is_empty(), "{count} of {} rows:\n\n{report}", rows.len());
