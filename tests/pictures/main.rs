@@ -12,3 +12,4 @@ mod stability_proofs;
 mod stability_solids;
 mod truth;
 mod truth_support;
+mod words;

@@ -21,8 +21,8 @@ pub(crate) struct Scope {
 /// Longest name, in bytes, that is looked at letter by letter.
 const LONGEST_PRODUCT: usize = 64;
 
-/// Every name of the language, for completion: functions with their aliases, constants, coordinates
-/// and time.
+/// Every name of the language, for completion: functions and forms with their aliases, constants,
+/// coordinates and time.
 ///
 /// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
 /// written as a whole number and odd, negative numbers have roots too; any other n is read as
@@ -31,7 +31,7 @@ pub fn language_names() -> impl Iterator<Item = &'static str> {
     names()
         .chain(ROOT_NAMES.iter().copied())
         .chain(NamedConstant::ALL.iter().map(|constant| constant.name()))
-        .chain(["x", "y", "z", "t"])
+        .chain(["x", "y", "z", "t", "rho", "theta"])
 }
 
 /// What a name stands for.

@@ -230,3 +230,19 @@ fn what_was_read_is_printed_and_read_alike() {
         }
     }
 }
+
+#[test]
+fn every_form_is_read_as_its_help_says() {
+    for form in zeroset_ops::FORMS {
+        for name in std::iter::once(&form.name).chain(form.aliases) {
+            let usage = form.usage.replacen(form.name, name, 1);
+            // Mathematica has the number behind what is applied.
+            let usage = usage.replace("nest(f, 3, x)", "nest(f, x, 3)");
+            let text = format!("f(a) = a^2\np = vec3(x, y, z)\nq = p\nn = p\nz = {usage}");
+            let read = parse(&text, &Limits::default());
+            let statements = read.unwrap_or_else(|e| panic!("{}", e.render(None, &text, false)));
+            let printed = statements[statements.len() - 1].to_string();
+            assert!(!printed.contains('?'), "{printed}");
+        }
+    }
+}
