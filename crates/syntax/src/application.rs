@@ -1,7 +1,7 @@
 //! Functions and what they are applied to: brackets, or the implicit product up to the next
 //! function.
 
-use crate::ast::{Expr, ExprKind, Function, ProductSign};
+use crate::ast::{Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign};
 use crate::build::{Builder, number_only, product_of};
 use crate::closed::is_vector;
 use crate::error::{Error, ErrorKind, Fallible};
@@ -207,12 +207,17 @@ impl Builder<'_> {
         let Some(function) = forms.function(arguments.len()) else {
             return Err(self.wrong_count(callee, span, place, arguments.len()));
         };
-        if let (Callee::BuiltIn(name), true) = (
-            callee,
-            self.text[..span.start].ends_with("np.") || self.text[..span.start].ends_with("numpy."),
-        ) && name == "sinc"
+        let before = &self.text[..span.start];
+        if let (Callee::BuiltIn(name), [argument]) = (callee, arguments.as_mut_slice())
+            && name == "sinc"
+            && (before.ends_with("np.") || before.ends_with("numpy."))
         {
-            return Err(Error::new(span.to(place), ErrorKind::SincOfNumpy));
+            // That of numpy is sin(πa)/(πa).
+            let pi = ExprKind::Name(NamedValue::Constant(NamedConstant::Pi));
+            let pi = Expr::new(pi, argument.span);
+            *argument =
+                product_of(vec![(ProductSign::Times, pi), (ProductSign::Times, argument.clone())])?;
+            self.note(span.to(place), NoteKind::SincOfNumpy);
         }
         Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
     }

@@ -5,7 +5,7 @@
 //! it jumps there is no zero. As everywhere, a comparison does not hold where a side of it has no
 //! value; and where no piece holds, and there is no last value, a choice has none.
 
-use crate::ast::{Expr, ExprKind, Function, Relation, Series};
+use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation, Series};
 use crate::condition::comparisons;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::{Locals, Lowering};
@@ -25,6 +25,10 @@ impl<'a> Lowering<'a> {
         otherwise: Option<&'a Expr>,
         locals: &Locals<'a>,
     ) -> Fallible<Value> {
+        if let Some((index, argument)) = as_sinc(pieces, otherwise) {
+            let argument = self.value_of(argument, locals)?;
+            return self.composed(index, argument, pieces[0].0.span);
+        }
         let mut values = Vec::with_capacity(pieces.len());
         for (_, value) in pieces {
             values.push(self.value_of(value, locals)?);
@@ -253,6 +257,30 @@ fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     } else {
         None
     }
+}
+
+/// The argument of `{a = 0: 1, sin(a)/a}`, and the function that it is, whose enclosures are narrow
+/// where those of the quotient are not.
+fn as_sinc<'e>(
+    pieces: &'e [(Expr, Expr)],
+    otherwise: Option<&'e Expr>,
+) -> Option<(usize, &'e Expr)> {
+    let ([(condition, one)], Some(quotient)) = (pieces, otherwise) else { return None };
+    let ExprKind::Compare(left, rest) = &condition.kind else { return None };
+    let ([(Relation::Equal, zero)], ExprKind::Product(sine, over)) =
+        (rest.as_slice(), &quotient.kind)
+    else {
+        return None;
+    };
+    let is_number = |expr: &Expr, value| expr.whole_number() == Some(value);
+    let [(ProductSign::Over, divisor)] = over.as_slice() else { return None };
+    let ExprKind::Call(Function::Native(Op::Sin), arguments) = &sine.kind else { return None };
+    let is_sinc = is_number(zero, 0)
+        && is_number(one, 1)
+        && divisor == &**left
+        && arguments.as_slice() == std::slice::from_ref(&**left);
+    let index = zeroset_ops::COMPOSED.iter().position(|composed| composed.name == "sinc")?;
+    is_sinc.then_some((index, &**left))
 }
 
 /// Whether a condition is one margin: of inequalities that are all strict or all not.

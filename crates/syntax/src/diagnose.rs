@@ -61,8 +61,19 @@ pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Bo
             Error::new(both, ErrorKind::EmptyBrackets)
         }
         (_, ' ') => Error::new(Span::at(place.end), ErrorKind::Unfinished),
+        _ if let Some(span) = choice_in_braces(piece, next) => {
+            Error::new(span, ErrorKind::PieceWithoutCondition)
+        }
         _ => Error::new(here, ErrorKind::Unexpected { found: short_name(&typed(here)) }),
     }
+}
+
+/// Braces behind a sign, open at `next`: a restriction follows what it restricts.
+fn choice_in_braces(piece: &Piece, next: usize) -> Option<Span> {
+    let before = &piece.tokens[..next];
+    let open = before.iter().rposition(|token| token.symbol == '{')?;
+    let sign = before.get(open.checked_sub(1)?)?;
+    is_operator(sign.symbol).then(|| before[open].span.to(piece.tokens[next].span))
 }
 
 /// Whether a colon is in a choice, where it has a meaning.

@@ -189,8 +189,6 @@ pub enum ErrorKind {
     SeriesStep,
     #[error("there are at most {limit} terms or repetitions")]
     TooManyTerms { limit: i64 },
-    #[error("numpy's `sinc` is another one: write `sinc(pi*a)` for it")]
-    SincOfNumpy,
 
     // ---- names
     #[error("`{name}` is not defined")]

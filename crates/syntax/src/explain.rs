@@ -255,7 +255,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
         ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
         ErrorKind::TooManyTerms { .. } => "end the range earlier",
-        ErrorKind::SincOfNumpy => "without `np.`, `sinc(a)` is sin(a)/a",
         ErrorKind::Complex => "rewrite the formula with real and imaginary parts",
         ErrorKind::Reserved { .. } => "choose another name",
         ErrorKind::TooManySurfaces { .. } => "draw fewer at a time",

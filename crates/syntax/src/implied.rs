@@ -60,7 +60,8 @@ pub(crate) fn drawn_by_program(program: &Program, built: &[Built]) -> Option<(Bu
         let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
         (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
     };
-    let expr = Expr::new(kind, name.span);
+    // It stands nowhere in the text.
+    let expr = Expr::new(kind, Span::at(name.span.start));
     let drawn = expr.to_string();
     let statement = Statement::Draw { expr, restrictions: Vec::new() };
     let note = Note { span: name.span, kind: NoteKind::DrawsFunction { drawn } };

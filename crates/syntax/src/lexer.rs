@@ -154,7 +154,7 @@ fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
 
 /// Whether a component can follow: a vector has a name or stands in brackets.
 fn ends_value(symbol: char) -> bool {
-    symbol == 'a' || symbol == '‧' || is_closer(symbol)
+    matches!(symbol, 'a' | 'x' | 'y' | 'z' | '‧') || is_closer(symbol)
 }
 
 /// `.xz` behind a vector; a method without meaning here.
@@ -167,7 +167,7 @@ fn component(rest: &str, context: Context) -> (char, usize) {
         return (' ', 3 + word.len());
     }
     // The end of a sentence, or what has no meaning.
-    let is_name = context.touching == Some('a') && word.starts_with(char::is_alphabetic);
+    let is_name = context.touching.is_some_and(is_name) && word.starts_with(char::is_alphabetic);
     if is_name { ('?', 1) } else { number(rest) }
 }
 

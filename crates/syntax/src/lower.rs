@@ -321,6 +321,18 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// A function of one value that is a formula over others.
+    pub(crate) fn composed(
+        &mut self,
+        index: usize,
+        argument: Value,
+        span: Span,
+    ) -> Fallible<Value> {
+        let names = zeroset_ops::COMPOSED[index].parameters.iter().copied();
+        let function = Function::Composed(index);
+        self.expand(&function, vec![argument], names, prelude::body(index), span)
+    }
+
     /// The body of a function with `names` replaced by its arguments.
     fn expand(
         &mut self,

@@ -70,6 +70,8 @@ pub enum NoteKind {
         "the arc cotangent is pi/2 - atan(a), in (0, pi); for the other one, write `atan(1/a)`"
     )]
     ArcCotangent,
+    #[error("numpy's `sinc(a)` is read as `sinc(pi*a)`, that is sin(pi*a)/(pi*a)")]
+    SincOfNumpy,
     #[error("the angle of a point, as in Mathematica: `{read}`")]
     ArcTanOfPoint { read: String },
     #[error("angles are in radians here; those of OpenSCAD are in degrees: write `radians(a)`")]

@@ -186,6 +186,11 @@ impl Reader<'_> {
                 let known = frame.set.iter().rfind(|(set, _)| *set == name.text);
                 let size = known.map_or(3, |(_, size)| *size);
                 let is_set = frame.function.is_some() || known.is_some() || letters.is_some();
+                // `x = 3` is an equation, unless a program has declared x.
+                let is_coordinate = matches!(name.text.as_str(), "x" | "y" | "z" | "t");
+                if is_coordinate && !is_set {
+                    return self.plain(tokens, frame, true);
+                }
                 let is_steps = is_set || self.words.is_step(&tokens);
                 if is_steps || value.iter().any(|t| self.words.word(*t) == name.text) {
                     return self.set(name, size, value, letters, frame);
@@ -236,9 +241,6 @@ impl Reader<'_> {
                 self.lambda(name, parameters, value, frame)?;
             } else if let Some((name, None, value)) = self.words.assignment(&tokens) {
                 let name = self.words.name(name);
-                if size == 1 && frame.function.is_none() {
-                    self.program.last_value = Some(name.clone());
-                }
                 self.set(name, size, value, None, frame)?;
             } else if let [name] = tokens.as_slice() {
                 // A name that is set later.
@@ -268,7 +270,11 @@ impl Reader<'_> {
         let is_inner = frame.function.is_some();
         let text = match &frame.function {
             Some((function, _)) => self.fresh(&format!("{}_{}", function.text, name.text)),
-            None if again || letters.is_some() || self.uses(&value, &name.text) => {
+            None if again
+                || letters.is_some()
+                || self.uses(&value, &name.text)
+                || matches!(name.text.as_str(), "x" | "y" | "z" | "t") =>
+            {
                 self.fresh(&format!("{}_2", name.text))
             }
             None => name.text.clone(),
@@ -293,7 +299,11 @@ impl Reader<'_> {
             }
         };
         let renamed = text != name.text;
-        let head = Head { name: Name { text, span: name.span }, parameters };
+        let made = Name { text, span: name.span };
+        if size == 1 && write.is_none() && !is_inner {
+            self.program.last_value = Some(made.clone());
+        }
+        let head = Head { name: made, parameters };
         self.push(value, Some(head), write, &frame.aliases, false)?;
         if renamed || is_inner {
             frame.aliases.push(name.text.clone(), kind);

@@ -198,7 +198,7 @@ impl<'a> Words<'a> {
         tokens: &[Token],
     ) -> Option<(Token, Option<String>, Vec<Token>)> {
         let (name, rest) = tokens.split_first()?;
-        if !is_name(name.symbol) || matches!(name.symbol, 'x' | 'y' | 'z') {
+        if !is_name(name.symbol) {
             return None;
         }
         let letters = rest.first().filter(|token| token.symbol == '‧');

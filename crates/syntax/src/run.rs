@@ -12,7 +12,7 @@ use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
 use crate::special::{Logic, logic};
-use crate::spelling::{decimal, plain_name, superscript_digit};
+use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
 use crate::value::LETTERS;
 use std::collections::VecDeque;
 use zeroset_ir::Axis;
@@ -205,6 +205,11 @@ impl Builder<'_> {
         let mut base = self.primary(items)?;
         while let Some(Item::Component(letters, span)) = items.front() {
             let (letters, span) = (letters.clone(), base.span.to(*span));
+            if is_coordinate(&base) {
+                let dot = Span::new(span.end - letters.len() - 1, span.end - letters.len());
+                let kind = ErrorKind::UnexpectedCharacter { character: '.' };
+                return Err(Error::new(dot, kind));
+            }
             items.pop_front();
             self.room(span, 1)?;
             base = Expr::new(ExprKind::Component(Box::new(base), letters), span);
@@ -226,6 +231,10 @@ impl Builder<'_> {
                     let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
                     while let Some(Item::Component(letters, span)) = items.front() {
                         let (letters, span) = (letters.clone(), exponent.span.to(*span));
+                        if is_coordinate(&exponent) {
+                            let kind = ErrorKind::UnexpectedCharacter { character: '.' };
+                            return Err(Error::new(span, kind));
+                        }
                         items.pop_front();
                         let kind = ExprKind::Component(Box::new(exponent), letters);
                         exponent = Expr::new(kind, span);
@@ -274,7 +283,15 @@ impl Builder<'_> {
 
     pub(crate) fn primary(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
         match items.pop_front().expect("the grammar ends no run with a sign") {
-            Item::Leaf(expr) => self.not_a_call(expr, items.front()),
+            Item::Leaf(expr) => {
+                if let Some((letter, span)) = self.index(&expr, items.front()) {
+                    items.pop_front();
+                    let span = expr.span.to(span);
+                    let kind = ExprKind::Component(Box::new(expr), letter.to_string());
+                    return Ok(Expr::new(kind, span));
+                }
+                self.not_a_call(expr, items.front())
+            }
             Item::Function(callee, span) => {
                 self.deeper(span, 1, |b| b.application(&callee, span, items))
             }
@@ -319,6 +336,23 @@ impl Builder<'_> {
         }
     }
 
+    /// The component that `p[0]` takes of a name: no product, which nobody writes so.
+    fn index(&self, expr: &Expr, next: Option<&Item<'_>>) -> Option<(char, Span)> {
+        let Some(Item::Group(pair)) = next else { return None };
+        let is_name = match &expr.kind {
+            ExprKind::Name(NamedValue::Local(_) | NamedValue::Defined(_)) => true,
+            ExprKind::Call(..) => self.text[expr.span.range()].ends_with(in_name),
+            _ => false,
+        };
+        let span = self.span(pair);
+        let digit = match self.text[span.range()].as_bytes() {
+            [b'[', digit @ b'0'..=b'3', b']'] => usize::from(digit - b'0'),
+            _ => return None,
+        };
+        let touches = expr.span.end == span.start;
+        (is_name && touches).then(|| LETTERS.chars().nth(digit).map(|letter| (letter, span)))?
+    }
+
     /// The brackets behind a form.
     fn brackets<'i>(&self, items: &mut Items<'i>, span: Span) -> Fallible<Pair<'i>> {
         if let Some(Item::Group(pair)) = items.pop_front() {
@@ -339,6 +373,12 @@ impl Builder<'_> {
         }
         Ok(expr)
     }
+}
+
+/// Whether a dot behind this is no component: behind a coordinate without brackets.
+fn is_coordinate(expr: &Expr) -> bool {
+    let is_bare = expr.span.end - expr.span.start == 1;
+    is_bare && matches!(expr.kind, ExprKind::Name(NamedValue::Coordinate(_)))
 }
 
 /// Blanks between a name and its brackets.
