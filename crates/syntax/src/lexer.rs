@@ -125,19 +125,17 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
     }
 }
 
+/// Bytes in which the end of a comment is looked for.
+const LONGEST_COMMENT: usize = 10_000;
+
 /// The length of a comment of another language, or of what a file of it starts with.
 fn comment(rest: &str, context: Context) -> Option<usize> {
-    let until = |end: &str, open: usize| {
-        rest[open..].find(end).map_or(rest.len(), |length| open + length + end.len())
-    };
-    if rest.starts_with("/*") {
-        return Some(until("*/", 2));
-    }
-    if rest.starts_with("(*") && rest[2..].contains("*)") {
-        return Some(until("*)", 2));
-    }
-    if rest.starts_with("\"\"\"") {
-        return Some(until("\"\"\"", 3));
+    // One that is never closed is none, or it would hide all that follows.
+    for (open, close) in [("/*", "*/"), ("(*", "*)"), ("\"\"\"", "\"\"\"")] {
+        if let Some(inner) = rest.strip_prefix(open) {
+            let length = start(inner, LONGEST_COMMENT).find(close);
+            return length.map(|length| open.len() + length + close.len());
+        }
     }
     (context.starts_line && rest.starts_with('%')).then(|| line_length(rest))
 }

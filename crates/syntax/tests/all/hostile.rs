@@ -276,6 +276,8 @@ fn programs_are_bounded() {
     error("x // 2 ".repeat(5_000));
     error(r"\begin{".repeat(50_000));
     error("(*".repeat(150));
+    error("/*".repeat(40_000));
+    error("x = 1\n/* never closed\ny = 2".to_owned());
     error("f = lambda x: ".repeat(5_000));
     error("p.x = ".repeat(5_000));
     accepted("r == theta + rho + phi\n".repeat(900));
