@@ -93,6 +93,15 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
         '.' if context.touching.is_some_and(ends_value) => component(rest, context),
         '0'..='9' | '.' => number(rest),
         '\\' => command(rest),
+        // Dollar signs stand around a formula, not in it.
+        '$' if context.last.is_some()
+            && !rest[1..].trim_start_matches([' ', '\t', '\r']).is_empty()
+            && !rest[1..]
+                .trim_start_matches([' ', '\t', '\r'])
+                .starts_with(['\n', '$', ',', '.', ':', ';', '#']) =>
+        {
+            ('?', 1)
+        }
         '&' if !rest.starts_with("&&") => ('&', 1),
         '=' | '!' if rest[1..].starts_with("==") => (if character == '=' { '=' } else { '≠' }, 3),
         '!' if !rest.starts_with("!=") && !context.last.is_some_and(ends_operand) => ('¬', 1),
