@@ -7,6 +7,7 @@ use super::status;
 use crate::names::Named;
 use crate::picture::{Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use crate::scene::{self, CameraChoice, DomainChoice};
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use zeroset_syntax::language_names;
 use zeroset_trace::{LOOKS, Look, METHODS, Method, MethodOption, Region, StandardView};
@@ -377,6 +378,9 @@ fn help(name: &str) -> Result<Reply, Refusal> {
             .map(|f| format!("{}({}): {}", f.name, f.parameters.join(", "), f.doc))
             .collect();
     }
+    if found.is_empty() {
+        found.extend(zeroset_ops::form(name).map(|form| format!("{}: {}", form.usage, form.doc)));
+    }
     if !found.is_empty() {
         return say(found.join("\n"));
     }
@@ -405,7 +409,8 @@ fn everything() -> String {
     }
     text.push_str("Functions (:help NAME tells more):");
     let mut column = usize::MAX;
-    for name in zeroset_ops::names() {
+    let mut told = HashSet::new();
+    for name in zeroset_ops::names().filter(|name| told.insert(*name)) {
         if column.saturating_add(name.len() + 1) > 96 {
             text.push_str("\n ");
             column = 1;
@@ -506,6 +511,18 @@ mod tests {
             ":add",
         ] {
             assert!(message(text).starts_with("usage: :"), "{text}");
+        }
+    }
+
+    #[test]
+    fn every_name_that_completes_has_help_and_is_listed_once() {
+        let list = everything();
+        let (_, listed) = list.split_once("tells more):").expect("a list of functions");
+        let listed: Vec<&str> = listed.split_whitespace().collect();
+        for name in zeroset_ops::names() {
+            let Ok(Reply::Say(text)) = help(name) else { panic!("no help on {name}") };
+            assert!(!text.is_empty(), "{name}");
+            assert_eq!(listed.iter().filter(|other| **other == name).count(), 1, "{name}");
         }
     }
 

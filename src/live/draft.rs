@@ -33,8 +33,9 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         return joined;
     };
     let start = base.len() + 1;
-    let (old, new): (Vec<_>, Vec<_>) =
-        statements.iter().map(|one| (extent(one), one)).partition(|(span, _)| span.start < start);
+    // What reading adds, such as the definitions of coordinates, stands nowhere.
+    let typed = statements.iter().map(|one| (extent(one), one)).filter(|(_, one)| is_typed(one));
+    let (old, new): (Vec<_>, Vec<_>) = typed.partition(|(span, _)| span.start < start);
     if let Some(text) = revalued(base, line, &old, &new) {
         return text;
     }
@@ -51,7 +52,20 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
         kept.replace_range(piece(&joined, span), "");
     }
+    // A function of a program is more than its name and its result; the later one counts anyway.
+    if parse(&kept, &limits).is_err() {
+        return joined;
+    }
     kept.trim_start_matches('\n').to_owned()
+}
+
+/// Whether a statement was typed, and not added by reading.
+fn is_typed(statement: &Statement) -> bool {
+    let span = match statement {
+        Statement::Draw { expr, .. } => expr.span,
+        Statement::Define(definition) => definition.name.span,
+    };
+    span.start < span.end
 }
 
 /// The text with one value replaced where it stands, so that parameters keep their order, if that
@@ -135,6 +149,14 @@ mod tests {
             ("x = 1 {y > 0,\n z > 0}\nr = 1", "z = r", "r = 1\nz = r"),
             ("# Title\nx", "y", "# Title\ny"),
             ("g(a) = a\nz = g(x)", "g(a) = 2a", "z = g(x)\ng(a) = 2a"),
+            ("z = r^2", "r = 2", "z = r^2\nr = 2"),
+            ("r = 1 + cos(theta)", "z = x", "z = x"),
+            ("float d = length(p) - 1.;", "z = x", "float d = length(p) - 1.;\nz = x"),
+            (
+                "float f(vec3 p) { float a = p.x; return a; }",
+                "float f(vec3 p) { return p.y; }",
+                "float f(vec3 p) { float a = p.x; return a; }\nfloat f(vec3 p) { return p.y; }",
+            ),
         ] {
             assert_eq!(entered(text, line, false), expected, "{text:?} and {line:?}");
         }

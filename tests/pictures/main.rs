@@ -15,3 +15,4 @@ mod stability_proofs;
 mod stability_solids;
 mod truth;
 mod truth_support;
+mod words;

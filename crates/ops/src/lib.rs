@@ -1,6 +1,6 @@
 //! The table of operations: what `zeroset` can compute, one row each.
 //!
-//! Two kinds of function share one name space. A native [`Op`] is a node of the expression graph
+//! Two kinds of function share one name space, with a few forms that look like them. A native [`Op`] is a node of the expression graph
 //! with its own interval rule; a [`Composed`] function is a formula over other functions, written
 //! in the language itself. Parser look-up, completion, help, suggestions, random generators and
 //! table-walking tests are all derived from [`TABLE`] and [`COMPOSED`]. This crate knows neither
@@ -8,11 +8,13 @@
 
 mod class;
 mod composed;
+mod forms;
 mod op;
 mod table;
 
 pub use class::{Class, Law, Parity, Restriction, Rounding};
 pub use composed::{COMPOSED, Composed};
+pub use forms::{FORMS, Form, Meaning, form};
 pub use op::{Continuity, Domain, Notation, Op, Row};
 pub use table::TABLE;
 
@@ -47,7 +49,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
         .flat_map(|row| std::iter::once(row.name).chain(row.aliases.iter().copied()));
     let composed =
         COMPOSED.iter().flat_map(|f| std::iter::once(f.name).chain(f.aliases.iter().copied()));
-    native.chain(composed)
+    let forms = FORMS.iter().flat_map(|f| std::iter::once(f.name).chain(f.aliases.iter().copied()));
+    native.chain(composed).chain(forms)
 }
 
 #[cfg(test)]
@@ -100,6 +103,12 @@ mod tests {
         for f in COMPOSED {
             for name in std::iter::once(&f.name).chain(f.aliases) {
                 assert!(seen.insert((name, f.parameters.len()), f.name).is_none(), "{name}");
+            }
+        }
+        for f in FORMS {
+            for name in std::iter::once(&f.name).chain(f.aliases) {
+                assert!(!seen.keys().any(|(other, _)| other == name), "{name}");
+                assert!(seen.insert((name, usize::MAX), f.name).is_none(), "{name}");
             }
         }
     }

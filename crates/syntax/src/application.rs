@@ -1,15 +1,18 @@
 //! Functions and what they are applied to: brackets, or the implicit product up to the next
 //! function.
 
-use crate::ast::{Expr, ExprKind, ProductSign};
+use crate::ast::{Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign};
 use crate::build::{Builder, number_only, product_of};
+use crate::closed::is_vector;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
+use crate::print::factor_text;
 use crate::run::{Item, Items};
 use crate::scope::{Callee, is_variadic};
 use crate::span::Span;
-use crate::spelling::is_name;
+use crate::spelling::{is_name, short_formula};
+use zeroset_ops::Op;
 
 impl Builder<'_> {
     /// A function and what it is applied to: brackets, or the implicit product up to the next
@@ -60,7 +63,7 @@ impl Builder<'_> {
     /// The arguments in brackets, or the only one in braces.
     fn arguments(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
         if pair.as_rule() == Rule::group {
-            return pair.into_inner().map(|argument| self.value(argument)).collect();
+            return pair.into_inner().map(|argument| self.argument(argument)).collect();
         }
         Ok(vec![self.deeper(span, 1, |b| b.closed(pair, span))?])
     }
@@ -78,20 +81,22 @@ impl Builder<'_> {
     }
 
     fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
-        let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
+        let name = callee.name().to_owned();
         let inverse = match (callee, name.as_str()) {
             (Callee::BuiltIn(_), "sin") => "asin",
             (Callee::BuiltIn(_), "cos") => "acos",
             (Callee::BuiltIn(_), "tan") => "atan",
+            (Callee::BuiltIn(_), "sec") => "asec",
+            (Callee::BuiltIn(_), "csc") => "acsc",
+            (Callee::BuiltIn(_), "cot") => "acot",
             (Callee::BuiltIn(_), "sinh") => "asinh",
             (Callee::BuiltIn(_), "cosh") => "acosh",
             (Callee::BuiltIn(_), "tanh") => "atanh",
             _ => {
-                let name = name.clone();
                 return Err(Error::new(span, ErrorKind::InversePower { name }));
             }
         };
-        let kind = NoteKind::InverseFunction { name: name.clone(), inverse: inverse.to_owned() };
+        let kind = NoteKind::InverseFunction { name, inverse: inverse.to_owned() };
         self.note(span, kind);
         Ok(Callee::BuiltIn(inverse.to_owned()))
     }
@@ -105,8 +110,8 @@ impl Builder<'_> {
     ) -> Fallible<Expr> {
         let forms = self.scope.forms(callee);
         if items.is_empty() || forms.function(1).is_none() {
-            let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
-            let kind = ErrorKind::NeedsArgument { name: name.clone(), count: forms.least() };
+            let name = callee.name().to_owned();
+            let kind = ErrorKind::NeedsArgument { name, count: forms.least() };
             return Err(self.suggest_brackets(Error::new(span, kind), span));
         }
         let mut factors = Vec::new();
@@ -115,6 +120,15 @@ impl Builder<'_> {
                 break;
             }
             self.factor(items, &mut factors)?;
+        }
+        if let [_, second, ..] = factors.as_slice()
+            && spaced(&factors)
+        {
+            let second = second.span;
+            let read: Vec<String> = factors.iter().map(factor_text).collect();
+            let name = callee.name().to_owned();
+            let read = short_formula(&read.join("*"));
+            self.note(span.to(second), NoteKind::FunctionOfProduct { name, read });
         }
         let product = product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect())?;
         number_only(&product)?;
@@ -147,18 +161,104 @@ impl Builder<'_> {
         place: Span,
     ) -> Fallible<Expr> {
         let forms = self.scope.forms(callee);
+        let mut arguments = arguments;
+        note_form(self, callee, span);
+        match (callee, arguments.as_mut_slice()) {
+            (Callee::Logarithm(base), [_]) => {
+                let base = Expr::new(ExprKind::Number(base.clone()), span);
+                let argument = arguments.remove(0);
+                return Ok(logarithm(argument, base, span.to(place)));
+            }
+            // Mathematica has the base first, Python last.
+            (Callee::BuiltIn(name), [_, _]) if name == "log" => {
+                let before = &self.text[..span.start];
+                let is_first =
+                    &self.text[span.range()] == "Log" && self.text[span.end..].starts_with('[');
+                let is_last = ["math.", "sp.", "sympy.", "mpmath.", "mp."]
+                    .iter()
+                    .any(|module| before.ends_with(module));
+                if is_first || is_last {
+                    let second = arguments.remove(1);
+                    let first = arguments.remove(0);
+                    let (base, argument) = if is_first { (first, second) } else { (second, first) };
+                    return Ok(logarithm(argument, base, span.to(place)));
+                }
+            }
+            (Callee::BuiltIn(name), [first, second])
+                if name == "arctan" && &self.text[span.range()] == "ArcTan" =>
+            {
+                std::mem::swap(first, second);
+                let read = Expr::new(
+                    ExprKind::Call(Function::Native(Op::Atan2), arguments.clone()),
+                    span.to(place),
+                );
+                let read = short_formula(&read.to_string());
+                self.note(span.to(place), NoteKind::ArcTanOfPoint { read });
+            }
+            _ => {}
+        }
+        // The largest component of a vector.
+        if let (Callee::BuiltIn(_), [only]) = (callee, arguments.as_slice())
+            && let Some(function @ Function::Native(Op::Min | Op::Max)) = forms.function(2)
+            && is_vector(only)
+        {
+            return Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)));
+        }
         let Some(function) = forms.function(arguments.len()) else {
-            let (Callee::BuiltIn(name) | Callee::Defined(name, _)) = callee;
-            let kind = ErrorKind::WrongCount {
-                name: name.clone(),
-                expected: forms.to_string(),
-                given: arguments.len(),
-                usage: usage(callee),
-            };
-            return Err(Error::new(span.to(place), kind));
+            return Err(self.wrong_count(callee, span, place, arguments.len()));
         };
+        let before = &self.text[..span.start];
+        if let (Callee::BuiltIn(name), [argument]) = (callee, arguments.as_mut_slice())
+            && name == "sinc"
+            && (before.ends_with("np.") || before.ends_with("numpy."))
+        {
+            // That of numpy is sin(πa)/(πa).
+            let pi = ExprKind::Name(NamedValue::Constant(NamedConstant::Pi));
+            let pi = Expr::new(pi, argument.span);
+            *argument =
+                product_of(vec![(ProductSign::Times, pi), (ProductSign::Times, argument.clone())])?;
+            self.note(span.to(place), NoteKind::SincOfNumpy);
+        }
         Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
     }
+
+    /// The error for a number of arguments that a function does not take.
+    pub(crate) fn wrong_count(
+        &self,
+        callee: &Callee,
+        span: Span,
+        place: Span,
+        given: usize,
+    ) -> Box<Error> {
+        let kind = ErrorKind::WrongCount {
+            name: callee.name().to_owned(),
+            expected: self.scope.forms(callee).to_string(),
+            given,
+            usage: usage(callee),
+        };
+        Error::new(span.to(place), kind)
+    }
+}
+
+/// Notes on functions that other languages understand otherwise.
+pub(crate) fn note_form(builder: &mut Builder<'_>, callee: &Callee, span: Span) {
+    if let Callee::BuiltIn(name) = callee {
+        match name.as_str() {
+            "acot" | "arccot" => builder.note(span, NoteKind::ArcCotangent),
+            "sinc" => builder.note(span, NoteKind::Sinc),
+            _ => {}
+        }
+    }
+}
+
+/// ln(argument)/ln(base)
+fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
+    let ln = |expr: Expr| {
+        let place = expr.span;
+        Expr::new(ExprKind::Call(Function::Native(Op::Ln), vec![expr]), place)
+    };
+    let quotient = vec![(ProductSign::Over, ln(base))];
+    Expr::new(ExprKind::Product(Box::new(ln(argument)), quotient), span)
 }
 
 /// How a function of the language is called, with its line of help.
@@ -179,6 +279,16 @@ fn usage(callee: &Callee) -> Option<String> {
     let operands = ["a", "b", "c"][..row.op.arity()].join(", ");
     let more = if is_variadic(row.op) { ", …" } else { "" };
     Some(format!("`{name}({operands}{more})`: {}", row.doc))
+}
+
+/// Whether factors behind a function may be meant to be outside it: with a blank before a name that
+/// is no number's, as in `sin x y`.
+fn spaced(factors: &[Expr]) -> bool {
+    let is_name = |expr: &Expr| !matches!(expr.kind, ExprKind::Number(_));
+    factors.windows(2).any(|pair| {
+        let apart = pair[0].span.end < pair[1].span.start;
+        apart && is_name(&pair[0]) && is_name(&pair[1])
+    })
 }
 
 fn is_minus_one(expr: &Expr) -> bool {

@@ -40,7 +40,10 @@ impl Expr {
             | ExprKind::Sum(..)
             | ExprKind::Product(..)
             | ExprKind::Power(..)
-            | ExprKind::Call(..) => false,
+            | ExprKind::Call(..)
+            | ExprKind::Choice(..)
+            | ExprKind::Component(..)
+            | ExprKind::Series(_) => false,
         }
     }
 
@@ -80,6 +83,13 @@ pub enum ExprKind {
     Power(Box<Expr>, Box<Expr>),
     /// A function of its arguments.
     Call(Function, Vec<Expr>),
+    /// `{c: a, d: b, e}`: the value of the first piece whose condition holds, else the last one, if
+    /// there is one.
+    Choice(Vec<(Expr, Expr)>, Option<Box<Expr>>),
+    /// `p.xz`: components of a vector, by the letters x, y, z and w.
+    Component(Box<Expr>, String),
+    /// `sum(k = 1..5, a)` or `product(…)`.
+    Series(Box<Series>),
     /// `a <= b < c`: a chain of one or more comparisons.
     Compare(Box<Expr>, Vec<(Relation, Expr)>),
     /// Two or more conditions that must all hold.
@@ -88,6 +98,23 @@ pub enum ExprKind {
     Or(Vec<Expr>),
     /// A condition that must not hold.
     Not(Box<Expr>),
+}
+
+/// A sum or a product over whole numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Whether it is a product.
+    pub is_product: bool,
+    /// What counts, inside the body only.
+    pub index: Name,
+    /// The first number.
+    pub low: Expr,
+    /// No number beyond this one.
+    pub high: Expr,
+    /// The distance between two numbers, 1 if not given.
+    pub step: Option<Expr>,
+    /// What is added or multiplied.
+    pub body: Expr,
 }
 
 /// How a further term joins a sum.
@@ -126,6 +153,18 @@ pub enum Relation {
 }
 
 impl Relation {
+    /// What holds where this does not, if both sides have a value.
+    pub(crate) fn opposite(self) -> Self {
+        match self {
+            Self::Equal => Self::Unequal,
+            Self::Unequal => Self::Equal,
+            Self::Less => Self::GreaterEqual,
+            Self::LessEqual => Self::Greater,
+            Self::Greater => Self::LessEqual,
+            Self::GreaterEqual => Self::Less,
+        }
+    }
+
     /// How it is printed.
     pub fn symbol(self) -> &'static str {
         match self {
@@ -216,8 +255,43 @@ pub enum Function {
     Length,
     /// `root(a, n)`: the n-th root.
     Root,
+    /// A vector: `vec2`, `vec3` or `vec4`.
+    Vector(u8),
+    /// A function of vectors.
+    OfVectors(VectorFunction),
+    /// `iterate(f, n, a, …)`: this function applied n times to a, its further arguments the same
+    /// each time.
+    Iterate(Box<Function>),
     /// A function that the document defines.
     Defined(String),
+}
+
+/// What can be computed of vectors, beside what is computed component by component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum VectorFunction {
+    /// The scalar product.
+    Dot,
+    /// The vector product.
+    Cross,
+    /// A vector divided by its length.
+    Normalize,
+    /// The length of a difference.
+    Distance,
+    /// A vector mirrored in a plane.
+    Reflect,
+}
+
+impl VectorFunction {
+    /// The name as printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dot => "dot",
+            Self::Cross => "cross",
+            Self::Normalize => "normalize",
+            Self::Distance => "distance",
+            Self::Reflect => "reflect",
+        }
+    }
 }
 
 impl Function {
@@ -228,6 +302,11 @@ impl Function {
             Self::Composed(index) => zeroset_ops::COMPOSED[*index].name,
             Self::Length => "hypot",
             Self::Root => "root",
+            Self::Vector(2) => "vec2",
+            Self::Vector(3) => "vec3",
+            Self::Vector(_) => "vec4",
+            Self::OfVectors(function) => function.name(),
+            Self::Iterate(_) => "iterate",
             Self::Defined(name) => name,
         }
     }

@@ -1,7 +1,8 @@
 //! From what the grammar recognised to the syntax tree: everything but rows of factors, which `run`
 //! shapes.
 
-use crate::ast::{Expr, ExprKind, Name, ProductSign, Relation, SumSign};
+use crate::aliases::Aliases;
+use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule, recognise};
 use crate::limits::Limits;
@@ -20,9 +21,13 @@ pub(crate) struct Builder<'a> {
     pub piece: &'a Piece,
     pub scope: &'a Scope,
     /// Parameters of the function being defined.
-    pub locals: &'a [Name],
+    pub locals: Vec<Name>,
+    /// Names that stand for what was made of them.
+    pub aliases: Aliases,
     pub limits: &'a Limits,
     depth: usize,
+    /// How many of the locals are parameters; the others count sums.
+    parameters: usize,
     pub notes: Vec<Note>,
     /// Names of the document that were used.
     pub used: FxHashSet<String>,
@@ -39,8 +44,26 @@ impl<'a> Builder<'a> {
         locals: &'a [Name],
         limits: &'a Limits,
     ) -> Self {
-        let (notes, used) = (Vec::new(), FxHashSet::default());
-        Self { text, piece, scope, locals, limits, depth: 0, notes, used }
+        let (notes, used) = (piece.notes.clone(), FxHashSet::default());
+        let (locals, aliases) = (locals.to_vec(), Aliases::default());
+        let parameters = locals.len();
+        Self { text, piece, scope, locals, aliases, limits, depth: 0, parameters, notes, used }
+    }
+
+    /// What `name` was made into, if anything; the last that it was made into.
+    pub(crate) fn alias(&mut self, name: &str) -> Option<ExprKind> {
+        // An index of a sum hides it.
+        let hidden = self.locals.iter().rposition(|local| local.text == name);
+        let kind = self.aliases.find(name)?;
+        if hidden.is_some_and(|at| at >= self.parameters) {
+            return None;
+        }
+        if let ExprKind::Call(Function::Defined(name), _)
+        | ExprKind::Name(NamedValue::Defined(name)) = kind
+        {
+            self.used.insert(name.clone());
+        }
+        Some(kind.clone())
     }
 
     pub(crate) fn span(&self, pair: &Pair<'_>) -> Span {
@@ -62,7 +85,7 @@ impl<'a> Builder<'a> {
         if self.notes.len() > MOST_NOTES {
             return;
         }
-        let once = matches!(kind, NoteKind::ConstantUsed { .. } | NoteKind::ProductOfNames { .. });
+        let once = kind.is_about_a_name();
         if !once || self.notes.iter().all(|note| note.kind != kind) {
             self.notes.push(Note { span, kind });
         }
@@ -114,6 +137,11 @@ impl<'a> Builder<'a> {
     /// An expression: a number or a condition.
     pub(crate) fn expression(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
+        if pair.as_rule() != Rule::expression {
+            // A range or a generator where a value is wanted.
+            let found = crate::spelling::short_name(self.typed(&pair));
+            return Err(Error::new(span, ErrorKind::Unexpected { found }));
+        }
         let mut parts = pair.into_inner();
         match (parts.next(), parts.peek()) {
             // Most are no more than a sum: brackets inside brackets then take less of the stack.
@@ -352,7 +380,7 @@ pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
 }
 
 /// One operand, or several joined by `word`.
-fn joined(mut operands: Vec<Expr>, word: &str) -> Fallible<Expr> {
+pub(crate) fn joined(mut operands: Vec<Expr>, word: &str) -> Fallible<Expr> {
     if operands.len() == 1 {
         return Ok(operands.remove(0));
     }

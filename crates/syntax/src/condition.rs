@@ -5,7 +5,7 @@
 
 use crate::ast::{Expr, ExprKind, Relation};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::lower::Lowering;
+use crate::lower::{Locals, Lowering};
 use zeroset_ir::{Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
@@ -13,6 +13,7 @@ impl<'a> Lowering<'a> {
     /// The function that is ≤ 0 inside the solid that a condition describes, or with `negated` its
     /// opposite, and above 0 elsewhere; defined everywhere.
     pub(crate) fn solid(&mut self, expr: &'a Expr, negated: bool) -> Fallible<NodeId> {
+        let locals = &[];
         match &expr.kind {
             ExprKind::And(items) | ExprKind::Or(items) => {
                 let is_and = matches!(expr.kind, ExprKind::And(_));
@@ -33,7 +34,7 @@ impl<'a> Lowering<'a> {
                         return Err(Error::new(left.span.to(right.span), kind));
                     };
                     let (low, high) = if negated { (high, low) } else { (low, high) };
-                    let one = self.difference(low, high)?;
+                    let one = self.difference(low, high, locals)?;
                     all.push(self.otherwise_outside(one, 1));
                 }
                 Ok(self.fold(if negated { Op::Min } else { Op::Max }, &all))
@@ -44,7 +45,7 @@ impl<'a> Lowering<'a> {
 
     /// `node` where it is defined, else a number that means outside; `node` alone if it cannot be
     /// undefined.
-    fn otherwise_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
+    pub(crate) fn otherwise_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {
                 Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => true,
@@ -81,20 +82,25 @@ impl<'a> Lowering<'a> {
     }
 
     /// `root`, defined only where `condition` holds.
-    pub(crate) fn restrict(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
+    pub(crate) fn restrict(
+        &mut self,
+        root: NodeId,
+        condition: &'a Expr,
+        locals: &Locals<'a>,
+    ) -> Fallible<NodeId> {
         match &condition.kind {
             ExprKind::And(items) => {
-                items.iter().try_fold(root, |root, item| self.restrict(root, item))
+                items.iter().try_fold(root, |root, item| self.restrict(root, item, locals))
             }
             ExprKind::Compare(first, rest) => {
                 let mut root = root;
                 for (left, relation, right) in comparisons(first, rest) {
                     let (op, bound) = match sides(left, relation, right) {
                         Some((low, high, strict)) => {
-                            (restriction(strict), self.difference(high, low)?)
+                            (restriction(strict), self.difference(high, low, locals)?)
                         }
                         None if relation == Relation::Unequal => {
-                            (Op::WhereNonzero, self.difference(left, right)?)
+                            (Op::WhereNonzero, self.difference(left, right, locals)?)
                         }
                         None => {
                             let span = left.span.to(right.span);
@@ -106,7 +112,7 @@ impl<'a> Lowering<'a> {
                 Ok(root)
             }
             ExprKind::Or(_) | ExprKind::Not(_) => {
-                let (bound, strict) = self.margin(condition, false)?;
+                let (bound, strict) = self.margin(condition, false, locals)?;
                 Ok(self.graph.apply(restriction(strict), &[root, bound]))
             }
             _ => Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
@@ -122,19 +128,24 @@ impl<'a> Lowering<'a> {
                 let other = self.solid(condition, false)?;
                 Ok(self.graph.apply(Op::Max, &[root, other]))
             }
-            _ => self.restrict(root, condition),
+            _ => self.restrict(root, condition, &[]),
         }
     }
 
     /// A function that is positive or, unless the condition is strict, 0 just where `condition`, or
     /// with `negated` its opposite, holds; and whether that is strict.
-    fn margin(&mut self, condition: &'a Expr, negated: bool) -> Fallible<(NodeId, bool)> {
+    pub(crate) fn margin(
+        &mut self,
+        condition: &'a Expr,
+        negated: bool,
+        locals: &Locals<'a>,
+    ) -> Fallible<(NodeId, bool)> {
         let mut margins = Vec::new();
         let op = match &condition.kind {
-            ExprKind::Not(inner) => return self.margin(inner, !negated),
+            ExprKind::Not(inner) => return self.margin(inner, !negated, locals),
             ExprKind::And(items) | ExprKind::Or(items) => {
                 for item in items {
-                    margins.push(self.margin(item, negated)?);
+                    margins.push(self.margin(item, negated, locals)?);
                 }
                 let is_and = matches!(condition.kind, ExprKind::And(_));
                 if is_and == negated { Op::Max } else { Op::Min }
@@ -149,7 +160,7 @@ impl<'a> Lowering<'a> {
                         return Err(Error::new(left.span.to(right.span), kind));
                     };
                     let (low, high) = if negated { (high, low) } else { (low, high) };
-                    let margin = self.difference(high, low)?;
+                    let margin = self.difference(high, low, locals)?;
                     margins.push((self.otherwise_outside(margin, -1), strict != negated));
                 }
                 if negated { Op::Max } else { Op::Min }
@@ -166,7 +177,7 @@ impl<'a> Lowering<'a> {
 }
 
 /// Each comparison of a chain with its sides.
-fn comparisons<'a>(
+pub(crate) fn comparisons<'a>(
     first: &'a Expr,
     rest: &'a [(Relation, Expr)],
 ) -> impl Iterator<Item = (&'a Expr, Relation, &'a Expr)> {

@@ -1,11 +1,11 @@
 //! Constant expressions: slider values, ranges, overrides.
 
+use crate::arrange::statements;
 use crate::ast::Expr;
 use crate::build::Builder;
 use crate::error::{Error, ErrorKind, Errors, Fallible};
 use crate::limits::Limits;
 use crate::lower::Lowering;
-use crate::scan::scan;
 use crate::scope::Scope;
 use crate::span::Span;
 use crate::spelling::short_name;
@@ -29,7 +29,7 @@ pub fn constant(text: &str) -> Result<Constant, Errors> {
 
 /// The value of a constant expression given as text.
 pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
-    let pieces = scan(text, limits)?;
+    let pieces = statements(text, limits)?;
     match pieces.as_slice() {
         [] => Err(Error::new(Span::at(text.len()), ErrorKind::Empty)),
         [piece] => {

@@ -20,7 +20,9 @@ pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Bo
         return Error::new(found.map_or(piece.span, |token| token.span), kind);
     }
     // A character without a meaning is reported before anything else.
-    if let Some(token) = piece.tokens.iter().find(|token| token.symbol == '?') {
+    let unknown =
+        |token: &&Token| token.symbol == '?' || (token.symbol == ':' && !inside(piece, token));
+    if let Some(token) = piece.tokens.iter().find(unknown) {
         return unknown_character(text, token.span);
     }
     let before = next.checked_sub(1).map(|index| piece.tokens[index]);
@@ -37,7 +39,7 @@ pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Bo
         ('=', '>') | ('>', '=') => foreign(text, both, ">="),
         ('=', '=') | ('-', '>') | ('<', '-') => foreign(text, both, "="),
         ('<', '>') => foreign(text, both, "!="),
-        ('/', '/') => foreign(text, both, "/"),
+        ('/', '/') => Error::new(both, ErrorKind::IntegerDivision),
         ('0', ',') => comma(piece, next),
         (sign, ',') if !is_operator(sign) => Error::new(here, ErrorKind::Comma),
         ('∈', _) => Error::new(both, ErrorKind::BadRange),
@@ -59,8 +61,29 @@ pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Bo
             Error::new(both, ErrorKind::EmptyBrackets)
         }
         (_, ' ') => Error::new(Span::at(place.end), ErrorKind::Unfinished),
+        _ if let Some(span) = choice_in_braces(piece, next) => {
+            Error::new(span, ErrorKind::PieceWithoutCondition)
+        }
         _ => Error::new(here, ErrorKind::Unexpected { found: short_name(&typed(here)) }),
     }
+}
+
+/// Braces behind a sign, open at `next`: a restriction follows what it restricts.
+fn choice_in_braces(piece: &Piece, next: usize) -> Option<Span> {
+    let before = &piece.tokens[..next];
+    let open = before.iter().rposition(|token| token.symbol == '{')?;
+    let sign = before.get(open.checked_sub(1)?)?;
+    is_operator(sign.symbol).then(|| before[open].span.to(piece.tokens[next].span))
+}
+
+/// Whether a colon is in a choice, where it has a meaning.
+fn inside(piece: &Piece, colon: &Token) -> bool {
+    let before = piece.tokens.iter().take_while(|token| token.span.start < colon.span.start);
+    let mut depth = 0_i32;
+    for token in before {
+        depth += i32::from(token.symbol == '⦃') - i32::from(token.symbol == '⦄');
+    }
+    depth > 0
 }
 
 /// A sign of other languages, and what is written here.
@@ -100,7 +123,15 @@ fn half_fraction(before: &[Token]) -> Option<Span> {
     None
 }
 
+/// LaTeX commands and signs of calculus.
+const CALCULUS: &[&str] =
+    &[r"\int", r"\iint", r"\iiint", r"\oint", r"\partial", r"\nabla", r"\lim"];
+
 fn unknown_character(text: &str, span: Span) -> Box<Error> {
+    let typed = &text[span.range()];
+    if CALCULUS.contains(&typed) || matches!(typed, "∫" | "∬" | "∮" | "∂" | "∇") {
+        return Error::new(span, ErrorKind::Calculus);
+    }
     let character = text[span.range()].chars().next().unwrap_or('?');
     let error = Error::new(span, ErrorKind::UnexpectedCharacter { character });
     let meant = match character {

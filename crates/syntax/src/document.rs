@@ -1,22 +1,24 @@
 //! A whole text read: surfaces in one graph, parameters, domain, view and notes.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
+use crate::ast::{Definition, Expr, Name, Statement};
 use crate::constant::near_integers;
+use crate::coordinates;
 use crate::cycle::no_recursion;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::Rule;
+use crate::implied::{drawn_by_program, equals, implied_drawing, number_zero};
 use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
-use crate::scan::scan;
+use crate::program::program;
 use crate::scene::{DomainLine, SceneSetting, SrgbColor, ViewLine, scene_line};
 use crate::scope::Scope;
 use crate::span::Span;
 use crate::spelling::short_name;
-use crate::statement::{Built, build, is_plain_number, lines, settle_heads};
+use crate::statement::{Built, build, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
-use zeroset_ir::{Axis, Constant, Graph, NodeId};
+use zeroset_ir::{Constant, Graph, NodeId};
 
 /// What reading depends on beside the text.
 #[derive(Clone, Copy, Debug, Default)]
@@ -162,14 +164,22 @@ impl<'a> Reader<'a> {
     /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to
     /// their fields.
     fn statements(&mut self) -> Result<(Vec<Built>, Scope), Errors> {
-        let pieces = scan(self.text, &self.options.limits)?;
-        let mut lines = lines(self.text, &pieces)?;
+        let program = program(self.text, &self.options.limits)?;
+        let mut lines = lines(self.text, &program.units)?;
         let mut scope = Scope::default();
         for (name, _) in self.options.overrides {
             scope.define(name, None);
         }
+        coordinates::settle(self.text, &mut lines, &scope);
         settle_heads(&mut lines, &mut scope, &mut self.notes);
-        let mut built = Vec::new();
+        let (mut built, notes) = coordinates::implied(
+            self.text,
+            &lines,
+            &mut scope,
+            program.in_steps,
+            &self.options.limits,
+        );
+        self.notes.extend(notes);
         for line in lines {
             let result = if line.pair.as_rule() == Rule::line {
                 build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
@@ -188,6 +198,10 @@ impl<'a> Reader<'a> {
             }
         }
         self.check()?;
+        if let Some((drawn, note)) = drawn_by_program(&program, &built) {
+            built.push(drawn);
+            self.notes.push(note);
+        }
         Ok((built, scope))
     }
 
@@ -263,16 +277,12 @@ impl<'a> Reader<'a> {
             let above = self.colors.iter().rfind(|(at, _)| *at < surface.span.start);
             surface.color = above.map(|(_, color)| *color);
         }
+        self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         self.notes.sort_by_key(|note| note.span);
         // One note on a name is enough.
         let mut seen = FxHashSet::default();
-        self.notes.retain(|note| match note.kind {
-            NoteKind::ConstantUsed { .. } | NoteKind::ProductOfNames { .. } => {
-                seen.insert(note.kind.clone())
-            }
-            _ => true,
-        });
+        self.notes.retain(|note| !note.kind.is_about_a_name() || seen.insert(note.kind.clone()));
         // Each is drawn with the line that it is about, which may be the whole text.
         if let Some(note) = self.notes.get(MOST_NOTES) {
             let span = note.span;
@@ -336,7 +346,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
         None => (lowering.solid(expr, false)?, SurfaceKind::Solid),
     };
     let root = restrictions.iter().try_fold(root, |root, condition| match kind {
-        SurfaceKind::Equation => lowering.restrict(root, condition),
+        SurfaceKind::Equation => lowering.restrict(root, condition, &[]),
         SurfaceKind::Solid => lowering.cut(root, condition),
     })?;
     Ok(Surface { root, kind, span: built.span, echo: echo(expr, restrictions), color: None })
@@ -349,50 +359,6 @@ fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     }
     let equation = equals(expr.clone(), number_zero(expr.span));
     Drawing { expr: &equation, restrictions }.to_string()
-}
-
-fn equals(left: Expr, right: Expr) -> Expr {
-    let span = left.span;
-    Expr::new(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]), span)
-}
-
-fn number_zero(span: Span) -> Expr {
-    Expr::new(ExprKind::Number("0".to_owned()), span)
-}
-
-/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
-/// height.
-fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, Note)> {
-    for (definition, built) in definitions.iter().rev() {
-        let parameters: Vec<&str> =
-            definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
-        let span = definition.name.span;
-        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), span);
-        let function = Function::Defined(definition.name.text.clone());
-        let arguments: Vec<Expr> =
-            Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
-        let call = Expr::new(ExprKind::Call(function, arguments), span);
-        let expr = match parameters.as_slice() {
-            ["x", "y", "z"] => equals(call, number_zero(span)),
-            ["x", "y"] => equals(coordinate(Axis::Z), call),
-            _ => continue,
-        };
-        let drawn = expr.to_string();
-        let statement = Statement::Draw { expr, restrictions: Vec::new() };
-        let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };
-        let built =
-            Built { statement, span: built.span, notes: Vec::new(), used: FxHashSet::default() };
-        return Ok((built, note));
-    }
-    let Some((definition, _)) = definitions.last() else {
-        return Err(Error::new(Span::at(0), ErrorKind::Empty));
-    };
-    let kind = ErrorKind::NothingToDraw {
-        last: definition.name.text.clone(),
-        is_number: is_plain_number(&definition.body),
-        parameters: definition.parameters.as_ref().map(Vec::len),
-    };
-    Err(Error::new(definition.name.span, kind))
 }
 
 /// The title and text of the comment that a document starts with.

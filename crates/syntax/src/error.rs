@@ -153,6 +153,42 @@ pub enum ErrorKind {
     Vector,
     #[error("unexpected comma")]
     Comma,
+    #[error("`{name}` begins a line of its own")]
+    SettingInLine { name: String },
+    #[error("there is no calculus here")]
+    Calculus,
+    #[error("a program's `{word}` is not read here")]
+    Program { word: String },
+    #[error("a program sets at most {limit} names")]
+    TooManyNames { limit: usize },
+    #[error("`//` is no integer division")]
+    IntegerDivision,
+
+    // ---- vectors
+    #[error("a vector of {size} components cannot be made of {given}")]
+    VectorSize { size: usize, given: usize },
+    #[error("vectors of {first} and of {second} components do not go together")]
+    VectorSizes { first: usize, second: usize },
+    #[error("this is a number and has no component `.{letters}`")]
+    ComponentOfNumber { letters: String },
+    #[error("a vector of {size} components has no `.{letter}`")]
+    NoComponent { letter: char, size: usize },
+    #[error("`cross` takes two vectors of three components")]
+    CrossSize,
+    #[error("there are no matrices")]
+    Matrix,
+
+    // ---- choices, sums, iteration
+    #[error("a piece of a choice has no condition")]
+    PieceWithoutCondition,
+    #[error("this is not how `{name}` is written")]
+    FormUsage { name: &'static str, usage: &'static str },
+    #[error("this must be a constant whole number")]
+    RangeNotWhole,
+    #[error("the step of a sum must be 1 or more")]
+    SeriesStep,
+    #[error("there are at most {limit} terms or repetitions")]
+    TooManyTerms { limit: i64 },
 
     // ---- names
     #[error("`{name}` is not defined")]

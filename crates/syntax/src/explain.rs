@@ -49,9 +49,18 @@ impl Error {
             }
             ErrorKind::NumberAfterNumber => "a product of two numbers needs an explicit `*`",
             ErrorKind::Tuple | ErrorKind::Vector => {
-                "a surface is one equation in x, y and z; \
-                 parametric forms and vectors are not supported"
+                "a surface is one equation between numbers, in x, y and z; \
+                 there are no parametric forms"
             }
+            ErrorKind::Calculus => {
+                "formulas are computed as they stand, nothing is derived from them"
+            }
+            ErrorKind::Program { .. } => "a formula is read as a whole, not run step by step",
+            ErrorKind::IntegerDivision => {
+                "it begins a comment, and what follows looks like a divisor"
+            }
+            ErrorKind::RangeNotWhole => "a sum is written out before anything is drawn",
+            ErrorKind::TooManyTerms { .. } => "each term becomes a part of the formula",
             ErrorKind::Comma => "commas separate the arguments of a function, inside its brackets",
             ErrorKind::NeedsArgument { count: 1, .. } if self.suggestion.is_some() => {
                 "an argument without brackets cannot start with a sign"
@@ -148,6 +157,16 @@ impl Error {
                      with a line `{letter} = 1` or with `-D {letter}=1`"
                 )
             }
+            ErrorKind::UnknownFunction { name } if name == "erf" => {
+                "no proven bounds are known here; an approximation within 0.0005 is \
+                 `erf(a) = tanh(1.128379a + 0.100906a^3)`, as a line of its own"
+                    .to_owned()
+            }
+            ErrorKind::UnknownFunction { name } if name == "gamma" => {
+                "no proven bounds are known here; for whole numbers write the product, \
+                 `product(k = 1..4, k)`"
+                    .to_owned()
+            }
             ErrorKind::UnknownFunction { name } => format!(
                 "define it with a line `{name}(a) = …`, or give `{name}` a value to multiply with"
             ),
@@ -171,6 +190,7 @@ impl Error {
                 format!("write `{name}(…, …)`: without brackets a function takes only one argument")
             }
             ErrorKind::WrongCount { usage, .. } => usage.clone()?,
+            ErrorKind::FormUsage { usage, .. } => format!("write it as in `{usage}`"),
             ErrorKind::InversePower { name } => format!("for the reciprocal, write `1/{name}(…)`"),
             ErrorKind::BadView => format!(
                 "write `view front` ({}) or `view eye (2, -3, 1.5) target (0, 0, 0)`",
@@ -212,8 +232,29 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         }
         ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`",
         ErrorKind::Comma => "to draw several surfaces, put each on a line of its own",
-        ErrorKind::Tuple => "write one equation in x, y and z; a product is written with `*`",
-        ErrorKind::Vector => "write an equation in x, y and z, such as `x^2 + y^2 = z`",
+        ErrorKind::Tuple => {
+            "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
+        }
+        ErrorKind::Vector => "take its `length(…)`, or a component such as `.x`",
+        ErrorKind::Calculus => "write the derivative or the integral out, as a formula",
+        ErrorKind::Program { .. } => {
+            "write a choice as `c ? a : b`, a loop as `sum(k = 1..3, …)` or `iterate(f, 3, x)`"
+        }
+        ErrorKind::IntegerDivision => {
+            "write `floor(a/b)` for a division, or put the comment on a line of its own"
+        }
+        ErrorKind::VectorSize { .. } => "give as many numbers as it has components, or one for all",
+        ErrorKind::VectorSizes { .. } => "take components, as in `p.xy`",
+        ErrorKind::ComponentOfNumber { .. } => "a product is written `*`",
+        ErrorKind::NoComponent { .. } => "components are .x, .y, .z and .w, in this order",
+        ErrorKind::CrossSize => "write `cross(vec3(…), vec3(…))`",
+        ErrorKind::Matrix => "write the components, as in `vec2(c*p.x - s*p.y, s*p.x + c*p.y)`",
+        ErrorKind::PieceWithoutCondition => {
+            "write `{x < 0: a, b}`: conditions first, then a value for all other points"
+        }
+        ErrorKind::RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
+        ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
+        ErrorKind::TooManyTerms { .. } => "end the range earlier",
         ErrorKind::Complex => "rewrite the formula with real and imaginary parts",
         ErrorKind::Reserved { .. } => "choose another name",
         ErrorKind::TooManySurfaces { .. } => "draw fewer at a time",
@@ -256,9 +297,8 @@ fn character_reason(character: char) -> Option<&'static str> {
     Some(match character {
         '!' => "there is no factorial",
         '\'' | '′' | '’' | '∂' | '∫' | '∑' | '∏' => {
-            "there are no derivatives, integrals or series"
+            "there are no derivatives and integrals; write them out"
         }
-        '$' => "formulas are written without dollar signs",
         '∞' => "all values are finite",
         '±' => "a formula has one value at each point",
         '°' => "angles are in radians",
@@ -270,13 +310,13 @@ fn character_reason(character: char) -> Option<&'static str> {
 
 fn character_help(character: char) -> Option<&'static str> {
     Some(match character {
+        '?' => "a choice is written `c ? a : b` or `{c: a, b}`",
         '%' => "the remainder is written `mod(a, b)`",
         '~' => "write `not`, or `=`",
         '°' => "write `30*pi/180` for 30 degrees",
         '±' => "write two formulas, one a line, or square both sides",
         '\\' => "a LaTeX command has a name, such as `\\sin`",
         '.' => "a product is written `*`",
-        '$' => "leave the dollar signs out",
         _ => return None,
     })
 }

@@ -14,32 +14,45 @@
 //! # Ok::<(), zeroset_syntax::Errors>(())
 //! ```
 
+mod aliases;
 mod application;
+mod arrange;
 pub mod ast;
+mod bars;
 mod build;
+mod choice;
+mod closed;
 mod condition;
 mod constant;
+mod coordinates;
 mod cycle;
 mod diagnose;
 mod document;
 mod error;
 mod explain;
 mod grammar;
+mod implied;
+mod lexer;
 mod limits;
 mod lower;
 mod note;
 mod parameters;
 mod prelude;
 mod print;
+mod program;
+mod program_words;
 mod render;
 mod run;
 mod scan;
 mod scene;
 mod scope;
+mod series;
 mod span;
+mod special;
 mod spelling;
 mod statement;
 mod unknown;
+mod value;
 
 pub use constant::constant;
 pub use document::{

@@ -9,8 +9,10 @@ use crate::ast::{
 };
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
+use crate::note::Note;
 use crate::prelude;
 use crate::span::Span;
+use crate::value::{Value, component, numbers, vector};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -31,17 +33,19 @@ pub(crate) enum Binding<'a> {
 }
 
 /// Values by the names of a function's parameters.
-type Locals<'a> = [(&'a str, NodeId)];
+pub(crate) type Locals<'a> = [(&'a str, Value)];
 
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
+    /// What was noticed on the way.
+    pub notes: Vec<Note>,
     names: FxHashMap<&'a str, Binding<'a>>,
     time: Option<u32>,
     is_constant: bool,
     limits: &'a Limits,
-    expanded: FxHashMap<(Function, Vec<NodeId>), NodeId>,
-    values: FxHashMap<&'a str, NodeId>,
+    expanded: FxHashMap<(Function, Vec<Value>), Value>,
+    values: FxHashMap<&'a str, Value>,
     levels: usize,
     visits: usize,
     /// Per node, as far as has been asked, whether it is defined everywhere.
@@ -61,6 +65,7 @@ impl<'a> Lowering<'a> {
     pub(crate) fn constant(limits: &'a Limits) -> Self {
         Self {
             graph: Graph::new(),
+            notes: Vec::new(),
             names: FxHashMap::default(),
             time: None,
             is_constant: true,
@@ -83,7 +88,7 @@ impl<'a> Lowering<'a> {
     pub(crate) fn equation(&mut self, expr: &'a Expr) -> Fallible<Option<NodeId>> {
         match &expr.kind {
             ExprKind::Compare(left, rest) => match rest.as_slice() {
-                [(Relation::Equal, right)] => self.difference(left, right).map(Some),
+                [(Relation::Equal, right)] => self.difference(left, right, &[]).map(Some),
                 _ => Ok(None),
             },
             ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => Ok(None),
@@ -92,17 +97,22 @@ impl<'a> Lowering<'a> {
     }
 
     /// `left − right`, without the subtraction where one side is the number 0.
-    pub(crate) fn difference(&mut self, left: &'a Expr, right: &'a Expr) -> Fallible<NodeId> {
+    pub(crate) fn difference(
+        &mut self,
+        left: &'a Expr,
+        right: &'a Expr,
+        locals: &Locals<'a>,
+    ) -> Fallible<NodeId> {
         let zero =
             |expr: &Expr| expr.number().and_then(Constant::decimal).is_some_and(|c| c.is_zero());
         if zero(right) {
-            return self.value(left);
+            return self.number(left, locals);
         }
-        let right_node = self.value(right)?;
+        let right_node = self.number(right, locals)?;
         if zero(left) {
             return Ok(self.graph.apply(Op::Neg, &[right_node]));
         }
-        let left_node = self.value(left)?;
+        let left_node = self.number(left, locals)?;
         Ok(self.graph.apply(Op::Sub, &[left_node, right_node]))
     }
 
@@ -125,131 +135,176 @@ impl<'a> Lowering<'a> {
         Ok(())
     }
 
-    fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
+    /// The node of an expression that must be a number.
+    pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
+        match self.value_of(expr, locals)? {
+            Value::Number(node) => Ok(node),
+            Value::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+        }
+    }
+
+    /// The value of an expression: a number or a vector.
+    pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
         self.enter(expr.span)?;
         self.levels += 1;
-        let node = self.node(expr, locals);
+        let node = self.lower(expr, locals);
         self.levels -= 1;
         node
     }
 
-    fn node(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
+    fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
         match &expr.kind {
             ExprKind::Number(text) => {
                 let constant =
                     Constant::decimal(text).expect("the grammar lets only decimals through");
-                Ok(self.graph.constant(constant))
+                Ok(Value::Number(self.graph.constant(constant)))
             }
             ExprKind::Name(value) => self.named(value, expr.span, locals),
             ExprKind::Negate(inner) => {
-                let inner = self.number(inner, locals)?;
-                // A negative number is a number, so that `x^-2` has one for its exponent.
-                let opposite = match self.graph.node(inner) {
-                    Node::Constant(constant) => {
-                        constant.exact().map(|value| Constant::rational(-value))
-                    }
-                    Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
-                };
-                Ok(match opposite {
-                    Some(constant) => self.graph.constant(constant),
-                    None => self.graph.apply(Op::Neg, &[inner]),
-                })
+                let inner = self.value_of(inner, locals)?;
+                Ok(self.each(inner, Self::opposite))
             }
             ExprKind::Sum(first, rest) => {
-                let mut sum = self.number(first, locals)?;
+                let mut sum = self.value_of(first, locals)?;
                 for (sign, term) in rest {
-                    let term = self.number(term, locals)?;
+                    let term_value = self.value_of(term, locals)?;
                     let op = match sign {
                         SumSign::Plus => Op::Add,
                         SumSign::Minus => Op::Sub,
                     };
-                    sum = self.graph.apply(op, &[sum, term]);
+                    sum = self.native(op, &[sum, term_value], term.span)?;
                 }
                 Ok(sum)
             }
             ExprKind::Product(first, rest) => {
-                let mut product = self.number(first, locals)?;
+                let mut product = self.value_of(first, locals)?;
                 for (sign, factor) in rest {
-                    let factor = self.number(factor, locals)?;
+                    let value = self.value_of(factor, locals)?;
                     let op = match sign {
                         ProductSign::Times => Op::Mul,
                         ProductSign::Over => Op::Div,
                     };
-                    product = self.graph.apply(op, &[product, factor]);
+                    self.note_product(op, &product, &value, first.span.to(factor.span));
+                    product = self.native(op, &[product, value], factor.span)?;
                 }
                 Ok(product)
             }
             ExprKind::Power(base, exponent) => {
-                let base = self.number(base, locals)?;
-                let exponent = self.number(exponent, locals)?;
-                Ok(self.graph.apply(Op::Pow, &[base, exponent]))
+                let base = self.value_of(base, locals)?;
+                let exponent = self.value_of(exponent, locals)?;
+                self.native(Op::Pow, &[base, exponent], expr.span)
             }
             ExprKind::Call(function, arguments) => {
-                let nodes: Fallible<Vec<NodeId>> =
-                    arguments.iter().map(|a| self.number(a, locals)).collect();
-                self.call(function, nodes?, expr.span)
+                let values: Fallible<Vec<Value>> =
+                    arguments.iter().map(|a| self.value_of(a, locals)).collect();
+                self.call(function, values?, expr.span)
             }
+            ExprKind::Choice(pieces, otherwise) => {
+                self.choice(pieces, otherwise.as_deref(), locals)
+            }
+            ExprKind::Component(vector, letters) => {
+                let value = self.value_of(vector, locals)?;
+                component(value, letters, expr.span)
+            }
+            ExprKind::Series(series) => self.series(series, expr.span, locals),
             ExprKind::Compare(..) | ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => {
                 Err(Error::new(expr.span, ErrorKind::ConditionAsValue))
             }
         }
     }
 
-    fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<NodeId> {
+    /// The opposite of a number; that of a negative number is a number, so that `x^-2` has one for
+    /// its exponent.
+    fn opposite(&mut self, inner: NodeId) -> NodeId {
+        let opposite = match self.graph.node(inner) {
+            Node::Constant(constant) => constant.exact().map(|value| Constant::rational(-value)),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
+        };
+        match opposite {
+            Some(constant) => self.graph.constant(constant),
+            None => self.graph.apply(Op::Neg, &[inner]),
+        }
+    }
+
+    fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<Value> {
         let varies = || {
             let name = value.name().to_owned();
             Error::new(span, ErrorKind::NotConstant { name })
         };
         match value {
             NamedValue::Coordinate(_) | NamedValue::Time if self.is_constant => Err(varies()),
-            NamedValue::Coordinate(axis) => Ok(self.graph.variable(*axis)),
-            NamedValue::Time => Ok(match self.time {
+            NamedValue::Coordinate(axis) => Ok(Value::Number(self.graph.variable(*axis))),
+            NamedValue::Time => Ok(Value::Number(match self.time {
                 Some(number) => self.graph.parameter(number),
                 None => self.graph.integer(0),
-            }),
-            NamedValue::Constant(constant) => Ok(self.graph.constant(match constant {
-                NamedConstant::Pi => Constant::pi(),
-                NamedConstant::Tau => Constant::tau(),
-                NamedConstant::E => Constant::e(),
-                NamedConstant::Phi => Constant::phi(),
             })),
+            NamedValue::Constant(constant) => {
+                Ok(Value::Number(self.graph.constant(match constant {
+                    NamedConstant::Pi => Constant::pi(),
+                    NamedConstant::Tau => Constant::tau(),
+                    NamedConstant::E => Constant::e(),
+                    NamedConstant::Phi => Constant::phi(),
+                })))
+            }
             NamedValue::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);
-                found.map(|(_, node)| *node).ok_or_else(varies)
+                found.map(|(_, value)| value.clone()).ok_or_else(varies)
             }
             NamedValue::Defined(name) => {
-                if let Some(node) = self.values.get(name.as_str()) {
-                    return Ok(*node);
+                if let Some(value) = self.values.get(name.as_str()) {
+                    return Ok(value.clone());
                 }
                 let (name, binding) = self.names.get_key_value(name.as_str()).ok_or_else(varies)?;
                 let (name, definition) = match binding {
-                    Binding::Parameter(number) => return Ok(self.graph.parameter(*number)),
+                    Binding::Parameter(number) => {
+                        return Ok(Value::Number(self.graph.parameter(*number)));
+                    }
                     Binding::Definition(definition) => (*name, *definition),
                 };
-                let node = self.number(&definition.body, &[]).map_err(|e| at_use(e, span))?;
-                self.values.insert(name, node);
-                Ok(node)
+                let value = self.value_of(&definition.body, &[]).map_err(|e| at_use(e, span))?;
+                self.values.insert(name, value.clone());
+                Ok(value)
             }
         }
     }
 
-    fn call(
+    /// A function of values.
+    pub(crate) fn call(
         &mut self,
-        function: &Function,
-        arguments: Vec<NodeId>,
+        function: &'a Function,
+        mut arguments: Vec<Value>,
         span: Span,
-    ) -> Fallible<NodeId> {
+    ) -> Fallible<Value> {
         match function {
-            Function::Native(op) if op.arity() < arguments.len() => Ok(self.fold(*op, &arguments)),
-            Function::Native(op) => Ok(self.graph.apply(*op, &arguments)),
-            Function::Length => {
-                let two = self.graph.integer(2);
-                let squares: Vec<NodeId> =
-                    arguments.iter().map(|node| self.graph.apply(Op::Pow, &[*node, two])).collect();
-                let sum = self.fold(Op::Add, &squares);
-                Ok(self.graph.apply(Op::Sqrt, &[sum]))
+            Function::Native(op) if op.arity() < arguments.len() => {
+                let first = arguments.remove(0);
+                arguments
+                    .into_iter()
+                    .try_fold(first, |all, next| self.native(*op, &[all, next], span))
             }
-            Function::Root => self.root(arguments[0], arguments[1], span),
+            Function::Native(op) if op.arity() > arguments.len() => {
+                let nodes = arguments.pop().map(|value| value.parts().to_vec());
+                Ok(Value::Number(self.fold(*op, &nodes.unwrap_or_default())))
+            }
+            Function::Native(op) => self.native(*op, &arguments, span),
+            Function::Length => {
+                let nodes = numbers(&arguments, span)?;
+                Ok(Value::Number(self.length(&nodes)))
+            }
+            Function::Root => {
+                let nodes = numbers(&arguments, span)?;
+                self.root(nodes[0], nodes[1], span).map(Value::Number)
+            }
+            Function::Vector(size) => vector(usize::from(*size), &arguments, span),
+            Function::OfVectors(function) => self.of_vectors(*function, &arguments, span),
+            Function::Iterate(function) => self.iterate(function, arguments, span),
+            Function::Composed(index)
+                if zeroset_ops::COMPOSED[*index].name == "hypot"
+                    && matches!(arguments.as_slice(), [Value::Vector(_)]) =>
+            {
+                let Some(Value::Vector(nodes)) = arguments.pop() else { unreachable!("matched") };
+                Ok(Value::Number(self.length(&nodes)))
+            }
             Function::Composed(index) => {
                 let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
                 self.expand(function, arguments, names, prelude::body(*index), span)
@@ -266,23 +321,35 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// A function of one value that is a formula over others.
+    pub(crate) fn composed(
+        &mut self,
+        index: usize,
+        argument: Value,
+        span: Span,
+    ) -> Fallible<Value> {
+        let names = zeroset_ops::COMPOSED[index].parameters.iter().copied();
+        let function = Function::Composed(index);
+        self.expand(&function, vec![argument], names, prelude::body(index), span)
+    }
+
     /// The body of a function with `names` replaced by its arguments.
     fn expand(
         &mut self,
         function: &Function,
-        arguments: Vec<NodeId>,
+        arguments: Vec<Value>,
         names: impl Iterator<Item = &'a str>,
         body: &'a Expr,
         span: Span,
-    ) -> Fallible<NodeId> {
+    ) -> Fallible<Value> {
         let key = (function.clone(), arguments);
-        if let Some(node) = self.expanded.get(&key) {
-            return Ok(*node);
+        if let Some(value) = self.expanded.get(&key) {
+            return Ok(value.clone());
         }
-        let locals: Vec<(&str, NodeId)> = names.zip(key.1.iter().copied()).collect();
-        let node = self.number(body, &locals).map_err(|error| at_use(error, span))?;
-        self.expanded.insert(key, node);
-        Ok(node)
+        let locals: Vec<(&str, Value)> = names.zip(key.1.iter().cloned()).collect();
+        let value = self.value_of(body, &locals).map_err(|error| at_use(error, span))?;
+        self.expanded.insert(key, value.clone());
+        Ok(value)
     }
 
     /// The n-th root of `radicand`: of negative numbers too where n is odd.

@@ -53,8 +53,58 @@ pub enum NoteKind {
          so the power is defined only for values >= 0; write it in digits to allow negative values"
     )]
     NearInteger { exponent: String },
+    #[error("the comma is read as a decimal point: `{read}`")]
+    DecimalComma { read: String },
+    #[error(
+        "the product of two vectors is taken component by component; \
+         for the scalar product, write `dot(p, q)`"
+    )]
+    ProductOfVectors,
+    #[error("it is 0 where no condition holds, as in Mathematica")]
+    ZeroElsewhere,
+    #[error("`X`, `Y` and `Z` are read as the coordinates x, y and z")]
+    CapitalCoordinates,
+    #[error("`sinc(a)` is sin(a)/a, and 1 at 0; for sin(pi*a)/(pi*a), write `sinc(pi*a)`")]
+    Sinc,
+    #[error(
+        "the arc cotangent is pi/2 - atan(a), in (0, pi); for the other one, write `atan(1/a)`"
+    )]
+    ArcCotangent,
+    #[error("numpy's `sinc(a)` is read as `sinc(pi*a)`, that is sin(pi*a)/(pi*a)")]
+    SincOfNumpy,
+    #[error("the angle of a point, as in Mathematica: `{read}`")]
+    ArcTanOfPoint { read: String },
+    #[error("angles are in radians here; those of OpenSCAD are in degrees: write `radians(a)`")]
+    DegreesOfOpenscad,
+    #[error("`E` is read as Euler's number e")]
+    CapitalE,
+    #[error("{system}: `{definitions}`; for others, define them")]
+    Coordinates { system: &'static str, definitions: String },
+    #[error(
+        "`{name}` is read as the point of space, `{name} = vec3(x, y, z)`; for another, define it"
+    )]
+    PointOfSpace { name: String },
+    #[error("read as `{name}({read})`; brackets tell where the argument ends")]
+    FunctionOfProduct { name: String, read: String },
     #[error("further notes omitted")]
     More,
+}
+
+impl NoteKind {
+    /// Whether it says what a name means, which one note for all its uses tells.
+    pub(crate) fn is_about_a_name(&self) -> bool {
+        matches!(
+            self,
+            Self::ConstantUsed { .. }
+                | Self::ProductOfNames { .. }
+                | Self::CapitalCoordinates
+                | Self::CapitalE
+                | Self::Sinc
+                | Self::ArcCotangent
+                | Self::ZeroElsewhere
+                | Self::ProductOfVectors
+        )
+    }
 }
 
 fn did_you_mean(meant: Option<&str>) -> String {

@@ -1,9 +1,9 @@
 //! The bodies of composed functions, parsed once.
 
+use crate::arrange::statements;
 use crate::ast::{Expr, Name};
 use crate::build::Builder;
 use crate::limits::Limits;
-use crate::scan::scan;
 use crate::scope::Scope;
 use crate::span::Span;
 use std::sync::LazyLock;
@@ -15,7 +15,7 @@ static BODIES: LazyLock<Vec<Expr>> = LazyLock::new(|| {
     let bodies = COMPOSED.iter().map(|composed| {
         let name = |text: &&str| Name { text: (*text).to_owned(), span: Span::default() };
         let locals: Vec<Name> = composed.parameters.iter().map(name).collect();
-        let pieces = scan(composed.body, &limits).unwrap_or_default();
+        let pieces = statements(composed.body, &limits).unwrap_or_default();
         let body = pieces.first().map(|piece| {
             Builder::new(composed.body, piece, &scope, &locals, &limits).only_expression()
         });

@@ -3,7 +3,8 @@
 //! Parsing what is printed gives an equal tree; a property test holds this module to it.
 
 use crate::ast::{
-    Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, Statement, SumSign,
+    Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, Series, Statement,
+    SumSign,
 };
 use crate::spelling::{in_name, symbol};
 use std::fmt;
@@ -31,7 +32,12 @@ fn tightness(expr: &Expr) -> Tightness {
         ExprKind::Negate(_) | ExprKind::Sum(..) => Tightness::Sum,
         ExprKind::Product(..) => Tightness::Product,
         ExprKind::Power(..) => Tightness::Power,
-        ExprKind::Number(_) | ExprKind::Name(_) | ExprKind::Call(..) => Tightness::Atom,
+        ExprKind::Number(_)
+        | ExprKind::Name(_)
+        | ExprKind::Call(..)
+        | ExprKind::Choice(..)
+        | ExprKind::Component(..)
+        | ExprKind::Series(_) => Tightness::Atom,
     }
 }
 
@@ -95,6 +101,23 @@ impl fmt::Display for Expr {
                 f.write_str("^")?;
                 write(f, exponent, Tightness::Power)
             }
+            ExprKind::Choice(pieces, otherwise) => write_choice(f, pieces, otherwise.as_deref()),
+            ExprKind::Component(vector, letters) => {
+                // A dot behind a number or a coordinate is no component.
+                match vector.kind {
+                    ExprKind::Number(_) | ExprKind::Name(NamedValue::Coordinate(_)) => {
+                        write!(f, "({vector})")?;
+                    }
+                    _ => write(f, vector, Tightness::Atom)?,
+                }
+                write!(f, ".{letters}")
+            }
+            ExprKind::Series(series) => series.fmt(f),
+            ExprKind::Call(Function::Iterate(function), arguments) => {
+                write!(f, "iterate({}, ", function.name())?;
+                list(f, arguments, ", ", Tightness::Or)?;
+                f.write_str(")")
+            }
             ExprKind::Call(function, arguments) => {
                 write!(f, "{}(", function.name())?;
                 list(f, arguments, ", ", Tightness::Or)?;
@@ -115,6 +138,33 @@ impl fmt::Display for Expr {
                 write(f, inner, Tightness::Atom)
             }
         }
+    }
+}
+
+fn write_choice(
+    f: &mut fmt::Formatter<'_>,
+    pieces: &[(Expr, Expr)],
+    otherwise: Option<&Expr>,
+) -> fmt::Result {
+    for (index, (condition, value)) in pieces.iter().enumerate() {
+        let joint = if index == 0 { "{" } else { ", " };
+        write!(f, "{joint}{condition}: {value}")?;
+    }
+    match otherwise {
+        Some(value) => write!(f, ", {value}}}"),
+        None => f.write_str("}"),
+    }
+}
+
+impl fmt::Display for Series {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { is_product, index, low, high, step, body } = self;
+        let name = if *is_product { "product" } else { "sum" };
+        write!(f, "{name}({} = {low}..{high}", index.text)?;
+        if let Some(step) = step {
+            write!(f, "..{step}")?;
+        }
+        write!(f, ", {body})")
     }
 }
 
@@ -158,6 +208,8 @@ impl fmt::Display for Statement {
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
         ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
+        // Setting a component, in a program.
+        ExprKind::Component(vector, _) => matches!(vector.kind, ExprKind::Name(_)),
         ExprKind::Call(Function::Defined(_), arguments) => {
             arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
         }

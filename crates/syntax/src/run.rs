@@ -3,22 +3,32 @@
 //! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
-use crate::ast::{Expr, ExprKind, Function, NamedValue, ProductSign};
-use crate::build::{Builder, Signs, number_only, product_of, root_text};
+use crate::ast::{Expr, ExprKind, NamedConstant, NamedValue, ProductSign};
+use crate::build::{Builder, Signs, number_only, root_text};
+use crate::closed::{native, number};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
-use crate::spelling::{decimal, plain_name, superscript_digit, vulgar};
+use crate::special::{Logic, logic};
+use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
+use crate::value::LETTERS;
 use std::collections::VecDeque;
-use zeroset_ops::Op;
+use zeroset_ir::Axis;
+use zeroset_ops::{Form, Op};
 
 /// A piece of a run.
 pub(crate) enum Item<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
+    /// What takes more than numbers, in the brackets that follow.
+    Form(&'static Form, Span),
+    /// A condition, its parts in the brackets that follow.
+    Logic(Logic, Span),
+    /// `.xz` behind a vector.
+    Component(String, Span),
     /// Round or square brackets.
     Group(Pair<'i>),
     /// Anything that is one factor whatever surrounds it: braces, bars, `\frac`, `\sqrt{}`.
@@ -50,7 +60,7 @@ impl Builder<'_> {
     }
 
     #[inline(never)] // not a part of the recursion, so not of its stack frames
-    fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
+    pub(crate) fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
         let span = self.span(&pair);
         let typed = self.typed(&pair);
         items.push_back(match pair.as_rule() {
@@ -67,6 +77,7 @@ impl Builder<'_> {
             Rule::caret => Item::Caret(self.signs(&mut pair.into_inner()), span),
             Rule::radical => Item::Radical(typed.chars().next().unwrap_or('√'), span),
             Rule::group => Item::Group(pair),
+            Rule::component => Item::Component(letters(typed), span),
             Rule::vulgar => {
                 // `2½` is five halves to some and one to others.
                 if let Some(Item::Leaf(before)) = items.back()
@@ -84,7 +95,21 @@ impl Builder<'_> {
     /// Adds the items that a name stands for: usually one.
     fn name(&mut self, typed: &str, span: Span, items: &mut Items<'_>) -> Fallible<()> {
         let name = plain_name(typed);
-        match self.scope.meaning(&name, self.locals) {
+        if let Some(lifted) = self.alias(&name) {
+            items.push_back(Item::Leaf(Expr::new(lifted, span)));
+            return Ok(());
+        }
+        if self.text[span.end..].trim_start_matches(BLANKS).starts_with(['(', '[']) {
+            if let Some(form) = self.scope.form(&name, &self.locals) {
+                items.push_back(Item::Form(form, span));
+                return Ok(());
+            }
+            if let (Some(logic), false) = (logic(&name), self.scope.is_defined(&name)) {
+                items.push_back(Item::Logic(logic, span));
+                return Ok(());
+            }
+        }
+        match self.scope.meaning(&name, &self.locals) {
             Meaning::Value(value) => items.push_back(self.leaf(value, span)),
             Meaning::Function(callee) => {
                 if let Callee::Defined(name, _) = &callee {
@@ -100,14 +125,27 @@ impl Builder<'_> {
                     // typed.
                     let place = Span::new(at, at + letter.len());
                     at = place.end;
-                    if let Meaning::Value(value) = self.scope.meaning(letter, self.locals) {
+                    if let Meaning::Value(value) = self.scope.meaning(letter, &self.locals) {
                         items.push_back(self.leaf(value, place));
                     }
                 }
                 let product = letters.join("*");
                 self.note(span, NoteKind::ProductOfNames { name, product });
             }
-            Meaning::Unknown => return Err(self.unknown(&name, typed, span)),
+            Meaning::Unknown => {
+                if typed == "E" {
+                    self.note(span, NoteKind::CapitalE);
+                    let value = NamedValue::Constant(NamedConstant::E);
+                    items.push_back(self.leaf(value, span));
+                    return Ok(());
+                }
+                let Some(axis) = capital(&name) else {
+                    return Err(self.unknown(&name, typed, span));
+                };
+                self.note(span, NoteKind::CapitalCoordinates);
+                let value = NamedValue::Coordinate(axis);
+                items.push_back(Item::Leaf(Expr::new(ExprKind::Name(value), span)));
+            }
         }
         Ok(())
     }
@@ -164,7 +202,18 @@ impl Builder<'_> {
     /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is
     /// above it.
     pub(crate) fn power(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
-        let base = self.primary(items)?;
+        let mut base = self.primary(items)?;
+        while let Some(Item::Component(letters, span)) = items.front() {
+            let (letters, span) = (letters.clone(), base.span.to(*span));
+            if is_coordinate(&base) {
+                let dot = Span::new(span.end - letters.len() - 1, span.end - letters.len());
+                let kind = ErrorKind::UnexpectedCharacter { character: '.' };
+                return Err(Error::new(dot, kind));
+            }
+            items.pop_front();
+            self.room(span, 1)?;
+            base = Expr::new(ExprKind::Component(Box::new(base), letters), span);
+        }
         match items.front() {
             Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
             _ => Ok(base),
@@ -179,7 +228,18 @@ impl Builder<'_> {
             levels += 1 + chain.last().map_or(0, |(signs, _)| signs.len());
             chain.push(match items.pop_front() {
                 Some(Item::Caret(signs, span)) => {
-                    (signs, self.deeper(span, levels, |b| b.primary(items))?)
+                    let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
+                    while let Some(Item::Component(letters, span)) = items.front() {
+                        let (letters, span) = (letters.clone(), exponent.span.to(*span));
+                        if is_coordinate(&exponent) {
+                            let kind = ErrorKind::UnexpectedCharacter { character: '.' };
+                            return Err(Error::new(span, kind));
+                        }
+                        items.pop_front();
+                        let kind = ExprKind::Component(Box::new(exponent), letters);
+                        exponent = Expr::new(kind, span);
+                    }
+                    (signs, exponent)
                 }
                 Some(Item::Superscript(number)) => {
                     self.room(number.span, levels)?;
@@ -223,11 +283,27 @@ impl Builder<'_> {
 
     pub(crate) fn primary(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
         match items.pop_front().expect("the grammar ends no run with a sign") {
-            Item::Leaf(expr) => self.not_a_call(expr, items.front()),
+            Item::Leaf(expr) => {
+                if let Some((letter, span)) = self.index(&expr, items.front()) {
+                    items.pop_front();
+                    let span = expr.span.to(span);
+                    let kind = ExprKind::Component(Box::new(expr), letter.to_string());
+                    return Ok(Expr::new(kind, span));
+                }
+                self.not_a_call(expr, items.front())
+            }
             Item::Function(callee, span) => {
                 self.deeper(span, 1, |b| b.application(&callee, span, items))
             }
             Item::Group(pair) => self.group(pair),
+            Item::Form(form, span) => {
+                let group = self.brackets(items, span)?;
+                self.deeper(span, 1, |b| b.form(form, span, group))
+            }
+            Item::Logic(logic, span) => {
+                let group = self.brackets(items, span)?;
+                self.deeper(span, 1, |b| b.logic(logic, span, group))
+            }
             Item::Closed(pair) => {
                 let span = self.span(&pair);
                 self.deeper(span, 1, |b| b.closed(pair, span))
@@ -236,19 +312,54 @@ impl Builder<'_> {
                 let inner = b.power(items)?;
                 number_only(&inner)?;
                 let place = span.to(inner.span);
-                if let Some(Item::Leaf(_) | Item::Group(_) | Item::Function(..) | Item::Closed(_)) =
-                    items.front()
+                if let Some(
+                    Item::Leaf(_)
+                    | Item::Group(_)
+                    | Item::Function(..)
+                    | Item::Form(..)
+                    | Item::Closed(_),
+                ) = items.front()
                 {
                     b.note(place, NoteKind::RadicalScope { radical });
                 }
                 let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };
                 Ok(native(op, inner, place))
             }),
+            Item::Component(_, span) => {
+                let found = self.text[span.range()].to_owned();
+                Err(Error::new(span, ErrorKind::Unexpected { found }))
+            }
             Item::Caret(_, span) | Item::Superscript(Expr { span, .. }) => {
                 let sign = "^".to_owned();
                 Err(Error::new(span, ErrorKind::MissingBefore { sign }))
             }
         }
+    }
+
+    /// The component that `p[0]` takes of a name: no product, which nobody writes so.
+    fn index(&self, expr: &Expr, next: Option<&Item<'_>>) -> Option<(char, Span)> {
+        let Some(Item::Group(pair)) = next else { return None };
+        let is_name = match &expr.kind {
+            ExprKind::Name(NamedValue::Local(_) | NamedValue::Defined(_)) => true,
+            ExprKind::Call(..) => self.text[expr.span.range()].ends_with(in_name),
+            _ => false,
+        };
+        let span = self.span(pair);
+        let digit = match self.text[span.range()].as_bytes() {
+            [b'[', digit @ b'0'..=b'3', b']'] => usize::from(digit - b'0'),
+            _ => return None,
+        };
+        let touches = expr.span.end == span.start;
+        (is_name && touches).then(|| LETTERS.chars().nth(digit).map(|letter| (letter, span)))?
+    }
+
+    /// The brackets behind a form.
+    fn brackets<'i>(&self, items: &mut Items<'i>, span: Span) -> Fallible<Pair<'i>> {
+        if let Some(Item::Group(pair)) = items.pop_front() {
+            return Ok(pair);
+        }
+        let name = self.text[span.range()].to_owned();
+        Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
     }
 
     /// A number or a value; brackets after a value multiply, unless they hold several arguments.
@@ -262,82 +373,32 @@ impl Builder<'_> {
         }
         Ok(expr)
     }
+}
 
-    /// Round or square brackets around one expression.
-    fn group(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let span = self.span(&pair);
-        let is_square = pair.as_str().starts_with('[');
-        let mut inner = pair.into_inner();
-        let kind = match (inner.next(), inner.next()) {
-            (Some(only), None) => {
-                return self.expression(only).map(|expr| Expr::new(expr.kind, span));
-            }
-            (None, _) => ErrorKind::EmptyBrackets,
-            _ if is_square => ErrorKind::Vector,
-            _ => ErrorKind::Tuple,
-        };
-        Err(Error::new(span, kind))
-    }
+/// Whether a dot behind this is no component: behind a coordinate without brackets.
+fn is_coordinate(expr: &Expr) -> bool {
+    let is_bare = expr.span.end - expr.span.start == 1;
+    is_bare && matches!(expr.kind, ExprKind::Name(NamedValue::Coordinate(_)))
+}
 
-    /// Braces, bars, brackets that round, a fraction or a root.
-    pub(crate) fn closed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        let rule = pair.as_rule();
-        let first = pair.as_str().chars().next();
-        let typed = self.typed(&pair);
-        let mut inner = pair.into_inner();
-        match rule {
-            Rule::enclosed => {
-                let op = match first {
-                    Some('⌊') => Op::Floor,
-                    Some('⌈') => Op::Ceil,
-                    _ => Op::Abs,
-                };
-                let inner = self.value(inner.next().expect("bars hold an expression"))?;
-                Ok(native(op, inner, span))
-            }
-            Rule::fraction => {
-                let parts: Fallible<_> = inner.map(|part| self.part(part)).collect();
-                product_of(parts?).map(|quotient| Expr::new(quotient.kind, span))
-            }
-            Rule::vulgar => {
-                let digits = typed.chars().next().and_then(vulgar);
-                let digits = digits.expect("the scanner knows no others");
-                let part = |digit: char| (ProductSign::Over, number(digit.to_string(), span));
-                product_of(digits.map(part).to_vec())
-            }
-            Rule::root => {
-                let first = inner.next().expect("a root has braces");
-                let Some(radicand) = inner.next() else {
-                    let (_, radicand) = self.part(first)?;
-                    return Ok(native(Op::Sqrt, radicand, span));
-                };
-                let index = self.value(first.into_inner().next().expect("an index"))?;
-                let (_, radicand) = self.part(radicand)?;
-                Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
-            }
-            _ => {
-                let expr = self.sum(inner.next().expect("braces hold a sum"))?;
-                number_only(&expr)?;
-                Ok(expr)
-            }
-        }
-    }
+/// Blanks between a name and its brackets.
+const BLANKS: [char; 2] = [' ', '\t'];
 
-    /// A part of a fraction, or what is below a root: one digit, or braces.
-    fn part(&mut self, pair: Pair<'_>) -> Fallible<(ProductSign, Expr)> {
-        let span = self.span(&pair);
-        let part = match pair.as_rule() {
-            Rule::digit => number(self.typed(&pair).to_owned(), span),
-            _ => self.deeper(span, 1, |b| b.closed(pair, span))?,
-        };
-        Ok((ProductSign::Over, part))
+/// The coordinate that a capital letter stands for in other languages.
+fn capital(name: &str) -> Option<Axis> {
+    match name {
+        "X" => Some(Axis::X),
+        "Y" => Some(Axis::Y),
+        "Z" => Some(Axis::Z),
+        _ => None,
     }
 }
 
-fn number(digits: String, span: Span) -> Expr {
-    Expr::new(ExprKind::Number(digits), span)
-}
-
-fn native(op: Op, argument: Expr, span: Span) -> Expr {
-    Expr::new(ExprKind::Call(Function::Native(op), vec![argument]), span)
+/// The letters of `.rgb`, by position.
+fn letters(typed: &str) -> String {
+    let by_position = |letter: char| {
+        let found = ["rgba", "stpq"].iter().find_map(|set| set.find(letter));
+        found.and_then(|index| LETTERS.chars().nth(index)).unwrap_or(letter)
+    };
+    typed.chars().skip(1).map(by_position).collect()
 }

@@ -1,14 +1,16 @@
-//! A first, flat look at a text: its symbols, their number, brackets and bars, and where statements
-//! end.
+//! A first, flat look at a text: its symbols, their number, brackets, and where statements end.
 //!
 //! It runs in one pass without recursion, so that no later stage meets text that is too long or too
 //! deep. It does not know the grammar: a symbol is what can be told from its own characters, but
 //! for the parts of `\frac` and the hexadecimal color behind `color`.
 
+use crate::bars::pair_bars;
 use crate::error::{Error, ErrorKind, Fallible};
+use crate::lexer::{Context, ends_operand, lex, line_length};
 use crate::limits::Limits;
+use crate::note::Note;
 use crate::span::Span;
-use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, symbol, vulgar};
+use crate::spelling::{closer, in_name, is_closer};
 
 /// A symbol and where it stands.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +23,12 @@ pub(crate) struct Token {
     at: usize,
 }
 
+impl Token {
+    pub(crate) fn new(symbol: char, span: Span) -> Self {
+        Self { symbol, span, at: 0 }
+    }
+}
+
 /// One statement.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
@@ -29,10 +37,12 @@ pub(crate) struct Piece {
     /// The symbols of all tokens: what the grammar reads.
     pub symbols: String,
     pub span: Span,
+    /// What was noticed while its symbols were arranged.
+    pub notes: Vec<Note>,
 }
 
 impl Piece {
-    fn new(mut tokens: Vec<Token>) -> Fallible<Self> {
+    pub(crate) fn new(mut tokens: Vec<Token>, notes: Vec<Note>) -> Fallible<Self> {
         pair_bars(&mut tokens)?;
         let mut symbols = String::with_capacity(tokens.len());
         for token in &mut tokens {
@@ -40,7 +50,7 @@ impl Piece {
             symbols.push(token.symbol);
         }
         let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
-        Ok(Self { tokens, symbols, span })
+        Ok(Self { tokens, symbols, span, notes })
     }
 
     /// The index of the token at an offset in the symbols.
@@ -49,28 +59,58 @@ impl Piece {
     }
 }
 
-/// Splits `text` into statements, and checks length, depth and brackets.
-pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
+/// Splits `text` into the symbols of its statements, and checks length, depth and brackets.
+pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     if text.len() > limits.bytes {
         let kind = ErrorKind::TooLong { bytes: text.len(), limit: limits.bytes };
         return Err(Error::new(Span::at(0), kind));
     }
-    let mut pieces = Vec::new();
+    let mut statements: Vec<Vec<Token>> = Vec::new();
     let mut tokens: Vec<Token> = Vec::new();
     // The open brackets, by their indices in `tokens`.
     let mut open: Vec<usize> = Vec::new();
-    // Whether a part of a fraction is next, which is one digit or stands in braces.
     let mut is_part = false;
+    // Environments in which `&` aligns and `\\` ends a line.
+    let mut aligned = 0_usize;
+    let mut starts_line = true;
     let mut count = 0;
     let mut end = 0;
     while end < text.len() {
-        let is_color = matches!(tokens.as_slice(), [Token { symbol: 'c', .. }]);
-        let (symbol, length) = lex(&text[end..], is_part, is_color);
-        let span = Span::new(end, end + length);
-        end = span.end;
-        if symbol == ' ' {
+        let rest = &text[end..];
+        if rest.starts_with("//")
+            && is_comment(rest, &tokens, open.last().map(|index| tokens[*index]), text)
+        {
+            end += line_length(rest);
             continue;
         }
+        let last = tokens.last();
+        let context = Context {
+            is_part,
+            is_color: matches!(tokens.as_slice(), [Token { symbol: 'c', .. }]),
+            starts_line,
+            touching: last.filter(|token| token.span.end == end).map(|token| token.symbol),
+            last: last.map(|token| token.symbol),
+        };
+        let (mut symbol, length) = lex(rest, context);
+        let span = Span::new(end, end + length);
+        end = span.end;
+        let in_pieces = open.last().is_some_and(|index| tokens[*index].symbol == '⦃');
+        match symbol {
+            '⇥' => aligned += 1,
+            '⇤' => aligned = aligned.saturating_sub(1),
+            '&' if in_pieces => symbol = '¿',
+            '&' if aligned > 0 => symbol = ' ',
+            // A line that starts with an operator goes on with the one before.
+            '␤' if !in_pieces => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
+            _ => {}
+        }
+        if symbol == '\n' {
+            starts_line = true;
+        }
+        if matches!(symbol, ' ' | '⇥' | '⇤') {
+            continue;
+        }
+        starts_line = symbol == '\n';
         count += 1;
         if count > limits.symbols {
             return Err(Error::new(span, ErrorKind::TooManySymbols { limit: limits.symbols }));
@@ -79,7 +119,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
         match symbol {
             '\n' | ';' if open.is_empty() => {
                 if !tokens.is_empty() {
-                    pieces.push(Piece::new(std::mem::take(&mut tokens))?);
+                    statements.push(std::mem::take(&mut tokens));
                 }
                 continue;
             }
@@ -97,15 +137,54 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
         }
         let follows_fraction = first > 0 && tokens[first - 1].symbol == 'F';
         is_part = symbol == 'F' || (matches!(symbol, '1' | '}') && follows_fraction);
-        tokens.push(Token { symbol, span, at: 0 });
+        tokens.push(Token::new(symbol, span));
     }
     if let Some(index) = open.first() {
         return Err(unclosed(text, &tokens[*index..], open.len() == 1));
     }
     if !tokens.is_empty() {
-        pieces.push(Piece::new(tokens)?);
+        statements.push(tokens);
     }
-    Ok(pieces)
+    Ok(statements)
+}
+
+/// Whether `//` begins a comment here: not where it may be a division of what is before it.
+fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> bool {
+    let Some(before) = tokens.last().filter(|token| ends_operand(token.symbol)) else {
+        return true;
+    };
+    let place = text.len() - rest.len();
+    if text[before.span.end..place].contains('\n') {
+        return true;
+    }
+    let line = start(rest, 200);
+    let line = line[2..line_length(line)].trim();
+    match open {
+        Some(Token { symbol: '(' | '[', .. }) => !line.contains([')', ']']),
+        Some(_) => true,
+        None => {
+            let word = line.find(|c| !in_name(c)).unwrap_or(line.len());
+            let is_divisor = line.starts_with(|c: char| c.is_ascii_digit() || "(.-".contains(c));
+            let is_letter = word <= 1 && word == line.len();
+            !(is_divisor || is_letter || line[word..].starts_with(" ="))
+        }
+    }
+}
+
+/// The first bytes of `text`, no more than `most`.
+pub(crate) fn start(text: &str, most: usize) -> &str {
+    let mut end = most.min(text.len());
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    &text[..end]
+}
+
+/// Whether a line of an environment goes on with the one before.
+fn goes_on(rest: &str) -> bool {
+    let rest = rest.trim_start_matches([' ', '\n', '\r', '\t', '&']);
+    rest.starts_with(['+', '-', '−', '=', '*', '<', '>', '/'])
+        || [r"\cdot", r"\times", r"\le", r"\ge"].iter().any(|sign| rest.starts_with(sign))
 }
 
 /// The index of the bracket that `symbol` at `span` closes.
@@ -136,193 +215,18 @@ fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
     }
 }
 
-/// The symbol that `rest` starts with, and its length; a blank for what has no meaning.
-fn lex(rest: &str, is_part: bool, is_color: bool) -> (char, usize) {
-    let Some(character) = rest.chars().next() else {
-        return (' ', 0);
-    };
-    let length = character.len_utf8();
-    match character {
-        '#' => {
-            let digits = prefix(&rest[1..], |c| c.is_ascii_hexdigit());
-            match digits {
-                1.. if is_color => ('#', 1 + digits),
-                _ => (' ', rest.find('\n').unwrap_or(rest.len())),
-            }
-        }
-        '0'..='9' if is_part => ('1', 1),
-        '0'..='9' | '.' => number(rest),
-        '\\' => command(rest),
-        _ if vulgar(character).is_some() => ('½', length),
-        _ if character.is_alphabetic() => name(rest, prefix(rest, in_name)),
-        '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {
-            let sign = if matches!(character, '⁻' | '⁺') { length } else { 0 };
-            match prefix(&rest[sign..], |c| superscript_digit(c).is_some()) {
-                0 => ('?', length),
-                digits => ('²', sign + digits),
-            }
-        }
-        _ => {
-            // Some of two characters begin with one that has a meaning of its own.
-            let two = rest.char_indices().nth(2).map_or(rest.len(), |(at, _)| at);
-            let found =
-                [two, length].into_iter().find_map(|end| Some((symbol(&rest[..end])?, end)));
-            found.unwrap_or(('?', length))
-        }
-    }
-}
-
-/// The length of what `text` starts with, as far as its characters are `accepted`.
-fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
-    text.find(|c| !accepted(c)).unwrap_or(text.len())
-}
-
-fn number(rest: &str) -> (char, usize) {
-    let digits = |text: &str| prefix(text, |c| c.is_ascii_digit());
-    let mut end = digits(rest);
-    if let Some(decimals) = rest[end..].strip_prefix('.') {
-        end += 1 + digits(decimals);
-        if end == 1 {
-            return ('?', 1);
-        }
-    }
-    if let Some(exponent) = rest[end..].strip_prefix(['e', 'E']) {
-        let exponent = exponent.strip_prefix(['+', '-', '−']).unwrap_or(exponent);
-        if digits(exponent) > 0 {
-            end = rest.len() - exponent.len() + digits(exponent);
-        }
-    }
-    ('0', end)
-}
-
-/// A name whose letters end at `end`, with its subscript.
-fn name(rest: &str, end: usize) -> (char, usize) {
-    if let Some(fixed) = symbol(&rest[..end]) {
-        return (fixed, end);
-    }
-    // The underscore of a subscript is a letter elsewhere.
-    let base = rest[..end].strip_suffix('_').map_or(end, str::len);
-    match rest[base..].strip_prefix('_') {
-        Some(subscript) if subscript.starts_with('{') => {
-            ('a', base + braced(subscript).map_or(0, |length| 1 + length))
-        }
-        _ => ('a', end),
-    }
-}
-
-fn command(rest: &str) -> (char, usize) {
-    let end = 1 + prefix(&rest[1..], |c| c.is_ascii_alphabetic());
-    if end == 1 {
-        let two = 1 + rest[1..].chars().next().map_or(0, char::len_utf8);
-        return symbol(&rest[..two]).map_or(('?', 1), |blank| (blank, two));
-    }
-    match name(rest, end) {
-        ('T', end) => {
-            let is_name =
-                rest[end..].starts_with('{') && rest[end + 1..].starts_with(char::is_alphabetic);
-            ('a', end + braced(&rest[end..]).filter(|_| is_name).unwrap_or(0))
-        }
-        found => found,
-    }
-}
-
-/// The length of a name or a number in braces, if `rest` starts with one.
-fn braced(rest: &str) -> Option<usize> {
-    let inner = rest.strip_prefix('{')?;
-    let length = prefix(inner, in_name);
-    (length > 0 && inner[length..].starts_with('}')).then_some(length + 2)
-}
-
-/// Tells closing bars from opening ones. They open and close in turn within each pair of brackets;
-/// whatever else they could mean is an error.
-fn pair_bars(tokens: &mut [Token]) -> Fallible<()> {
-    #[derive(Default)]
-    struct Level {
-        /// The open bar.
-        open: Option<Span>,
-        /// The opening bar of the last pair, if an operand followed the pair directly.
-        loose: Option<Span>,
-    }
-    let count = tokens.iter().filter(|token| token.symbol == '|').count();
-    let mut levels = vec![Level::default()];
-    for index in 0..tokens.len() {
-        let Token { symbol, span, .. } = tokens[index];
-        if closer(symbol).is_some() {
-            levels.push(Level::default());
-        }
-        if is_closer(symbol)
-            && let Some(span) = levels.pop().and_then(|level| level.open)
-        {
-            return Err(Error::new(span, ErrorKind::UnclosedBar));
-        }
-        let (Some(level), '|') = (levels.last_mut(), symbol) else {
-            continue;
-        };
-        let before = index.checked_sub(1).map_or(' ', |before| tokens[before].symbol);
-        let after = tokens.get(index + 1).map_or(' ', |after| after.symbol);
-        let Some(open) = level.open.take() else {
-            if let (true, Some(first)) = (ends_operand(before), level.loose) {
-                return Err(Error::new(first.to(span), ErrorKind::AmbiguousBars));
-            }
-            level.open = Some(span);
-            continue;
-        };
-        let is_empty = before == '|';
-        if is_empty || (!ends_operand(before) && begins_operand(after)) {
-            let kind =
-                if is_empty && count <= 2 { ErrorKind::EmptyBars } else { ErrorKind::NestedBars };
-            return Err(Error::new(open.to(span), kind));
-        }
-        level.loose = begins_operand(after).then_some(open);
-        tokens[index].symbol = '¦';
-    }
-    match levels.pop().and_then(|level| level.open) {
-        Some(span) => Err(Error::new(span, ErrorKind::UnclosedBar)),
-        None => Ok(()),
-    }
-}
-
-/// Whether an operand can end with this symbol.
-fn ends_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '1' | '½' | '²') || is_name(symbol) || is_closer(symbol)
-}
-
-/// Whether an operand can begin with this symbol.
-fn begins_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '½' | 'F' | '√' | '∛' | '¬')
-        || is_name(symbol)
-        || closer(symbol).is_some()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn kind(text: &str) -> Option<ErrorKind> {
-        scan(text, &Limits::default()).err().map(|e| e.kind)
-    }
-
-    #[test]
-    fn bars_pair_in_one_way_or_not_at_all() {
-        for text in ["|x|", "|x|+|y|", "|x||y|", "2|x|y", "|x|-y|z|", "(|x|)|y|", "|(|x|)|"] {
-            assert_eq!(kind(text), None, "{text}");
-        }
-        for text in ["|x|y|z|", "|x| 2|y|", "|x| y + 2 |z|"] {
-            assert_eq!(kind(text), Some(ErrorKind::AmbiguousBars), "{text}");
-        }
-        for text in ["||x|-1|", "|x+|y||", "||x||"] {
-            assert_eq!(kind(text), Some(ErrorKind::NestedBars), "{text}");
-        }
-        assert_eq!(kind("|x"), Some(ErrorKind::UnclosedBar));
-        assert_eq!(kind("(|x)|"), Some(ErrorKind::UnclosedBar));
-        assert_eq!(kind("||"), Some(ErrorKind::EmptyBars));
-    }
-
     #[test]
     fn statements_end_at_breaks_outside_brackets() {
         let text = "r = 2; x^2 # one\n\n(y +\n z)\ncolor #ff8000\n";
-        let pieces = scan(text, &Limits::default()).expect("four statements");
-        let read: Vec<&str> = pieces.iter().map(|p| &text[p.span.range()]).collect();
+        let statements = scan(text, &Limits::default()).expect("four statements");
+        let read: Vec<&str> = statements
+            .iter()
+            .map(|tokens| &text[tokens[0].span.to(tokens[tokens.len() - 1].span).range()])
+            .collect();
         assert_eq!(read, ["r = 2", "x^2", "(y +\n z)", "color #ff8000"]);
     }
 }

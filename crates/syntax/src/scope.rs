@@ -4,7 +4,7 @@
 use crate::ast::{Function, Name, NamedConstant, NamedValue};
 use rustc_hash::FxHashMap;
 use zeroset_ir::Axis;
-use zeroset_ops::{COMPOSED, Notation, Op, TABLE, names, natives};
+use zeroset_ops::{COMPOSED, Form, Notation, Op, TABLE, form, names, natives};
 
 /// The names that statements can see.
 #[derive(Debug, Default)]
@@ -12,6 +12,8 @@ pub(crate) struct Scope {
     /// Names that the document or an override defines: the number of parameters, or `None` for a
     /// value.
     defined: FxHashMap<String, Option<usize>>,
+    /// Coordinates that the text does not define and that have a definition all the same.
+    implied: Vec<&'static str>,
     /// Whether internal operations may be called; only the language's own prelude may.
     internal: bool,
 }
@@ -19,8 +21,8 @@ pub(crate) struct Scope {
 /// Longest name, in bytes, that is looked at letter by letter.
 const LONGEST_PRODUCT: usize = 64;
 
-/// Every name of the language, for completion: functions with their aliases, constants, coordinates
-/// and time.
+/// Every name of the language, for completion: functions and forms with their aliases, constants,
+/// coordinates and time.
 ///
 /// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
 /// written as a whole number and odd, negative numbers have roots too; any other n is read as
@@ -29,7 +31,7 @@ pub fn language_names() -> impl Iterator<Item = &'static str> {
     names()
         .chain(ROOT_NAMES.iter().copied())
         .chain(NamedConstant::ALL.iter().map(|constant| constant.name()))
-        .chain(["x", "y", "z", "t"])
+        .chain(["x", "y", "z", "t", "rho", "theta"])
 }
 
 /// What a name stands for.
@@ -52,6 +54,18 @@ pub(crate) enum Callee {
     Defined(String, usize),
     /// One of the language, by the name it was looked up with.
     BuiltIn(String),
+    /// The logarithm to a base that is part of its name.
+    Logarithm(String),
+}
+
+impl Callee {
+    /// The name in messages.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Defined(name, _) | Self::BuiltIn(name) => name,
+            Self::Logarithm(_) => "log",
+        }
+    }
 }
 
 impl Scope {
@@ -76,6 +90,11 @@ impl Scope {
         }
         if !forms(name, self.internal).is_empty() {
             return Meaning::Function(Callee::BuiltIn(name.to_owned()));
+        }
+        if let Some(base) = name.strip_prefix("log_")
+            && base.parse::<u32>().is_ok_and(|base| base >= 2)
+        {
+            return Meaning::Function(Callee::Logarithm(base.to_owned()));
         }
         let mut buffer = [0; 4];
         if name.len() <= LONGEST_PRODUCT
@@ -106,8 +125,33 @@ impl Scope {
             ("t", _) => Some(NamedValue::Time),
             (_, Some(None)) => Some(NamedValue::Defined(name.to_owned())),
             (_, Some(Some(_))) => None,
-            (_, None) => named_constant(name).map(NamedValue::Constant),
+            (_, None) => match canonical(name).filter(|name| self.implied.contains(name)) {
+                Some(name) => Some(NamedValue::Defined(name.to_owned())),
+                None => named_constant(name).map(NamedValue::Constant),
+            },
         }
+    }
+
+    /// Defines a name that the text does not define.
+    pub(crate) fn imply(&mut self, name: &'static str) {
+        if canonical(name).is_some() {
+            self.implied.push(name);
+        } else {
+            self.define(name, None);
+        }
+    }
+
+    /// Whether the document or an override defines `name`.
+    pub(crate) fn is_defined(&self, name: &str) -> bool {
+        self.defined.contains_key(name)
+    }
+
+    /// The form of the language that `name` stands for, unless it is defined otherwise.
+    pub(crate) fn form(&self, name: &str, locals: &[Name]) -> Option<&'static Form> {
+        if self.is_defined(name) || locals.iter().any(|local| local.text == name) {
+            return None;
+        }
+        form(name).or_else(|| form(&name.to_lowercase()))
     }
 
     /// The ways to call a function.
@@ -115,9 +159,10 @@ impl Scope {
         match callee {
             Callee::Defined(name, count) => {
                 let function = Function::Defined(name.clone());
-                Forms(vec![Form { function, count: *count, or_more: false }])
+                Forms(vec![Signature { function, count: *count, or_more: false }])
             }
             Callee::BuiltIn(name) => forms(name, self.internal),
+            Callee::Logarithm(_) => forms("ln", false),
         }
     }
 
@@ -172,14 +217,14 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
 }
 
 /// A function with the number of its arguments.
-struct Form {
+struct Signature {
     function: Function,
     count: usize,
     or_more: bool,
 }
 
 /// The ways to call a function, by number of arguments.
-pub(crate) struct Forms(Vec<Form>);
+pub(crate) struct Forms(Vec<Signature>);
 
 impl Forms {
     fn is_empty(&self) -> bool {
@@ -220,21 +265,21 @@ pub(crate) fn is_variadic(op: Op) -> bool {
 
 /// The ways to call the function of the language called `name`; none if there is no such function.
 fn forms(name: &str, internal: bool) -> Forms {
-    let form = |function, count| Form { function, count, or_more: false };
+    let form = |function, count| Signature { function, count, or_more: false };
     let own = TABLE
         .iter()
         .filter(|row| internal && row.notation == Notation::Internal && row.name == name);
-    let native = natives(name).chain(own).map(|row| Form {
+    let native = natives(name).chain(own).map(|row| Signature {
         or_more: is_variadic(row.op),
         ..form(Function::Native(row.op), row.op.arity())
     });
     let composed = COMPOSED.iter().enumerate();
     let composed = composed.filter(|(_, f)| f.name == name || f.aliases.contains(&name));
-    let mut forms: Vec<Form> = native.collect();
+    let mut forms: Vec<Signature> = native.collect();
     for (index, composed) in composed {
         forms.push(form(Function::Composed(index), composed.parameters.len()));
         if composed.name == "hypot" {
-            forms.push(Form { function: Function::Length, count: 4, or_more: true });
+            forms.push(Signature { function: Function::Length, count: 4, or_more: true });
         }
     }
     if ROOT_NAMES.contains(&name) {
@@ -242,6 +287,17 @@ fn forms(name: &str, internal: bool) -> Forms {
     }
     forms.sort_by_key(|form| form.count);
     Forms(forms)
+}
+
+/// The coordinate that `name` spells.
+pub(crate) fn canonical(name: &str) -> Option<&'static str> {
+    match name {
+        "r" => Some("r"),
+        "rho" | "ρ" | "varrho" => Some("rho"),
+        "theta" | "θ" | "ϑ" | "vartheta" => Some("theta"),
+        "phi" | "φ" | "ϕ" | "varphi" => Some("phi"),
+        _ => None,
+    }
 }
 
 /// The constant of the language called `name`.

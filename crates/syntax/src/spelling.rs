@@ -12,10 +12,14 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
         // In print these set spaces and the sizes of brackets; they mean nothing here.
         | r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle"
-        | r"\left" | r"\right" | r"\bigl" | r"\bigr" | r"\big" => ' ',
+        | r"\left" | r"\right" | r"\bigl" | r"\bigr" | r"\big"
+        // These set formulas apart from the text around them.
+        | "$" => ' ',
         "\n" | "\r" => '\n',
         ";" => ';',
         "," => ',',
+        ":" => ':',
+        "?" => '⸮',
         "+" => '+',
         "-" | "−" => '-',
         "*" | "·" | "×" | "⋅" | "∙" | r"\cdot" | r"\times" => '*',
@@ -24,7 +28,7 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "√" => '√',
         "∛" => '∛',
         "=" | "==" | ":=" => '=',
-        "!=" | "≠" | r"\ne" | r"\neq" => '≠',
+        "!=" | "≠" | "<>" | r"\ne" | r"\neq" => '≠',
         "<" | r"\lt" => '<',
         "<=" | "≤" | "⩽" | r"\le" | r"\leq" | r"\leqslant" => '≤',
         ">" | r"\gt" => '>',
@@ -47,7 +51,7 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         r"\frac" | r"\dfrac" | r"\tfrac" => 'F',
         r"\sqrt" => 'R',
         // A name in upright letters follows in braces.
-        r"\operatorname" | r"\mathrm" | r"\mathit" | r"\text" => 'T',
+        r"\operatorname" | r"\mathrm" | r"\mathit" | r"\text" | r"\textrm" | r"\textnormal" => 'T',
         "x" => 'x',
         "y" => 'y',
         "z" => 'z',
@@ -74,12 +78,12 @@ pub(crate) fn is_operator(symbol: char) -> bool {
 
 /// The bracket that closes `open`.
 pub(crate) fn closer(open: char) -> Option<char> {
-    "([{⌊⌈".chars().zip(")]}⌋⌉".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
+    "([{⌊⌈⦃⟨".chars().zip(")]}⌋⌉⦄⟩".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
 }
 
 /// Whether a symbol is a closing bracket.
 pub(crate) fn is_closer(symbol: char) -> bool {
-    ")]}⌋⌉".contains(symbol)
+    ")]}⌋⌉⦄⟩".contains(symbol)
 }
 
 /// Whether `character` may stand in a name after its first letter.
@@ -121,9 +125,10 @@ pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
     })
 }
 
-/// A number's text in one spelling: `.5` as `0.5`, `1.` as `1`, an exponent after `e`.
+/// A number's text in one spelling: `.5` as `0.5`, `1.` as `1`, `0,5` as `0.5`, an exponent after
+/// `e`.
 pub(crate) fn decimal(typed: &str) -> String {
-    let text = typed.replace('−', "-").replace('E', "e");
+    let text = typed.trim_end_matches('f').replace('−', "-").replace('E', "e").replace(',', ".");
     let (mantissa, exponent) = match text.split_once('e') {
         Some((mantissa, exponent)) => (mantissa, Some(exponent)),
         None => (text.as_str(), None),
@@ -141,8 +146,14 @@ pub(crate) fn decimal(typed: &str) -> String {
 }
 
 /// A name without LaTeX around it: `\sin` as `sin`, `\operatorname{foo}` as `foo`, `x_{12}` as
-/// `x_12`.
+/// `x_12`; `\[Theta]` as `theta`.
 pub(crate) fn plain_name(typed: &str) -> String {
+    if let Some(named) = typed.strip_prefix("\\[").and_then(|rest| rest.strip_suffix(']')) {
+        return named.to_lowercase();
+    }
+    if typed == "ℯ" {
+        return "e".to_owned();
+    }
     let text = typed.strip_prefix('\\').unwrap_or(typed).trim_end_matches('}');
     match text.split_once('{') {
         Some((name, subscript)) if name.ends_with('_') => format!("{name}{subscript}"),
@@ -174,7 +185,7 @@ mod tests {
     use super::*;
 
     /// Symbols of what has no fixed spelling.
-    const OTHERS: &str = "01½²#¦";
+    const OTHERS: &str = "01½²#¦⦃⦄⟨⟩‥≔¿∀‧ΣΠ_";
 
     #[test]
     fn the_grammar_knows_symbols_only() {

@@ -1,16 +1,20 @@
 //! Statements: which kind each is, and its trees.
 
-use crate::ast::{Definition, Expr, ExprKind, Name, Relation, Statement};
+use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::build::{Builder, relation};
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::{Pair, Rule, recognise};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
+use crate::program::{Unit, Write};
 use crate::scan::Piece;
 use crate::scope::{Meaning, Scope};
 use crate::span::Span;
 use crate::spelling::{is_definable, plain_name};
+use crate::value::LETTERS;
 use rustc_hash::FxHashSet;
+use zeroset_ir::Axis;
+use zeroset_ops::Meaning as Stands;
 
 /// Each use of a name looks through the parameters, so their number is bounded.
 const MOST_PARAMETERS: usize = 64;
@@ -18,6 +22,7 @@ const MOST_PARAMETERS: usize = 64;
 /// A statement that the grammar has recognised.
 pub(crate) struct Line<'i> {
     pub piece: &'i Piece,
+    pub unit: &'i Unit,
     /// Its rule tells what the statement is.
     pub pair: Pair<'i>,
     pub head: Option<Head>,
@@ -39,15 +44,20 @@ pub(crate) struct Built {
 }
 
 /// Recognises each statement of `text`.
-pub(crate) fn lines<'i>(text: &str, pieces: &'i [Piece]) -> Result<Vec<Line<'i>>, Errors> {
-    if pieces.is_empty() {
+pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, Errors> {
+    if units.is_empty() {
         return Err(Error::new(Span::at(text.len()), ErrorKind::Empty).into());
     }
     let mut lines = Vec::new();
     let mut errors = Vec::new();
-    for piece in pieces {
-        match recognise(text, piece, rule(piece)) {
-            Ok(pair) => lines.push(Line { head: head(text, piece, &pair), piece, pair }),
+    for unit in units {
+        let piece = &unit.piece;
+        let rule = if unit.head.is_some() { Rule::line } else { rule(piece) };
+        match recognise(text, piece, rule) {
+            Ok(pair) => {
+                let head = unit.head.clone().or_else(|| head(text, piece, &pair));
+                lines.push(Line { piece, unit, pair, head });
+            }
             Err(error) => errors.push(*error),
         }
         if errors.len() >= MOST {
@@ -118,18 +128,23 @@ fn head(text: &str, piece: &Piece, line: &Pair<'_>) -> Option<Head> {
 /// Decides for every line with a head whether it defines; those that do not lose their head.
 pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mut Vec<Note>) {
     for line in lines.iter_mut() {
+        if line.unit.head.is_some() {
+            continue;
+        }
         if line.head.as_ref().is_some_and(|head| !may_define(head) || is_miscounted(head)) {
             line.head = None;
         }
     }
     // Whether `hypot(a, b) = 2` draws depends on whether a and b have values, so values come first.
-    for head in lines.iter().filter_map(|line| line.head.as_ref()) {
-        if !is_built_in(head) && head.name.text != "t" {
+    for line in lines.iter() {
+        let Some(head) = &line.head else { continue };
+        if line.unit.head.is_some() || !is_built_in(head) && head.name.text != "t" {
             scope.define(&head.name.text, head.parameters.as_ref().map(Vec::len));
         }
     }
     for line in lines.iter_mut() {
-        let Some(head) = line.head.as_ref().filter(|head| is_built_in(head)) else {
+        let own = line.head.as_ref().filter(|_| line.unit.head.is_none());
+        let Some(head) = own.filter(|head| is_built_in(head)) else {
             continue;
         };
         let parameters = head.parameters.as_deref().unwrap_or_default();
@@ -174,6 +189,16 @@ fn is_miscounted(head: &Head) -> bool {
 /// none, or nothing is called.
 fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
+    if let Some(form) = zeroset_ops::form(&head.name.text) {
+        return match form.meaning {
+            Stands::Vector(_) => Some(true),
+            Stands::Dot | Stands::Cross | Stands::Distance | Stands::Reflect => Some(count == 2),
+            Stands::Normalize => Some(count == 1),
+            Stands::Choose | Stands::Pieces | Stands::Sum | Stands::Product | Stands::Iterate => {
+                None
+            }
+        };
+    }
     match Scope::default().meaning(&head.name.text, &[]) {
         Meaning::Function(callee) => {
             Some(Scope::default().forms(&callee).function(count).is_some())
@@ -186,6 +211,7 @@ fn accepts(head: &Head) -> Option<bool> {
 pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) -> Fallible<Built> {
     let locals = line.head.as_ref().and_then(|head| head.parameters.as_deref());
     let mut builder = Builder::new(text, line.piece, scope, locals.unwrap_or_default(), limits);
+    builder.aliases = line.unit.aliases.clone();
     let mut parts = line.pair.into_inner();
     let expression = parts.next().expect("a line has an expression");
     let mut range = None;
@@ -216,15 +242,81 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
             return Err(Error::new(span, ErrorKind::RestrictedDefinition));
         }
         let range = range.map(|(ends, _)| ends);
-        Statement::Define(define(&mut builder, head, expression, range)?)
+        Statement::Define(match &line.unit.head {
+            Some(_) => set(&mut builder, head, expression, line.unit.write.as_ref())?,
+            None => define(&mut builder, head, expression, range)?,
+        })
     } else {
         if let Some((_, span)) = range {
             return Err(Error::new(span, ErrorKind::RangeOutsideDefinition));
         }
-        Statement::Draw { expr: builder.expression(expression)?, restrictions }
+        let expr = builder.expression(expression)?;
+        let expr = if line.unit.is_height && !expr.is_condition() {
+            let z = Expr::new(ExprKind::Name(NamedValue::Coordinate(Axis::Z)), expr.span);
+            let span = expr.span;
+            let kind = ExprKind::Compare(Box::new(z), vec![(Relation::Equal, expr)]);
+            Expr::new(kind, span)
+        } else {
+            expr
+        };
+        Statement::Draw { expr, restrictions }
     };
     let Builder { notes, used, .. } = builder;
     Ok(Built { statement, span: line.piece.span, notes, used })
+}
+
+/// The definition of what a program sets, of which `expression` is the right side.
+fn set(
+    builder: &mut Builder<'_>,
+    head: &Head,
+    expression: Pair<'_>,
+    write: Option<&Write>,
+) -> Fallible<Definition> {
+    check_head(head)?;
+    let mut body = builder.value(expression)?;
+    if let Some(Write { letters, before, size }) = write {
+        if let ExprKind::Name(NamedValue::Defined(name))
+        | ExprKind::Call(Function::Defined(name), _) = before
+        {
+            builder.used.insert(name.clone());
+        }
+        let span = body.span;
+        let part = |of: Expr, letter: char| {
+            Expr::new(ExprKind::Component(Box::new(of), letter.to_string()), span)
+        };
+        let parts = LETTERS.chars().take(*size).map(|letter| match letters.find(letter) {
+            Some(_) if letters.len() == 1 => body.clone(),
+            Some(at) => part(body.clone(), LETTERS.chars().nth(at).unwrap_or('x')),
+            None => part(Expr::new(before.clone(), span), letter),
+        });
+        let function = Function::Vector(u8::try_from(*size).unwrap_or(3));
+        body = Expr::new(ExprKind::Call(function, parts.collect()), span);
+    }
+    let (name, parameters) = (head.name.clone(), head.parameters.clone());
+    Ok(Definition { name, parameters, body, range: None })
+}
+
+/// Fails on a left side with too many parameters, or two alike.
+fn check_head(head: &Head) -> Fallible<()> {
+    let parameters = head.parameters.as_deref().unwrap_or_default();
+    if parameters.len() > MOST_PARAMETERS {
+        let limit = MOST_PARAMETERS;
+        return Err(Error::new(head.name.span, ErrorKind::TooManyParameters { limit }));
+    }
+    for (index, parameter) in parameters.iter().enumerate() {
+        if parameters[..index].contains(parameter) {
+            let name = parameter.text.clone();
+            return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
+        }
+    }
+    let word = std::iter::once(&head.name).chain(parameters).find(|n| !is_definable(&n.text));
+    match word {
+        Some(name) => {
+            let kind = ErrorKind::Reserved { name: name.text.clone(), is_function: false };
+            Err(Error::new(name.span, kind))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The definition `head = …`, whose left side is not built, for it names what does not exist yet.

@@ -11,13 +11,36 @@ use crate::spelling::short_name;
 const LONGEST: usize = 64;
 
 impl Builder<'_> {
+    /// The error for a function without a meaning.
+    pub(crate) fn unknown_function(&self, name: &str, span: Span) -> Box<Error> {
+        let kind = ErrorKind::UnknownFunction { name: short_name(name) };
+        Error::new(span, kind).suggest_any(span, self.scope.likely(name, &self.locals, true))
+    }
+
     /// The error for a name without a meaning.
     pub(crate) fn unknown(&self, name: &str, typed: &str, span: Span) -> Box<Error> {
-        let (scope, locals) = (self.scope, self.locals);
+        let (scope, locals) = (self.scope, self.locals.as_slice());
         // `i` alone, or next to values as in `iy`.
         let rest = name.strip_prefix('i').or_else(|| name.strip_suffix('i'));
         if rest.is_some_and(|rest| rest.is_empty() || scope.is_product(rest, locals)) {
             return Error::new(span, ErrorKind::Complex);
+        }
+        let after = self.text[span.end..].trim_start_matches(['}', ' ']);
+        let is_over = |rest: &str| {
+            rest.strip_prefix(['/', '{']).is_some_and(|rest| rest.trim_start().starts_with('d'))
+        };
+        if name == "d" && is_over(after) {
+            return Error::new(span, ErrorKind::Calculus);
+        }
+        if matches!(name, "mat2" | "mat3" | "mat4") {
+            return Error::new(span, ErrorKind::Matrix);
+        }
+        if matches!(name, "domain" | "view" | "color" | "colour")
+            && span.start > self.piece.span.start
+        {
+            let name = name.to_owned();
+            let at = Span::at(self.text[..span.start].trim_end().len());
+            return Error::new(span, ErrorKind::SettingInLine { name }).suggest(at, ";");
         }
         if let Some(powers) = scope.lost_superscripts(name, locals) {
             let name = name.to_owned();

@@ -216,3 +216,69 @@ fn errors_in_long_lines_are_drawn_in_bounded_time() {
     let rendered = read(&text, &Options::default()).expect_err("errors").render(None, &text, false);
     assert!(rendered.len() < 20_000, "{}", rendered.len());
 }
+
+#[test]
+fn what_is_unrolled_is_bounded() {
+    let is_long = |text: &str| matches!(error(text.to_owned()), ErrorKind::TooManyTerms { .. });
+    assert!(is_long("z = sum(k = 1..1e9, x)"));
+    assert!(is_long("z = sum(k = -1e18..1e18, x)"));
+    assert!(is_long("z = product(k = 1..1001, x)"));
+    assert!(is_long("z = iterate(sin, 1e6, x)"));
+    assert!(is_long(r"\sum_{k=1}^{99999} x"));
+    let is_large = |text: &str| matches!(error(text.to_owned()), ErrorKind::TooLarge { .. });
+    assert!(is_large("z = sum(i = 1..900, sum(j = 1..900, sum(k = 1..900, sin(i j k x))))"));
+    assert!(is_large("f(v) = iterate(g, 900, v)\ng(v) = iterate(h, 900, v)\nh(v) = v^2 + x\nf(y)"));
+    assert!(is_deep_or_large("f(v) = v^2 + x\ng(v) = iterate(f, 900, v)\ng(y)"));
+    accepted("z = sum(k = 1..1000, sin(k x)/k)".to_owned());
+    accepted("z = sum(k = 5..1, x)".to_owned());
+    assert!(is_too_deep(r"\sum_{k=1}^{2} ".repeat(5_000) + "x"));
+    assert!(is_too_deep("sum(k = 1..2, ".repeat(5_000)));
+}
+
+/// Whether a text is read, or refused as too large or too deep.
+fn is_deep_or_large(text: &str) -> bool {
+    let text = text.to_owned();
+    on_a_small_stack(move || match read(&text, &Options::default()) {
+        Ok(_) => true,
+        Err(errors) => errors
+            .iter()
+            .all(|e| matches!(e.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. })),
+    })
+}
+
+#[test]
+fn choices_are_bounded() {
+    assert!(is_too_deep("{x < 0: ".repeat(5_000) + "x"));
+    assert!(is_too_deep("x < 0 ? ".repeat(5_000) + "x" + &" : y".repeat(5_000)));
+    assert!(is_deep_or_large(&("x < 0 ? 1 : ".repeat(10_000) + "x")));
+    assert!(is_deep_or_large(&("1 if x < 0 else ".repeat(10_000) + "x")));
+    assert!(is_deep_or_large(&format!("{{{}x}}", "x < 0: 1, ".repeat(10_000))));
+    let depth = 40;
+    accepted("x < 0 ? ".repeat(depth) + "x" + &" : y".repeat(depth));
+    accepted("{x < 0: ".repeat(depth) + "x" + &", y}".repeat(depth));
+    accepted("if(x < 0, ".repeat(depth) + "x" + &", y)".repeat(depth));
+}
+
+#[test]
+fn programs_are_bounded() {
+    let sets = |count: usize| "d += x;".repeat(count);
+    assert!(matches!(
+        error(format!("float d = 1.;{}return d;", sets(10_000))),
+        ErrorKind::TooManyNames { .. }
+    ));
+    accepted(format!("float d = 1.;{}return d;", sets(200)));
+    let functions = "float f(float a){return a;}";
+    assert!(matches!(error(functions.repeat(5_000)), ErrorKind::TooManyNames { .. }));
+    accepted(format!("{}\nf(x)", (functions.to_owned() + "\n").repeat(3_000)));
+    let nested = "float f(float a){".repeat(20_000);
+    assert!(is_too_deep(nested));
+    accepted("x // a comment\n".repeat(900));
+    error("x // 2 ".repeat(5_000));
+    error(r"\begin{".repeat(50_000));
+    error("(*".repeat(150));
+    error("/*".repeat(40_000));
+    error("x = 1\n/* never closed\ny = 2".to_owned());
+    error("f = lambda x: ".repeat(5_000));
+    error("p.x = ".repeat(5_000));
+    accepted("r == theta + rho + phi\n".repeat(900));
+}

@@ -5,3 +5,4 @@ mod gallery;
 mod hostile;
 mod render;
 mod round_trip;
+mod words;

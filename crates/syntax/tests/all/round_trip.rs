@@ -7,7 +7,8 @@ use proptest::test_runner::RngSeed;
 use zeroset_ir::Axis;
 use zeroset_ops::{COMPOSED, Notation, TABLE};
 use zeroset_syntax::ast::{
-    Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign, Relation, Statement, SumSign,
+    Expr, ExprKind, Function, Name, NamedConstant, NamedValue, ProductSign, Relation, Series,
+    Statement, SumSign, VectorFunction,
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
@@ -76,6 +77,9 @@ fn functions() -> Vec<(Function, usize)> {
     all.push((Function::Native(zeroset_ops::Op::Max), 4));
     all.push((Function::Root, 2));
     all.push((Function::Length, 5));
+    all.push((Function::Vector(3), 3));
+    all.push((Function::OfVectors(VectorFunction::Cross), 2));
+    all.push((Function::OfVectors(VectorFunction::Normalize), 1));
     all.extend(
         COMPOSED
             .iter()
@@ -83,6 +87,19 @@ fn functions() -> Vec<(Function, usize)> {
             .map(|(index, f)| (Function::Composed(index), f.parameters.len())),
     );
     all
+}
+
+fn comparison(sides: BoxedStrategy<Expr>) -> impl Strategy<Value = Expr> {
+    let relation = prop::sample::select(vec![Relation::Equal, Relation::Less, Relation::Unequal]);
+    (sides.clone(), relation, sides).prop_map(|(left, relation, right)| {
+        expr(ExprKind::Compare(Box::new(left), vec![(relation, right)]))
+    })
+}
+
+fn series(is_product: bool, mut ends: Vec<Expr>, step: Option<Expr>) -> Expr {
+    let index = Name { text: "k".to_owned(), span: Span::default() };
+    let (low, high, body) = (ends.remove(0), ends.remove(0), ends.remove(0));
+    expr(ExprKind::Series(Box::new(Series { is_product, index, low, high, step, body })))
 }
 
 fn number() -> impl Strategy<Value = Expr> {
@@ -100,6 +117,16 @@ fn number() -> impl Strategy<Value = Expr> {
                 Box::new(base),
                 Box::new(exponent)
             ))),
+            (
+                vec((comparison(inner.clone().boxed()), inner.clone()), 1..3),
+                prop::option::of(inner.clone())
+            )
+                .prop_map(|(pieces, last)| expr(ExprKind::Choice(pieces, last.map(Box::new)))),
+            (inner.clone(), prop::sample::select(vec!["x", "yx", "xyz", "w"])).prop_map(
+                |(e, letters)| expr(ExprKind::Component(Box::new(e), letters.to_owned()))
+            ),
+            (any::<bool>(), vec(inner.clone(), 3), prop::option::of(inner.clone()))
+                .prop_map(|(is_product, ends, step)| series(is_product, ends, step)),
             (function, vec(inner, 5)).prop_map(|((function, count), mut arguments)| {
                 arguments.truncate(count);
                 expr(ExprKind::Call(function, arguments))
@@ -280,6 +307,41 @@ const PIECES: &[&str] = &[
     ":=",
     "&&",
     "∈",
+    "{x < 0: ",
+    " ? ",
+    " if ",
+    " else ",
+    "if(",
+    "sum(k = 1..3, ",
+    "\\sum_{k=1}^{3} ",
+    "iterate(",
+    "vec3(",
+    ".xy",
+    "p",
+    "..",
+    "\\begin{cases} ",
+    "\\end{cases}",
+    " & ",
+    "\\\\",
+    "\\text{otherwise}",
+    "float d = ",
+    "return ",
+    "float f(vec3 p) { ",
+    "def f(x):\n",
+    "lambda x: ",
+    "theta",
+    "rho",
+    "phi",
+    "//",
+    "/*",
+    "*/",
+    "(*",
+    "np.",
+    "||",
+    "+=",
+    "Piecewise[{{",
+    "}}]",
+    "let(",
 ];
 
 proptest! {

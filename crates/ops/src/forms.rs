@@ -1,0 +1,76 @@
+//! Words of the language that look like functions and are none: what they take is not a row of numbers.
+
+/// What a form stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Meaning {
+    /// A choice between values: condition and value in turn, then a value for all other points.
+    Choose,
+    /// A choice, its pieces in brackets of their own: value and condition.
+    Pieces,
+    /// A sum over a range of whole numbers.
+    Sum,
+    /// A product over a range of whole numbers.
+    Product,
+    /// A function applied again and again.
+    Iterate,
+    /// A vector with this many components.
+    Vector(u8),
+    /// A scalar product.
+    Dot,
+    /// A vector product.
+    Cross,
+    /// A vector of length 1.
+    Normalize,
+    /// The distance between two points.
+    Distance,
+    /// A vector mirrored in a plane.
+    Reflect,
+}
+
+/// A form, and how it is written.
+#[derive(Debug)]
+pub struct Form {
+    /// The name it is printed by.
+    pub name: &'static str,
+    /// Other accepted names.
+    pub aliases: &'static [&'static str],
+    /// What it stands for.
+    pub meaning: Meaning,
+    /// An example of its use.
+    pub usage: &'static str,
+    /// One line for help.
+    pub doc: &'static str,
+}
+
+const fn row(
+    name: &'static str,
+    aliases: &'static [&'static str],
+    meaning: Meaning,
+    usage: &'static str,
+    doc: &'static str,
+) -> Form {
+    Form { name, aliases, meaning, usage, doc }
+}
+
+/// Every form.
+#[rustfmt::skip] // one row a line
+pub static FORMS: &[Form] = &[
+    row("if", &["which", "where"], Meaning::Choose, "if(x < 0, x^2, x)", "a choice, also {x < 0: x^2, x}; conditions are tried in turn, and without a last value it is undefined where none holds"),
+    row("piecewise", &[], Meaning::Pieces, "piecewise([[x^2, x < 0], [x, x >= 0]])", "a choice whose pieces are in brackets, the value first"),
+    row("sum", &["summation"], Meaning::Sum, "sum(k = 1..5, sin(k x)/k)", "a sum over whole numbers, at most 1000"),
+    row("product", &["prod"], Meaning::Product, "product(k = 1..3, x - k)", "a product over whole numbers, at most 1000"),
+    row("iterate", &["nest"], Meaning::Iterate, "iterate(f, 3, x)", "f(f(f(x))): a function applied n times, at most 1000"),
+    row("vec2", &["float2"], Meaning::Vector(2), "vec2(x, y)", "a vector of two components, its parts .x and .y"),
+    row("vec3", &["float3", "vector", "array"], Meaning::Vector(3), "vec3(x, y, z)", "a vector of three components, its parts .x, .y and .z"),
+    row("vec4", &["float4"], Meaning::Vector(4), "vec4(x, y, z, 1)", "a vector of four components, its parts .x to .w"),
+    row("dot", &[], Meaning::Dot, "dot(p, q)", "scalar product of two vectors"),
+    row("cross", &[], Meaning::Cross, "cross(p, q)", "vector product of two vectors of three components"),
+    row("normalize", &[], Meaning::Normalize, "normalize(p)", "p/length(p)"),
+    row("distance", &[], Meaning::Distance, "distance(p, q)", "length(p - q)"),
+    row("reflect", &[], Meaning::Reflect, "reflect(p, n)", "p - 2 dot(n, p) n"),
+];
+
+/// The form called `name` (exact spelling, aliases included).
+pub fn form(name: &str) -> Option<&'static Form> {
+    FORMS.iter().find(|form| form.name == name || form.aliases.contains(&name))
+}

@@ -1,0 +1,396 @@
+//! Symbols put in the one arrangement that the grammar knows, within one statement: choices however
+//! they are written, lists, ranges, decimal commas, labels.
+//!
+//! Symbols keep the places where they were typed, and their order; a bracket that was not typed
+//! stands at a place without length. Nothing here knows what a name means.
+
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::lexer::OTHERWISE;
+use crate::limits::Limits;
+use crate::note::{Note, NoteKind};
+use crate::scan::{Piece, Token, scan};
+use crate::span::Span;
+use crate::spelling::{closer, decimal};
+use std::collections::VecDeque;
+
+/// A symbol, or a pair of brackets with what is in it, arranged.
+enum Node {
+    Leaf(Token),
+    Group(Token, Vec<Token>, Token),
+}
+
+impl Node {
+    fn is(&self, symbol: char) -> bool {
+        matches!(self, Self::Leaf(token) if token.symbol == symbol)
+    }
+
+    fn span(&self) -> Span {
+        match self {
+            Self::Leaf(token) => token.span,
+            Self::Group(open, _, close) => open.span.to(close.span),
+        }
+    }
+}
+
+/// The statements of a text that is no program.
+pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
+    let mut pieces = Vec::new();
+    for tokens in scan(text, limits)? {
+        pieces.extend(arrange(text, tokens, limits)?);
+    }
+    Ok(pieces)
+}
+
+/// The symbols of a statement as the grammar knows them; `None` if nothing is left.
+pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallible<Option<Piece>> {
+    let is_setting = matches!(tokens[0].symbol, 'd' | 'v' | 'c');
+    let mut tokens = tokens;
+    if !is_setting {
+        trim(text, &mut tokens);
+    }
+    let series = tokens.iter().filter(|token| matches!(token.symbol, 'Σ' | 'Π'));
+    if let Some(token) = series.clone().nth(limits.depth / 4) {
+        return Err(Error::new(token.span, ErrorKind::TooDeep { limit: limits.depth / 4 }));
+    }
+    let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
+    let mut tokens = tokens.into_iter().peekable();
+    let mut arranged = arranger.level(&mut tokens, None)?;
+    // What was given no meaning by what is around it has none.
+    for token in &mut arranged {
+        if matches!(token.symbol, '&' | '⸮' | '␤') {
+            token.symbol = '?';
+        }
+    }
+    if arranged.is_empty() {
+        return Ok(None);
+    }
+    Piece::new(arranged, arranger.notes).map(Some)
+}
+
+/// Takes away a label, and what ends a sentence.
+fn trim(text: &str, tokens: &mut Vec<Token>) {
+    let typed = |token: &Token| &text[token.span.range()];
+    while tokens.len() > 1
+        && tokens.last().is_some_and(|last| {
+            last.symbol == ',' || last.symbol == ':' || (last.symbol == '?' && typed(last) == ".")
+        })
+    {
+        tokens.pop();
+    }
+    if let [label, colon, _, ..] = tokens.as_slice()
+        && label.symbol == 'a'
+        && colon.symbol == ':'
+        && !tokens.iter().any(|token| token.symbol == '⸮')
+    {
+        tokens.drain(..2);
+    }
+}
+
+struct Arranger<'a> {
+    text: &'a str,
+    limits: &'a Limits,
+    notes: Vec<Note>,
+    depth: usize,
+    is_setting: bool,
+}
+
+type Tokens = std::iter::Peekable<std::vec::IntoIter<Token>>;
+
+impl Arranger<'_> {
+    fn typed(&self, token: Token) -> &str {
+        &self.text[token.span.range()]
+    }
+
+    fn is_word(&self, node: &Node, word: &str) -> bool {
+        matches!(node, Node::Leaf(token) if token.symbol == 'a' && self.typed(*token) == word)
+    }
+
+    /// What stands up to the bracket that closes `open`, arranged; the bracket is left.
+    fn level(&mut self, tokens: &mut Tokens, open: Option<Token>) -> Fallible<Vec<Token>> {
+        let in_pieces = open.is_some_and(|open| open.symbol == '⦃');
+        // What commas separate, with the comma behind each.
+        let mut segments: Vec<(Vec<Node>, Option<Token>)> = Vec::new();
+        let mut segment: Vec<Node> = Vec::new();
+        while let Some(mut token) = tokens.peek().copied() {
+            if open.is_some_and(|open| closer(open.symbol) == Some(token.symbol)) {
+                break;
+            }
+            tokens.next();
+            if closer(token.symbol).is_some() {
+                let inner = self.level(tokens, Some(token))?;
+                let Some(close) = tokens.next() else { break };
+                segment.push(self.group(token, inner, close, open.is_some()));
+                continue;
+            }
+            if token.symbol == '␤' && in_pieces {
+                token.symbol = ',';
+            }
+            if token.symbol != ',' {
+                segment.push(Node::Leaf(token));
+                continue;
+            }
+            if let Some(merged) = self.decimal_comma(&segment, token, tokens, open) {
+                segment.pop();
+                tokens.next();
+                segment.push(Node::Leaf(merged));
+                continue;
+            }
+            // A row of pieces may have commas of its own before its end or its condition.
+            let is_empty = segment.is_empty() && in_pieces;
+            let ends_value = in_pieces
+                && tokens.peek().is_some_and(|next| matches!(next.symbol, '¿' | '␤' | '⦄'));
+            if !is_empty && !ends_value {
+                segments.push((std::mem::take(&mut segment), Some(token)));
+            }
+        }
+        segments.push((segment, None));
+        if let (true, Some((last, None))) = (segments.len() > 1, segments.last())
+            && last.is_empty()
+            && open.is_some_and(|open| matches!(open.symbol, '(' | '[' | '⦃'))
+        {
+            // A comma behind the last argument.
+            segments.pop();
+            if let Some((_, comma)) = segments.last_mut() {
+                *comma = None;
+            }
+        }
+        let mut arranged = Vec::new();
+        for (segment, comma) in segments {
+            self.segment(segment, open, &mut arranged)?;
+            arranged.extend(comma);
+        }
+        Ok(arranged)
+    }
+
+    /// A pair of brackets: braces are pieces if they hold a colon, a list if a comma.
+    fn group(&self, mut open: Token, inner: Vec<Token>, mut close: Token, nested: bool) -> Node {
+        let mut depth = 0_usize;
+        let (mut colon, mut comma, mut relation) = (false, false, false);
+        for token in &inner {
+            if closer(token.symbol).is_some() {
+                depth += 1;
+            } else if crate::spelling::is_closer(token.symbol) {
+                depth = depth.saturating_sub(1);
+            } else if depth == 0 {
+                colon |= token.symbol == ':';
+                comma |= token.symbol == ',';
+            }
+            relation |= "=≠<≤>≥∧∨¬".contains(token.symbol);
+        }
+        if open.symbol == '{' && colon {
+            (open.symbol, close.symbol) = ('⦃', '⦄');
+        } else if open.symbol == '{'
+            && !self.is_setting
+            && (comma && (nested || !relation) || nested && holds_lists(&inner))
+        {
+            (open.symbol, close.symbol) = ('⟨', '⟩');
+        }
+        Node::Group(open, inner, close)
+    }
+
+    /// `0,5` as one number, where a comma can separate nothing.
+    fn decimal_comma(
+        &mut self,
+        before: &[Node],
+        comma: Token,
+        tokens: &mut Tokens,
+        open: Option<Token>,
+    ) -> Option<Token> {
+        let next = *tokens.peek()?;
+        let Some(Node::Leaf(number)) = before.last() else {
+            return None;
+        };
+        let touches = number.span.end == comma.span.start && comma.span.end == next.span.start;
+        let are_numbers = number.symbol == '0' && next.symbol == '0' && touches;
+        let digits = |token: Token| self.typed(token).bytes().all(|byte| byte.is_ascii_digit());
+        let is_whole = are_numbers && digits(*number) && digits(next);
+        let separates = match open {
+            None => self.is_setting,
+            // Brackets behind a name may hold arguments; two numbers alone may be a point.
+            Some(open) => {
+                let behind = self.text[..open.span.start].trim_end().chars().next_back();
+                let is_call =
+                    behind.is_some_and(|c| crate::spelling::in_name(c) || ")]}".contains(c));
+                open.symbol != '(' || is_call || before.len() < 2
+            }
+        };
+        if !is_whole || separates {
+            return None;
+        }
+        let span = number.span.to(next.span);
+        let read = decimal(&self.text[span.range()]);
+        self.notes.push(Note { span, kind: NoteKind::DecimalComma { read } });
+        Some(Token::new('0', span))
+    }
+
+    /// Arranges what stands between two commas onto the end of `out`.
+    fn segment(
+        &mut self,
+        mut nodes: Vec<Node>,
+        open: Option<Token>,
+        out: &mut Vec<Token>,
+    ) -> Fallible<()> {
+        if open.is_some() {
+            self.words(&mut nodes);
+        }
+        for index in 0..nodes.len() {
+            // `(a) & (b)` of numpy.
+            if nodes[index].is('&')
+                && index > 0
+                && matches!(
+                    (&nodes[index - 1], nodes.get(index + 1)),
+                    (Node::Group(..), Some(Node::Group(..)))
+                )
+                && let Node::Leaf(token) = &mut nodes[index]
+            {
+                token.symbol = '∧';
+            }
+        }
+        let is_ternary = nodes.iter().any(|node| node.is('⸮'));
+        let is_conditional = nodes.iter().skip(1).any(|node| self.is_word(node, "if"))
+            && nodes.iter().any(|node| self.is_word(node, "else"));
+        if is_ternary || is_conditional {
+            // What is set equal to a choice is no part of it.
+            let choice =
+                nodes.iter().position(|node| node.is('⸮') || self.is_word(node, "if")).unwrap_or(0);
+            let is_equals = |node: &Node| {
+                matches!(node, Node::Leaf(token) if token.symbol == '='
+                    && (is_conditional || !self.typed(*token).starts_with("==")))
+            };
+            let start = nodes[..choice].iter().rposition(is_equals).map_or(0, |index| index + 1);
+            let rest = nodes.split_off(start);
+            flatten(nodes, out);
+            return self.chosen(rest, is_ternary, out);
+        }
+        flatten(nodes, out);
+        Ok(())
+    }
+
+    /// Words and signs that have a role in brackets only: ranges, generators, the last piece.
+    fn words(&self, nodes: &mut [Node]) {
+        if nodes.iter().any(|node| node.is('‥'))
+            && let Some(Node::Leaf(equals)) = nodes.get_mut(1)
+            && equals.symbol == '='
+        {
+            equals.symbol = '≔';
+        }
+        let is_otherwise = |node: Option<&Node>| {
+            matches!(node, Some(Node::Leaf(token))
+                if token.symbol == 'a' && OTHERWISE.contains(&self.typed(*token)))
+        };
+        let before_colon =
+            nodes.get(1).is_none_or(|next| next.is(':')) && is_otherwise(nodes.first());
+        if before_colon
+            && nodes.len() > 1
+            && let Some(Node::Leaf(token)) = nodes.first_mut()
+        {
+            token.symbol = 'O';
+        }
+        for index in 1..nodes.len() {
+            let follows = nodes[index - 1].is('¿');
+            let is_for = self.is_word(&nodes[index], "for");
+            let is_range = nodes[index - 1].is('∈') && self.is_word(&nodes[index], "range");
+            let last = follows && is_otherwise(nodes.get(index));
+            let lead = follows && (is_for || self.is_word(&nodes[index], "if"));
+            if let Node::Leaf(token) = &mut nodes[index] {
+                if last {
+                    token.symbol = 'O';
+                } else if lead {
+                    // Dropped below: it means nothing behind the sign that separates.
+                    token.symbol = ' ';
+                } else if is_for {
+                    token.symbol = '∀';
+                } else if is_range {
+                    token.symbol = 'N';
+                }
+            }
+        }
+    }
+
+    /// `c ? a : b` or `a if c else b`, as pieces.
+    fn chosen(&mut self, nodes: Vec<Node>, is_ternary: bool, out: &mut Vec<Token>) -> Fallible<()> {
+        let span = nodes.first().map_or(Span::default(), Node::span);
+        self.depth += 1;
+        if self.depth > self.limits.depth / 4 {
+            let limit = self.limits.depth / 4;
+            return Err(Error::new(span, ErrorKind::TooDeep { limit }));
+        }
+        out.push(Token::new('⦃', Span::at(span.start)));
+        let end = nodes.last().map_or(span.end, |node| node.span().end);
+        let mut rest = VecDeque::from(nodes);
+        // The parts before, between and after the two signs.
+        while let Some((first, second)) = self.signs(rest.iter(), is_ternary) {
+            let joint = rest[second].span();
+            let sign = rest[first].span();
+            let mut parts = rest.drain(..=second);
+            let before: Vec<Node> = parts.by_ref().take(first).collect();
+            let between: Vec<Node> = parts.by_ref().skip(1).take(second - first - 1).collect();
+            drop(parts);
+            self.part(before, is_ternary, out)?;
+            out.push(Token::new(if is_ternary { ':' } else { '¿' }, sign));
+            self.part(between, is_ternary, out)?;
+            out.push(Token::new(',', joint));
+        }
+        flatten(rest.into(), out);
+        out.push(Token::new('⦄', Span::at(end)));
+        self.depth -= 1;
+        Ok(())
+    }
+
+    /// A part of a choice, which may be a choice.
+    fn part(&mut self, nodes: Vec<Node>, is_ternary: bool, out: &mut Vec<Token>) -> Fallible<()> {
+        if self.signs(nodes.iter(), is_ternary).is_some() {
+            return self.chosen(nodes, is_ternary, out);
+        }
+        flatten(nodes, out);
+        Ok(())
+    }
+
+    /// The places of the first sign of a choice and of the one that belongs to it.
+    fn signs<'n>(
+        &self,
+        nodes: impl Iterator<Item = &'n Node> + Clone,
+        is_ternary: bool,
+    ) -> Option<(usize, usize)> {
+        let opens = |node: &Node| {
+            if is_ternary { node.is('⸮') } else { self.is_word(node, "if") }
+        };
+        let closes = |node: &Node| {
+            if is_ternary { node.is(':') } else { self.is_word(node, "else") }
+        };
+        let first = nodes.clone().position(opens)?;
+        let mut depth = 0_usize;
+        for (index, node) in nodes.enumerate().skip(first) {
+            if opens(node) {
+                depth += 1;
+            } else if closes(node) {
+                depth -= 1;
+                if depth == 0 {
+                    return Some((first, index));
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Whether brackets hold nothing but one list.
+fn holds_lists(inner: &[Token]) -> bool {
+    let closes = inner.iter().position(|token| token.symbol == '⟩');
+    inner.first().is_some_and(|token| token.symbol == '⟨') && closes == Some(inner.len() - 1)
+}
+
+/// All symbols of `nodes`, in order.
+fn flatten(nodes: Vec<Node>, out: &mut Vec<Token>) {
+    for node in nodes {
+        match node {
+            Node::Leaf(token) if token.symbol == ' ' => {}
+            Node::Leaf(token) => out.push(token),
+            Node::Group(open, inner, close) => {
+                out.push(open);
+                out.extend(inner);
+                out.push(close);
+            }
+        }
+    }
+}

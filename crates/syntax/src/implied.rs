@@ -1,0 +1,79 @@
+//! What is drawn where a text only defines.
+
+use crate::ast::{Definition, Expr, ExprKind, Function, NamedValue, Relation, Statement};
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::note::{Note, NoteKind};
+use crate::program::Program;
+use crate::span::Span;
+use crate::statement::{Built, is_plain_number};
+use rustc_hash::FxHashSet;
+use zeroset_ir::Axis;
+
+/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
+/// height.
+pub(crate) fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, Note)> {
+    for (definition, built) in definitions.iter().rev() {
+        let parameters: Vec<&str> =
+            definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
+        let span = definition.name.span;
+        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), span);
+        let function = Function::Defined(definition.name.text.clone());
+        let arguments: Vec<Expr> =
+            Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
+        let call = Expr::new(ExprKind::Call(function, arguments), span);
+        let expr = match parameters.as_slice() {
+            ["x", "y", "z"] => equals(call, number_zero(span)),
+            ["x", "y"] => equals(coordinate(Axis::Z), call),
+            _ => continue,
+        };
+        let drawn = expr.to_string();
+        let statement = Statement::Draw { expr, restrictions: Vec::new() };
+        let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };
+        let built =
+            Built { statement, span: built.span, notes: Vec::new(), used: FxHashSet::default() };
+        return Ok((built, note));
+    }
+    let Some((definition, _)) = definitions.last() else {
+        return Err(Error::new(Span::at(0), ErrorKind::Empty));
+    };
+    let kind = ErrorKind::NothingToDraw {
+        last: definition.name.text.clone(),
+        is_number: is_plain_number(&definition.body),
+        parameters: definition.parameters.as_ref().map(Vec::len),
+    };
+    Err(Error::new(definition.name.span, kind))
+}
+
+/// What a program draws that returns nothing: its last function of a point of space, or the last
+/// number that it sets.
+pub(crate) fn drawn_by_program(program: &Program, built: &[Built]) -> Option<(Built, Note)> {
+    if built.iter().any(|built| matches!(built.statement, Statement::Draw { .. })) {
+        return None;
+    }
+    let (name, kind) = if let Some(name) = &program.last_function {
+        let function = Function::Defined(name.text.clone());
+        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), name.span);
+        let point = Axis::ALL.iter().map(|axis| coordinate(*axis)).collect();
+        let point = Expr::new(ExprKind::Call(Function::Vector(3), point), name.span);
+        (name, ExprKind::Call(function, vec![point]))
+    } else {
+        let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
+        (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
+    };
+    // It stands nowhere in the text.
+    let expr = Expr::new(kind, Span::at(name.span.start));
+    let drawn = expr.to_string();
+    let statement = Statement::Draw { expr, restrictions: Vec::new() };
+    let note = Note { span: name.span, kind: NoteKind::DrawsFunction { drawn } };
+    let used = std::iter::once(name.text.clone()).collect();
+    Some((Built { statement, span: name.span, notes: Vec::new(), used }, note))
+}
+
+pub(crate) fn equals(left: Expr, right: Expr) -> Expr {
+    let span = left.span;
+    Expr::new(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]), span)
+}
+
+pub(crate) fn number_zero(span: Span) -> Expr {
+    Expr::new(ExprKind::Number("0".to_owned()), span)
+}

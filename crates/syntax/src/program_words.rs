@@ -1,0 +1,324 @@
+//! The words of programs, and where their parts begin and end: no formula is looked into.
+
+use crate::ast::Name;
+use crate::scan::Token;
+use crate::span::Span;
+use crate::spelling::{closer, is_closer, is_name, plain_name};
+
+/// Types and what else stands before a name that is declared.
+const TYPES: &[&str] = &[
+    "float", "int", "double", "half", "real", "bool", "uint", "vec2", "vec3", "vec4", "float2",
+    "float3", "float4", "half2", "half3", "half4", "mat2", "mat3", "mat4", "const", "let", "var",
+    "auto", "static", "inline", "uniform", "varying", "out", "inout", "highp", "mediump", "lowp",
+    "local", "function", "fn",
+];
+
+pub(crate) fn is_type(word: &str) -> bool {
+    TYPES.contains(&word)
+}
+
+/// The number of components of a type.
+pub(crate) fn size_of(word: &str) -> usize {
+    let is_vector = ["vec", "float", "half"].iter().any(|stem| word.starts_with(stem));
+    match word.chars().last().and_then(|last| last.to_digit(10)) {
+        Some(digit @ 2..=4) if is_vector => digit as usize,
+        _ => 1,
+    }
+}
+
+/// Symbols, and the text that they stand in.
+#[derive(Clone, Copy)]
+pub(crate) struct Words<'a> {
+    pub text: &'a str,
+}
+
+impl<'a> Words<'a> {
+    /// What was typed for a symbol that is a name; nothing for others.
+    pub(crate) fn word(self, token: Token) -> &'a str {
+        if is_name(token.symbol) { &self.text[token.span.range()] } else { "" }
+    }
+
+    pub(crate) fn name(self, token: Token) -> Name {
+        Name { text: plain_name(&self.text[token.span.range()]), span: token.span }
+    }
+
+    /// Whether a word is followed by brackets or a name, and not by a sign.
+    pub(crate) fn is_command(tokens: &[Token]) -> bool {
+        let Some(next) = tokens.get(1) else { return false };
+        if is_name(next.symbol) || next.symbol == '{' {
+            return true;
+        }
+        // `if(c, a, b)` is a value; `if (c) a` is not.
+        let Some((inner, rest)) = bracketed(&tokens[1..]) else { return false };
+        split(inner, ',').len() == 1
+            && rest.first().is_some_and(|next| is_name(next.symbol) || next.symbol == '{')
+    }
+
+    /// Joins a body to the statement before it, which ends with a function's parameters.
+    pub(crate) fn join_bodies(self, statements: &mut Vec<Vec<Token>>) {
+        let mut index = 1;
+        while index < statements.len() {
+            let before = &statements[index - 1];
+            let is_body = statements[index][0].symbol == '{'
+                && before.last().is_some_and(|token| token.symbol == ')')
+                && self.types(before) > 0;
+            // The right side of a definition of OpenSCAD may stand below it.
+            let is_right = before.last().is_some_and(|token| token.symbol == '=')
+                && self.word(before[0]) == "function";
+            if is_body || is_right {
+                let body = statements.remove(index);
+                statements[index - 1].extend(body);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    /// Whether a statement is one of a program: typed, or setting a name anew.
+    pub(crate) fn is_step(self, tokens: &[Token]) -> bool {
+        let first = self.word(tokens[0]);
+        let types = self.types(tokens);
+        let is_open = !matches!(first, "function" | "let" | "var" | "const");
+        if types > 0 && is_open || first == "return" && tokens.len() > 1 || first == "#define" {
+            return true;
+        }
+        match tokens {
+            [name, component, equals, ..] if is_name(name.symbol) => {
+                component.symbol == '‧' && equals.symbol == '=' && self.sets(*equals)
+                    || "+-*/".contains(component.symbol)
+                        && equals.symbol == '='
+                        && component.span.end == equals.span.start
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether an equals sign can set: two of them state.
+    fn sets(self, equals: Token) -> bool {
+        !self.text[equals.span.range()].starts_with("==")
+    }
+
+    /// How many words before a declared name are types.
+    pub(crate) fn types(self, tokens: &[Token]) -> usize {
+        let count = tokens.iter().take_while(|token| is_type(self.word(**token))).count();
+        if begins_name(tokens.get(count)) { count } else { 0 }
+    }
+
+    /// Whether a statement is a function whose body stands in braces.
+    pub(crate) fn has_body(self, tokens: &[Token]) -> bool {
+        self.function(tokens).is_some()
+    }
+
+    /// Name, parameters, body and what follows of a function with a body.
+    #[allow(clippy::type_complexity)] // taken apart at once
+    pub(crate) fn function(
+        self,
+        tokens: &[Token],
+    ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>, Vec<Token>)> {
+        let types = self.types(tokens);
+        if types == 0 {
+            return None;
+        }
+        let name = tokens[types];
+        let (parameters, rest) = bracketed(&tokens[types + 1..])?;
+        // The type of the result may stand behind an arrow.
+        let brace = rest.iter().position(|token| token.symbol == '{')?;
+        let is_arrow = rest.first().is_some_and(|token| token.symbol == '-');
+        if brace > 0 && !is_arrow {
+            return None;
+        }
+        let (body, rest) = bracketed(&rest[brace..])?;
+        Some((name, split(parameters, ','), body, rest))
+    }
+
+    /// Name, parameters and what stands behind the colon of `def name(parameters):`.
+    pub(crate) fn python(tokens: &[Token]) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
+        let (parameters, rest) = bracketed(&tokens[2..])?;
+        let colon = rest.iter().position(|token| token.symbol == ':')?;
+        let name = *tokens.get(1)?;
+        is_name(name.symbol).then(|| (name, split(parameters, ','), rest[colon + 1..].to_vec()))
+    }
+
+    /// Name, parameters and value of `f = lambda x: …` or `f = (x) => …`; the name may be left out.
+    #[allow(clippy::type_complexity)] // taken apart at once
+    pub(crate) fn lambda(
+        self,
+        tokens: &[Token],
+    ) -> Option<(Option<Token>, Vec<Vec<Token>>, Vec<Token>)> {
+        let (name, rest) = match tokens {
+            [name, equals, rest @ ..] if is_name(name.symbol) && equals.symbol == '=' => {
+                (Some(*name), rest)
+            }
+            rest => (None, rest),
+        };
+        if self.word(*rest.first()?) == "lambda" {
+            let colon = rest.iter().position(|token| token.symbol == ':')?;
+            let parameters = split(rest[1..colon].to_vec(), ',');
+            return Some((name, parameters, rest[colon + 1..].to_vec()));
+        }
+        let (parameters, rest) = bracketed(rest)?;
+        match rest.as_slice() {
+            [equals, above, value @ ..]
+                if equals.symbol == '='
+                    && above.symbol == '>'
+                    && equals.span.end == above.span.start =>
+            {
+                Some((name, split(parameters, ','), value.to_vec()))
+            }
+            _ => None,
+        }
+    }
+
+    /// Name, parameters and right side of `f(x) = let(a = 1) value`.
+    #[allow(clippy::type_complexity)] // taken apart at once
+    pub(crate) fn with_bindings(
+        self,
+        tokens: &[Token],
+    ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
+        let (parameters, rest) = bracketed(tokens.get(1..)?)?;
+        let [equals, word, ..] = rest.as_slice() else { return None };
+        let is_let = equals.symbol == '=' && self.word(*word) == "let";
+        is_let.then(|| (tokens[0], split(parameters, ','), rest[1..].to_vec()))
+    }
+
+    /// Name, size and value of a parameter.
+    pub(crate) fn parameter(self, tokens: &[Token]) -> Option<(Token, usize, Option<Vec<Token>>)> {
+        let equals = tokens.iter().position(|token| token.symbol == '=');
+        let declared = &tokens[..equals.unwrap_or(tokens.len())];
+        let colon = declared.iter().position(|token| token.symbol == ':');
+        let before = &declared[..colon.unwrap_or(declared.len())];
+        let name = *before.iter().rfind(|token| is_name(token.symbol))?;
+        let size = declared.iter().map(|token| size_of(self.word(*token))).max().unwrap_or(1);
+        Some((name, size, equals.map(|equals| tokens[equals + 1..].to_vec())))
+    }
+
+    /// Name, components and value of `name = value`, `name.xy = value` or `name += value`.
+    pub(crate) fn assignment(
+        self,
+        tokens: &[Token],
+    ) -> Option<(Token, Option<String>, Vec<Token>)> {
+        let (name, rest) = tokens.split_first()?;
+        if !is_name(name.symbol) {
+            return None;
+        }
+        let letters = rest.first().filter(|token| token.symbol == '‧');
+        let rest = &rest[usize::from(letters.is_some())..];
+        let typed = letters.map(|token| self.text[token.span.start + 1..token.span.end].to_owned());
+        match rest {
+            [equals, value @ ..] if equals.symbol == '=' && self.sets(*equals) => {
+                let is_arrow = value
+                    .first()
+                    .is_some_and(|next| next.symbol == '>' && next.span.start == equals.span.end);
+                (!is_arrow).then(|| (*name, typed, value.to_vec()))
+            }
+            [operator, equals, value @ ..]
+                if "+-*/".contains(operator.symbol)
+                    && equals.symbol == '='
+                    && operator.span.end == equals.span.start
+                    && !value.is_empty() =>
+            {
+                let mut whole = vec![*name];
+                whole.extend(letters);
+                whole.push(*operator);
+                whole.push(Token::new('(', Span::at(value[0].span.start)));
+                whole.extend(value);
+                let end = value[value.len() - 1].span.end;
+                whole.push(Token::new(')', Span::at(end)));
+                Some((*name, typed, whole))
+            }
+            _ => None,
+        }
+    }
+
+    /// The names and values of `a, b = 1, 2`.
+    pub(crate) fn parallel(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Vec<Token>>)> {
+        let equals = tokens.iter().position(|token| token.symbol == '=')?;
+        let names = split(tokens[..equals].to_vec(), ',');
+        let values = split(tokens[equals + 1..].to_vec(), ',');
+        let single = |tokens: &Vec<Token>| match tokens.as_slice() {
+            [only] if is_name(only.symbol) => Some(*only),
+            _ => None,
+        };
+        let names: Option<Vec<Token>> = names.iter().map(single).collect();
+        let names = names.filter(|names| names.len() > 1 && names.len() == values.len())?;
+        Some((names, values))
+    }
+
+    /// Leaves of a command that plots its first argument only that; whether that is a height.
+    pub(crate) fn plot(self, tokens: &mut Vec<Token>) -> bool {
+        let word = self.word(tokens[0]);
+        let is_height = matches!(word, "Plot3D" | "plot3d");
+        if !is_height && !matches!(word, "ContourPlot3D" | "RegionPlot3D" | "implicit_plot3d") {
+            return false;
+        }
+        let Some((inner, rest)) = bracketed(&tokens[1..]) else { return false };
+        if rest.is_empty()
+            && let Some(first) = split(inner, ',').into_iter().next()
+        {
+            *tokens = first;
+            return is_height;
+        }
+        false
+    }
+
+    /// `f[x_, y_]` as `f[x, y]`, on the left of a definition.
+    pub(crate) fn patterns(self, tokens: &mut [Token]) {
+        let Some((inner, _)) = tokens.get(1..).and_then(bracketed) else {
+            return;
+        };
+        if tokens[1].symbol != '[' {
+            return;
+        }
+        for token in &mut tokens[2..2 + inner.len()] {
+            let typed = &self.text[token.span.range()];
+            if token.symbol == 'a' && typed.len() > 1 && typed.ends_with('_') {
+                token.span = Span::new(token.span.start, token.span.end - 1);
+                if let letter @ ("x" | "y" | "z") = &self.text[token.span.range()] {
+                    token.symbol = letter.chars().next().unwrap_or('a');
+                }
+            }
+        }
+    }
+}
+
+/// What brackets hold that `tokens` begin with, and what follows them.
+pub(crate) fn bracketed(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
+    closer(tokens.first()?.symbol)?;
+    let mut depth = 0_usize;
+    for (index, token) in tokens.iter().enumerate() {
+        if closer(token.symbol).is_some() {
+            depth += 1;
+        } else if is_closer(token.symbol) {
+            depth -= 1;
+            if depth == 0 {
+                return Some((tokens[1..index].to_vec(), tokens[index + 1..].to_vec()));
+            }
+        }
+    }
+    None
+}
+
+/// The parts between `sign`, outside brackets; empty ones are left out.
+pub(crate) fn split(tokens: Vec<Token>, sign: char) -> Vec<Vec<Token>> {
+    let mut parts = vec![Vec::new()];
+    let mut depth = 0_usize;
+    for token in tokens {
+        if closer(token.symbol).is_some() {
+            depth += 1;
+        } else if is_closer(token.symbol) {
+            depth = depth.saturating_sub(1);
+        }
+        if depth == 0 && token.symbol == sign {
+            parts.push(Vec::new());
+        } else if let Some(part) = parts.last_mut() {
+            part.push(token);
+        }
+    }
+    parts.retain(|part: &Vec<Token>| !part.is_empty());
+    parts
+}
+
+/// Whether a symbol is a name.
+pub(crate) fn begins_name(token: Option<&Token>) -> bool {
+    token.is_some_and(|token| is_name(token.symbol))
+}

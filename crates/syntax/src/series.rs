@@ -1,0 +1,156 @@
+//! Sums and products over whole numbers, in the spellings of several languages.
+
+use crate::ast::{Expr, ExprKind, Name, Series, SumSign};
+use crate::build::{Builder, number_only, numbers_only, sum_of};
+use crate::choice::MOST_TERMS;
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::grammar::{Pair, Rule};
+use crate::run::Items;
+use crate::span::Span;
+use crate::special::{sole, tuple};
+use crate::spelling::{decimal, plain_name};
+
+impl Builder<'_> {
+    /// A sum or a product in brackets.
+    pub(crate) fn series_call(
+        &mut self,
+        is_product: bool,
+        parts: &[Pair<'_>],
+        place: Span,
+    ) -> Fallible<Option<Expr>> {
+        // A list may stand around a generator.
+        if let [only] = parts
+            && let Some(group) = sole(only, Rule::group)
+        {
+            let inner: Vec<Pair<'_>> = group.into_inner().collect();
+            return self.series_call(is_product, &inner, place);
+        }
+        let rule = |index: usize| parts.get(index).map(Pair::as_rule);
+        let (body, range) = match (rule(0), rule(1), parts.len()) {
+            (Some(Rule::count), Some(Rule::expression), 2) => (&parts[1], parts[0].clone()),
+            (Some(Rule::expression), Some(Rule::count | Rule::generator), 2) => {
+                (&parts[0], parts[1].clone())
+            }
+            (Some(Rule::expression), Some(Rule::expression), 2) => {
+                let Some(range) = tuple(&parts[1]) else { return Ok(None) };
+                return self.series_of(is_product, &parts[0], &range, place);
+            }
+            (Some(Rule::expression), Some(Rule::expression), 4) => {
+                return self.series_of(is_product, &parts[0], &parts[1..], place);
+            }
+            _ => return Ok(None),
+        };
+        let is_generator = range.as_rule() == Rule::generator;
+        let mut ends = range.into_inner();
+        let index = ends.next().expect("a range has an index");
+        let rest: Vec<Pair<'_>> = match ends.next() {
+            Some(group) if is_generator => group.into_inner().collect(),
+            first => first.into_iter().chain(ends).collect(),
+        };
+        if !is_generator {
+            let built: Fallible<Vec<Expr>> = rest.into_iter().map(|end| self.sum(end)).collect();
+            return self.series_over(is_product, body, &index, built?, place);
+        }
+        // `range(n)` counts from 0, and the end is not reached.
+        let built: Fallible<Vec<Expr>> = rest.into_iter().map(|end| self.value(end)).collect();
+        let mut built = built?;
+        let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), place);
+        if built.len() == 1 {
+            built.insert(0, number("0"));
+        }
+        if let Some(end) = built.get_mut(1) {
+            let span = end.span;
+            let past = std::mem::replace(end, number("0"));
+            *end = sum_of(past, vec![(SumSign::Minus, number("1"))], span);
+        }
+        self.series_over(is_product, body, &index, built, place)
+    }
+
+    /// A sum whose range is a list: index, first and last number, step.
+    fn series_of(
+        &mut self,
+        is_product: bool,
+        body: &Pair<'_>,
+        range: &[Pair<'_>],
+        place: Span,
+    ) -> Fallible<Option<Expr>> {
+        let Some((index, ends)) = range.split_first() else { return Ok(None) };
+        let Some(index) = sole(index, Rule::name) else { return Ok(None) };
+        let built: Fallible<Vec<Expr>> = ends.iter().map(|end| self.value(end.clone())).collect();
+        let mut built = built?;
+        if built.len() == 1 {
+            built.insert(0, Expr::new(ExprKind::Number("1".to_owned()), place));
+        }
+        self.series_over(is_product, body, &index, built, place)
+    }
+
+    fn series_over(
+        &mut self,
+        is_product: bool,
+        body: &Pair<'_>,
+        index: &Pair<'_>,
+        ends: Vec<Expr>,
+        place: Span,
+    ) -> Fallible<Option<Expr>> {
+        let index = Name { text: plain_name(self.typed(index)), span: self.span(index) };
+        self.locals.push(index.clone());
+        let built = self.argument(body.clone());
+        self.locals.pop();
+        let body = built?;
+        let mut ends = ends.into_iter();
+        let (Some(low), Some(high), step, None) =
+            (ends.next(), ends.next(), ends.next(), ends.next())
+        else {
+            return Ok(None);
+        };
+        numbers_only([&low, &high])?;
+        let series = Series { is_product, index, low, high, step, body };
+        Ok(Some(Expr::new(ExprKind::Series(Box::new(series)), place)))
+    }
+
+    /// `\sum_{k=1}^{5}` and the term behind it.
+    pub(crate) fn big_series(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        let is_product = pair.as_str().starts_with('Π');
+        let (mut from, mut to, mut term) = (None, None, None);
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::from => from = Some(part),
+                Rule::to => to = Some(part),
+                _ => term = Some(part),
+            }
+        }
+        let (Some(from), Some(to), Some(term)) = (from, to, term) else {
+            unreachable!("the grammar has all three");
+        };
+        let mut from = from.into_inner();
+        let index = from.next().expect("an index");
+        let low = self.sum(from.next().expect("a first number"))?;
+        let end = to.into_inner().next().expect("a last number");
+        let end_span = self.span(&end);
+        if matches!(self.typed(&end).trim_matches(['{', '}', ' ']), "∞" | r"\infty" | "inf") {
+            let limit = MOST_TERMS;
+            return Err(Error::new(end_span, ErrorKind::TooManyTerms { limit }));
+        }
+        let high = match end.as_rule() {
+            Rule::number => {
+                let digits = decimal(self.typed(&end));
+                Expr::new(ExprKind::Number(digits), end_span)
+            }
+            Rule::name => {
+                let mut items = Items::new();
+                self.item(end, &mut items)?;
+                self.power(&mut items)?
+            }
+            _ => self.deeper(end_span, 1, |b| b.closed(end, end_span))?,
+        };
+        number_only(&high)?;
+        let index = Name { text: plain_name(self.typed(&index)), span: self.span(&index) };
+        self.locals.push(index.clone());
+        let body = self.deeper(span, 1, |b| b.term(&mut term.into_inner()));
+        self.locals.pop();
+        let body = body?;
+        number_only(&body)?;
+        let series = Series { is_product, index, low, high, step: None, body };
+        Ok(Expr::new(ExprKind::Series(Box::new(series)), span))
+    }
+}

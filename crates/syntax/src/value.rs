@@ -1,0 +1,200 @@
+//! Vectors, which are expanded to their components: the graph knows numbers only.
+//!
+//! An operation on vectors is done component by component, a number beside a vector counting for
+//! each. What mixes components has a name: `length`, `dot`, `cross`, `normalize`.
+
+use crate::ast::VectorFunction;
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::lower::Lowering;
+use crate::note::{Note, NoteKind};
+use crate::span::Span;
+use zeroset_ir::NodeId;
+use zeroset_ops::Op;
+
+/// The components' letters.
+pub(crate) const LETTERS: &str = "xyzw";
+
+/// What an expression lowers to.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Value {
+    Number(NodeId),
+    /// Two to four components.
+    Vector(Vec<NodeId>),
+}
+
+impl Value {
+    fn size(&self) -> usize {
+        match self {
+            Self::Number(_) => 1,
+            Self::Vector(nodes) => nodes.len(),
+        }
+    }
+
+    /// A component, or the number itself.
+    fn part(&self, index: usize) -> NodeId {
+        match self {
+            Self::Number(node) => *node,
+            Self::Vector(nodes) => nodes[index],
+        }
+    }
+
+    /// All components, or the number alone.
+    pub(crate) fn parts(&self) -> &[NodeId] {
+        match self {
+            Self::Number(node) => std::slice::from_ref(node),
+            Self::Vector(nodes) => nodes,
+        }
+    }
+
+    pub(crate) fn new(mut nodes: Vec<NodeId>) -> Self {
+        if nodes.len() == 1 { Self::Number(nodes.remove(0)) } else { Self::Vector(nodes) }
+    }
+}
+
+/// The nodes of values that must be numbers.
+pub(crate) fn numbers(values: &[Value], span: Span) -> Fallible<Vec<NodeId>> {
+    let node = |value: &Value| match value {
+        Value::Number(node) => Ok(*node),
+        Value::Vector(_) => Err(Error::new(span, ErrorKind::Vector)),
+    };
+    values.iter().map(node).collect()
+}
+
+impl Lowering<'_> {
+    /// `apply` to each component.
+    pub(crate) fn each(
+        &mut self,
+        value: Value,
+        apply: impl Fn(&mut Self, NodeId) -> NodeId,
+    ) -> Value {
+        match value {
+            Value::Number(node) => Value::Number(apply(self, node)),
+            Value::Vector(nodes) => {
+                Value::Vector(nodes.into_iter().map(|node| apply(self, node)).collect())
+            }
+        }
+    }
+
+    /// An operation, component by component.
+    pub(crate) fn native(&mut self, op: Op, operands: &[Value], span: Span) -> Fallible<Value> {
+        let size = common_size(operands, span)?;
+        let is_vector = operands.iter().any(|value| matches!(value, Value::Vector(_)));
+        let mut nodes = Vec::with_capacity(size);
+        for index in 0..size {
+            let parts: Vec<NodeId> = operands.iter().map(|value| value.part(index)).collect();
+            nodes.push(self.graph.apply(op, &parts));
+        }
+        debug_assert!(is_vector || size == 1);
+        Ok(Value::new(nodes))
+    }
+
+    /// Notes that a product of two vectors is no scalar product.
+    pub(crate) fn note_product(&mut self, op: Op, left: &Value, right: &Value, span: Span) {
+        let are_vectors = left.size() > 1 && right.size() > 1;
+        if op == Op::Mul && are_vectors && self.notes.is_empty() {
+            self.notes.push(Note { span, kind: NoteKind::ProductOfVectors });
+        }
+    }
+
+    /// The root of the sum of squares.
+    pub(crate) fn length(&mut self, nodes: &[NodeId]) -> NodeId {
+        let two = self.graph.integer(2);
+        let squares: Vec<NodeId> =
+            nodes.iter().map(|node| self.graph.apply(Op::Pow, &[*node, two])).collect();
+        let sum = self.fold(Op::Add, &squares);
+        self.graph.apply(Op::Sqrt, &[sum])
+    }
+
+    /// A function that mixes components.
+    pub(crate) fn of_vectors(
+        &mut self,
+        function: VectorFunction,
+        arguments: &[Value],
+        span: Span,
+    ) -> Fallible<Value> {
+        match function {
+            VectorFunction::Dot => self.dot(&arguments[0], &arguments[1], span).map(Value::Number),
+            VectorFunction::Normalize => {
+                let length = self.length(arguments[0].parts());
+                self.native(Op::Div, &[arguments[0].clone(), Value::Number(length)], span)
+            }
+            VectorFunction::Distance => {
+                let difference = self.native(Op::Sub, arguments, span)?;
+                Ok(Value::Number(self.length(difference.parts())))
+            }
+            VectorFunction::Reflect => {
+                let dot = self.dot(&arguments[0], &arguments[1], span)?;
+                let two = self.graph.integer(2);
+                let twice = Value::Number(self.graph.apply(Op::Mul, &[two, dot]));
+                let along = self.native(Op::Mul, &[twice, arguments[1].clone()], span)?;
+                self.native(Op::Sub, &[arguments[0].clone(), along], span)
+            }
+            VectorFunction::Cross => {
+                let (Value::Vector(a), Value::Vector(b)) = (&arguments[0], &arguments[1]) else {
+                    return Err(Error::new(span, ErrorKind::CrossSize));
+                };
+                if a.len() != 3 || b.len() != 3 {
+                    return Err(Error::new(span, ErrorKind::CrossSize));
+                }
+                let mut part = |i: usize, j: usize| {
+                    let first = self.graph.apply(Op::Mul, &[a[i], b[j]]);
+                    let second = self.graph.apply(Op::Mul, &[a[j], b[i]]);
+                    self.graph.apply(Op::Sub, &[first, second])
+                };
+                Ok(Value::Vector(vec![part(1, 2), part(2, 0), part(0, 1)]))
+            }
+        }
+    }
+
+    fn dot(&mut self, left: &Value, right: &Value, span: Span) -> Fallible<NodeId> {
+        let products = self.native(Op::Mul, &[left.clone(), right.clone()], span)?;
+        Ok(self.fold(Op::Add, products.parts()))
+    }
+}
+
+/// A vector of `size` components: of as many in all, or of one that is repeated.
+pub(crate) fn vector(size: usize, arguments: &[Value], span: Span) -> Fallible<Value> {
+    let given = arguments.iter().map(Value::size).sum();
+    // `vec2(p)` takes the first components of a longer vector.
+    let is_cut = arguments.len() == 1 && given > size;
+    if given != size && given != 1 && !is_cut {
+        return Err(Error::new(span, ErrorKind::VectorSize { size, given }));
+    }
+    let mut nodes: Vec<NodeId> =
+        arguments.iter().flat_map(|value| value.parts().iter().copied()).take(size).collect();
+    nodes.resize(size, nodes[0]);
+    Ok(Value::Vector(nodes))
+}
+
+/// The components that `letters` name.
+pub(crate) fn component(value: Value, letters: &str, span: Span) -> Fallible<Value> {
+    let Value::Vector(nodes) = value else {
+        let letters = letters.to_owned();
+        return Err(Error::new(span, ErrorKind::ComponentOfNumber { letters }));
+    };
+    let mut found = Vec::with_capacity(letters.len());
+    for letter in letters.chars() {
+        let Some(node) = LETTERS.find(letter).and_then(|index| nodes.get(index)) else {
+            let kind = ErrorKind::NoComponent { letter, size: nodes.len() };
+            return Err(Error::new(span, kind));
+        };
+        found.push(*node);
+    }
+    Ok(Value::new(found))
+}
+
+/// The number of components of all operands; that of numbers is 1.
+pub(crate) fn common_size(operands: &[Value], span: Span) -> Fallible<usize> {
+    let mut size = 1;
+    for operand in operands {
+        match (size, operand.size()) {
+            (_, 1) => {}
+            (1, given) => size = given,
+            (size, given) if size == given => {}
+            (first, second) => {
+                return Err(Error::new(span, ErrorKind::VectorSizes { first, second }));
+            }
+        }
+    }
+    Ok(size)
+}

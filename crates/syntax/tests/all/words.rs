@@ -1,0 +1,248 @@
+//! What people paste: every row of `tests/data/words.txt` is read as meant, or refused with a message
+//! that names the way out.
+//!
+//! A reading is compared by value with the same in plain language, at seeded points, in exact
+//! arithmetic where that is possible and in enclosures elsewhere.
+
+use std::fmt::Write as _;
+use zeroset_interval::Interval;
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
+use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
+
+const WORDS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/words.txt");
+
+/// Points at which readings are compared.
+const POINTS: usize = 60;
+
+#[derive(Default)]
+struct Row {
+    line: usize,
+    style: String,
+    is_from_a_page: bool,
+    text: String,
+    meant: String,
+    message: Option<String>,
+    notes: Vec<String>,
+}
+
+fn rows() -> Vec<Row> {
+    let text = std::fs::read_to_string(WORDS).expect("the corpus is there");
+    let mut rows: Vec<Row> = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        if let Some(head) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            let (style, page) = head.split_once(": ").unwrap_or((head, ""));
+            let is_from_a_page = !page.is_empty();
+            rows.push(Row {
+                line: index + 1,
+                style: style.to_owned(),
+                is_from_a_page,
+                ..Row::default()
+            });
+            continue;
+        }
+        let row = rows.last_mut().expect("a row begins with its style");
+        let (sign, rest) = line.split_at(1);
+        let rest = rest.strip_prefix(' ').unwrap_or(rest);
+        let add = |to: &mut String| {
+            if !to.is_empty() {
+                to.push('\n');
+            }
+            to.push_str(rest);
+        };
+        match sign {
+            ">" => add(&mut row.text),
+            "=" => add(&mut row.meant),
+            "!" => row.message = Some(rest.to_owned()),
+            "~" => row.notes.push(rest.to_owned()),
+            _ => panic!("words.txt:{}: {line}", index + 1),
+        }
+    }
+    rows
+}
+
+/// The value of a function at a point, or `None` where it has none.
+fn value(document: &Document, root: NodeId, point: &[Constant; 3]) -> Option<Constant> {
+    let mut graph = Graph::new();
+    let mut map: Vec<NodeId> = Vec::new();
+    for (_, node) in document.graph.iter() {
+        map.push(match node {
+            Node::Variable(axis) => graph.constant(
+                point[match axis {
+                    Axis::X => 0,
+                    Axis::Y => 1,
+                    Axis::Z => 2,
+                }]
+                .clone(),
+            ),
+            Node::Parameter(number) => {
+                graph.constant(document.parameters[*number as usize].value.clone())
+            }
+            Node::Constant(value) => graph.constant(value.clone()),
+            Node::Apply(op, operands) => {
+                let operands: Vec<NodeId> = operands.iter().map(|id| map[id.index()]).collect();
+                graph.apply(*op, &operands)
+            }
+        });
+    }
+    let (graph, roots) =
+        simplify(&graph, &[map[root.index()]], &[Interval::ENTIRE; 3], &[]).ok()?;
+    match graph.node(roots[0]) {
+        Node::Constant(value) => Some(value.clone()),
+        _ => None,
+    }
+}
+
+/// Rational points: eighths between −2.5 and 2.5, and some on the axes.
+fn points() -> Vec<[Constant; 3]> {
+    let mut state = 0x7a65_726f_u64;
+    let mut next = |most: u64| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state % most
+    };
+    let mut points = Vec::new();
+    for index in 0..POINTS {
+        let mut eighth = || {
+            let number = i64::try_from(next(41)).expect("small") - 20;
+            Constant::ratio(number, 8).expect("not zero")
+        };
+        let mut point = [eighth(), eighth(), eighth()];
+        if index % 10 == 9 {
+            point[index / 10 % 3] = Constant::integer(0);
+        }
+        points.push(point);
+    }
+    points
+}
+
+fn agree(left: Option<&Constant>, right: Option<&Constant>) -> bool {
+    match (left, right) {
+        (None, None) => true,
+        (Some(left), Some(right)) => {
+            if let (Some(left), Some(right)) = (left.exact(), right.exact()) {
+                return left == right;
+            }
+            let (a, b) = (left.bounds(), right.bounds());
+            let size = 1.0 + a.lo.abs().max(a.hi.abs());
+            a.lo.max(b.lo) - a.hi.min(b.hi) <= 1e-9 * size && a.hi - a.lo <= 1e-6 * size
+        }
+        _ => false,
+    }
+}
+
+/// What is wrong with how a row is read.
+fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
+    let document = read(&row.text, &Options::default());
+    let document = match (document, &row.message) {
+        (Err(errors), Some(message)) => {
+            let rendered = errors.render(None, &row.text, false);
+            let names_a_way_out = rendered.contains("= help: ");
+            let is_meant = rendered.contains(message.as_str()) && names_a_way_out;
+            return (!is_meant).then(|| format!("refused otherwise:\n{rendered}"));
+        }
+        (Ok(document), Some(_)) => {
+            return Some(format!("read as {}", document.surfaces[0].echo));
+        }
+        (Err(errors), None) => return Some(errors.render(None, &row.text, false)),
+        (Ok(document), None) => document,
+    };
+    let notes: Vec<String> = document.notes.iter().map(zeroset_syntax::Note::message).collect();
+    if let Some(missing) =
+        row.notes.iter().find(|wanted| !notes.iter().any(|note| note.contains(wanted.as_str())))
+    {
+        return Some(format!("no note with {missing:?} in {notes:?}"));
+    }
+    let meant = match read(&row.meant, &Options::default()) {
+        Ok(meant) => meant,
+        Err(errors) => return Some(errors.render(None, &row.meant, false)),
+    };
+    if meant.surfaces.len() != document.surfaces.len() {
+        return Some(format!("{} surfaces", document.surfaces.len()));
+    }
+    for (own, other) in document.surfaces.iter().zip(&meant.surfaces) {
+        if own.kind != other.kind {
+            let is = if own.kind == SurfaceKind::Solid { "a solid" } else { "an equation" };
+            return Some(format!("{is}: {}", own.echo));
+        }
+        let mut defined = 0;
+        for point in points {
+            let read = value(&document, own.root, point);
+            let plain = value(&meant, other.root, point);
+            defined += usize::from(plain.is_some());
+            if !agree(read.as_ref(), plain.as_ref()) {
+                return Some(format!(
+                    "read as {}\nat {point:?}: {read:?}, not {plain:?}",
+                    own.echo
+                ));
+            }
+        }
+        if defined < POINTS / 10 {
+            return Some(format!("compared at {defined} points only"));
+        }
+    }
+    None
+}
+
+#[test]
+fn words_are_read_as_meant_or_refused_with_a_way_out() {
+    let (rows, points) = (rows(), points());
+    let mut report = String::new();
+    let mut count = 0;
+    for row in &rows {
+        if let Some(what) = wrong(row, &points) {
+            count += 1;
+            writeln!(report, "words.txt:{}\n{}\n{what}\n", row.line, row.text).unwrap();
+        }
+    }
+    assert!(report.is_empty(), "{count} of {} rows:\n\n{report}", rows.len());
+}
+
+#[test]
+fn the_corpus_is_as_wide_as_it_must_be() {
+    let rows = rows();
+    let read = rows.iter().filter(|row| row.message.is_none()).count();
+    let pages = rows.iter().filter(|row| row.is_from_a_page).count();
+    assert!(rows.len() >= 300, "{} rows", rows.len());
+    assert!(pages >= 60, "{pages} from pages");
+    assert!(read * 100 >= rows.len() * 95, "{read} of {} are to be read", rows.len());
+    for style in
+        ["desmos", "mathematica", "glsl", "python", "latex", "sympy", "geogebra", "openscad"]
+    {
+        let of_style = || rows.iter().filter(|row| row.style == style);
+        assert!(of_style().count() >= 10, "{style}: {}", of_style().count());
+        assert!(of_style().any(|row| row.is_from_a_page), "{style}: none from a page");
+    }
+}
+
+#[test]
+fn what_was_read_is_printed_and_read_alike() {
+    for row in rows().iter().filter(|row| row.message.is_none()) {
+        let statements = parse(&row.text, &Limits::default()).expect(&row.text);
+        let printed: Vec<String> = statements.iter().map(ToString::to_string).collect();
+        let printed = printed.join("\n");
+        match parse(&printed, &Limits::default()) {
+            Ok(again) => assert_eq!(again, statements, "{printed}"),
+            Err(errors) => panic!("{}\n{}", row.text, errors.render(None, &printed, false)),
+        }
+    }
+}
+
+#[test]
+fn every_form_is_read_as_its_help_says() {
+    for form in zeroset_ops::FORMS {
+        for name in std::iter::once(&form.name).chain(form.aliases) {
+            let usage = form.usage.replacen(form.name, name, 1);
+            // Mathematica has the number behind what is applied.
+            let usage = usage.replace("nest(f, 3, x)", "nest(f, x, 3)");
+            let text = format!("f(a) = a^2\np = vec3(x, y, z)\nq = p\nn = p\nz = {usage}");
+            let read = parse(&text, &Limits::default());
+            let statements = read.unwrap_or_else(|e| panic!("{}", e.render(None, &text, false)));
+            let printed = statements[statements.len() - 1].to_string();
+            assert!(!printed.contains('?'), "{printed}");
+        }
+    }
+}

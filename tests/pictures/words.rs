@@ -1,0 +1,83 @@
+//! What choices, coordinates, sums and vectors draw: a jump is no wall, a gap stays a gap, and what is drawn is where the
+//! function typed has a zero.
+
+use glam::DVec3;
+use zeroset::model::render;
+use zeroset::picture::Settings;
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{Camera, Projection, Region};
+
+const SIDE: usize = 64;
+
+/// The height of a surface over x and y.
+type Height = Box<dyn Fn(f64, f64) -> f64>;
+
+/// Points drawn of a formula within ±2, seen from above a corner, and how many pixels are undecided.
+fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
+    let document = read(formula, &Options::default()).expect(formula);
+    let projection = Projection::Orthographic { height: 6.0 };
+    let eye = DVec3::new(5.0, -7.0, 4.0);
+    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
+    let settings = Settings { width: SIDE, height: SIDE, normals: None, ..Settings::default() };
+    let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a cube");
+    let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+    let rays = camera.rays(SIDE, SIDE);
+    let hits = (0..SIDE * SIDE).filter(|&pixel| picture.buffer.is_drawn(pixel));
+    let points = hits.map(|pixel| rays.ray_of(pixel).at(picture.buffer.drawn[pixel])).collect();
+    (points, picture.buffer.counts().undecided)
+}
+
+#[test]
+fn what_is_drawn_is_a_zero_and_no_wall() {
+    let step = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+    let cases: [(&str, Height); 9] = [
+        ("z = {x < 0: -1, 1}", Box::new(move |x, _| step(x))),
+        ("z = x < 0 ? -1 : 1", Box::new(move |x, _| step(x))),
+        ("z = if(x < 0, y, 1 - y)", Box::new(|x, y| if x < 0.0 { y } else { 1.0 - y })),
+        ("z = {x < -1: -1, x > 1: 1, x}", Box::new(|x, _| x.clamp(-1.0, 1.0))),
+        (
+            "z = {x < 0 and y < 0: 1, x > 1 or y >= 1: -1, 0}",
+            Box::new(|x, y| match (x < 0.0 && y < 0.0, x > 1.0 || y >= 1.0) {
+                (true, _) => 1.0,
+                (_, true) => -1.0,
+                _ => 0.0,
+            }),
+        ),
+        ("z = {x < 0: sqrt(-x)}", Box::new(|x, _| (-x).sqrt())),
+        ("z = sinc(3x)", Box::new(|x, _| if x == 0.0 { 1.0 } else { (3.0 * x).sin() / (3.0 * x) })),
+        (
+            "z = sum(k = 1..3, sin(k x)/k)",
+            Box::new(|x, _| x.sin() + (2.0 * x).sin() / 2.0 + (3.0 * x).sin() / 3.0),
+        ),
+        ("vec2 q = p.xy; return p.z - dot(q, q);", Box::new(|x, y| x * x + y * y)),
+    ];
+    for (formula, height) in cases {
+        let (points, undecided) = drawn(formula);
+        assert!(points.len() > 100, "{formula}: {}", points.len());
+        assert_eq!(undecided, 0, "{formula}");
+        for point in points {
+            // Painted points are within half a pixel of the root: both sides of a jump may be there.
+            let near = [-0.05, -0.02, 0.0, 0.02, 0.05];
+            let heights = near.iter().flat_map(|a| near.iter().map(move |b| (a, b)));
+            let is_near =
+                |(a, b): (&f64, &f64)| (height(point.x + a, point.y + b) - point.z).abs() < 0.15;
+            assert!(heights.into_iter().any(is_near), "{formula}: {point}");
+        }
+    }
+}
+
+#[test]
+fn coordinates_draw_what_they_mean() {
+    let (points, undecided) = drawn("r = 1 + 0.4 cos(3 theta)");
+    assert!(points.len() > 300 && undecided < 10, "{} {undecided}", points.len());
+    for point in points {
+        let (r, angle) = (point.x.hypot(point.y), point.y.atan2(point.x));
+        assert!((r - 1.0 - 0.4 * (3.0 * angle).cos()).abs() < 0.2, "{point}");
+    }
+    let (points, undecided) = drawn("rho = 1 + 0.4 cos(2 phi)");
+    assert!(points.len() > 100 && undecided < 10, "{} {undecided}", points.len());
+    for point in points {
+        let angle = (point.z / point.length()).acos();
+        assert!((point.length() - 1.0 - 0.4 * (2.0 * angle).cos()).abs() < 0.2, "{point}");
+    }
+}
