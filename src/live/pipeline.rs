@@ -12,6 +12,7 @@ use crate::framing;
 use crate::model::Model;
 use crate::picture::{Picture, Settings};
 use crate::scene::{self, CameraChoice, DomainChoice, SceneError};
+use glam::DVec3;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
@@ -227,6 +228,9 @@ const PATIENCE: Duration = Duration::from_millis(150);
 /// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface
 /// whose cost is unknown.
 const COARSEST: usize = 8;
+
+/// A surface that takes less than this share of the domain found before gets one of its own.
+const LEAST_SHARE: f64 = 0.25;
 
 /// Halvings along the ray that a coarse picture keeps at least.
 const LEAST_DEPTH: u32 = 6;
@@ -489,23 +493,21 @@ impl Worker {
             let wanted = || self.wanted(job);
             let found = scene::region_while(document, request.domain, request.clip, &wanted)?;
             let Some((region, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
-            // Another search may find the same domain.
-            let same = old.filter(|built| *built.model.region() == region);
-            let rebound = same.and_then(|built| built.model.rebound(document)).transpose()?;
-            if let Some(model) = rebound {
-                let model = Arc::new(model);
-                self.built = Some(Built {
-                    request: Arc::clone(request),
-                    document: Arc::clone(document),
-                    model: Arc::clone(&model),
-                    searched,
-                });
-                return Ok(Some((model, searched)));
+            let moved = old.filter(|built| searched.is_some() && built.searched.is_some());
+            let moved = moved.and_then(|built| Some((built.model.rebound(document)?, built)));
+            match moved {
+                Some((model, built)) if is_room_enough(built.model.region(), &region) => {
+                    (Arc::new(model?), searched)
+                }
+                moved => {
+                    let before = moved.map(|(_, built)| built.model.region());
+                    let region = before.map_or(region, |before| widened(before, &region));
+                    let model = Model::new_while(document, &region, &request.settings, &wanted)?;
+                    let Some(model) = model else { return Ok(None) };
+                    self.pixel = None;
+                    (Arc::new(model), searched)
+                }
             }
-            let model = Model::new_while(document, &region, &request.settings, &wanted)?;
-            let Some(model) = model else { return Ok(None) };
-            self.pixel = None;
-            (Arc::new(model), searched)
         };
         self.built = Some(Built {
             request: Arc::clone(request),
@@ -537,6 +539,28 @@ fn coarsest(expected: Option<Duration>) -> usize {
 /// one between, for a quarter of its time.
 fn finer(expected: Option<Duration>, divisor: usize) -> usize {
     if divisor > 2 && expected.is_some_and(|expected| expected > PATIENCE) { 2 } else { 1 }
+}
+
+/// Whether a domain that was found for one value of a slider serves for another, for which `wanted` is found: then the
+/// surface is seen to grow or to shrink, and nothing is compiled.
+fn is_room_enough(region: &Region, wanted: &Region) -> bool {
+    let is_inside =
+        region.low().cmple(wanted.low()).all() && wanted.high().cmple(region.high()).all();
+    is_inside && wanted.half_extent() >= LEAST_SHARE * region.half_extent()
+}
+
+/// A domain that serves for values beyond those that outgrew the one before, too.
+fn widened(before: &Region, wanted: &Region) -> Region {
+    let room = 0.25 * (wanted.high() - wanted.low());
+    let low = DVec3::select(wanted.low().cmplt(before.low()), wanted.low() - room, wanted.low());
+    let high =
+        DVec3::select(wanted.high().cmpgt(before.high()), wanted.high() + room, wanted.high());
+    let wider = Region::new(low, high).ok();
+    let cut = |wider: Region| match wanted.clip() {
+        Some(clip) => wider.with_clip(clip).ok(),
+        None => Some(wider),
+    };
+    wider.and_then(cut).unwrap_or(*wanted)
 }
 
 /// Whether both ask for the same text with the same values.

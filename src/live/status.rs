@@ -3,10 +3,11 @@
 use super::pipeline::{Rendering, Snapshot};
 use crate::names::Named;
 use crate::picture::Settings;
-use crate::scene::DomainChoice;
+use crate::scene::{self, DomainChoice};
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::time::Duration;
+use zeroset_interval::Interval;
 use zeroset_trace::{MethodOption, Projection, UndecidedStyle};
 
 /// What is said of a function that may be 0 everywhere.
@@ -148,6 +149,12 @@ impl Rendering {
             let _ = write!(command, " --time {time}");
         }
         match request.domain {
+            // What was found may depend on what was shown before.
+            DomainChoice::Document | DomainChoice::Auto if self.searched.is_some() => {
+                let [x, y, z] = scene::bounds(self.model.region())
+                    .map(|Interval { lo, hi }| format!("{lo},{hi}"));
+                let _ = write!(command, " --domain {x},{y},{z}");
+            }
             DomainChoice::Document => {}
             DomainChoice::Auto => command.push_str(" --domain auto"),
             DomainChoice::Bounds(bounds) => {
