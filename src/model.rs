@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, Surface};
 use zeroset_interval::Interval;
 use zeroset_syntax::{Document, SrgbColor, SurfaceKind};
-use zeroset_trace::{Camera, Options, Region};
+use zeroset_trace::{Camera, Look, Options, Region};
 
 /// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed with the last model
 /// that shares them.
@@ -21,6 +21,7 @@ pub struct Model {
     region: Region,
     program: Program,
     styles: Vec<Style>,
+    setting: Setting,
     remarks: Vec<String>,
     /// What kernels compute in, unless a picture asks for something else.
     precision: Precision,
@@ -32,6 +33,20 @@ pub struct Model {
 struct Style {
     kind: SurfaceKind,
     color: Option<SrgbColor>,
+}
+
+/// What a document says of the picture.
+#[derive(Clone, Copy)]
+struct Setting {
+    look: Option<&'static Look>,
+    background: Option<SrgbColor>,
+}
+
+impl Setting {
+    fn of(document: &Document) -> Self {
+        let look = document.look.and_then(Look::named);
+        Self { look, background: document.background }
+    }
 }
 
 impl Model {
@@ -79,7 +94,8 @@ impl Model {
         times.compile = watch.lap();
         let (region, styles) = (*region, styles(document));
         let (remarks, times) = (program.remarks(document), Some(times));
-        Ok(Some(Self { region, program, styles, remarks, precision, times }))
+        let setting = Setting::of(document);
+        Ok(Some(Self { region, program, styles, setting, remarks, precision, times }))
     }
 
     /// The same code for the parameter values of another document, or `None` if that differs in more than values and
@@ -93,7 +109,8 @@ impl Model {
         let styles = styles(document);
         Some(program.map(|program| {
             let remarks = program.remarks(document);
-            Self { region, program, styles, remarks, precision, times: None }
+            let setting = Setting::of(document);
+            Self { region, program, styles, setting, remarks, precision, times: None }
         }))
     }
 
@@ -110,6 +127,11 @@ impl Model {
     /// The surfaces' functions, and the kernels made of them.
     pub fn program(&self) -> &Program {
         &self.program
+    }
+
+    /// The look of pictures with these settings.
+    pub fn look(&self, settings: &Settings) -> &'static Look {
+        settings.look.or(self.setting.look).unwrap_or_default()
     }
 
     /// How many surfaces there are.

@@ -41,8 +41,8 @@ pub struct Settings {
     pub normals: Option<Normals>,
     /// How undecided pixels are drawn.
     pub undecided: UndecidedStyle,
-    /// How surfaces are lit, and what they stand on.
-    pub look: &'static Look,
+    /// How surfaces are lit, and what they stand on; `None` for what the document says, else the first of the looks.
+    pub look: Option<&'static Look>,
     /// Whether what is near takes light away, if the look has that.
     pub occlusion: bool,
     /// Over which rays the colour of a pixel with an edge is a mean. What is known of pixels is about the ray through their
@@ -52,7 +52,7 @@ pub struct Settings {
     pub light: Option<DVec3>,
     /// Share of the light that comes from everywhere, within [0, 1]; `None` for the look's.
     pub ambient: Option<f32>,
-    /// Shown where there is nothing; `None` for the look's.
+    /// Shown where there is nothing; `None` for what the document says, else the look's.
     pub background: Option<LinearRgb>,
 }
 
@@ -94,7 +94,7 @@ impl Default for Settings {
             normals: Some(Normals::Gradient),
             undecided: UndecidedStyle::Shade,
             light: None,
-            look: Default::default(),
+            look: None,
             occlusion: false,
             antialias: Pattern::ONE,
             ambient: None,
@@ -155,6 +155,8 @@ pub struct Picture {
     pub method: &'static Method,
     /// What kernels computed in.
     pub precision: Precision,
+    /// How it is lit.
+    pub look: &'static Look,
     /// What it took.
     pub statistics: Statistics,
     /// Whether some surface is proven to have no value anywhere in the domain.

@@ -307,9 +307,9 @@ pub struct ShadingArgs {
     #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade")]
     pub undecided: UndecidedStyle,
 
-    /// How surfaces are lit, and what they stand on
-    #[arg(long, value_parser = looks(), default_value = LOOKS[0].name)]
-    pub look: &'static Look,
+    /// How surfaces are lit, and what they stand on [default: what the document says, else studio]
+    #[arg(long, value_parser = looks())]
+    pub look: Option<&'static Look>,
 
     /// Rays in a pixel through which an edge goes: 1, 4, 16 or 64. Arrays are about one ray a pixel
     #[arg(long, value_name = "N", default_value_t = AA)]
@@ -323,7 +323,7 @@ pub struct ShadingArgs {
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
     pub ambient: Option<f32>,
 
-    /// Background colour: six hexadecimal digits, or a name such as white [default: the look's]
+    /// Background colour: a name of CSS such as white, or hexadecimal digits [default: the document's, else the look's]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }

@@ -129,8 +129,11 @@ pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Re
 
 fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let shading = &arguments.shading;
-    let ambient = shading.ambient.unwrap_or(shading.look.ambient);
-    ensure!((0.0..=1.0).contains(&ambient), "--ambient must be between 0 and 1");
+    let ambient = shading.ambient;
+    ensure!(
+        ambient.is_none_or(|share| (0.0..=1.0).contains(&share)),
+        "--ambient must be between 0 and 1"
+    );
     let aa = shading.aa;
     let antialias = Pattern::of(aa).with_context(|| {
         format!("--aa {aa}: there are 1, 4, 16 or 64 rays in a pixel with an edge")
@@ -138,7 +141,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let background = match &shading.background {
         None => None,
         Some(text) => {
-            let named = SrgbColor::named(text).map(|color| LinearRgb::from_srgb(color.rgb));
+            let named = SrgbColor::typed(text).map(|color| LinearRgb::from_srgb(color.rgb));
             Some(named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
                 format!("--background '{text}' is not a colour such as white or ffffff")
             })?)

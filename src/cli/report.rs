@@ -57,7 +57,7 @@ pub fn object(
         "max_depth": settings.max_depth,
         "steps": settings.steps,
         "budget": settings.budget.map(|budget| budget.as_secs_f64()),
-        "look": settings.look.name,
+        "look": picture.look.name,
         "antialias": settings.antialias.count(),
         "size": [settings.width, settings.height],
         "ms": {

@@ -194,13 +194,14 @@ fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
 fn look(live: &Live, name: &str) -> Result<Reply, Refusal> {
     if name.is_empty() {
         let rows = LOOKS.iter().map(|row| (row.name, row.help));
-        return say(listed(rows, live.settings().look.name));
+        let used = live.snapshot().rendering.map(|seen| seen.model.look(&live.settings()));
+        return say(listed(rows, used.unwrap_or_default().name));
     }
     let Some(look) = Look::named(name) else {
         let names: Vec<&str> = LOOKS.iter().map(|row| row.name).collect();
         return refused(format!("no look named '{name}'; there is {}", names.join(", ")));
     };
-    live.change(|request| request.settings.look = look);
+    live.change(|request| request.settings.look = Some(look));
     Ok(Reply::Done)
 }
 

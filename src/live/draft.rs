@@ -96,7 +96,9 @@ fn scene_word(line: &str) -> Option<&'static str> {
     let word = line.split_whitespace().next()?;
     // `domain = 2` would define a value of that name.
     let defines = line.trim_start()[word.len()..].trim_start().starts_with(['=', '(']);
-    ["domain", "view", "color"].into_iter().find(|other| *other == word && !defines)
+    ["domain", "view", "color", "look", "background"]
+        .into_iter()
+        .find(|other| *other == word && !defines)
 }
 
 /// Bytes of the comment that a text starts with.

@@ -195,8 +195,8 @@ impl Rendering {
         if settings.undecided != UndecidedStyle::Shade {
             let _ = write!(command, " --undecided {}", settings.undecided.name());
         }
-        if settings.look != usual.look {
-            let _ = write!(command, " --look {}", settings.look.name);
+        if let Some(look) = settings.look {
+            let _ = write!(command, " --look {}", look.name);
         }
         if settings.shadow_depth.is_some() {
             command.push_str(" --shadows");

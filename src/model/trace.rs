@@ -77,6 +77,7 @@ impl Model {
         let light = light?;
         lit.statistics.work += light.work;
         (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
+        lit.look = self.look(settings);
         Ok(lit)
     }
 }
@@ -203,8 +204,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let (method, precision) = (settings.method, settings.precision);
         // Where it is 0 everywhere no ray through the region is decided.
         let flat = statistics.pixels.undecided > 0 && model.is_flat::<T>()?;
-        let (remarks, rgb) = (model.remarks.clone(), lit.rgb);
-        Ok(Picture { buffer, rgb, method, precision, statistics, undefined, remarks, flat })
+        let (remarks, rgb, look) = (model.remarks.clone(), lit.rgb, model.look(settings));
+        Ok(Picture { buffer, rgb, method, precision, look, statistics, undefined, remarks, flat })
     }
 
     /// Colours of what was found.
@@ -243,7 +244,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         buffer: &mut GBuffer,
     ) -> Result<Work, ProgramError> {
         let Self { model, settings, advance, .. } = *self;
-        let occludes = settings.occlusion && settings.look.occlusion && settings.normals.is_some();
+        let occludes =
+            settings.occlusion && model.look(settings).occlusion && settings.normals.is_some();
         let mut work = Work::default();
         if let Some(depth) = settings.shadow_depth {
             work += self.shadows(rays, light, depth, buffer)?;
@@ -292,7 +294,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
 
     fn appearance(&self, light: Light) -> Appearance {
         let settings = self.settings;
-        let plain = Appearance::new(settings.look, light);
+        let plain = Appearance::new(self.model.look(settings), light);
+        let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
         let surface = |(index, style): (usize, &Style)| {
             let colours = match style.color {
                 Some(color) => SurfaceColours::around(LinearRgb::from_srgb(color.rgb)),
@@ -302,7 +305,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         };
         Appearance {
             surfaces: self.model.styles.iter().enumerate().map(surface).collect(),
-            background: settings.background.unwrap_or(plain.background),
+            background: settings.background.or(typed).unwrap_or(plain.background),
             ambient: settings.ambient.unwrap_or(plain.ambient),
             undecided: settings.undecided,
             ..plain

@@ -688,3 +688,34 @@ fn looks_and_edges_change_colours_and_nothing_else() {
     let refused = place.run(&["render", SPHERE, "-o", "p.png", "--aa", "3"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("--aa 3: there are 1, 4, 16 or 64"));
 }
+
+#[test]
+fn a_document_says_how_its_picture_looks() {
+    let place = Place::new();
+    let render = |text: &str, more: &[&str]| {
+        let fixed = ["render", text, "--size", "48", "--json", "-o", "p.png"];
+        let run = place.run(&[&fixed[..], more].concat()).ok();
+        let image = picture(&place, "p.png");
+        (run.json()["look"].as_str().expect("a look").to_owned(), image)
+    };
+    let corner = |(_, image): &(String, image::RgbImage)| image.get_pixel(0, 0).0;
+    let plain = render(SPHERE, &[]);
+    let night = render(&format!("{SPHERE}; look night"), &[]);
+    assert_eq!((night.0.as_str(), corner(&night)), ("night", [13, 15, 21]));
+    let tomato = render(&format!("background tomato; look night; {SPHERE}"), &[]);
+    assert_eq!((tomato.0.as_str(), corner(&tomato)), ("night", [255, 99, 71]));
+    // Flags count before the document.
+    let asked = render(
+        &format!("background tomato; look night; {SPHERE}"),
+        &["--look", "studio", "--background", "#f4f4f6"],
+    );
+    assert_eq!(asked, plain);
+    // A colour after the only surface is its colour.
+    let red = render(&format!("{SPHERE}; color red"), &[]);
+    assert_eq!(red, render(&format!("color red; {SPHERE}"), &[]));
+    assert_ne!(red, plain);
+    let names: Vec<&str> = zeroset_trace::LOOKS.iter().map(|look| look.name).collect();
+    assert_eq!(names, zeroset_syntax::LOOKS, "what may be typed is what there is");
+    let refused = place.run(&["render", &format!("look nigt; {SPHERE}"), "-o", "p.png"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("did you mean `night`?"));
+}

@@ -10,7 +10,7 @@ use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::scan::{Piece, Token, scan};
 use crate::span::Span;
-use crate::spelling::{closer, decimal};
+use crate::spelling::{closer, decimal, is_setting};
 use std::collections::VecDeque;
 
 /// A symbol, or a pair of brackets with what is in it, arranged.
@@ -43,7 +43,7 @@ pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
 
 /// The symbols of a statement as the grammar knows them; `None` if nothing is left.
 pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallible<Option<Piece>> {
-    let is_setting = matches!(tokens[0].symbol, 'd' | 'v' | 'c');
+    let is_setting = is_setting(tokens[0].symbol);
     let mut tokens = tokens;
     if !is_setting {
         trim(text, &mut tokens);

@@ -38,11 +38,16 @@ pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
         let before = index.checked_sub(1).map_or(' ', |before| tokens[before].symbol);
         let after = tokens.get(index + 1).map_or(' ', |after| after.symbol);
         let Some(open) = level.open.take() else {
-            let beyond = tokens.get(index + 2).map_or(' ', |beyond| beyond.symbol);
+            let begins = |beyond: &Token| {
+                let is_apart = beyond.span.start > tokens[index + 1].span.end;
+                begins_operand(beyond.symbol)
+                    || beyond.symbol == '-'
+                    || beyond.symbol == '|' && is_apart
+            };
             if after == '|'
                 && tokens[index + 1].span.start == span.end
                 && ends_operand(before)
-                && (begins_operand(beyond) || beyond == '-')
+                && tokens.get(index + 2).is_some_and(begins)
             {
                 tokens[index].symbol = '∨';
                 tokens[index + 1].symbol = ' ';
@@ -89,7 +94,7 @@ mod tests {
         for text in ["|x|y|z|", "|x| 2|y|", "|x| y + 2 |z|"] {
             assert_eq!(kind(text), Some(ErrorKind::AmbiguousBars), "{text}");
         }
-        for text in ["||x|-1|", "|x+|y||", "||x||"] {
+        for text in ["||x|-1|", "|x+|y||", "||x||", "2 |||x|-1|"] {
             assert_eq!(kind(text), Some(ErrorKind::NestedBars), "{text}");
         }
         assert_eq!(kind("|x"), Some(ErrorKind::UnclosedBar));

@@ -6,6 +6,7 @@ use crate::build::Builder;
 use crate::error::{Error, ErrorKind, Errors, Fallible};
 use crate::limits::Limits;
 use crate::lower::Lowering;
+use crate::note::NoteKind;
 use crate::scope::Scope;
 use crate::span::Span;
 use crate::spelling::short_name;
@@ -33,6 +34,14 @@ pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
     match pieces.as_slice() {
         [] => Err(Error::new(Span::at(text.len()), ErrorKind::Empty)),
         [piece] => {
+            // Nobody would see a note on how a value was read.
+            if let Some(note) = piece.notes.first()
+                && let NoteKind::DecimalComma { read } = &note.kind
+            {
+                let found = text[note.span.range()].to_owned();
+                let error = Error::new(note.span, ErrorKind::Unexpected { found });
+                return Err(error.suggest(note.span, read.clone()));
+            }
             let scope = Scope::default();
             let expr = Builder::new(text, piece, &scope, &[], limits).only_expression()?;
             evaluate(&expr, limits)

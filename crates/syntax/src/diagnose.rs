@@ -13,7 +13,8 @@ pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Bo
     let setting = match rule {
         Rule::domain_line => Some(ErrorKind::BadDomain),
         Rule::view_line => Some(ErrorKind::BadView),
-        Rule::color_line => Some(ErrorKind::BadColor),
+        Rule::color_line | Rule::background_line => Some(ErrorKind::BadColor),
+        Rule::look_line => Some(ErrorKind::BadLook),
         _ => None,
     };
     if let Some(kind) = setting {

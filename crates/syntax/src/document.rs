@@ -44,6 +44,10 @@ pub struct Document {
     pub domain: Option<DomainLine>,
     /// The `view` line, if there is one.
     pub view: Option<ViewLine>,
+    /// How it is to be lit, one of [`LOOKS`](crate::LOOKS), if a line says so.
+    pub look: Option<&'static str>,
+    /// What is shown where nothing is, if a line says so.
+    pub background: Option<SrgbColor>,
     /// The first comment's first line, if the text starts with a comment.
     pub title: Option<String>,
     /// The rest of that comment, line breaks kept; empty if there is none.
@@ -63,7 +67,8 @@ pub struct Surface {
     pub span: Span,
     /// How it was read.
     pub echo: String,
-    /// The color of the last `color` line above it, if there is one.
+    /// The color of the last `color` line above it, if there is one; of the first below it where the last such line of the
+    /// document follows all drawings.
     pub color: Option<SrgbColor>,
 }
 
@@ -145,6 +150,8 @@ pub(crate) struct Reader<'a> {
     pub errors: Vec<Error>,
     domain: Option<DomainLine>,
     view: Option<ViewLine>,
+    look: Option<&'static str>,
+    background: Option<SrgbColor>,
     colors: Vec<(usize, SrgbColor)>,
 }
 
@@ -157,6 +164,8 @@ impl<'a> Reader<'a> {
             errors: Vec::new(),
             domain: None,
             view: None,
+            look: None,
+            background: None,
             colors: Vec::new(),
         }
     }
@@ -188,6 +197,8 @@ impl<'a> Reader<'a> {
                     SceneSetting::Domain(domain) => self.domain = Some(domain),
                     SceneSetting::View(view) => self.view = Some(view),
                     SceneSetting::Color(at, color) => self.colors.push((at, color)),
+                    SceneSetting::Look(look) => self.look = Some(look),
+                    SceneSetting::Background(color) => self.background = Some(color),
                 })
             };
             if let Err(error) = result {
@@ -273,9 +284,17 @@ impl<'a> Reader<'a> {
             implied = statement;
             surfaces.push(surface(&mut lowering, &implied)?);
         }
+        // A color is that of the drawings below it; but where none is below the last, each is that of those above.
+        let last = surfaces.last().map_or(0, |surface| surface.span.start);
+        let follow = self.colors.last().is_some_and(|(at, _)| *at > last);
         for surface in &mut surfaces {
-            let above = self.colors.iter().rfind(|(at, _)| *at < surface.span.start);
-            surface.color = above.map(|(_, color)| *color);
+            let place = surface.span.start;
+            let color = if follow {
+                self.colors.iter().find(|(at, _)| *at > place)
+            } else {
+                self.colors.iter().rfind(|(at, _)| *at < place)
+            };
+            surface.color = color.map(|(_, color)| *color);
         }
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
@@ -296,6 +315,8 @@ impl<'a> Reader<'a> {
             parameters,
             domain: self.domain,
             view: self.view,
+            look: self.look,
+            background: self.background,
             title,
             doc,
             notes: self.notes,

@@ -283,6 +283,8 @@ pub enum ErrorKind {
     BadVector { key: String },
     #[error("this is not a color")]
     BadColor,
+    #[error("this is not a look")]
+    BadLook,
 }
 
 fn plural(count: usize) -> String {

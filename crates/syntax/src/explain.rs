@@ -124,7 +124,8 @@ impl Error {
             ErrorKind::UnknownName { .. }
             | ErrorKind::UnknownFunction { .. }
             | ErrorKind::UnknownOverride { .. }
-            | ErrorKind::BadColor => format!("did you mean `{replacement}`?"),
+            | ErrorKind::BadColor
+            | ErrorKind::BadLook => format!("did you mean `{replacement}`?"),
             ErrorKind::UnexpectedCharacter { .. } => format!("write `{replacement}`"),
             _ => match text.get(meant.span.range()) {
                 // A sign alone says little without the one it replaces.
@@ -288,7 +289,8 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
             "write `domain 3`, `domain auto`, `domain [-2, 2]`, \
              `domain x in [-2, 2], y in [-1, 1]` or six numbers"
         }
-        ErrorKind::BadColor => "write a name such as `orange`, or `#ff8800`",
+        ErrorKind::BadColor => "write a name of CSS such as `orange`, or `#ff8800`",
+        ErrorKind::BadLook => "there are `studio`, `flat`, `paper` and `night`",
         _ => return None,
     })
 }

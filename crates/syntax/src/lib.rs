@@ -64,4 +64,4 @@ pub use note::{Note, NoteKind};
 pub use scene::{ConstantRange, DomainLine, SrgbColor, ViewLine};
 pub use scope::language_names;
 pub use span::Span;
-pub use spelling::PRESETS;
+pub use spelling::{LOOKS, PRESETS};

@@ -6,7 +6,7 @@ use crate::ast::{
     Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, Series, Statement,
     SumSign,
 };
-use crate::spelling::{in_name, symbol};
+use crate::spelling::{in_name, is_setting, symbol};
 use std::fmt;
 
 /// How tightly a printed expression holds together; a looser one inside a tighter place needs
@@ -222,7 +222,7 @@ fn may_be_defined(left: &Expr) -> bool {
 fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
     let text = expr.to_string();
     let (word, rest) = text.split_at(text.find(|c| !in_name(c)).unwrap_or(text.len()));
-    let is_keyword = matches!(symbol(word), Some('d' | 'v' | 'c'));
+    let is_keyword = symbol(word).is_some_and(is_setting);
     if is_keyword && (rest.is_empty() || rest.starts_with(" + ") || rest.starts_with(" - ")) {
         write!(f, "({word}){rest}")
     } else {

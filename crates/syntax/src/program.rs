@@ -13,6 +13,7 @@ use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::program_words::{Words, begins_name, bracketed, size_of, split};
 use crate::scan::{Piece, Token, scan};
+use crate::spelling::is_setting;
 use crate::statement::Head;
 use rustc_hash::FxHashSet;
 
@@ -110,7 +111,7 @@ impl Reader<'_> {
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
-        if matches!(first.symbol, 'd' | 'v' | 'c') && frame.function.is_none() {
+        if is_setting(first.symbol) && frame.function.is_none() {
             return self.plain(tokens, frame, false);
         }
         match self.words.word(first) {

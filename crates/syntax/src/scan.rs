@@ -86,7 +86,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let last = tokens.last();
         let context = Context {
             is_part,
-            is_color: matches!(tokens.as_slice(), [Token { symbol: 'c', .. }]),
+            is_color: matches!(tokens.as_slice(), [Token { symbol: 'c' | 'b', .. }]),
             starts_line,
             touching: last.filter(|token| token.span.end == end).map(|token| token.symbol),
             last: last.map(|token| token.symbol),

@@ -1,4 +1,4 @@
-//! `domain`, `view` and `color` lines, as plain data: what they mean for a picture is not decided
+//! `domain`, `view`, `color`, `look` and `background` lines, as plain data: what they mean for a picture is not decided
 //! here.
 
 use crate::ast::Expr;
@@ -9,8 +9,9 @@ use crate::grammar::{Pair, Rule};
 use crate::limits::Limits;
 use crate::scope::{Scope, nearest};
 use crate::span::Span;
-use crate::spelling::PRESETS;
+use crate::spelling::{LOOKS, PRESETS};
 use crate::statement::Line;
+use csscolorparser::NAMED_COLORS;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 
@@ -52,47 +53,21 @@ pub struct SrgbColor {
 }
 
 impl SrgbColor {
-    /// The color with this name, in any case: one of those that a `color` line takes.
+    /// The color with this name, in any case: one of those of CSS, which a `color` line takes.
     pub fn named(name: &str) -> Option<Self> {
-        let found = COLORS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
-        Some(Self { rgb: found.1 })
+        let (_, rgb) =
+            NAMED_COLORS.entries().find(|(known, _)| known.as_str().eq_ignore_ascii_case(name))?;
+        Some(Self { rgb: *rgb })
+    }
+
+    /// The color that is written `#rgb`, `#rrggbb`, or as its name.
+    pub fn typed(text: &str) -> Option<Self> {
+        match text.strip_prefix('#') {
+            Some(digits) => hexadecimal(digits),
+            None => Self::named(text),
+        }
     }
 }
-
-/// The colors that have names; values as in CSS Color Module Level 4, section 6.1.
-const COLORS: &[(&str, [u8; 3])] = &[
-    ("black", [0, 0, 0]),
-    ("blue", [0, 0, 255]),
-    ("brown", [165, 42, 42]),
-    ("coral", [255, 127, 80]),
-    ("cyan", [0, 255, 255]),
-    ("gold", [255, 215, 0]),
-    ("gray", [128, 128, 128]),
-    ("green", [0, 128, 0]),
-    ("grey", [128, 128, 128]),
-    ("indigo", [75, 0, 130]),
-    ("ivory", [255, 255, 240]),
-    ("lime", [0, 255, 0]),
-    ("magenta", [255, 0, 255]),
-    ("maroon", [128, 0, 0]),
-    ("navy", [0, 0, 128]),
-    ("olive", [128, 128, 0]),
-    ("orange", [255, 165, 0]),
-    ("orchid", [218, 112, 214]),
-    ("pink", [255, 192, 203]),
-    ("plum", [221, 160, 221]),
-    ("purple", [128, 0, 128]),
-    ("red", [255, 0, 0]),
-    ("salmon", [250, 128, 114]),
-    ("silver", [192, 192, 192]),
-    ("skyblue", [135, 206, 235]),
-    ("tan", [210, 180, 140]),
-    ("teal", [0, 128, 128]),
-    ("turquoise", [64, 224, 208]),
-    ("violet", [238, 130, 238]),
-    ("white", [255, 255, 255]),
-    ("yellow", [255, 255, 0]),
-];
 
 /// What one line says.
 #[allow(clippy::large_enum_variant)] // taken apart at once
@@ -101,9 +76,11 @@ pub(crate) enum SceneSetting {
     View(ViewLine),
     /// A color, and where its line stands.
     Color(usize, SrgbColor),
+    Look(&'static str),
+    Background(SrgbColor),
 }
 
-/// Reads a `domain`, `view` or `color` line.
+/// Reads one of those lines.
 pub(crate) fn scene_line(
     text: &str,
     line: Line<'_>,
@@ -114,6 +91,8 @@ pub(crate) fn scene_line(
     match line.pair.as_rule() {
         Rule::domain_line => builder.domain(line.pair).map(SceneSetting::Domain),
         Rule::view_line => builder.view(line.pair).map(SceneSetting::View),
+        Rule::look_line => builder.look(line.pair).map(SceneSetting::Look),
+        Rule::background_line => builder.color(line.pair).map(SceneSetting::Background),
         _ => {
             let color = builder.color(line.pair)?;
             Ok(SceneSetting::Color(line.piece.span.start, color))
@@ -197,16 +176,22 @@ impl Builder<'_> {
         Ok(())
     }
 
+    fn look(&self, line: Pair<'_>) -> Fallible<&'static str> {
+        let given = line.into_inner().next().expect("a look line has a name");
+        let (span, typed) = (self.span(&given), self.typed(&given));
+        let known = LOOKS.into_iter().find(|known| known.eq_ignore_ascii_case(typed));
+        known.ok_or_else(|| {
+            Error::new(span, ErrorKind::BadLook)
+                .suggest_any(span, nearest(typed, LOOKS.into_iter()))
+        })
+    }
+
     fn color(&self, line: Pair<'_>) -> Fallible<SrgbColor> {
         let given = line.into_inner().next().expect("a color line has a color");
         let span = self.span(&given);
         let typed = self.typed(&given);
-        let color = match typed.strip_prefix('#') {
-            Some(digits) => hexadecimal(digits),
-            None => SrgbColor::named(typed),
-        };
-        color.ok_or_else(|| {
-            let meant = nearest(typed, COLORS.iter().map(|(known, _)| *known));
+        SrgbColor::typed(typed).ok_or_else(|| {
+            let meant = nearest(typed, NAMED_COLORS.keys().map(|known| known.as_str()));
             Error::new(span, ErrorKind::BadColor).suggest_any(span, meant)
         })
     }

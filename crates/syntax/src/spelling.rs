@@ -3,6 +3,9 @@
 /// Directions that a `view` line can name.
 pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
 
+/// What a `look` line may name.
+pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
+
 /// The symbol of a fixed spelling: the character that the grammar knows it by. A blank only
 /// separates, a line break ends a statement.
 ///
@@ -58,12 +61,19 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "domain" => 'd',
         "view" => 'v',
         "color" | "colour" => 'c',
+        "look" => 'l',
+        "background" => 'b',
         "auto" => 'u',
         "eye" | "target" | "up" => 'k',
         "fov" | "ortho" => 'n',
         name if PRESETS.contains(&name) => 'p',
         _ => return None,
     })
+}
+
+/// Whether a symbol is that of a word that begins a line about the picture rather than a formula.
+pub(crate) fn is_setting(symbol: char) -> bool {
+    matches!(symbol, 'd' | 'v' | 'c' | 'l' | 'b')
 }
 
 /// Whether a symbol stands for a name.

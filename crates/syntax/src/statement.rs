@@ -74,6 +74,8 @@ fn rule(piece: &Piece) -> Rule {
         Some('d') => Rule::domain_line,
         Some('v') => Rule::view_line,
         Some('c') => Rule::color_line,
+        Some('l') => Rule::look_line,
+        Some('b') => Rule::background_line,
         _ => return Rule::line,
     };
     // `view = 3` and `view(x) = …` are definitions like any other.

@@ -5,7 +5,7 @@ use crate::build::Builder;
 use crate::error::{Error, ErrorKind};
 use crate::scope::{Meaning, Scope};
 use crate::span::Span;
-use crate::spelling::short_name;
+use crate::spelling::{is_setting, short_name, symbol};
 
 /// Longest name, in bytes, whose parts are looked up: a bound keeps hostile names cheap.
 const LONGEST: usize = 64;
@@ -35,9 +35,7 @@ impl Builder<'_> {
         if matches!(name, "mat2" | "mat3" | "mat4") {
             return Error::new(span, ErrorKind::Matrix);
         }
-        if matches!(name, "domain" | "view" | "color" | "colour")
-            && span.start > self.piece.span.start
-        {
+        if symbol(name).is_some_and(is_setting) && span.start > self.piece.span.start {
             let name = name.to_owned();
             let at = Span::at(self.text[..span.start].trim_end().len());
             return Error::new(span, ErrorKind::SettingInLine { name }).suggest(at, ";");
