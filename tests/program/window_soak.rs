@@ -65,6 +65,9 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     let name = path.to_str().expect("UTF-8");
     let mut terminal = Terminal::start(&["--preview", name], None);
     terminal.shows("undecided");
+    // A picture as large as the last one: what it takes is kept for the next.
+    terminal.type_in(":png first.png\r");
+    terminal.shows("saved 'first.png'");
     let first = terminal.resident();
     let mut saves = 0;
     for number in 0..edits {
