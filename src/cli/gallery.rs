@@ -4,7 +4,7 @@ use super::arguments::GalleryArgs;
 use super::notes;
 use super::output::{Output, print, write_png};
 use super::progress::Progress;
-use super::render::{in_threads, method_settings};
+use super::render::{beautiful, in_threads, method_settings};
 use super::sheet::Sheet;
 use anyhow::{Context, Result, anyhow};
 use image::RgbImage;
@@ -28,7 +28,7 @@ pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let directory = arguments.output.as_deref().context("no directory to write to: add -o DIR")?;
-    let settings = method_settings(&arguments.tracing, arguments.size)?;
+    let settings = beautiful(&method_settings(&arguments.tracing, arguments.size)?);
     std::fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the directory '{}'", directory.display()))?;
     in_threads(arguments.tracing.threads, || all(&examples, directory, &settings))?;
