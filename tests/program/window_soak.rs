@@ -106,6 +106,16 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
         std::thread::sleep(std::time::Duration::from_millis(200));
         terminal.shown()[file..].contains("pixels      90x52")
     });
+    // What the large one took is given back as small ones follow.
+    for line in ["z = x + r", "z = y + r", "z = x - r", "z = y - r"] {
+        terminal.type_in(&format!("{line}\r"));
+        let before = terminal.shown().len();
+        until("it is drawn", || {
+            terminal.type_in(":status\r");
+            std::thread::sleep(std::time::Duration::from_millis(100));
+            terminal.shown()[before..].contains(&format!("surface     {line}"))
+        });
+    }
     let last = terminal.resident();
     println!("{edits} edits, {saves} saves; resident: {first:?} kB, then {last:?} kB");
     let shown = terminal.shown().replace("\r\n", "\n");

@@ -178,7 +178,7 @@ impl GBuffer {
     /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let pixels = width * height;
-        if let Some(mut spare) = SPARES.take(|spare| spare.status.capacity() >= pixels) {
+        if let Some(mut spare) = SPARES.take(pixels, |spare| spare.status.capacity()) {
             spare.reset(width, height, surface);
             return spare;
         }

@@ -125,7 +125,7 @@ const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 /// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
 pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
     let pixels = buffer.status.len();
-    let mut bytes = SPARES.take(|spare| spare.capacity() >= 3 * pixels).unwrap_or_default();
+    let mut bytes = SPARES.take(3 * pixels, Vec::capacity).unwrap_or_default();
     bytes.resize(3 * pixels, 0);
     let row = appearance.background.to_srgb().repeat(buffer.width);
     let (palette, codes) = (appearance.palette(), Codes::get());

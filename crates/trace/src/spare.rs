@@ -8,6 +8,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// What is kept at most: a picture is traced while the last one is shown, and a layer beside what it is merged into.
 const MOST: usize = 2;
 
+/// Room for so many times what is wanted is far too large, but for what is small anyway.
+const ROOMY: usize = 4;
+const LEAST: usize = 1 << 12;
+
 /// Memory of one kind, until the end of the process.
 pub(crate) struct Spares<T>(Mutex<Vec<T>>);
 
@@ -16,9 +20,11 @@ impl<T> Spares<T> {
         Self(Mutex::new(Vec::new()))
     }
 
-    /// What was handed back last, if it is large enough.
-    pub fn take(&self, is_enough: impl FnOnce(&T) -> bool) -> Option<T> {
-        self.lock().pop().filter(is_enough)
+    /// What was handed back last, if its room serves for so much; what is far too large is given back to the system, so that
+    /// a large picture leaves nothing behind once small ones follow.
+    pub fn take(&self, wanted: usize, room: impl FnOnce(&T) -> usize) -> Option<T> {
+        let serves = |room: usize| (wanted..=ROOMY * wanted.max(LEAST)).contains(&room);
+        self.lock().pop().filter(|spare| serves(room(spare)))
     }
 
     /// Keeps this, unless enough is kept.
