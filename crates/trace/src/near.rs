@@ -33,7 +33,7 @@ const FLAT: f32 = 0.08;
 const STRENGTH: f32 = 2.6;
 
 /// A painted point and what is known of it.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Place {
     /// Relative to the centre.
     at: Vec3,
@@ -42,10 +42,12 @@ struct Place {
     surface: u16,
 }
 
-/// The painted points of a picture.
+/// The painted points of a picture, by quantity: one large piece of memory would not be given back to the system as soon.
 pub struct Near<'a> {
     rays: &'a RayGrid,
-    places: Vec<Place>,
+    at: Vec<Vec3>,
+    normal: Vec<Vec3>,
+    surface: Vec<u16>,
     /// For each turn, where is looked, in a circle of radius 1.
     looks: [[Vec2; LOOKS]; TURNS],
 }
@@ -53,19 +55,18 @@ pub struct Near<'a> {
 impl<'a> Near<'a> {
     /// Those of a buffer whose normals are known. Points are computed relative to `centre`.
     pub fn new(buffer: &GBuffer, rays: &'a RayGrid, centre: DVec3) -> Self {
-        let mut places = vec![Place::default(); buffer.drawn.len()];
-        places.par_iter_mut().enumerate().with_min_len(4096).for_each(|(pixel, place)| {
+        let [mut at, mut normal] = [(); 2].map(|()| vec![Vec3::ZERO; buffer.drawn.len()]);
+        let places = at.par_iter_mut().zip(&mut normal).enumerate().with_min_len(4096);
+        places.for_each(|(pixel, (at, facing))| {
             let (drawn, normal) = (buffer.drawn[pixel], Vec3::from_array(buffer.normal[pixel]));
             if drawn.is_finite() {
                 let ray = rays.ray_of(pixel);
                 let is_behind = normal.dot(ray.direction.as_vec3()) > 0.0;
-                *place = Place {
-                    at: (ray.at(ray.parameter(drawn)) - centre).as_vec3(),
-                    normal: if is_behind { -normal } else { normal },
-                    surface: buffer.surface[pixel],
-                };
+                *at = (ray.at(ray.parameter(drawn)) - centre).as_vec3();
+                *facing = if is_behind { -normal } else { normal };
             }
         });
+        let surface = buffer.surface.clone();
         let looks = std::array::from_fn(|turn| {
             let first = turn as f32 / TURNS as f32 * std::f32::consts::TAU;
             std::array::from_fn(|look| {
@@ -73,13 +74,19 @@ impl<'a> Near<'a> {
                 radius * Vec2::from_angle(first + GOLDEN * look as f32)
             })
         });
-        Self { rays, places, looks }
+        Self { rays, at, normal, surface, looks }
     }
 
-    fn pixel(&self, column: isize, row: isize) -> Option<&Place> {
+    #[inline]
+    fn place(&self, pixel: usize) -> Place {
+        Place { at: self.at[pixel], normal: self.normal[pixel], surface: self.surface[pixel] }
+    }
+
+    #[inline]
+    fn pixel(&self, column: isize, row: isize) -> Option<Place> {
         let (width, height) = (self.rays.width() as isize, self.rays.height() as isize);
         let is_inside = (0..width).contains(&column) && (0..height).contains(&row);
-        is_inside.then(|| &self.places[(row * width + column) as usize])
+        is_inside.then(|| self.place((row * width + column) as usize))
     }
 
     /// How much of the surroundings of each painted point is hidden by what is painted within `reach` of it, in world units.
@@ -129,7 +136,7 @@ impl<'a> Near<'a> {
         let before = hidden.to_vec();
         let row = |(row, hidden): (usize, &mut [u8])| {
             for (column, hidden) in hidden.iter_mut().enumerate() {
-                let here = &self.places[row * width + column];
+                let here = self.place(row * width + column);
                 if here.normal == Vec3::ZERO || is_even(&before, width, [column, row]) {
                     continue;
                 }
@@ -138,7 +145,7 @@ impl<'a> Near<'a> {
                     let half = SIDE as isize / 2;
                     let column = column as isize + (n % SIDE) as isize - half;
                     let row = row as isize + (n / SIDE) as isize - half;
-                    if self.pixel(column, row).is_some_and(|there| here.is_beside(there)) {
+                    if self.pixel(column, row).is_some_and(|there| here.is_beside(&there)) {
                         sum += u32::from(before[row as usize * width + column as usize]);
                         count += 1;
                     }
