@@ -4,6 +4,7 @@
 //! and error goes to standard error. The exit code is 0, 1 for undecided pixels under `--strict`, 2
 //! for an error of the user's, and 3 for one of the program's own.
 
+mod animation;
 mod arguments;
 mod array;
 #[cfg(feature = "window")]
@@ -11,6 +12,7 @@ mod canvas;
 mod completion;
 mod eval;
 mod explain;
+mod files;
 mod gallery;
 mod graphics;
 #[cfg(feature = "window")]
@@ -30,6 +32,7 @@ mod progress;
 mod prompt;
 mod render;
 mod report;
+mod sequence;
 mod session;
 mod sheet;
 mod source;

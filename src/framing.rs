@@ -6,7 +6,7 @@
 use crate::model::Model;
 use crate::picture::Settings;
 use crate::scene::{self, CameraChoice, SceneError};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use zeroset_syntax::Document;
 use zeroset_trace::{Camera, CameraError, Projection, Region, StandardView};
 
@@ -26,6 +26,10 @@ const LEAST: usize = 8;
 /// so much.
 const THIN: f64 = 0.15;
 const LEAST_SINE: f64 = 0.5;
+
+/// From so many sides is looked at what an eye goes around, and so many positions on its way are then thought of.
+const ROUND_SIDES: usize = 4;
+const ROUND_STEPS: usize = 24;
 
 /// Sides from which flat things are shown, in order: higher than the usual one, and then from its right and left.
 const SIDES: [DVec3; 5] = [
@@ -51,20 +55,45 @@ pub fn camera_while(
     settings: &Settings,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
-    let region = model.region();
-    let usual = scene::camera(document, region, choice)?;
-    let fov = match usual.projection() {
-        Projection::Perspective { fov } if !is_chosen(document, choice) => fov,
-        Projection::Perspective { .. } | Projection::Orthographic { .. } => return Ok(Some(usual)),
-    };
+    fitted(&[model], document, choice, settings, model.region(), wanted)
+}
+
+/// One camera for pictures of several models over the same region, as [`camera_while`] chooses it for one. If it is to turn
+/// around its target, what is visible from other sides fits, too.
+///
+/// # Errors
+/// As [`camera_while`].
+///
+/// # Panics
+/// Never: the camera is wanted to the end.
+pub fn camera_over(
+    models: &[&Model],
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+    region: &Region,
+    is_turned: bool,
+) -> Result<Camera, SceneError> {
+    let wanted = || true;
+    let fit = if is_turned { fitted_around } else { fitted };
+    let camera = fit(models, document, choice, settings, region, &wanted)?;
+    Ok(camera.expect("wanted to the end"))
+}
+
+fn fitted(
+    models: &[&Model],
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+    region: &Region,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Camera>, SceneError> {
+    let (usual, view) = usual(document, region, choice, settings)?;
+    let Some(view) = view else { return Ok(Some(usual)) };
     let is_upright =
         choice.up.is_none() && document.view.as_ref().is_none_or(|view| view.up.is_none());
-    let view = View { fov, up: usual.up(), aspect: settings.width as f64 / settings.height as f64 };
     let back = (usual.eye() - usual.target()).normalize();
-    let look = |back: DVec3| -> Result<Option<Vec<Spot>>, SceneError> {
-        let whole = view.fitted(back, &corners(region), 1.0)?;
-        spots(model, &whole, settings, wanted)
-    };
+    let look = |back: DVec3| view.seen(models, back, region, settings, wanted);
     let Some(mut seen) = look(back)? else { return Ok(None) };
     let mut side = back;
     if is_upright
@@ -86,6 +115,52 @@ pub fn camera_while(
     Ok(Some(fitted.unwrap_or(usual)))
 }
 
+/// As `fitted`, for an eye that goes around the upright axis through its target.
+fn fitted_around(
+    models: &[&Model],
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+    region: &Region,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Camera>, SceneError> {
+    let (usual, view) = usual(document, region, choice, settings)?;
+    let Some(view) = view else { return Ok(Some(usual)) };
+    let back = (usual.eye() - usual.target()).normalize();
+    let axis = usual.up().normalize();
+    let turn = |n: usize, of: usize| {
+        DQuat::from_axis_angle(axis, std::f64::consts::TAU * n as f64 / of as f64)
+    };
+    let mut seen = Vec::new();
+    for side in 0..ROUND_SIDES {
+        let back = turn(side, ROUND_SIDES) * back;
+        let Some(spots) = view.seen(models, back, region, settings, wanted)? else {
+            return Ok(None);
+        };
+        seen.extend(spots);
+    }
+    if seen.len() < LEAST {
+        seen = corners(region);
+    }
+    let least = |a: DVec3, spot: &Spot| a.min(spot.at);
+    let most = |a: DVec3, spot: &Spot| a.max(spot.at);
+    let low = seen.iter().fold(DVec3::INFINITY, least);
+    let high = seen.iter().fold(DVec3::NEG_INFINITY, most);
+    let centre = low.midpoint(high);
+    let around = |n: usize| {
+        let turn = turn(n, ROUND_STEPS);
+        let moved = move |spot: &Spot| Spot { at: centre + turn * (spot.at - centre), ..*spot };
+        seen.iter().map(moved)
+    };
+    let everywhere: Vec<Spot> = (0..ROUND_STEPS).flat_map(around).collect();
+    let Ok(camera) = view.fitted(back, &everywhere, FILLED) else { return Ok(Some(usual)) };
+    // The target is where the view meets the axis.
+    let (eye, target) = (camera.eye(), camera.target());
+    let off = (target - centre).reject_from(axis);
+    let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
+    Ok(Some(on_axis.unwrap_or(camera)))
+}
+
 /// As [`camera_while`], to the end.
 ///
 /// # Errors
@@ -101,6 +176,24 @@ pub fn camera(
 ) -> Result<Camera, SceneError> {
     let camera = camera_while(model, document, choice, settings, &|| true)?;
     Ok(camera.expect("wanted to the end"))
+}
+
+/// The view of the whole domain, and how another is fitted where that is free to be chosen.
+fn usual(
+    document: &Document,
+    region: &Region,
+    choice: &CameraChoice,
+    settings: &Settings,
+) -> Result<(Camera, Option<View>), SceneError> {
+    let usual = scene::camera(document, region, choice)?;
+    let view = match usual.projection() {
+        Projection::Perspective { fov } if !is_chosen(document, choice) => {
+            let aspect = settings.width as f64 / settings.height as f64;
+            Some(View { fov, up: usual.up(), aspect })
+        }
+        Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
+    };
+    Ok((usual, view))
 }
 
 /// Whether somebody said from where to look, at what, or how much is seen: another side than the usual one is that of the
@@ -178,6 +271,24 @@ struct View {
 }
 
 impl View {
+    /// What the models show from the side of `back`; `None` if that was no longer wanted.
+    fn seen(
+        &self,
+        models: &[&Model],
+        back: DVec3,
+        region: &Region,
+        settings: &Settings,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Vec<Spot>>, SceneError> {
+        let whole = self.fitted(back, &corners(region), 1.0)?;
+        let mut seen = Vec::new();
+        for model in models {
+            let Some(spots) = spots(model, &whole, settings, wanted)? else { return Ok(None) };
+            seen.extend(spots);
+        }
+        Ok(Some(seen))
+    }
+
     /// The nearest camera on the side of `back` that shows all spots within a share of the picture's shorter side.
     fn fitted(&self, back: DVec3, spots: &[Spot], share: f64) -> Result<Camera, CameraError> {
         let projection = Projection::Perspective { fov: self.fov };

@@ -29,5 +29,6 @@ pub mod names;
 pub mod picture;
 pub mod program;
 pub mod scene;
+pub mod sequence;
 pub mod simplified;
 pub mod uniforms;

@@ -97,9 +97,9 @@ pub struct ValueArgs {
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     define: Vec<String>,
 
-    /// The time t
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
-    time: Option<String>,
+    /// The time t, or with --frames where it begins and ends
+    #[arg(long, value_name = "T|A..B", allow_hyphen_values = true)]
+    pub time: Option<String>,
 
     /// The domain: auto, a number R for the cube from -R to R, or six bounds
     #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
@@ -149,6 +149,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub shading: ShadingArgs,
+
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
 
     /// Stop looking for surfaces after so long: what was not reached is undecided and not drawn
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
@@ -299,6 +302,42 @@ pub struct TracingArgs {
     /// Threads to use [default: one per processor]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+}
+
+/// Many pictures in the place of one.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Sequences")]
+pub struct SequenceArgs {
+    /// How many frames there are: -o frame-%04d.png is a file for each, other PNG and GIF files hold
+    /// them all, and - is standard output, three bytes a pixel
+    #[arg(long, value_name = "N")]
+    pub frames: Option<usize>,
+
+    /// A parameter that goes from A to B; may be repeated
+    #[arg(long, value_name = "NAME=A..B", allow_hyphen_values = true)]
+    pub sweep: Vec<String>,
+
+    /// Let the eye go around what it looks at, by so many degrees
+    #[arg(long, value_name = "DEGREES", num_args = 0..=1, default_missing_value = "360")]
+    #[arg(require_equals = true)]
+    pub turntable: Option<f64>,
+
+    /// Leave the end out, since it shows what the start does: an animation then repeats smoothly.
+    /// A whole turn always is such a loop
+    #[arg(long = "loop")]
+    pub is_loop: bool,
+
+    /// Frames in a second of an animation
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    pub fps: u16,
+
+    /// Make only this of so many parts of equal work: 1/8 to 8/8
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<String>,
+
+    /// Leave frames as they are that this command has made already, of the same text
+    #[arg(long)]
+    pub resume: bool,
 }
 
 #[derive(Debug, Args)]

@@ -1,6 +1,7 @@
 //! `zeroset gallery`.
 
 use super::arguments::GalleryArgs;
+use super::files::Origin;
 use super::notes;
 use super::output::{Output, print, write_png};
 use super::progress::Progress;
@@ -57,13 +58,13 @@ fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()
         let file = Output::create(&directory.join(format!("{}.png", example.slug)))?;
         let picture = render(example, settings).with_context(|| example.slug)?;
         let (width, height) = (settings.width, settings.height);
-        file.finish(|out| write_png(out, picture.as_raw(), [width, height], None))?;
+        file.finish(|out| write_png(out, picture.as_raw(), [width, height], &Origin::default()))?;
         sheet.add(example.title(), &picture);
         bar.reach(done as u64 + 1);
     }
     let sheet = sheet.into_image();
     let (width, height) = (sheet.width() as usize, sheet.height() as usize);
-    sheet_file.finish(|out| write_png(out, sheet.as_raw(), [width, height], None))
+    sheet_file.finish(|out| write_png(out, sheet.as_raw(), [width, height], &Origin::default()))
 }
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {

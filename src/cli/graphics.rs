@@ -6,6 +6,7 @@
 //! the terminal without a limit of time and writes to standard output itself, `ratatui-image` needs
 //! `ratatui`.
 
+use super::files::Origin;
 use super::output::write_png;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -83,7 +84,7 @@ impl Protocol {
         match self {
             Self::Kitty | Self::Iterm => {
                 let mut png = Vec::new();
-                write_png(&mut png, rgb, [width, height], None).ok()?;
+                write_png(&mut png, rgb, [width, height], &Origin::default()).ok()?;
                 Some(self.wrap(&png, columns, rows))
             }
             Self::Sixel => sixels(rgb, width, height),

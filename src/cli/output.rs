@@ -5,6 +5,7 @@
 //! error at once and not after the rendering; the file itself is made when there is something to
 //! write, so that an interrupted run leaves nothing behind.
 
+use super::files::Origin;
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write};
@@ -70,6 +71,19 @@ impl Output {
             }
         };
         written.with_context(|| format!("cannot write '{}'", self.path.display()))
+    }
+}
+
+impl Output {
+    /// As [`Output::finish`], but standard output is written as content comes. That nobody reads on ends it, and is no error.
+    ///
+    /// # Errors
+    /// If writing or renaming fails; a file is then as it was.
+    pub fn stream(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+        match self.sink {
+            Sink::Standard => written(content(&mut std::io::stdout().lock())),
+            Sink::Renamed(_) | Sink::Direct(_) => self.finish(content),
+        }
     }
 }
 
@@ -175,8 +189,7 @@ pub fn check_png(path: &Path) -> Result<()> {
     }
 }
 
-/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with the command that made it as its comment if
-/// there is one.
+/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with where it came from.
 ///
 /// # Errors
 /// If the sink fails.
@@ -184,19 +197,31 @@ pub fn write_png(
     out: &mut dyn Write,
     rgb: &[u8],
     [width, height]: [usize; 2],
-    command: Option<String>,
+    origin: &Origin,
 ) -> std::io::Result<()> {
+    let mut writer = png_encoder(out, [width, height], origin)?.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(())
+}
+
+/// What writes a PNG (sRGB) of this size to `out`, with where it came from.
+///
+/// # Errors
+/// If a text of `origin` cannot be written.
+pub fn png_encoder<W: Write>(
+    out: W,
+    [width, height]: [usize; 2],
+    origin: &Origin,
+) -> std::io::Result<png::Encoder<'static, W>> {
     let mut encoder = png::Encoder::new(out, width as u32, height as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::Fast);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();
     encoder.add_itxt_chunk("Software".to_owned(), software)?;
-    if let Some(command) = command {
-        encoder.add_itxt_chunk("Comment".to_owned(), command)?;
+    for (key, text) in &origin.chunks {
+        encoder.add_itxt_chunk((*key).to_owned(), text.clone())?;
     }
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
-    writer.finish()?;
-    Ok(())
+    Ok(encoder)
 }

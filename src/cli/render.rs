@@ -1,20 +1,19 @@
 //! `zeroset render`.
 
-use super::arguments::{KernelArgs, OutputArgs, RenderArgs, TracingArgs};
-use super::array::{ARRAYS, ArrayRow, Arrays};
-use super::output::{Output, check_png, print, write_png};
+use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
+use super::files::{Files, Origin};
+use super::output::print;
 use super::progress::Progress;
+use super::sequence;
 use super::subject::{self, Subject};
 use super::vector::Size;
 use super::{notes, report};
 use anyhow::{Context, Result, bail, ensure};
 use glam::DVec3;
-use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 use zeroset::domain::AutoDomain;
 use zeroset::framing;
-use zeroset::live::quote;
 use zeroset::model::Model;
 use zeroset::picture::{Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use zeroset::scene;
@@ -22,15 +21,19 @@ use zeroset_syntax::SrgbColor;
 use zeroset_trace::{LinearRgb, MethodOption, Pattern, Proves, Reason, Status};
 
 /// The exit code for undecided pixels under `--strict`.
-const UNDECIDED: u8 = 1;
+pub const UNDECIDED: u8 = 1;
 
 /// Rays in a pixel with an edge, unless told otherwise.
 pub const AA: usize = 16;
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
+    if let Some(sequence) = sequence::asked(arguments)? {
+        let threads = arguments.tracing.threads;
+        return in_threads(threads, || sequence::run(arguments, &sequence, &settings));
+    }
     let (choice, clip) = (arguments.camera.choice(), arguments.camera.clip());
-    let files = Files::create(&arguments.outputs)?;
+    let files = Files::create(&arguments.outputs.wanted())?;
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
@@ -50,7 +53,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         notes::note(&subject::describe_domain(&found));
     }
     remark(&subject, &region, &settings, &picture, searched);
-    files.finish(&picture)?;
+    files.finish(&picture, &Origin::typed(&subject.source.text))?;
     if arguments.outputs.json {
         let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
         print(&format!("{object}\n"))?;
@@ -177,55 +180,6 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         background,
         ..method
     })
-}
-
-/// The files asked for, opened before the work.
-struct Files {
-    picture: Option<Output>,
-    arrays: Vec<(&'static ArrayRow, Output)>,
-}
-
-impl Files {
-    fn create(arguments: &OutputArgs) -> Result<Self> {
-        let OutputArgs { output, arrays: Arrays(arrays), json, size: _ } = arguments;
-        let paths = || output.iter().chain(arrays.iter().map(|(_, path)| path));
-        if paths().next().is_none() && !json {
-            let flags: Vec<String> = ARRAYS.iter().map(|row| format!("--{}", row.flag)).collect();
-            bail!("nothing to write: add -o picture.png, or --json, {}", flags.join(", "));
-        }
-        let standard = paths().filter(|path| path.as_path() == Path::new("-")).count();
-        ensure!(
-            standard + usize::from(*json) <= 1,
-            "only one thing can be written to standard output"
-        );
-        if let Some(path) = output {
-            check_png(path)?;
-        }
-        let outputs = paths().map(|path| Output::create(path)).collect::<Result<Vec<_>>>()?;
-        for (index, (one, path)) in outputs.iter().zip(paths()).enumerate() {
-            let twice = outputs[..index].iter().any(|other| one.is_same(other));
-            ensure!(!twice, "'{}' is given for two outputs", path.display());
-        }
-        let mut outputs = outputs.into_iter();
-        let picture = output.as_ref().and_then(|_| outputs.next());
-        Ok(Self { picture, arrays: arrays.iter().map(|(row, _)| *row).zip(outputs).collect() })
-    }
-
-    fn finish(self, picture: &Picture) -> Result<()> {
-        if let Some(file) = self.picture {
-            let size = [picture.buffer.width, picture.buffer.height];
-            file.finish(|out| write_png(out, &picture.rgb, size, Some(typed())))?;
-        }
-        self.arrays
-            .into_iter()
-            .try_for_each(|(row, file)| file.finish(|out| (row.write)(picture, out)))
-    }
-}
-
-/// The command that was typed, as it could be typed again.
-fn typed() -> String {
-    let words = std::env::args_os().skip(1).map(|word| quote(&word.to_string_lossy()));
-    std::iter::once("zeroset".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 /// Says what a look at the picture does not tell: why nothing is seen, and how much is undecided.

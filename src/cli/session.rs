@@ -1,6 +1,7 @@
 //! A live picture and the files around it, as prompt and window share them.
 
 use super::arguments::InteractiveArgs;
+use super::files::Origin;
 use super::output::{Output, check_png, write_png};
 use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
@@ -266,7 +267,7 @@ impl Session {
         let name = path.display().to_string();
         let command = picture.command(&name);
         let size = [buffer.width, buffer.height];
-        output.finish(|out| write_png(out, rgb, size, Some(command.clone())))?;
+        output.finish(|out| write_png(out, rgb, size, &Origin::command(&command)))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
         Ok(())
     }

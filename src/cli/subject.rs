@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use zeroset::blank::Blank;
 use zeroset::domain::AutoDomain;
 use zeroset::scene::{self, DomainChoice};
-use zeroset_syntax::{Document, Options};
+use zeroset_syntax::{Document, Errors, Options};
 use zeroset_trace::Region;
 
 /// What is drawn.
@@ -29,18 +29,29 @@ impl Subject {
     /// # Errors
     /// If there is no text, or it is wrong.
     pub fn read(arguments: &DocumentArgs) -> Result<Self> {
-        let source = source::find(&arguments.source)?;
         let values = &arguments.values;
-        let (overrides, time, domain) = (values.overrides()?, values.time()?, values.domain());
-        let started = Instant::now();
+        let (overrides, time) = (values.overrides()?, values.time()?);
         let options = Options { overrides: &overrides, time, ..Options::default() };
-        let read = zeroset_syntax::read(&source.text, &options);
+        let subject = Self::read_by(arguments, |text| zeroset_syntax::read(text, &options))?;
+        note_time(time, &subject.document);
+        Ok(subject)
+    }
+
+    /// Finds the text, and reads it by `read`.
+    ///
+    /// # Errors
+    /// If there is no text, or it is wrong.
+    pub fn read_by(
+        arguments: &DocumentArgs,
+        read: impl FnOnce(&str) -> Result<Document, Errors>,
+    ) -> Result<Self> {
+        let source = source::find(&arguments.source)?;
+        let domain = arguments.values.domain();
+        let started = Instant::now();
+        let read = read(&source.text);
         let parse = started.elapsed();
         match read {
-            Ok(document) => {
-                note_time(time, &document);
-                Ok(Self { source, document, domain, parse })
-            }
+            Ok(document) => Ok(Self { source, document, domain, parse }),
             Err(errors) => {
                 let shown = errors.render(Some(&source.name), &source.text, notes::coloured());
                 Err(notes::Diagnostic(shown).into())

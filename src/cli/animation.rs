@@ -1,0 +1,132 @@
+//! Frames in one file: animated PNG, GIF, or bytes one after another.
+
+use super::files::Origin;
+use super::output::png_encoder;
+use anyhow::{Result, bail, ensure};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// What an animation is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Animated PNG: sRGB, lossless.
+    Png,
+    /// GIF: 256 colours a frame.
+    Gif,
+    /// Rows of red, green and blue bytes, from the top, frame after frame.
+    Raw,
+}
+
+/// Most columns and rows of a GIF.
+const GIF_SIDE: usize = u16::MAX as usize;
+
+/// Most frames a second that every viewer of GIF shows: they count hundredths of a second, and take 1 for 10.
+const GIF_FPS: u16 = 50;
+
+/// How thoroughly colours are chosen for a frame of a GIF, from 1 (best) to 30 (fastest).
+const GIF_SPEED: i32 = 10;
+
+impl Format {
+    /// The format of a file, by its extension; `-` is standard output.
+    ///
+    /// # Errors
+    /// If it is none, or cannot hold such pictures.
+    pub fn of(path: &Path, size: [usize; 2], fps: u16) -> Result<Self> {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        let extension = extension.map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("gif") => {
+                let fits = size.iter().all(|side| *side <= GIF_SIDE);
+                ensure!(fits, "a GIF has at most {GIF_SIDE} columns and rows; use a PNG");
+                ensure!(fps <= GIF_FPS, "a GIF shows at most {GIF_FPS} frames a second; use a PNG");
+                Ok(Self::Gif)
+            }
+            None if path == Path::new("-") => Ok(Self::Raw),
+            Some(_) | None => bail!(
+                "'{}': a sequence is written to a file for each frame, such as frame-%04d.png, to an \
+                 animated .png or .gif, or to - for other programs",
+                path.display()
+            ),
+        }
+    }
+}
+
+/// An animation that is being written.
+pub struct Animation<W: Write> {
+    sink: Sink<W>,
+    size: [usize; 2],
+    fps: u32,
+    frame: u32,
+}
+
+enum Sink<W: Write> {
+    Png(png::Writer<W>),
+    Gif(gif::Encoder<W>),
+    Raw(W),
+}
+
+impl<W: Write> Animation<W> {
+    /// Begins an animation that is repeated for ever.
+    ///
+    /// # Errors
+    /// If `out` fails.
+    pub fn begin(
+        format: Format,
+        out: W,
+        size: [usize; 2],
+        (frames, fps): (usize, u16),
+        origin: &Origin,
+    ) -> io::Result<Self> {
+        let sink = match format {
+            Format::Png => {
+                let mut encoder = png_encoder(out, size, origin)?;
+                encoder.set_animated(frames as u32, 0)?;
+                encoder.set_frame_delay(1, fps)?;
+                Sink::Png(encoder.write_header()?)
+            }
+            Format::Gif => {
+                let [width, height] = size.map(|side| side as u16);
+                let mut encoder =
+                    gif::Encoder::new(out, width, height, &[]).map_err(io::Error::other)?;
+                encoder.set_repeat(gif::Repeat::Infinite).map_err(io::Error::other)?;
+                Sink::Gif(encoder)
+            }
+            Format::Raw => Sink::Raw(out),
+        };
+        Ok(Self { sink, size, fps: fps.into(), frame: 0 })
+    }
+
+    /// Adds a frame of rows of red, green and blue bytes.
+    ///
+    /// # Errors
+    /// If the sink fails.
+    pub fn add(&mut self, rgb: &[u8]) -> io::Result<()> {
+        match &mut self.sink {
+            Sink::Png(writer) => writer.write_image_data(rgb)?,
+            Sink::Gif(encoder) => {
+                let [width, height] = self.size.map(|side| side as u16);
+                let mut frame = gif::Frame::from_rgb_speed(width, height, rgb, GIF_SPEED);
+                // Rounded so that what is lost in one frame is made up for in another.
+                let hundredths = |frame: u32| (100 * u64::from(frame)).div_ceil(self.fps.into());
+                frame.delay = (hundredths(self.frame + 1) - hundredths(self.frame)) as u16;
+                encoder.write_frame(&frame).map_err(io::Error::other)?;
+            }
+            Sink::Raw(out) => out.write_all(rgb).and_then(|()| out.flush())?,
+        }
+        self.frame += 1;
+        Ok(())
+    }
+
+    /// Ends the animation.
+    ///
+    /// # Errors
+    /// If the sink fails.
+    pub fn end(self) -> io::Result<()> {
+        match self.sink {
+            Sink::Png(writer) => Ok(writer.finish()?),
+            Sink::Gif(encoder) => encoder.into_inner().map_err(io::Error::other).map(drop),
+            Sink::Raw(mut out) => out.flush(),
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! `zeroset render --frames` as a user meets it.
+
+use crate::cli_support::Place;
+use serde_json::Value;
+
+const GROWING: &str = "x^2+y^2+z^2 = r^2; r = 1";
+
+fn pixels(place: &Place, name: &str) -> Vec<u8> {
+    image::open(place.path(name)).expect("a picture").to_rgb8().into_raw()
+}
+
+/// Of every frame, one object a line.
+fn frames(stdout: &str) -> Vec<Value> {
+    stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+#[test]
+fn each_frame_is_the_picture_of_its_values() {
+    let place = Place::new();
+    let sweep = ["--sweep", "r=0.3..1.2", "--frames", "4", "--size", "48"];
+    let files = ["-o", "f-%02d.png", "--json"];
+    let run = place.run(&[&["render", GROWING], &sweep[..], &files].concat()).ok();
+    let frames = frames(run.text());
+    assert_eq!(frames.len(), 4);
+    for (frame, r) in frames.iter().zip([0.3, 0.6, 0.9, 1.2]) {
+        let value = frame["values"]["r"].as_f64().expect("a number");
+        assert!((value - r).abs() < 1e-12, "{value}");
+        // One domain and one camera for all, and one compilation.
+        assert_eq!(frame["domain"], frames[0]["domain"]);
+        assert_eq!(frame["camera"], frames[0]["camera"]);
+        assert_eq!(frame["ms"]["compile"] == 0.0, frame["frame"] != 0, "{}", frame["ms"]);
+        let list = |value: &Value| {
+            let numbers = value.as_array().expect("numbers").iter().map(Value::to_string);
+            numbers.collect::<Vec<_>>().join(",")
+        };
+        let alone = place.run(&[
+            "render",
+            GROWING,
+            "-D",
+            &format!("r={value}"),
+            &format!("--domain={}", list(&frame["domain"])),
+            &format!("--eye={}", list(&frame["camera"]["eye"])),
+            &format!("--target={}", list(&frame["camera"]["target"])),
+            "--size",
+            "48",
+            "-o",
+            "alone.png",
+        ]);
+        alone.ok();
+        let name = format!("f-{:02}.png", frame["frame"].as_u64().expect("a number"));
+        assert_eq!(pixels(&place, &name), pixels(&place, "alone.png"), "{name}");
+    }
+}
+
+#[test]
+fn shards_make_what_one_run_makes_and_resuming_makes_what_is_missing() {
+    let place = Place::new();
+    let turn = ["render", "tangle", "--turntable", "--frames", "5", "--size", "32", "-o"];
+    place.run(&[&turn[..], &["whole-%d.png"]].concat()).ok();
+    for shard in ["1/2", "2/2"] {
+        place.run(&[&turn[..], &["part-%d.png", "--shard", shard]].concat()).ok();
+    }
+    let all = |name: &str| (0..5).map(|k| pixels(&place, &format!("{name}-{k}.png"))).collect();
+    let whole: Vec<Vec<u8>> = all("whole");
+    let parts: Vec<Vec<u8>> = all("part");
+    assert!(whole == parts);
+    assert_ne!(whole[0], whole[1]);
+
+    let resume = [&turn[..], &["whole-%d.png", "--resume"]].concat();
+    std::fs::remove_file(place.path("whole-3.png")).expect("there");
+    let run = place.run(&resume).ok();
+    assert!(run.stderr.contains("4 frames were there already, 1 were made"), "{}", run.stderr);
+    assert!(all("whole") == whole);
+    // What another command has made is made anew.
+    std::fs::copy(place.path("part-2.png"), place.path("whole-2.png")).expect("copied");
+    let run = place.run(&resume).ok();
+    assert!(run.stderr.contains("4 frames were there already, 1 were made"), "{}", run.stderr);
+}
+
+#[test]
+fn one_file_holds_all_frames() {
+    let place = Place::new();
+    let sweep = ["render", GROWING, "--sweep", "r=0.5..1", "--frames", "3", "--size", "24x16"];
+    let to = |name: &str| place.run(&[&sweep[..], &["-o", name]].concat());
+    to("f-%d.png").ok();
+    let frames: Vec<Vec<u8>> = (0..3).map(|k| pixels(&place, &format!("f-{k}.png"))).collect();
+
+    to("all.png").ok();
+    let file = std::fs::File::open(place.path("all.png")).expect("written");
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
+    assert_eq!(reader.info().animation_control.expect("animated").num_frames, 3);
+    for frame in &frames {
+        let mut shown = vec![0; 3 * 24 * 16];
+        reader.next_frame(&mut shown).expect("a frame");
+        assert!(shown == *frame);
+    }
+
+    to("all.gif").ok();
+    let file = std::fs::File::open(place.path("all.gif")).expect("written");
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(std::io::BufReader::new(file)).expect("a GIF");
+    let mut delays = 0;
+    for frame in &frames {
+        let shown = decoder.read_next_frame().expect("valid").expect("a frame");
+        delays += shown.delay;
+        // 256 colours are near enough to all of a small picture's.
+        let off = shown.buffer.chunks(4).zip(frame.chunks(3));
+        let off = off.flat_map(|(a, b)| (0..3).map(move |k| a[k].abs_diff(b[k]))).max();
+        assert!(off < Some(24), "{off:?}");
+    }
+    assert_eq!((delays, decoder.read_next_frame().expect("valid").is_none()), (10, true));
+
+    let raw = to("-").ok().stdout;
+    assert!(raw == frames.concat());
+}
+
+#[test]
+fn a_loop_leaves_out_the_end_and_a_whole_turn_is_one() {
+    let place = Place::new();
+    let values = |more: &[&str]| {
+        let sweep = ["render", "x^2+y^2+z^2 = 1+sin(t)^2", "--time", "0..pi", "--frames", "4"];
+        let rest = ["--size", "8", "-o", "f-%d.png", "--json"];
+        let run = place.run(&[&sweep[..], &rest, more].concat()).ok();
+        let values = frames(run.text()).into_iter().map(|frame| frame["values"]["t"].as_f64());
+        values.map(|t| t.expect("a number") / std::f64::consts::PI).collect::<Vec<_>>()
+    };
+    let near = |found: Vec<f64>, wanted: [f64; 4]| {
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+    };
+    near(values(&[]), [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]);
+    near(values(&["--loop"]), [0.0, 0.25, 0.5, 0.75]);
+    let turn = ["render", "sphere", "--turntable", "--frames", "4", "--size", "8", "--json"];
+    let run = place.run(&turn).ok();
+    let turned = frames(run.text());
+    let place_of = |frame: usize, what: &str, axis: usize| {
+        turned[frame]["camera"][what][axis].as_f64().expect("a number")
+    };
+    for axis in 0..2 {
+        let middle = place_of(0, "eye", axis).midpoint(place_of(2, "eye", axis));
+        assert!((middle - place_of(0, "target", axis)).abs() < 1e-9);
+    }
+    assert!((place_of(0, "eye", 2) - place_of(2, "eye", 2)).abs() < 1e-9);
+    assert!((place_of(0, "eye", 0) - place_of(2, "eye", 0)).abs() > 0.5);
+}
+
+#[test]
+fn what_is_wrong_with_a_sequence_is_said() {
+    let place = Place::new();
+    let refused = |more: &str, why: &str| {
+        let words: Vec<&str> = more.split(' ').collect();
+        let run = place.run(&[&["render", GROWING, "--size", "8"], &words[..]].concat());
+        assert_eq!(run.code, Some(2), "{more}: {}", run.stderr);
+        assert!(run.stderr.contains(why), "{more}: {}", run.stderr);
+        assert!(place.files().is_empty(), "{more}: {:?}", place.files());
+    };
+    refused("--sweep r=0..1 -o f-%d.png", "needs --frames");
+    refused("--frames 3 -o f-%d.png", "something that moves");
+    refused("--frames 3 --sweep r=0 -o f-%d.png", "a..b");
+    refused("--frames 3 --sweep r=0..inf -o f-%d.png", "'inf' is not a finite number");
+    refused("--frames 3 --sweep q=0..1 -o f-%d.png", "'q' moves, but does not occur");
+    refused("--frames 3 --time 0..1 -o f-%d.png", "'t' moves, but does not occur");
+    refused("--frames 3 --sweep r=0..1 --sweep r=1..2 -o f-%d.png", "swept twice");
+    refused("--frames 3 --sweep r=0..1 -D r=2 -o f-%d.png", "both set by -D and swept");
+    refused("--frames 3 --sweep r=0..1 -o f.jpg", "frame-%04d.png");
+    refused("--frames 3 --sweep r=0..1 -o f.png --json", "--json is about one frame");
+    refused(
+        "--frames 3 --sweep r=0..1 -o f-%d.png --status s.npy",
+        "would be written by every frame",
+    );
+    refused("--frames 3 --sweep r=0..1 -o f.gif --shard 1/2", "need a file for each frame");
+    refused("--frames 3 --sweep r=0..1 -o f-%d.png --shard 3/2", "not of the form I/N");
+    refused("--frames 3 --sweep r=0..1 -o f.gif --fps 60", "at most 50 frames a second");
+    refused("--resume -o f.png", "--resume needs --frames");
+}
