@@ -63,24 +63,26 @@ impl Model {
         region: &Region,
         settings: &Settings,
     ) -> Result<Self, ProgramError> {
-        let model = Self::new_while(document, region, settings, &|| true)?;
+        let model = Self::new_while(document, region, region, settings, &|| true)?;
         Ok(model.expect("wanted to the end"))
     }
 
-    /// As [`Model::new`], but asks between kernels whether the model is still wanted; `None` if not.
+    /// As [`Model::new`], but asks between kernels whether the model is still wanted; `None` if not. The code is made for all
+    /// of `reach`, which holds `region`.
     ///
     /// # Errors
     /// If a formula is constant or defined nowhere, or too large to compile.
     pub fn new_while(
         document: &Document,
         region: &Region,
+        reach: &Region,
         settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Self>, ProgramError> {
         let precision = settings.precision;
         let mut watch = Stopwatch::start();
         let mut times = Times::default();
-        let program = Program::new(document, scene::bounds(region))?;
+        let program = Program::new(document, scene::bounds(reach))?;
         times.simplify = watch.lap();
         let made = match precision {
             Precision::Auto | Precision::F32 => {
@@ -98,13 +100,23 @@ impl Model {
         Ok(Some(Self { region, program, styles, setting, remarks, precision, times }))
     }
 
-    /// The same code for the parameter values of another document, or `None` if that differs in more than values and
-    /// colours, or if the values are beyond what the code was made for; a slider may be set to anything in its range.
+    /// The same code for the parameter values of another document and in another region, or `None` if the document differs
+    /// in more than values and colours, or if values or region are beyond what the code was made for; a slider may be set to
+    /// anything in its range.
     ///
     /// # Errors
     /// If a formula is constant or defined nowhere.
-    pub fn rebound(&self, document: &Document) -> Option<Result<Self, ProgramError>> {
-        let (region, precision) = (self.region, self.precision);
+    pub fn rebound(
+        &self,
+        document: &Document,
+        region: &Region,
+    ) -> Option<Result<Self, ProgramError>> {
+        let within =
+            |(wanted, made): (Interval, Interval)| made.lo <= wanted.lo && wanted.hi <= made.hi;
+        if !scene::bounds(region).into_iter().zip(self.program.domain()).all(within) {
+            return None;
+        }
+        let (region, precision) = (*region, self.precision);
         let program = self.program.rebound(document)?;
         let styles = styles(document);
         Some(program.map(|program| {

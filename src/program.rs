@@ -175,6 +175,11 @@ impl Program {
         &self.shared.roots
     }
 
+    /// The bounds of x, y and z that the code holds for.
+    pub fn domain(&self) -> [Interval; 3] {
+        self.shared.assumptions.domain
+    }
+
     /// The parameters' values, by number.
     pub fn values(&self) -> &[Interval] {
         &self.values

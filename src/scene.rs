@@ -115,6 +115,30 @@ pub fn region_while(
     clip: Option<HalfSpace>,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
+    region_again(&mut None, document, choice, clip, wanted)
+}
+
+/// A search for a document's surfaces, which can be made again for other values of its parameters without compiling again.
+pub struct Search(Program);
+
+impl Search {
+    /// The same search for another document, if that differs from the first in values only.
+    fn again(&self, document: &Document) -> Option<Self> {
+        self.0.rebound(document)?.ok().map(Self)
+    }
+}
+
+/// As [`region_while`], with the kernels of the search before, if it serves; leaves the new one there.
+///
+/// # Errors
+/// As [`region`].
+pub fn region_again(
+    search: &mut Option<Search>,
+    document: &Document,
+    choice: DomainChoice,
+    clip: Option<HalfSpace>,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
     let (mut ranges, mut searched) = ([None; 3], None);
     match (choice, &document.domain) {
         (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
@@ -127,7 +151,7 @@ pub fn region_while(
         (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {}
     }
     if ranges.contains(&None) {
-        let Some(found) = search_while(document, wanted)? else { return Ok(None) };
+        let Some(found) = search_while(search, document, wanted)? else { return Ok(None) };
         searched = Some(found);
         for (axis, range) in ranges.iter_mut().enumerate() {
             range.get_or_insert([found.low[axis], found.high[axis]]);
@@ -150,19 +174,24 @@ pub fn region_while(
 /// # Panics
 /// Never: the answer is wanted to the end.
 pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
-    Ok(search_while(document, &|| true)?.expect("wanted to the end"))
+    Ok(search_while(&mut None, document, &|| true)?.expect("wanted to the end"))
 }
 
-/// As [`search`], but asks between kernels and evaluations whether the answer is still wanted;
+/// As [`search`], by kernels of the search before if it serves, but asks between kernels and evaluations whether the answer is still wanted;
 /// `None` if not.
 ///
 /// # Errors
 /// As [`search`].
 fn search_while(
+    search: &mut Option<Search>,
     document: &Document,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
-    let program = Program::new(document, [Interval::ENTIRE; 3])?;
+    let again = search.take().and_then(|search| search.again(document));
+    let Search(program) = search.insert(match again {
+        Some(search) => search,
+        None => Search(Program::new(document, [Interval::ENTIRE; 3])?),
+    });
     domain::find_while(&program.over_time(document), wanted)
 }
 

@@ -154,7 +154,7 @@ impl Sequence {
         let at_start = |error| SequenceError::Scene { frame: 0, error };
         let mut models: Vec<Model> = Vec::new();
         for document in &seen {
-            let rebound = models.first().and_then(|model| model.rebound(document));
+            let rebound = models.first().and_then(|model| model.rebound(document, &region));
             let made = rebound.unwrap_or_else(|| Model::new(document, &region, settings));
             // What has no surface is said when its frame is made.
             models.extend(made);

@@ -298,7 +298,7 @@ impl<'a> Maker<'a> {
         };
         let document = sequence.document(&self.subject.source.text, &options, frame);
         let document = document.map_err(|errors| anyhow!("{errors}")).with_context(named)?;
-        let rebound = last.as_ref().and_then(|model| model.rebound(&document));
+        let rebound = last.as_ref().and_then(|model| model.rebound(&document, &stage.region));
         let model = rebound.unwrap_or_else(|| Model::new(&document, &stage.region, settings));
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;

@@ -133,8 +133,9 @@ impl Live {
     /// time, if something is wrong with it, or once something else is asked for.
     pub fn finished(&self, revision: u64, timeout: Duration) -> Option<Arc<Rendering>> {
         self.pipeline.wait(timeout, |seen, latest| seen.settled >= revision || latest > revision);
-        let rendering = self.snapshot().rendering?;
-        (rendering.revision == revision && !rendering.coarse).then_some(rendering)
+        let Snapshot { rendering, fault, .. } = self.snapshot();
+        let is_wrong = fault.is_some_and(|fault| fault.revision == revision);
+        rendering.filter(|seen| seen.revision == revision && !seen.coarse && !is_wrong)
     }
 
     /// Waits until something newer than the picture or fault with this number can be seen, and

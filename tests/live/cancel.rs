@@ -24,7 +24,7 @@ fn a_compile_ends_between_kernels() {
     let compile = |last: usize| {
         let asked = AtomicUsize::new(0);
         let wanted = || asked.fetch_add(1, Ordering::Relaxed) < last;
-        let model = Model::new_while(&document, &region, &Settings::default(), &wanted);
+        let model = Model::new_while(&document, &region, &region, &Settings::default(), &wanted);
         (model.expect("compiles").is_some(), asked.into_inner())
     };
     let (made, asked) = compile(usize::MAX);

@@ -60,6 +60,8 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
         // There is room in the domain that was found, also for what is beyond what outgrew one.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 1", ":set r = 1.9", ":set r = 0.6"]),
         ("r = 1 in [1, 4]\nx^2+y^2+z^2 <= 1+0*r", &[":set r = 4", ":set r = 2"]),
+        // Other domains, since there is no room in that of the value before, or far too much.
+        ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 0.1", ":set r = 3", ":set r = 5"]),
     ] {
         assert_eq!(kept(text, lines), vec![true; lines.len()], "{text}");
     }
@@ -73,9 +75,6 @@ fn what_other_code_is_needed_for_is_compiled() {
         ("domain 2\nr = 2\nx^2+y^2+z^2 = r^2", ":set r = 1"),
         // Which function is meant depends on the exponent.
         ("domain 2\nn = 2 in [1, 5]\nx^n+y^2+z^2 = 1", ":set n = 3"),
-        // Another domain, since there is no room in that of the value before, or far too much.
-        ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", ":set r = 0.1"),
-        ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", ":set r = 3"),
         ("x^2+y^2+z^2 = 1+t", ":time 3"),
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", "domain 3"),
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", "x^2+y^2+z^4 = r^2"),

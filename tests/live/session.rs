@@ -106,6 +106,33 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
 }
 
 #[test]
+fn while_a_line_is_wrong_the_picture_before_is_finished_and_turned() {
+    // Slow enough that the full picture is not there yet.
+    let live = start("(x^2+y^2+z^2-1)^2", 200);
+    while live.snapshot().rendering.is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    live.type_line("x^2:y");
+    assert!(live.wait(LIMIT));
+    let seen = live.snapshot();
+    assert!(seen.fault.is_some());
+    let finished = seen.rendering.expect("a picture");
+    assert!(!finished.coarse && finished.picture.buffer.width == 200);
+    live.turn(|orbit| orbit.turn(30.0, 0.0, 200));
+    assert!(live.wait(LIMIT));
+    let seen = live.snapshot();
+    let turned = seen.rendering.expect("a picture");
+    assert!(turned.camera != finished.camera && !turned.coarse);
+    // What is wrong is still said, and nothing is saved as if it were what was typed.
+    assert!(seen.fault.is_some_and(|fault| fault.revision == turned.revision));
+    assert!(live.finished(turned.revision, LIMIT).is_none());
+    live.type_line("");
+    assert!(live.wait(LIMIT));
+    let seen = live.snapshot();
+    assert!(seen.fault.is_none() && seen.rendering.is_some_and(|seen| !seen.coarse));
+}
+
+#[test]
 fn typing_goes_on_from_the_last_text_that_could_be_read() {
     let live = start("r = 0.5\nx^2+y^2+z^2 = r", 32);
     settled(&live);

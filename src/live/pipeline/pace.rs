@@ -1,0 +1,129 @@
+//! How large pictures are made while somebody waits or drags, from how long the ones before took. Knows times and numbers
+//! of pixels only.
+
+use std::time::Duration;
+
+/// A coarse picture should take as long as this: with what is to be done beside it, thirty are seen in a second.
+const COARSE: Duration = Duration::from_millis(20);
+
+/// If the full picture takes no longer than this, there is no coarse one.
+const PROMPT: Duration = Duration::from_millis(30);
+
+/// If the full picture is expected to take longer than this after a coarse one, there is one of half the size between.
+const PATIENCE: Duration = Duration::from_millis(150);
+
+/// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface whose cost is unknown.
+const COARSEST: f64 = 8.0;
+
+/// A picture with so few times fewer columns and rows might as well be the full one.
+const NEARLY_FULL: f64 = 1.15;
+
+/// What the present model's pictures cost.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pace {
+    /// So many pixels are made in the time of a coarse picture.
+    affordable: Option<f64>,
+    /// The last full picture's time for a pixel, in seconds.
+    full: Option<f64>,
+}
+
+impl Pace {
+    /// How many times fewer columns and rows the first picture should have than the full one of so many pixels.
+    pub fn first(&self, pixels: usize) -> f64 {
+        let Some(affordable) = self.affordable else { return COARSEST };
+        if self.full.is_some_and(|pixel| pixel * pixels as f64 <= PROMPT.as_secs_f64()) {
+            return 1.0;
+        }
+        let scale = (pixels as f64 / affordable).sqrt();
+        if scale <= NEARLY_FULL { 1.0 } else { scale.min(COARSEST) }
+    }
+
+    /// The same of the picture after one with this scale: where the full one is waited for, there is one between, for a
+    /// quarter of its time.
+    pub fn next(&self, scale: f64, pixels: usize) -> f64 {
+        let each = self.full.or(self.affordable.map(|pixels| COARSE.as_secs_f64() / pixels));
+        let is_slow = each.is_some_and(|each| each * pixels as f64 > PATIENCE.as_secs_f64());
+        if scale > 2.5 && is_slow { 2.0 } else { 1.0 }
+    }
+
+    /// Learns from a picture of so many pixels, full or coarse.
+    pub fn learn(&mut self, pixels: usize, is_full: bool, took: Duration) {
+        let pixels = pixels as f64;
+        let seconds = took.as_secs_f64().max(1e-9);
+        let affordable = pixels * COARSE.as_secs_f64() / seconds;
+        if is_full {
+            self.full = Some(seconds / pixels);
+            // Pixels of coarse pictures cost more, since fewer of them are settled at once.
+            self.affordable =
+                Some(self.affordable.map_or(affordable, |known| known.min(affordable)));
+        } else {
+            self.affordable = Some(affordable);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FULL: usize = 512 * 512;
+
+    fn ms(ms: f64) -> Duration {
+        Duration::from_secs_f64(ms / 1e3)
+    }
+
+    /// Pictures of one request, where a pixel of the full one takes so long and others a third longer.
+    fn scales(pace: &mut Pace, full_ms: f64) -> Vec<f64> {
+        let mut scales = vec![pace.first(FULL)];
+        loop {
+            let scale = *scales.last().expect("one");
+            let is_full = scale == 1.0;
+            let share = if is_full { 1.0 } else { 4.0 / 3.0 / (scale * scale) };
+            pace.learn((FULL as f64 / scale / scale) as usize, is_full, ms(full_ms * share));
+            if is_full {
+                return scales;
+            }
+            scales.push(pace.next(scale, FULL));
+        }
+    }
+
+    #[test]
+    fn slower_pictures_come_in_more_steps() {
+        let steps = |full_ms| {
+            let mut pace = Pace::default();
+            [scales(&mut pace, full_ms), scales(&mut pace, full_ms)]
+        };
+        assert_eq!(steps(5.0), [vec![8.0, 1.0], vec![1.0]]);
+        assert_eq!(steps(29.0), [vec![8.0, 1.0], vec![1.0]]);
+        let [first, second] = steps(60.0);
+        assert_eq!(first, [8.0, 1.0]);
+        assert!((2.0..2.1).contains(&second[0]) && second[1..] == [1.0], "{second:?}");
+        let [first, second] = steps(400.0);
+        assert_eq!(first, [8.0, 2.0, 1.0]);
+        assert!((5.0..5.3).contains(&second[0]) && second[1..] == [2.0, 1.0], "{second:?}");
+        assert_eq!(steps(9000.0)[1], [8.0, 2.0, 1.0]);
+    }
+
+    #[test]
+    fn a_coarse_picture_takes_its_time_and_no_more() {
+        let mut pace = Pace::default();
+        pace.learn(FULL, true, ms(300.0));
+        for _ in 0..8 {
+            // Work that does not shrink with the picture.
+            let took = |pixels: usize| ms(4.0 + 296.0 * pixels as f64 / FULL as f64);
+            let pixels = (FULL as f64 / pace.first(FULL).powi(2)) as usize;
+            pace.learn(pixels, false, took(pixels));
+        }
+        let pixels = FULL as f64 / pace.first(FULL).powi(2);
+        let took = 4.0 + 296.0 * pixels / FULL as f64;
+        assert!((19.0..21.0).contains(&took), "{took}");
+    }
+
+    #[test]
+    fn larger_windows_are_coarser() {
+        let mut pace = Pace::default();
+        pace.learn(FULL, true, ms(25.0));
+        assert_eq!(pace.first(FULL), 1.0);
+        assert!((2.2..2.3).contains(&pace.first(4 * FULL)));
+    }
+}

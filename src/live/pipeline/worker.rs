@@ -1,0 +1,387 @@
+//! The thread that makes pictures, and what it keeps from one request to the next.
+
+use super::pace::Pace;
+use super::rooms;
+use super::{Fault, Reason, Rendering, Request, Shared, State, same_document};
+use crate::blank::Blank;
+use crate::domain::AutoDomain;
+use crate::framing;
+use crate::model::Model;
+use crate::picture::Settings;
+use crate::scene::{self, CameraChoice, SceneError, Search};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, PoisonError, Weak};
+use std::time::Instant;
+use zeroset_syntax::{Document, Errors};
+use zeroset_trace::{Camera, Region};
+
+/// Halvings along the ray that a coarse picture keeps at least.
+const LEAST_DEPTH: u32 = 6;
+
+/// What was made for earlier requests, as far as it may serve for the next.
+pub(super) struct Worker {
+    shared: Arc<Shared>,
+    read: Option<Read>,
+    built: Option<Built>,
+    /// The last search for a domain.
+    search: Option<Search>,
+    framed: Option<Framed>,
+    /// What the present model's pictures cost.
+    pace: Pace,
+    /// What the last picture was of that lacks nothing.
+    finished: Option<Arc<Request>>,
+}
+
+/// A document, and the request for which it was read.
+struct Read {
+    request: Arc<Request>,
+    document: Arc<Document>,
+}
+
+/// A model, and what it was made for.
+struct Built {
+    request: Arc<Request>,
+    document: Arc<Document>,
+    model: Arc<Model>,
+    searched: Option<AutoDomain>,
+}
+
+/// A camera that was fitted, and to what.
+struct Framed {
+    /// It may be gone.
+    model: Weak<Model>,
+    region: Region,
+    choice: CameraChoice,
+    size: (usize, usize),
+    camera: Camera,
+}
+
+/// A model, and what was found if its domain was searched for.
+type Made = (Arc<Model>, Option<AutoDomain>);
+
+/// A request being worked on.
+struct Job {
+    request: Arc<Request>,
+    revision: u64,
+    requested: Instant,
+}
+
+impl Worker {
+    pub fn new(shared: Arc<Shared>) -> Self {
+        let (read, built, search, framed, finished) = (None, None, None, None, None);
+        Self { shared, read, built, search, framed, pace: Pace::default(), finished }
+    }
+
+    pub fn run(mut self) {
+        let mut done = 0;
+        while let Some(job) = self.next(done) {
+            done = job.revision;
+            let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
+            let served = served.unwrap_or_else(|_| {
+                // Whatever was half made is not to be trusted.
+                self = Self::new(Arc::clone(&self.shared));
+                Err(Reason::Bug)
+            });
+            if let Err(reason) = served {
+                let is_text = matches!(reason, Reason::Text(_));
+                self.report(&job, reason);
+                if is_text {
+                    self.go_on(job);
+                }
+            }
+            let mut state = self.shared.lock();
+            if state.revision == done {
+                state.snapshot.settled = done;
+            }
+            self.shared.changed.notify_all();
+        }
+    }
+
+    /// Shows what is wrong with a request.
+    fn report(&self, job: &Job, reason: Reason) {
+        let fault = Fault { revision: job.revision, request: Arc::clone(&job.request), reason };
+        self.shared.lock().snapshot.fault = Some(Arc::new(fault));
+        self.shared.changed.notify_all();
+    }
+
+    /// Where the text cannot be read, that which is shown is seen as asked for, and to the end.
+    fn go_on(&mut self, job: Job) {
+        let Some(Built { request: shown, .. }) = &self.built else { return };
+        let Request { name, text, overrides, time, .. } = (**shown).clone();
+        let request = Request { name, text, overrides, time, ..(*job.request).clone() };
+        let job = Job { request: Arc::new(request), ..job };
+        if self.finished.as_ref() == Some(&job.request) {
+            return;
+        }
+        let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
+        // What is wrong with the text is more to the point.
+        if served.is_err() {
+            *self = Self::new(Arc::clone(&self.shared));
+        }
+    }
+
+    /// Waits for a request after the one with this number; `None` at the end.
+    fn next(&self, done: u64) -> Option<Job> {
+        let waiting = |state: &mut State| !state.stop && state.revision == done;
+        let state = self.shared.changed.wait_while(self.shared.lock(), waiting);
+        let state = state.unwrap_or_else(PoisonError::into_inner);
+        let State { request, revision, requested, .. } = &*state;
+        let job = Job { request: Arc::clone(request), revision: *revision, requested: *requested };
+        (!state.stop).then_some(job)
+    }
+
+    /// Makes the pictures of one request, or leaves off when there is a newer one.
+    fn serve(&mut self, job: &Job) -> Result<(), Reason> {
+        let started = Instant::now();
+        let document = self.document(&job.request).map_err(Reason::Text)?;
+        let parse = started.elapsed();
+        if !self.wanted(job) {
+            return Ok(());
+        }
+        let scene = |error: SceneError| Reason::Scene(error);
+        let made = self.model(job, &document).map_err(scene)?;
+        let Some((model, searched)) = made else { return Ok(()) };
+        let region = model.region();
+        let camera = match &job.request.orbit {
+            Some(orbit) => orbit.camera(region).map(Some).map_err(SceneError::from),
+            None => self.framed(job, &document, &model),
+        };
+        let Some(camera) = camera.map_err(scene)? else { return Ok(()) };
+        let full = &job.request.settings;
+        if let Some(seen) = self.seen_alike(&model, &camera, full) {
+            return self.relight(job, &seen);
+        }
+        let size = full.width * full.height;
+        let mut scale = self.pace.first(size);
+        loop {
+            let coarse = scale > 1.0;
+            let settings = coarser(full, scale);
+            let started = Instant::now();
+            // A coarse picture is worth finishing while only the camera moves: it is what is seen
+            // of the movement.
+            let advance = |_| if coarse { self.wanted_coarsely(job) } else { self.wanted(job) };
+            let plain = settings.plain();
+            let picture = model.trace(&camera, &plain, &advance);
+            let picture = picture.map_err(|error| scene(error.into()))?;
+            if !advance(0) {
+                return Ok(());
+            }
+            self.pace.learn(settings.width * settings.height, !coarse, started.elapsed());
+            let pixels = picture.statistics.pixels;
+            let blank = (!coarse && pixels.hit + pixels.undecided == 0)
+                .then(|| Blank::find(&document, region, picture.undefined, searched));
+            let rendering = Rendering {
+                revision: job.revision,
+                request: Arc::clone(&job.request),
+                document: Arc::clone(&document),
+                model: Arc::clone(&model),
+                searched,
+                camera,
+                blank,
+                picture,
+                coarse,
+                parse,
+                latency: job.requested.elapsed(),
+            };
+            let rendering = Arc::new(rendering);
+            self.publish(Arc::clone(&rendering));
+            if !coarse {
+                if settings != plain {
+                    return self.relight(job, &rendering);
+                }
+                self.finished = Some(Arc::clone(&job.request));
+                return Ok(());
+            }
+            scale = self.pace.next(scale, size);
+        }
+    }
+
+    /// The camera where nobody turned the view: fitted once for a model, and kept while only parameters move.
+    fn framed(
+        &mut self,
+        job: &Job,
+        document: &Document,
+        model: &Arc<Model>,
+    ) -> Result<Option<Camera>, SceneError> {
+        let Request { choice, settings, .. } = &*job.request;
+        let (width, height) = (settings.width, settings.height);
+        let kept = self.framed.as_ref().filter(|framed| {
+            framed.choice == *choice
+                && framed.size == (width, height)
+                && (std::ptr::eq(framed.model.as_ptr(), Arc::as_ptr(model))
+                    || model.is_rebound() && framed.region == *model.region())
+        });
+        if let Some(framed) = kept {
+            return Ok(Some(framed.camera));
+        }
+        let wanted = || self.wanted(job);
+        let camera = framing::camera_while(model, document, choice, settings, &wanted)?;
+        self.framed = camera.map(|camera| Framed {
+            model: Arc::downgrade(model),
+            region: *model.region(),
+            choice: *choice,
+            size: (width, height),
+            camera,
+        });
+        Ok(camera)
+    }
+
+    /// The full picture that is shown, if it differs from what is asked for in nothing but its light.
+    fn seen_alike(
+        &self,
+        model: &Arc<Model>,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Option<Arc<Rendering>> {
+        let seen = self.shared.lock().snapshot.rendering.clone()?;
+        let is_alike = !seen.coarse
+            && Arc::ptr_eq(&seen.model, model)
+            && seen.camera == *camera
+            && seen.request.settings.lit_as(settings) == *settings;
+        is_alike.then_some(seen)
+    }
+
+    /// The full picture as it was asked for, once the plain one is shown and nothing newer is wanted.
+    fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), Reason> {
+        let (settings, advance) = (&job.request.settings, |_| self.wanted(job));
+        let Rendering { model, camera, .. } = plain;
+        let lit = model.relight(&plain.picture, camera, settings, &advance);
+        let picture = lit.map_err(|error| Reason::Scene(error.into()))?;
+        if advance(0) {
+            let (document, model) = (Arc::clone(&plain.document), Arc::clone(model));
+            let (request, revision) = (Arc::clone(&job.request), job.revision);
+            let latency = job.requested.elapsed();
+            let lit = Rendering { revision, request, document, model, picture, latency, ..*plain };
+            self.publish(Arc::new(lit));
+            self.finished = Some(Arc::clone(&job.request));
+        }
+        Ok(())
+    }
+
+    fn publish(&self, rendering: Arc<Rendering>) {
+        let mut state = self.shared.lock();
+        let before = state.snapshot.rendering.replace(rendering);
+        let revision = state.snapshot.rendering.as_ref().map(|rendering| rendering.revision);
+        // What is wrong with this very request, whose text is not the one that is seen, stays.
+        state.snapshot.fault.take_if(|fault| Some(fault.revision) != revision);
+        self.shared.changed.notify_all();
+        drop(state);
+        // The last user of a model frees its code; that need not be done under the lock.
+        if let Some(before) = before.and_then(Arc::into_inner) {
+            before.picture.hand_back();
+        }
+    }
+
+    fn wanted(&self, job: &Job) -> bool {
+        let state = self.shared.lock();
+        !state.stop && state.revision == job.revision
+    }
+
+    fn wanted_coarsely(&self, job: &Job) -> bool {
+        let state = self.shared.lock();
+        !state.stop
+            && (state.revision == job.revision || same_document(&state.request, &job.request))
+    }
+
+    fn document(&mut self, request: &Arc<Request>) -> Result<Arc<Document>, Errors> {
+        if let Some(Read { request: old, document }) = &self.read
+            && same_document(old, request)
+        {
+            return Ok(Arc::clone(document));
+        }
+        let document = Arc::new(request.read()?);
+        self.read = Some(Read { request: Arc::clone(request), document: Arc::clone(&document) });
+        Ok(document)
+    }
+
+    /// The surfaces compiled, or `None` if there is a newer request before that is done.
+    fn model(&mut self, job: &Job, document: &Arc<Document>) -> Result<Option<Made>, SceneError> {
+        let request = &job.request;
+        let last = self.built.take();
+        let old = last.as_ref().filter(|built| {
+            built.request.domain == request.domain
+                && built.request.settings.normals == request.settings.normals
+                && built.request.settings.precision == request.settings.precision
+        });
+        let same = old.filter(|built| {
+            Arc::ptr_eq(&built.document, document) && built.request.clip == request.clip
+        });
+        let made = match same {
+            Some(built) => Ok(Some((Arc::clone(&built.model), built.searched))),
+            None => self.made(job, document, old),
+        };
+        self.built = match &made {
+            Ok(Some((model, searched))) => Some(Built {
+                request: Arc::clone(request),
+                document: Arc::clone(document),
+                model: Arc::clone(model),
+                searched: *searched,
+            }),
+            Ok(None) | Err(_) => last,
+        };
+        made
+    }
+
+    /// The same where another document or another clip is asked for.
+    fn made(
+        &mut self,
+        job: &Job,
+        document: &Arc<Document>,
+        old: Option<&Built>,
+    ) -> Result<Option<Made>, SceneError> {
+        let Request { domain, clip, settings, .. } = &*job.request;
+        // Code holds for other values of parameters too, in the same domain.
+        let same = old.filter(|built| {
+            built.document.domain == document.domain
+                && (built.searched.is_none() || scene::same_search(&built.document, document))
+        });
+        if let Some(built) = same {
+            let region = rooms::clipped(built.model.region(), *clip)?;
+            if let Some(model) = built.model.rebound(document, &region) {
+                return Ok(Some((Arc::new(model?), built.searched)));
+            }
+        }
+        let mut search = self.search.take();
+        let wanted = || self.wanted(job);
+        let found = scene::region_again(&mut search, document, *domain, *clip, &wanted);
+        let Some((found, searched)) = found?.filter(|_| wanted()) else {
+            self.search = search;
+            return Ok(None);
+        };
+        let old = old.filter(|built| built.searched.is_some() && searched.is_some());
+        // The same formula, so that it is seen to grow or to shrink.
+        let moved =
+            old.filter(|built| built.model.rebound(document, built.model.region()).is_some());
+        let region = moved.map_or(Ok(found), |built| rooms::for_next(built.model.region(), &found));
+        let region = region?;
+        let rebound = moved.and_then(|built| built.model.rebound(document, &region));
+        let model = match rebound {
+            Some(model) => Some(model?),
+            None => {
+                let reach = match searched {
+                    Some(_) => rooms::reach(&region, document, *domain, &mut search, &wanted),
+                    None => region,
+                };
+                Model::new_while(document, &region, &reach, settings, &wanted)?
+            }
+        };
+        self.search = search;
+        let Some(model) = model else { return Ok(None) };
+        if !model.is_rebound() {
+            self.pace = Pace::default();
+        }
+        Ok(Some((Arc::new(model), searched)))
+    }
+}
+
+/// The same picture with so many times fewer columns and rows, and slabs coarser to match.
+fn coarser(full: &Settings, scale: f64) -> Settings {
+    let depth = full.max_depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
+    let fewer = |size: usize| ((size as f64 / scale).ceil() as usize).clamp(1, size);
+    Settings {
+        width: fewer(full.width),
+        height: fewer(full.height),
+        max_depth: depth.min(full.max_depth),
+        ..full.clone()
+    }
+}
