@@ -156,10 +156,31 @@ impl Model {
         self.precision
     }
 
-    /// Value and gradient of a surface's function at a point, which is rounded to the model's precision, to `f64` if that is
+    /// Value and gradient at a point of the function whose zeros are drawn as a surface: the one typed or a
+    /// [simpler one](Program::is_reduced). The point is rounded to the model's precision, to `f64` if that is
     /// [`Precision::Auto`]; everything is NaN if there is no such surface, or no code for it.
     pub fn sample(&self, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
-        let values = (surface < self.surfaces()).then(|| self.program.surface(surface));
+        self.sample_of(&self.program, surface, point)
+    }
+
+    /// The same of the function as typed. `document` is what the model was made of.
+    pub fn sample_typed(
+        &self,
+        document: &Document,
+        surface: usize,
+        point: DVec3,
+    ) -> (f64, [f64; 3]) {
+        let is_other = surface < self.surfaces() && self.program.is_reduced(surface);
+        let typed = is_other.then(|| Program::unchecked(document, scene::bounds(&self.region)));
+        match typed {
+            Some(Ok(typed)) => self.sample_of(&typed, surface, point),
+            Some(Err(_)) => (f64::NAN, [f64::NAN; 3]),
+            None => self.sample(surface, point),
+        }
+    }
+
+    fn sample_of(&self, program: &Program, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
+        let values = (surface < self.surfaces()).then(|| program.surface(surface));
         let values = values.and_then(|surface| match self.precision {
             Precision::F32 => sample::<f32>(surface, point),
             Precision::Auto | Precision::F64 => sample::<f64>(surface, point),

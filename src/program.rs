@@ -6,7 +6,7 @@ use crate::simplified::Simplified;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, Surface, Tape};
 use zeroset_interval::{Facts, Interval};
-use zeroset_ir::{Constant, Graph, NodeId, fix_exponents, rewrite, simplify};
+use zeroset_ir::{Constant, Graph, NodeId, fix_exponents, radical, rewrite, simplify};
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
 pub use crate::simplified::{Cleared, Form, ProgramError};
@@ -30,19 +30,46 @@ impl Program {
     /// # Errors
     /// If a formula is too large, depends on no coordinate, or is defined nowhere.
     pub fn new(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        let program = Self::unchecked(document, domain)?;
+        let program = Self::drawn(document, domain)?;
         program.check(document)?;
         Ok(program)
     }
 
-    /// As [`Program::new`], but takes constant and undefined formulas too: they can be evaluated, if not drawn.
+    /// As [`Program::new`], but takes constant and undefined formulas too.
+    ///
+    /// # Errors
+    /// If a formula is too large.
+    pub fn drawn(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
+        Self::made_of(document, domain, |graph, roots| {
+            // What is drawn of an equation are its zeros, and those are proven where they are simple.
+            for (root, surface) in roots.iter_mut().zip(&document.surfaces) {
+                if surface.kind == SurfaceKind::Equation {
+                    *root = radical(graph, *root);
+                }
+            }
+        })
+    }
+
+    /// As [`Program::drawn`], but of the functions as typed, whose values can be asked for.
     ///
     /// # Errors
     /// If a formula is too large.
     pub fn unchecked(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
+        Self::made_of(document, domain, |_, _| {})
+    }
+
+    fn made_of(
+        document: &Document,
+        domain: [Interval; 3],
+        zeros: impl FnOnce(&mut Graph, &mut [NodeId]),
+    ) -> Result<Self, ProgramError> {
         let typed = typed(document);
         let parameters: Vec<Interval> = document.parameters.iter().map(assumed).collect();
-        let symbolic = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
+        let mut symbolic = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
+        let before = symbolic.1.clone();
+        zeros(&mut symbolic.0, &mut symbolic.1);
+        let reduced =
+            before.iter().zip(&symbolic.1).map(|(before, after)| before != after).collect();
         let (graph, roots) = simplify(&symbolic.0, &symbolic.1, &domain, &parameters)?;
         let assumptions = Assumptions { domain, parameters };
         let before: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
@@ -57,6 +84,7 @@ impl Program {
             nodes_before,
             cleared: solid.iter().map(|_| OnceLock::new()).collect(),
             solid,
+            reduced,
         });
         let ledger = Arc::default();
         Ok(Self::of(&shared, &ledger, values(document), |surface, values| {
@@ -188,6 +216,11 @@ impl Program {
     /// Nodes as typed and after simplification, all surfaces together.
     pub fn nodes(&self) -> (usize, usize) {
         (self.shared.nodes_before, count(self.graph(), self.roots()))
+    }
+
+    /// Whether another function than the one typed is drawn, since it has the same zeros and none of them is multiple.
+    pub fn is_reduced(&self, surface: usize) -> bool {
+        self.shared.reduced[surface]
     }
 
     /// Whether a surface's function is proven to have no value on the whole domain.

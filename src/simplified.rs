@@ -22,6 +22,8 @@ pub(crate) struct Simplified {
     pub nodes_before: usize,
     /// Per surface, whether it bounds a solid.
     pub solid: Vec<bool>,
+    /// Per surface, whether it has the zeros of what was typed, but other values.
+    pub reduced: Vec<bool>,
     /// Per surface, its cleared form.
     pub cleared: Vec<OnceLock<Result<Option<Cleared>, IrError>>>,
 }

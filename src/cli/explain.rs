@@ -69,12 +69,13 @@ fn explain_in<T: KernelFloat>(
         let value = parameter.value.bounds();
         writeln!(text, "parameter   {} = {}", parameter.name, range(value))?;
     }
-    let program = Program::unchecked(document, domain)?;
+    let program = Program::drawn(document, domain)?;
     let names: Vec<&str> = document.parameters.iter().map(|p| p.name.as_str()).collect();
     for (index, surface) in document.surfaces.iter().enumerate() {
         let root = program.roots()[index];
         writeln!(text, "\nread as     {}", surface.echo)?;
-        writeln!(text, "simplified  {}", display(program.graph(), root, &names))?;
+        let label = if program.is_reduced(index) { "same zeros" } else { "simplified" };
+        writeln!(text, "{label}  {}", display(program.graph(), root, &names))?;
         if let Some(Cleared { graph, numerator, denominator, .. }) = program.cleared(index)? {
             let show = |node: &NodeId| display(graph, *node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;

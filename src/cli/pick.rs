@@ -88,7 +88,8 @@ impl<'a> Pick<'a> {
         let [x, y, z] = p.to_array().map(show);
         let distance = show(buffer.drawn[self.pixel]);
         let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}  distance {distance}");
-        let (value, gradient) = model.sample(surface, p);
+        let document = &self.rendering.document;
+        let (value, gradient) = model.sample_typed(document, surface, p);
         let [a, b, c] = buffer.normal[self.pixel];
         let [u, v, w] = gradient.map(show);
         let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}", show(value));

@@ -139,8 +139,7 @@ fn contradiction(
 }
 
 /// Cases in which more is painted without a root than wanted; each with the reason.
-const TOO_MUCH: [(&str, &str); 3] = [
-    ("seventh-power", "in f32 its expanded form is noise within 0.1 of the plane"),
+const TOO_MUCH: [(&str, &str); 2] = [
     ("chebyshev-12", "the last slabs are too thick for its large coefficients"),
     ("endpoint-extremum", "the domain is some thousand f32 steps wide"),
 ];

@@ -7,6 +7,7 @@ use std::fmt;
 use zeroset::gallery::example;
 use zeroset::model::render;
 use zeroset::picture::{Precision, Settings};
+use zeroset::program::Program;
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, Status};
@@ -49,6 +50,15 @@ fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     let picture = render(&document, &region, &camera, &settings, &|_, _| {})
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
     (camera.rays(SIDE, SIDE), picture.buffer)
+}
+
+/// Whether what is drawn is a function with the same zeros, none of them multiple because of a square: then all are crossings.
+fn is_simple(truth: &Truth) -> bool {
+    let document =
+        read_document(example(&truth.view.slug).expect("there").text, &Options::default());
+    let document = document.expect("reads");
+    let (region, _) = region(&document, DomainChoice::Document, None).expect("a domain");
+    Program::new(&document, bounds(&region)).expect("a surface").is_reduced(0)
 }
 
 /// Every claim about a ray that its first root contradicts.
@@ -173,10 +183,12 @@ impl Proofs {
         let [x0, x1, y0, y1, z0, z1] = truth.view.domain;
         let diagonal = DVec3::new(x1 - x0, y1 - y0, z1 - z0).length();
         let (mut proofs, mut wrong) = (Self::default(), Vec::new());
+        let is_simple = is_simple(truth);
         for (index, pixel) in truth.pixels.iter().enumerate() {
             if pixel.open {
                 continue;
             }
+            let crossing = if is_simple { pixel.zero } else { pixel.crossing };
             let place = (&truth.view.slug, index % SIDE, index / SIDE);
             let distance = buffer.distance[index];
             let slack = 1e-9 * (1.0 + pixel.zero.min(1e9));
@@ -191,7 +203,7 @@ impl Proofs {
                     proofs.hits += 1;
                     let [near, far] = buffer.bracket[index];
                     let inside = near - slack <= pixel.zero && pixel.zero <= far + slack;
-                    if !inside || pixel.crossing > far + slack {
+                    if !inside || crossing > far + slack {
                         wrong.push(format!("{place:?} is hit from {near} to {far}: {pixel:?}"));
                     }
                     let off = (distance - pixel.zero).abs();
@@ -203,7 +215,7 @@ impl Proofs {
                 Status::Undecided => {
                     proofs.undecided += 1;
                     proofs.reasons[buffer.reason[index] as usize] += 1;
-                    proofs.needless += usize::from(pixel.zero == pixel.crossing);
+                    proofs.needless += usize::from(pixel.zero == crossing);
                     if distance > pixel.zero + slack {
                         wrong.push(format!("{place:?} is open only from {distance}: {pixel:?}"));
                     }

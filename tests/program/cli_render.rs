@@ -343,10 +343,14 @@ fn undecided_pixels_can_be_told_apart_and_counted_against() {
     let proven = place.run(&strict);
     assert_eq!((proven.code, &proven.json()["pixels"]["undecided"]), (Some(0), &0.into()));
     // It is 0 and nowhere negative.
-    let touching = place.run(&["render", "(x-y)^2", "--domain", "2", "--json", "--size", "16"]);
+    let touching = ["render", "(x-y)^2+(x-y)^4", "--domain", "2", "--json", "--size", "16"];
+    let touching = place.run(&touching);
     let object = touching.ok().json();
     assert_eq!(object["undecided"]["touching"], object["pixels"]["undecided"]);
     assert!(object["pixels"]["undecided"].as_u64() > Some(20), "{object}");
+    // A square has the zeros of what is squared.
+    let square = ["render", "(x-y)^2", "--domain", "2", "--json", "--size", "16", "--strict"];
+    assert!(place.run(&square).ok().json()["pixels"]["hit"].as_u64() > Some(20));
     let nothing = ["render", "x^2+y^2+z^2 = -1", "--json", "--size", "16", "--strict"];
     assert_eq!(place.run(&nothing).code, Some(0));
 }

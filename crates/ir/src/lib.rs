@@ -13,7 +13,9 @@ mod error;
 mod exponents;
 mod graph;
 mod hoist;
+mod radical;
 mod simplify;
+mod univariate;
 
 #[cfg(test)]
 mod testing;
@@ -27,4 +29,5 @@ pub use error::{IrError, NODE_LIMIT};
 pub use exponents::fix_exponents;
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
 pub use hoist::{Hoisted, hoist, uniform};
+pub use radical::radical;
 pub use simplify::{rewrite, simplify};

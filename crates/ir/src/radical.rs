@@ -1,0 +1,166 @@
+//! The same zeros, each simple: squares and other powers are left away where only zeros matter.
+//!
+//! At a double root a function touches 0 without a change of sign, so that no evaluation can prove that it gets there. Where
+//! it is a square or has one for a factor, its zeros are those of what is squared.
+
+use crate::graph::{Graph, Node, NodeId};
+use crate::univariate;
+use zeroset_ops::Op;
+
+/// Functions with more factors than this stay as they are.
+const FACTOR_LIMIT: usize = 256;
+
+/// Vanish where their operand does and nowhere else, and touch 0, bend or are steep there where that does not. A power does,
+/// too, with a whole positive exponent.
+const LIKE_THEIR_OPERAND: [Op; 7] =
+    [Op::Abs, Op::Sqr, Op::Cbrt, Op::Sinh, Op::Tanh, Op::Asinh, Op::Atan];
+
+/// Vanish where their first operand does, unless they are undefined there.
+const LIKE_THEIR_FIRST: [Op; 5] =
+    [Op::Div, Op::WhereNonneg, Op::WherePositive, Op::WhereNonzero, Op::WhereDefined];
+
+/// A function that is defined where `root` is and has the same zeros, but none that is multiple because a factor is a power,
+/// or because a polynomial in one variable is: added to `graph`, or `root` itself where there is nothing to be made simple.
+///
+/// Its sign may be another one: that of a product in which squares count once.
+pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
+    // What a function is divided by, or where it is cut off, stays.
+    let mut around = Vec::new();
+    let mut inner = root;
+    while let Node::Apply(op, operands) = graph.node(inner)
+        && LIKE_THEIR_FIRST.contains(op)
+    {
+        around.push((*op, operands[1]));
+        inner = operands[0];
+    }
+    let Some(mut simple) = product(graph, inner) else { return root };
+    for (op, second) in around.into_iter().rev() {
+        simple = graph.apply(op, &[simple, second]);
+    }
+    simple
+}
+
+/// The product of the distinct factors of `root`; `None` if that is the same, or vanishes nowhere.
+fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
+    let (mut factors, mut is_simpler) = (Vec::new(), false);
+    let mut rest = vec![root];
+    while let Some(id) = rest.pop() {
+        match graph.node(id) {
+            Node::Constant(value) if !value.bounds().contains(0.0) => {}
+            Node::Apply(Op::Mul, operands) => rest.extend(operands.iter().rev()),
+            Node::Apply(Op::Neg, operands) => rest.push(operands[0]),
+            Node::Apply(op, operands)
+                if LIKE_THEIR_OPERAND.contains(op)
+                    || *op == Op::Pow && is_whole(graph, operands[1]) =>
+            {
+                is_simpler = true;
+                rest.push(operands[0]);
+            }
+            Node::Constant(_) | Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => {
+                is_simpler |= factors.contains(&id);
+                factors.push(id);
+            }
+        }
+        if factors.len() + rest.len() > FACTOR_LIMIT {
+            return None;
+        }
+    }
+    let mut distinct: Vec<NodeId> = Vec::new();
+    for factor in factors {
+        let simple = univariate::squarefree(graph, factor);
+        is_simpler |= simple.is_some();
+        let factor = simple.unwrap_or(factor);
+        if !distinct.contains(&factor) {
+            distinct.push(factor);
+        }
+    }
+    let (first, others) = distinct.split_first().filter(|_| is_simpler)?;
+    Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
+}
+
+/// Whether a node is a whole number above 0.
+fn is_whole(graph: &Graph, id: NodeId) -> bool {
+    matches!(graph.node(id), Node::Constant(value) if value.as_integer().is_some_and(|n| n > 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constant::Constant;
+    use crate::display::display;
+    use crate::graph::Axis;
+
+    fn shown(make: impl Fn(&mut Graph, [NodeId; 3]) -> NodeId) -> String {
+        let mut graph = Graph::new();
+        let axes = [Axis::X, Axis::Y, Axis::Z].map(|axis| graph.variable(axis));
+        let root = make(&mut graph, axes);
+        let simple = radical(&mut graph, root);
+        if simple == root { "the same".to_owned() } else { display(&graph, simple, &[]) }
+    }
+
+    #[test]
+    fn powers_count_once() {
+        assert_eq!(shown(|g, [x, ..]| g.apply(Op::Sqr, &[x])), "x");
+        assert_eq!(shown(|g, [x, ..]| g.apply(Op::Abs, &[x])), "x");
+        let cube = shown(|g, [x, y, _]| {
+            let [three, sum] = [g.integer(3), g.apply(Op::Add, &[x, y])];
+            g.apply(Op::Pow, &[sum, three])
+        });
+        assert_eq!(cube, "x + y");
+        // (x y)² · (−3 y) · tanh z
+        let many = shown(|g, [x, y, z]| {
+            let product = g.apply(Op::Mul, &[x, y]);
+            let square = g.apply(Op::Sqr, &[product]);
+            let minus = g.integer(-3);
+            let scaled = g.apply(Op::Mul, &[minus, y]);
+            let left = g.apply(Op::Mul, &[square, scaled]);
+            let tanh = g.apply(Op::Tanh, &[z]);
+            g.apply(Op::Mul, &[left, tanh])
+        });
+        assert_eq!(many, "x*y*z");
+    }
+
+    #[test]
+    fn what_else_a_function_is_made_of_stays() {
+        let over = shown(|g, [x, y, _]| {
+            let square = g.apply(Op::Sqr, &[x]);
+            g.apply(Op::Div, &[square, y])
+        });
+        assert_eq!(over, "x/y");
+        let cut = shown(|g, [x, y, _]| {
+            let square = g.apply(Op::Sqr, &[x]);
+            g.apply(Op::WhereNonneg, &[square, y])
+        });
+        assert!(cut.contains("where_nonneg") && !cut.contains('^'), "{cut}");
+        // A factor may vanish where its name says nothing of it, and 0 does everywhere.
+        let maybe = shown(|g, [x, ..]| {
+            let (square, parameter) = (g.apply(Op::Sqr, &[x]), g.parameter(0));
+            g.apply(Op::Mul, &[square, parameter])
+        });
+        assert!(maybe.contains('x') && maybe.contains('*') && !maybe.contains('^'), "{maybe}");
+    }
+
+    #[test]
+    fn what_is_simple_is_not_touched() {
+        assert_eq!(shown(|g, [x, y, _]| g.apply(Op::Mul, &[x, y])), "the same");
+        let root = |g: &mut Graph, [x, ..]: [NodeId; 3]| g.apply(Op::Sqrt, &[x]);
+        assert_eq!(shown(root), "the same");
+        let half = |g: &mut Graph, [x, ..]: [NodeId; 3]| {
+            let half = g.constant(Constant::ratio(1, 2).expect("a number"));
+            g.apply(Op::Pow, &[x, half])
+        };
+        assert_eq!(shown(half), "the same");
+        let inverse = |g: &mut Graph, [x, ..]: [NodeId; 3]| {
+            let minus = g.integer(-2);
+            g.apply(Op::Pow, &[x, minus])
+        };
+        assert_eq!(shown(inverse), "the same");
+        // 2 · 3² has no zero at all.
+        let number = |g: &mut Graph, _: [NodeId; 3]| {
+            let (two, three) = (g.integer(2), g.integer(3));
+            let square = g.apply(Op::Sqr, &[three]);
+            g.apply(Op::Mul, &[two, square])
+        };
+        assert_eq!(shown(number), "the same");
+    }
+}

@@ -1,0 +1,211 @@
+//! Polynomials in one variable with exact coefficients.
+
+use crate::algebra::{add, mul};
+use crate::constant::Constant;
+use crate::graph::{Axis, Graph, Node, NodeId};
+use num_rational::BigRational;
+use num_traits::{One, Zero};
+use std::collections::HashMap;
+use zeroset_ops::Op;
+
+/// Polynomials of a higher degree are not looked at.
+const DEGREE_LIMIT: usize = 64;
+/// Nor are numbers with more bits than this, above or below the line.
+const BITS_LIMIT: u64 = 4096;
+/// Nor expressions of more operations.
+const NODE_LIMIT: usize = 2048;
+
+/// Coefficients from the constant on; the last is not 0.
+type Polynomial = Vec<BigRational>;
+
+/// A polynomial with the zeros of `root`, each simple, if `root` is a polynomial in one variable with a multiple root:
+/// added to `graph`.
+pub(crate) fn squarefree(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
+    let (axis, polynomial) = expanded(graph, root)?;
+    let common = gcd(polynomial.clone(), derivative(&polynomial))?;
+    if common.len() < 2 {
+        return None;
+    }
+    let (simple, rest) = divided(polynomial, &common)?;
+    debug_assert!(rest.is_empty(), "the common divisor divides");
+    let variable = graph.variable(axis);
+    let mut value = graph.integer(0);
+    for coefficient in simple.into_iter().rev() {
+        let coefficient = graph.constant(Constant::rational(coefficient));
+        let product = mul(graph, value, variable);
+        value = add(graph, product, coefficient);
+    }
+    Some(value)
+}
+
+/// The coefficients of `root` and the axis that they belong to, if it is a polynomial in one variable of degree 2 or more.
+fn expanded(graph: &Graph, root: NodeId) -> Option<(Axis, Polynomial)> {
+    let needed = graph.reachable(&[root]);
+    let count = needed.iter().filter(|needed| **needed).count();
+    if count > NODE_LIMIT {
+        return None;
+    }
+    let mut axis = None;
+    let mut known: HashMap<NodeId, Polynomial> = HashMap::new();
+    for (id, node) in graph.iter().take(root.index() + 1).filter(|(id, _)| needed[id.index()]) {
+        let polynomial = match node {
+            Node::Constant(value) => trimmed(vec![value.exact()?.clone()]),
+            Node::Parameter(_) => return None,
+            Node::Variable(other) => {
+                if *axis.get_or_insert(*other) != *other {
+                    return None;
+                }
+                vec![BigRational::zero(), BigRational::one()]
+            }
+            Node::Apply(op, operands) => {
+                let operand = |k: usize| &known[&operands[k]];
+                if *op == Op::Neg {
+                    scaled(operand(0), &-BigRational::one())
+                } else if *op == Op::Add {
+                    sum(operand(0), operand(1))
+                } else if *op == Op::Sub {
+                    sum(operand(0), &scaled(operand(1), &-BigRational::one()))
+                } else if *op == Op::Mul {
+                    product(operand(0), operand(1))?
+                } else if *op == Op::Sqr {
+                    product(operand(0), operand(0))?
+                } else if *op == Op::Div && operand(1).len() == 1 {
+                    scaled(operand(0), &operand(1)[0].recip())
+                } else if *op == Op::Pow {
+                    power(operand(0), graph.node(operands[1]))?
+                } else {
+                    return None;
+                }
+            }
+        };
+        known.insert(id, polynomial);
+    }
+    let polynomial = known.remove(&root).filter(|polynomial| polynomial.len() > 2)?;
+    axis.map(|axis| (axis, polynomial))
+}
+
+fn power(base: &Polynomial, exponent: &Node) -> Option<Polynomial> {
+    let Node::Constant(exponent) = exponent else { return None };
+    let exponent = usize::try_from(exponent.as_integer()?).ok()?;
+    let within =
+        exponent * base.len().saturating_sub(1) <= DEGREE_LIMIT && exponent <= DEGREE_LIMIT;
+    let one = vec![BigRational::one()];
+    (0..exponent).try_fold(one, |power, _| product(&power, base)).filter(|_| within)
+}
+
+fn trimmed(mut polynomial: Polynomial) -> Polynomial {
+    while polynomial.last().is_some_and(Zero::is_zero) {
+        polynomial.pop();
+    }
+    polynomial
+}
+
+fn scaled(polynomial: &Polynomial, factor: &BigRational) -> Polynomial {
+    trimmed(polynomial.iter().map(|coefficient| coefficient * factor).collect())
+}
+
+fn sum(a: &Polynomial, b: &Polynomial) -> Polynomial {
+    let (long, short) = if a.len() >= b.len() { (a, b) } else { (b, a) };
+    let mut sum = long.clone();
+    sum.iter_mut().zip(short).for_each(|(into, other)| *into += other);
+    trimmed(sum)
+}
+
+/// `None` if it is too large.
+fn product(a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
+    if a.is_empty() || b.is_empty() {
+        return Some(Polynomial::new());
+    }
+    let mut product = vec![BigRational::zero(); a.len() + b.len() - 1];
+    if product.len() > DEGREE_LIMIT + 1 {
+        return None;
+    }
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            product[i + j] += a * b;
+        }
+    }
+    is_moderate(&product).then_some(product)
+}
+
+fn is_moderate(polynomial: &[BigRational]) -> bool {
+    let small = |value: &BigRational| {
+        value.numer().bits() <= BITS_LIMIT && value.denom().bits() <= BITS_LIMIT
+    };
+    polynomial.iter().all(small)
+}
+
+fn derivative(polynomial: &Polynomial) -> Polynomial {
+    let term =
+        |(n, coefficient): (usize, &BigRational)| coefficient * BigRational::from_integer(n.into());
+    trimmed(polynomial.iter().enumerate().skip(1).map(term).collect())
+}
+
+/// Quotient and remainder; `None` if numbers grow too large.
+fn divided(mut rest: Polynomial, by: &Polynomial) -> Option<(Polynomial, Polynomial)> {
+    let last = by.last()?;
+    let mut quotient = vec![BigRational::zero(); (rest.len() + 1).saturating_sub(by.len())];
+    while rest.len() >= by.len() {
+        let factor = rest.last()? / last;
+        let shift = rest.len() - by.len();
+        for (k, coefficient) in by.iter().enumerate() {
+            rest[shift + k] -= coefficient * &factor;
+        }
+        quotient[shift] = factor;
+        rest = trimmed(rest);
+        if !is_moderate(&rest) {
+            return None;
+        }
+    }
+    Some((quotient, rest))
+}
+
+/// The common divisor with leading coefficient 1 (Euclid); `None` if numbers grow too large.
+fn gcd(mut a: Polynomial, mut b: Polynomial) -> Option<Polynomial> {
+    while let Some(last) = b.last() {
+        let monic = scaled(&b, &last.recip());
+        let (_, rest) = divided(a, &monic)?;
+        (a, b) = (monic, rest);
+    }
+    Some(a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::display::display;
+
+    /// Of a polynomial in x with these coefficients, from the constant on, typed out.
+    fn simple(coefficients: &[i64]) -> Option<String> {
+        let mut graph = Graph::new();
+        let x = graph.variable(Axis::X);
+        let mut root = graph.integer(0);
+        for (n, coefficient) in coefficients.iter().enumerate() {
+            let (n, coefficient) = (graph.integer(n as i64), graph.integer(*coefficient));
+            let power = graph.apply(Op::Pow, &[x, n]);
+            let term = graph.apply(Op::Mul, &[coefficient, power]);
+            root = graph.apply(Op::Add, &[root, term]);
+        }
+        squarefree(&mut graph, root).map(|root| display(&graph, root, &[]))
+    }
+
+    #[test]
+    fn multiple_roots_become_simple() {
+        // (x − 1)⁷
+        assert_eq!(simple(&[-1, 7, -21, 35, -35, 21, -7, 1]).as_deref(), Some("x + (-1)"));
+        // (x² − 2)², whose roots are no fractions
+        assert_eq!(simple(&[4, 0, -4, 0, 1]).as_deref(), Some("x*x + (-2)"));
+        // (x − 1)² (x + 2)
+        assert!(simple(&[2, -3, 0, 1]).is_some());
+        // (x² + 1)² has no real root, and keeps none.
+        assert_eq!(simple(&[1, 0, 2, 0, 1]).as_deref(), Some("x*x + 1"));
+    }
+
+    #[test]
+    fn simple_roots_stay_as_typed() {
+        assert_eq!(simple(&[-1, 0, 1]), None);
+        assert_eq!(simple(&[6, -5, 1]), None);
+        assert_eq!(simple(&[0, 1]), None);
+        assert_eq!(simple(&[7]), None);
+    }
+}
