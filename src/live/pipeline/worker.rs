@@ -86,7 +86,7 @@ impl Worker {
                 let is_text = matches!(reason, Reason::Text(_));
                 self.report(&job, reason);
                 if is_text {
-                    self.go_on(job);
+                    self.go_on(&job);
                 }
             }
             let mut state = self.shared.lock();
@@ -99,17 +99,18 @@ impl Worker {
 
     /// Shows what is wrong with a request.
     fn report(&self, job: &Job, reason: Reason) {
-        let fault = Fault { revision: job.revision, request: Arc::clone(&job.request), reason };
+        let request = Arc::clone(&job.request);
+        let fault = Fault { revision: job.revision, request, reason };
         self.shared.lock().snapshot.fault = Some(Arc::new(fault));
         self.shared.changed.notify_all();
     }
 
     /// Where the text cannot be read, that which is shown is seen as asked for, and to the end.
-    fn go_on(&mut self, job: Job) {
+    fn go_on(&mut self, job: &Job) {
         let Some(Built { request: shown, .. }) = &self.built else { return };
         let Request { name, text, overrides, time, .. } = (**shown).clone();
         let request = Request { name, text, overrides, time, ..(*job.request).clone() };
-        let job = Job { request: Arc::new(request), ..job };
+        let job = Job { request: Arc::new(request), ..*job };
         if self.finished.as_ref() == Some(&job.request) {
             return;
         }
@@ -355,15 +356,14 @@ impl Worker {
         let region = moved.map_or(Ok(found), |built| rooms::for_next(built.model.region(), &found));
         let region = region?;
         let rebound = moved.and_then(|built| built.model.rebound(document, &region));
-        let model = match rebound {
-            Some(model) => Some(model?),
-            None => {
-                let reach = match searched {
-                    Some(_) => rooms::reach(&region, document, *domain, &mut search, &wanted),
-                    None => region,
-                };
-                Model::new_while(document, &region, &reach, settings, &wanted)?
-            }
+        let model = if let Some(model) = rebound {
+            Some(model?)
+        } else {
+            let reach = match searched {
+                Some(_) => rooms::reach(&region, document, *domain, &mut search, &wanted),
+                None => region,
+            };
+            Model::new_while(document, &region, &reach, settings, &wanted)?
         };
         self.search = search;
         let Some(model) = model else { return Ok(None) };
