@@ -2,7 +2,7 @@
 //! shapes.
 
 use crate::aliases::Aliases;
-use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign};
+use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign, VectorFunction};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule, recognise};
 use crate::limits::Limits;
@@ -256,6 +256,7 @@ impl<'a> Builder<'a> {
 
     fn product(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let mut joint = ProductSign::Times;
+        let mut is_dot = false;
         let mut factors: Vec<(ProductSign, Expr)> = Vec::new();
         loop {
             let signs = self.signs(pairs);
@@ -263,17 +264,29 @@ impl<'a> Builder<'a> {
             let first = run.next().expect("a run has a first factor");
             let first = self.signed(&signs, |_| Ok(first))?;
             let others: Vec<Expr> = run.collect();
+            let first = match factors.pop() {
+                Some((sign, left)) if is_dot => {
+                    joint = sign;
+                    let span = left.span.to(first.span);
+                    let function = Function::OfVectors(VectorFunction::Dot);
+                    Expr::new(ExprKind::Call(function, vec![left, first]), span)
+                }
+                before => {
+                    factors.extend(before);
+                    first
+                }
+            };
             if joint == ProductSign::Over {
                 self.note_division(&factors, &first, &others);
             }
             factors.push((joint, first));
             factors.extend(others.into_iter().map(|f| (ProductSign::Times, f)));
             joint = match pairs.peek().map(|operator| operator.as_str()) {
-                Some("*") => ProductSign::Times,
+                Some("*" | "⊙") => ProductSign::Times,
                 Some("/") => ProductSign::Over,
                 _ => break,
             };
-            pairs.next();
+            is_dot = pairs.next().is_some_and(|operator| operator.as_str() == "⊙");
         }
         product_of(factors)
     }

@@ -181,6 +181,7 @@ impl<'a> Reader<'a> {
         }
         coordinates::settle(self.text, &mut lines, &scope);
         settle_heads(&mut lines, &mut scope, &mut self.notes);
+        self.notes.extend(program.notes.iter().cloned());
         let (mut built, notes) = coordinates::implied(
             self.text,
             &lines,
@@ -209,6 +210,13 @@ impl<'a> Reader<'a> {
             }
         }
         self.check()?;
+        built.extend(program.made.iter().map(|made| Built {
+            statement: made.statement.clone(),
+            span: made.span,
+            notes: Vec::new(),
+            used: made.used.clone(),
+        }));
+        let mut built = needed(built, &program.generated);
         if let Some((drawn, note)) = drawn_by_program(&program, &built) {
             built.push(drawn);
             self.notes.push(note);
@@ -322,6 +330,35 @@ impl<'a> Reader<'a> {
             notes: self.notes,
         })
     }
+}
+
+/// What is used of what a program's branches and loops have made, and everything else.
+fn needed(built: Vec<Built>, generated: &FxHashSet<String>) -> Vec<Built> {
+    if generated.is_empty() {
+        return built;
+    }
+    let name = |built: &Built| match &built.statement {
+        Statement::Define(definition) if generated.contains(&definition.name.text) => {
+            Some(definition.name.text.clone())
+        }
+        _ => None,
+    };
+    let names: FxHashMap<String, usize> = built
+        .iter()
+        .enumerate()
+        .filter_map(|(index, one)| name(one).map(|name| (name, index)))
+        .collect();
+    let mut keep: Vec<bool> = built.iter().map(|one| name(one).is_none()).collect();
+    let mut open: Vec<usize> = (0..built.len()).filter(|index| keep[*index]).collect();
+    while let Some(index) = open.pop() {
+        for used in built[index].used.iter().filter_map(|name| names.get(name)) {
+            if !std::mem::replace(&mut keep[*used], true) {
+                open.push(*used);
+            }
+        }
+    }
+    let mut keep = keep.into_iter();
+    built.into_iter().filter(|_| keep.next().unwrap_or(true)).collect()
 }
 
 /// Notes on exponents that are not known to be integers, each where it is first drawn.

@@ -56,7 +56,16 @@ impl Error {
                 "formulas are computed as they stand, nothing is derived from them"
             }
             ErrorKind::Program { .. } => "a formula is read as a whole, not run step by step",
-            ErrorKind::IntegerDivision => {
+            ErrorKind::TooManySteps { .. } => "let the loop end earlier",
+        ErrorKind::Array => "give each element a name of its own, or use a vector such as `vec3(a, b, c)`",
+        ErrorKind::LoopEnd => {
+            "let it count between numbers, as in `for (int i = 0; i < 5; i++)` or `for i in range(5):`"
+        }
+        ErrorKind::OutParameter { .. } => {
+            "call it in a statement of its own, and give it names or components: `fold(p.xz);`"
+        }
+        ErrorKind::NoEffect => "remove it, or set a name to its value",
+        ErrorKind::IntegerDivision => {
                 "it begins a comment, and what follows looks like a divisor"
             }
             ErrorKind::RangeNotWhole => "a sum is written out before anything is drawn",
@@ -249,11 +258,19 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::ComponentOfNumber { .. } => "a product is written `*`",
         ErrorKind::NoComponent { .. } => "components are .x, .y, .z and .w, in this order",
         ErrorKind::CrossSize => "write `cross(vec3(…), vec3(…))`",
-        ErrorKind::Matrix => "write the components, as in `vec2(c*p.x - s*p.y, s*p.x + c*p.y)`",
+        ErrorKind::Matrix => {
+            "add matrices of one size, or multiply with a number, a matrix or a vector: `m*p.xy`"
+        }
+        ErrorKind::NotAMatrix => "write a matrix column by column, as in `mat2(c, s, -s, c)`",
+        ErrorKind::MatrixSize { .. } => "give all elements, or one for the diagonal",
         ErrorKind::PieceWithoutCondition => {
             "write `{x < 0: a, b}`: conditions first, then a value for all other points"
         }
         ErrorKind::RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
+        ErrorKind::Degree { .. } => "write it in digits, or the polynomial itself",
+        ErrorKind::Parametric => {
+            "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
+        }
         ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
         ErrorKind::TooManyTerms { .. } => "end the range earlier",
         ErrorKind::Complex => "rewrite the formula with real and imaginary parts",
@@ -312,6 +329,13 @@ fn character_reason(character: char) -> Option<&'static str> {
 
 fn character_help(character: char) -> Option<&'static str> {
     Some(match character {
+        '\'' | '′' | '’' => "write the derivative out; a name with a prime is written `x1`",
+        '!' => {
+            "write `product(k = 1..5, k)`; of other than whole numbers it is the gamma function, which there is not"
+        }
+        '"' | '`' | '“' | '”' => "write the formula without quotation marks",
+        '@' => "a function is written `f(x, y) = …`",
+        '$' => "dollar signs stand around a formula, not in it",
         '?' => "a choice is written `c ? a : b` or `{c: a, b}`",
         '%' => "the remainder is written `mod(a, b)`",
         '~' => "write `not`, or `=`",

@@ -16,25 +16,31 @@
 
 mod aliases;
 mod application;
+mod arithmetic;
 mod arrange;
 pub mod ast;
 mod bars;
 mod build;
+mod calls;
 mod choice;
 mod closed;
 mod condition;
 mod constant;
+mod control;
 mod coordinates;
+mod counting;
 mod cycle;
 mod diagnose;
 mod document;
 mod error;
 mod explain;
+mod foreign;
 mod grammar;
 mod implied;
 mod lexer;
 mod limits;
 mod lower;
+mod matrix;
 mod note;
 mod parameters;
 mod prelude;
@@ -51,8 +57,10 @@ mod span;
 mod special;
 mod spelling;
 mod statement;
+mod steps;
 mod unknown;
 mod value;
+mod wrappers;
 
 pub use constant::constant;
 pub use document::{
