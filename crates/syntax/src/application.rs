@@ -44,7 +44,17 @@ impl Builder<'_> {
         let (arguments, place) = if let Some(pair) = brackets {
             items.pop_front();
             let place = self.span(&pair);
-            (self.arguments(pair, place)?, place)
+            let mut arguments = self.arguments(pair, place)?;
+            // `root(3)(x)` of AsciiMath.
+            if let (Callee::BuiltIn(name), 1, Some(Item::Group(radicand))) =
+                (&callee, arguments.len(), items.front())
+                && name == "root"
+            {
+                let radicand = radicand.clone();
+                items.pop_front();
+                arguments.insert(0, self.group(radicand)?);
+            }
+            (arguments, place)
         } else {
             let argument = self.bare_argument(&callee, span, items)?;
             let place = argument.span;

@@ -181,6 +181,11 @@ impl<'a> Reader<'a> {
         }
         coordinates::settle(self.text, &mut lines, &scope);
         settle_heads(&mut lines, &mut scope, &mut self.notes);
+        for made in &program.made {
+            if let Statement::Define(Definition { name, parameters, .. }) = &made.statement {
+                scope.define(&name.text, parameters.as_ref().map(Vec::len));
+            }
+        }
         self.notes.extend(program.notes.iter().cloned());
         let (mut built, notes) = coordinates::implied(
             self.text,

@@ -167,6 +167,10 @@ pub enum ErrorKind {
     LoopEnd,
     #[error("`{name}` changes what it is given")]
     OutParameter { name: String },
+    #[error("a sign stands between what it joins")]
+    Prefix,
+    #[error("a condition in braces ends the formula")]
+    RestrictionInside,
     #[error("there are no arrays")]
     Array,
     #[error("this statement sets nothing")]

@@ -48,6 +48,9 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
             let word = DECLARES.iter().find(|word| rest.starts_with(**word))?;
             Some((' ', word.len()))
         }
+        // A comment of MATLAB behind a statement, and the remainder of other languages.
+        '%' if context.last.is_none() => Some((' ', line_length(rest))),
+        '%' if context.last.is_some_and(ends_operand) && divides(&rest[1..]) => Some(('٪', 1)),
         // Constants of Maxima.
         '%' if !context.last.is_some_and(ends_operand) || context.touching.is_none() => {
             let word = name_length(&rest[1..]);
@@ -59,7 +62,7 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
             is_axis.then_some((' ', 1))
         }
         '@' if rest[1..].trim_start().starts_with('(') => Some(('@', 1)),
-        '@' if rest[1..].starts_with('P') && name_length(&rest[1..]) == 1 => Some((' ', 1)),
+        '@' if rest[1..].starts_with('P') && name_length(&rest[1..]) == 1 => Some(('a', 2)),
         // The product of matrices in Python.
         '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some(('*', 1)),
         '.' => {
@@ -78,7 +81,8 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
         }
         // Quotation marks stand around a formula, not in it.
         '"' | '`' | '“' | '”' | '„' => {
-            let line = rest[length..line_length(rest).max(length)].trim();
+            let next = crate::scan::start(&rest[length..], 20);
+            let line = next[..line_length(next)].trim();
             let is_end = line.is_empty() || matches!(line, "." | ",");
             // Mathematica marks the precision of a number.
             let is_mark = first == '`' && context.touching == Some('0');
@@ -95,6 +99,15 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
             Some((symbol(plain.encode_utf8(&mut buffer))?, length))
         }),
     }
+}
+
+/// Whether a text begins with a divisor: a number, brackets, or a short name that is no word of a comment.
+fn divides(rest: &str) -> bool {
+    let rest = rest.trim_start_matches(' ');
+    let name = name_length(rest);
+    let behind = rest[name..].trim_start_matches(' ');
+    rest.starts_with(|c: char| c.is_ascii_digit() || c == '(')
+        || matches!(name, 1 | 2) && !behind.starts_with(char::is_alphabetic)
 }
 
 fn name_length(text: &str) -> usize {

@@ -121,7 +121,11 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
         _ if vulgar(character).is_some() => ('½', length),
         'ℯ' => ('a', length),
         _ if character.is_alphabetic() => {
+            // A subscript of print ends a name.
+            let is_below = |c: char| ('₀'..='₉').contains(&c);
             let end = prefix(rest, in_name);
+            let below = rest[..end].find(is_below);
+            let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
             module(rest, end).map_or_else(|| name(rest, end), |length| (' ', length))
         }
         '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {

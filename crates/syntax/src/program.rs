@@ -218,6 +218,9 @@ impl Reader<'_> {
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
+        if let Some(sign) = self.words.prefixed(&tokens) {
+            return Err(Error::new(sign.span, ErrorKind::Prefix));
+        }
         if is_setting(first.symbol) && frame.function.is_none() {
             return self.plain(tokens, frame, false);
         }
@@ -397,7 +400,6 @@ impl Reader<'_> {
             let procedure = self.procedures.get(self.words.word(**token));
             procedure.is_some_and(|procedure| procedure.changes)
         };
-        let tokens = self.words.without_casts(tokens);
         if let Some(token) = tokens.iter().find(changing) {
             let name = self.words.word(*token).to_owned();
             return Err(Error::new(token.span, ErrorKind::OutParameter { name }));
@@ -686,7 +688,7 @@ impl Reader<'_> {
 
     /// Counts, where a name that counts is set to a number that is known.
     fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
-        if tokens.iter().any(|token| self.words.is_doubled(*token, tokens)) {
+        if Words::steps_by_one(tokens) && tokens.len() == 3 {
             return self.known(tokens, frame).is_some();
         }
         let Some((name, None, value)) = self.words.assignment(tokens) else { return false };

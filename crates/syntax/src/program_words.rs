@@ -302,26 +302,23 @@ impl<'a> Words<'a> {
         })
     }
 
-    /// Symbols without `float` before brackets, which a number is already.
-    pub(crate) fn without_casts(self, tokens: Vec<Token>) -> Vec<Token> {
-        let is_cast = |index: usize| {
-            matches!(self.word(tokens[index]), "float" | "double" | "f32" | "f64" | "half" | "real")
-                && tokens.get(index + 1).is_some_and(|next| next.symbol == '(')
-        };
-        if !(0..tokens.len()).any(is_cast) {
-            return tokens;
-        }
-        (0..tokens.len()).filter(|index| !is_cast(*index)).map(|index| tokens[index]).collect()
+    /// The first sign that stands before all that it joins, as in `(+ a b)`.
+    pub(crate) fn prefixed(self, tokens: &[Token]) -> Option<Token> {
+        let found = tokens.windows(3).find(|part| {
+            part[0].symbol == '('
+                && "+*/".contains(part[1].symbol)
+                && part[1].span.end < part[2].span.start
+        });
+        found.map(|part| part[1])
     }
 
-    /// Whether a sign is the first of `++` or `--`.
-    pub(crate) fn is_doubled(self, token: Token, tokens: &[Token]) -> bool {
-        let index = tokens.iter().position(|other| other.span == token.span);
-        let next = index.and_then(|index| tokens.get(index + 1));
-        matches!(token.symbol, '+' | '-')
-            && next.is_some_and(|next| {
-                next.symbol == token.symbol && next.span.start == token.span.end
-            })
+    /// Whether `++` or `--` is in `tokens`.
+    pub(crate) fn steps_by_one(tokens: &[Token]) -> bool {
+        tokens.windows(2).any(|pair| {
+            matches!(pair[0].symbol, '+' | '-')
+                && pair[0].symbol == pair[1].symbol
+                && pair[0].span.end == pair[1].span.start
+        })
     }
 
     /// Whether a statement is a value, which is neither set nor returned.

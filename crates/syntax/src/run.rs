@@ -156,6 +156,11 @@ impl Builder<'_> {
                     items.push_back(self.leaf(NamedValue::Time, span));
                     return Ok(());
                 }
+                // What makes a number of a number.
+                let is_called = self.text[span.end..].starts_with('(');
+                if is_called && matches!(typed, "float" | "double" | "f32" | "f64" | "S") {
+                    return Ok(());
+                }
                 // `2f` is a number of C#.
                 if typed == "f"
                     && let Some(Item::Leaf(before)) = items.back()

@@ -173,6 +173,9 @@ pub(crate) fn plain_name(typed: &str) -> String {
     if typed == "ℯ" {
         return "e".to_owned();
     }
+    if typed == "@P" {
+        return "p".to_owned();
+    }
     let typed = &plain_text(typed.strip_prefix('%').unwrap_or(typed));
     let text = typed.strip_prefix('\\').unwrap_or(typed).trim_end_matches('}');
     match text.split_once('{') {
@@ -205,7 +208,7 @@ mod tests {
     use super::*;
 
     /// Symbols of what has no fixed spelling.
-    const OTHERS: &str = "01½²#¦⦃⦄⟨⟩‥≔¿∀‧ΣΠ_⊙⋄";
+    const OTHERS: &str = "01½²#¦⦃⦄⟨⟩‥≔¿∀‧ΣΠ_⊙⋄٪";
 
     #[test]
     fn the_grammar_knows_symbols_only() {

@@ -369,7 +369,14 @@ fn define(
     let span = builder.span(&expression);
     let mut sides = expression.into_inner().skip(2);
     let body = sides.next().expect("a definition has a right side");
-    if let Some(second) = sides.next() {
+    let second = sides.next().filter(|second| {
+        // `f(x, y, z) = x^2 + y^2 - z = 0`
+        let mut rest = sides.clone();
+        let zero = rest.next().is_some_and(|side| builder.typed(&side) == "0");
+        let is_zero = relation(second) == Relation::Equal && zero && rest.next().is_none();
+        !(is_zero && head.parameters.is_some())
+    });
+    if let Some(second) = second {
         let place = builder.span(&second);
         return Err(if relation(&second) == Relation::Equal {
             Error::new(place, ErrorKind::SeveralEquals)

@@ -118,6 +118,9 @@ impl Words<'_> {
         {
             return Some(inner[colon + 1..].to_vec());
         }
+        if self.text[tokens[0].span.end..].trim_start().starts_with(r"\displaystyle") {
+            return Some(inner.to_vec());
+        }
         let is_choice = has(':').is_some() || has('⸮').is_some() || has(',').is_some();
         (has('=').is_some() && !is_choice).then(|| inner.to_vec())
     }
