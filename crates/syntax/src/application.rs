@@ -186,9 +186,10 @@ impl Builder<'_> {
                 arguments.push(Expr::new(half, span));
             }
             // `Clip[x, {a, b}]`
-            (Callee::BuiltIn(_), [_, Expr { kind: ExprKind::Call(Function::Vector(2), ends), .. }])
-                if typed == "Clip" =>
-            {
+            (
+                Callee::BuiltIn(_),
+                [_, Expr { kind: ExprKind::Call(Function::Vector(2), ends), .. }],
+            ) if typed == "Clip" => {
                 let ends = ends.clone();
                 arguments.truncate(1);
                 arguments.extend(ends);

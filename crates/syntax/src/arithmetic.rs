@@ -70,7 +70,8 @@ impl Builder<'_> {
         if parts.len() != count {
             return refused(if count == 1 { "an argument" } else { "2 arguments" });
         }
-        let values: Fallible<Vec<Expr>> = parts.into_iter().map(|part| self.argument(part)).collect();
+        let values: Fallible<Vec<Expr>> =
+            parts.into_iter().map(|part| self.argument(part)).collect();
         let mut values = values?.into_iter();
         let Some(first) = values.next() else {
             return Err(Error::new(place, ErrorKind::EmptyBrackets));

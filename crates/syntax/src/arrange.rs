@@ -119,6 +119,11 @@ impl Arranger<'_> {
             if closer(token.symbol).is_some() {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
+                // `{\text{for}}` is a word of the text around.
+                let between = &self.text[token.span.end..close.span.start];
+                if inner.is_empty() && token.symbol == '{' && between.contains(r"\text") {
+                    continue;
+                }
                 let group = self.group((token, close), inner, open.is_some(), segment.last());
                 segment.push(group);
                 continue;
@@ -287,9 +292,7 @@ impl Arranger<'_> {
         if !nodes.iter().any(|node| self.is_word(node, "then")) {
             return;
         }
-        nodes.retain(|node| {
-            !["if", "end", "fi"].iter().any(|word| self.is_word(node, word))
-        });
+        nodes.retain(|node| !["if", "end", "fi"].iter().any(|word| self.is_word(node, word)));
         for index in 0..nodes.len() {
             let symbol = if self.is_word(&nodes[index], "then") {
                 '⸮'

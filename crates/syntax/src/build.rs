@@ -2,7 +2,9 @@
 //! shapes.
 
 use crate::aliases::Aliases;
-use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign, VectorFunction};
+use crate::ast::{
+    Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign, VectorFunction,
+};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule, recognise};
 use crate::limits::Limits;

@@ -1,10 +1,10 @@
 //! Functions of programs that change what they are given, and macros: both are written out where they are called.
 
 use crate::ast::{Expr, ExprKind, Function, Name};
+use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::{Frame, Reader};
 use crate::program_words::split;
-use crate::control::RESULT;
 use crate::scan::Token;
 use crate::span::Span;
 use crate::steps::{Step, closing};
@@ -43,9 +43,8 @@ impl Reader<'_> {
     pub(crate) fn macro_of(&mut self, tokens: &[Token]) {
         let Some(name) = tokens.first().copied() else { return };
         let rest = &tokens[1..];
-        let is_call = rest.first().is_some_and(|next| {
-            next.symbol == '(' && next.span.start == name.span.end
-        });
+        let is_call =
+            rest.first().is_some_and(|next| next.symbol == '(' && next.span.start == name.span.end);
         let made = match closing(rest).filter(|_| is_call) {
             Some(end) => {
                 let names = rest[1..end].iter().map(|token| self.words.word(*token).to_owned());
@@ -147,7 +146,13 @@ impl Reader<'_> {
         for (given, argument) in procedure.parameters.iter().zip(arguments) {
             if given.is_in {
                 let within = frame.aliases.clone();
-                self.set_within(given.name.clone(), given.size, argument.clone(), &within, &mut inner)?;
+                self.set_within(
+                    given.name.clone(),
+                    given.size,
+                    argument.clone(),
+                    &within,
+                    &mut inner,
+                )?;
             } else {
                 inner.set.push((given.name.text.clone(), given.size));
             }
@@ -159,9 +164,10 @@ impl Reader<'_> {
             };
             let (target, letters) = match argument.as_slice() {
                 [target] => (*target, None),
-                [target, letters] if letters.symbol == '‧' => {
-                    (*target, Some(self.words.text[letters.span.start + 1..letters.span.end].to_owned()))
-                }
+                [target, letters] if letters.symbol == '‧' => (
+                    *target,
+                    Some(self.words.text[letters.span.start + 1..letters.span.end].to_owned()),
+                ),
                 _ => return Err(Error::new(name.span, ErrorKind::OutParameter { name: word })),
             };
             self.take_back(target, letters, value.clone(), given.size, frame);
@@ -184,7 +190,8 @@ impl Reader<'_> {
             None => value,
             Some(letters) => {
                 let before = frame.aliases.find(&name.text).cloned();
-                let before = before.unwrap_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)));
+                let before =
+                    before.unwrap_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)));
                 let whole = known.unwrap_or(3);
                 let body = with_parts(&letters, &before, whole, &value, name.span);
                 self.make(&name.text, body, frame)

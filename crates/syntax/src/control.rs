@@ -5,9 +5,7 @@
 //! more branch.
 
 use crate::aliases::Aliases;
-use crate::ast::{
-    Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement,
-};
+use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::counting::{Counters, count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::{Frame, Made, Reader, Wrap};
@@ -323,14 +321,17 @@ impl Reader<'_> {
         }
         names.sort_unstable();
         for name in names {
-            let own = |side: &FxHashMap<&str, &ExprKind>| side.get(name).map(|kind| (*kind).clone());
+            let own =
+                |side: &FxHashMap<&str, &ExprKind>| side.get(name).map(|kind| (*kind).clone());
             let kind = match (own(&first), own(&second)) {
                 (Some(a), Some(b)) if a == b => a,
                 (Some(a), Some(b)) => self.chosen(name, condition, a, b, frame),
                 (Some(one), None) | (None, Some(one)) => {
                     let is_first = first.contains_key(name);
-                    let global = self.heads.contains(name) || matches!(name, "p" | "pos") && frame.function.is_none();
-                    let global = global.then(|| ExprKind::Name(NamedValue::Defined(name.to_owned())));
+                    let global = self.heads.contains(name)
+                        || matches!(name, "p" | "pos") && frame.function.is_none();
+                    let global =
+                        global.then(|| ExprKind::Name(NamedValue::Defined(name.to_owned())));
                     match frame.before(name).or(global) {
                         Some(old) if is_first => self.chosen(name, condition, one, old, frame),
                         Some(old) => self.chosen(name, condition, old, one, frame),

@@ -15,7 +15,11 @@ pub(crate) trait Counters {
 }
 
 /// The number that `tokens` are, or 1 for what holds and 0 for what does not; `None` if that is not known.
-pub(crate) fn count(words: Words<'_>, tokens: &[Token], counters: &mut dyn Counters) -> Option<f64> {
+pub(crate) fn count(
+    words: Words<'_>,
+    tokens: &[Token],
+    counters: &mut dyn Counters,
+) -> Option<f64> {
     let mut reader = Count { words, tokens, at: 0, counters, depth: 0 };
     let value = reader.joined()?;
     (reader.at == tokens.len() && value.is_finite()).then_some(value)

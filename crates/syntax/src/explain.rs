@@ -246,7 +246,9 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
             "write a choice as `c ? a : b`, a loop as `sum(k = 1..3, …)` or `iterate(f, 3, x)`"
         }
         ErrorKind::TooManySteps { .. } => "let the loop end earlier",
-        ErrorKind::Array => "give each element a name of its own, or use a vector such as `vec3(a, b, c)`",
+        ErrorKind::Array => {
+            "give each element a name of its own, or use a vector such as `vec3(a, b, c)`"
+        }
         ErrorKind::LoopEnd => {
             "let it count between numbers, as in `for (int i = 0; i < 5; i++)` or `for i in range(5):`"
         }
@@ -336,9 +338,7 @@ fn character_reason(character: char) -> Option<&'static str> {
 fn character_help(character: char) -> Option<&'static str> {
     Some(match character {
         '\'' | '′' | '’' => "write the derivative out; a name with a prime is written `x1`",
-        '!' => {
-            "write the product, as in `product(k = 1..5, k)`; there is no gamma function"
-        }
+        '!' => "write the product, as in `product(k = 1..5, k)`; there is no gamma function",
         '"' | '`' | '“' | '”' => "write the formula without quotation marks",
         '@' => "a function is written `f(x, y) = …`",
         '$' => "dollar signs stand around a formula, not in it",

@@ -120,7 +120,8 @@ fn tag(rest: &str) -> Option<(char, usize)> {
     let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);
     let word = &inner[..name_length(inner)];
     let attributes = &inner[word.len()..];
-    if !(attributes.is_empty() || attributes.starts_with(' ') && attributes.contains('=')
+    if !(attributes.is_empty()
+        || attributes.starts_with(' ') && attributes.contains('=')
         || attributes == "/")
     {
         return None;
@@ -141,7 +142,9 @@ fn tag(rest: &str) -> Option<(char, usize)> {
 pub(crate) fn plain(character: char) -> Option<char> {
     let code = u32::from(character);
     let letter = |first: u32, from: char, count: u32| {
-        (first..first + count).contains(&code).then(|| char::from_u32(u32::from(from) + code - first))
+        (first..first + count)
+            .contains(&code)
+            .then(|| char::from_u32(u32::from(from) + code - first))
     };
     if (0xFF01..=0xFF5E).contains(&code) {
         return char::from_u32(code - 0xFF01 + 0x21);

@@ -52,7 +52,12 @@ impl Lowering<'_> {
     }
 
     /// An operation of which an operand is a matrix.
-    pub(crate) fn of_matrices(&mut self, op: Op, operands: &[Value], span: Span) -> Fallible<Value> {
+    pub(crate) fn of_matrices(
+        &mut self,
+        op: Op,
+        operands: &[Value],
+        span: Span,
+    ) -> Fallible<Value> {
         let refused = || Error::new(span, ErrorKind::Matrix);
         let [left, right] = operands else { return Err(refused()) };
         let is_product = op == Op::Mul;

@@ -266,7 +266,11 @@ impl Reader<'_> {
                 self.macro_of(&tokens[1..]);
                 return Ok(());
             }
-            "function" if tokens.len() > 2 && !self.words.has_body(&tokens) && begins_name(tokens.get(1)) => {
+            "function"
+                if tokens.len() > 2
+                    && !self.words.has_body(&tokens)
+                    && begins_name(tokens.get(1)) =>
+            {
                 tokens.remove(0);
                 let trigonometric = tokens.iter().find(|token| {
                     matches!(self.words.word(**token), "sin" | "cos" | "tan" | "atan2" | "atan")
@@ -423,7 +427,10 @@ impl Reader<'_> {
         for tokens in split(tokens, ',') {
             let tokens = self.words.without_type(tokens);
             let is_inner = frame.function.is_some() || frame.prefix.is_some() || frame.nested > 0;
-            if is_whole && is_inner && let Some(name) = tokens.first() {
+            if is_whole
+                && is_inner
+                && let Some(name) = tokens.first()
+            {
                 frame.whole.insert(self.words.word(*name).to_owned());
             }
             if self.counts(&tokens, frame) {
@@ -720,7 +727,8 @@ impl Reader<'_> {
         let Some((name, parameters, first)) = Words::python(tokens) else {
             return Err(refused);
         };
-        let mut lines: Vec<Vec<Token>> = Some(first).filter(|first| !first.is_empty()).into_iter().collect();
+        let mut lines: Vec<Vec<Token>> =
+            Some(first).filter(|first| !first.is_empty()).into_iter().collect();
         let own = self.words.indent(tokens);
         let is_indented =
             following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);

@@ -7,13 +7,72 @@ use crate::spelling::{closer, is_closer, is_name, plain_name};
 
 /// Types and what else stands before a name that is declared.
 const TYPES: &[&str] = &[
-    "float", "int", "double", "half", "real", "bool", "uint", "vec2", "vec3", "vec4", "float2",
-    "float3", "float4", "half2", "half3", "half4", "mat2", "mat3", "mat4", "const", "let", "var",
-    "auto", "static", "inline", "uniform", "varying", "out", "inout", "highp", "mediump", "lowp",
-    "local", "function", "fn", "void", "precise", "long", "unsigned", "mat2x2", "mat3x3", "mat4x4",
-    "float2x2", "float3x3", "float4x4", "ivec2", "ivec3", "ivec4", "uvec2", "uvec3", "uvec4", "bvec2",
-    "bvec3", "bvec4", "dvec2", "dvec3", "dvec4", "vec2f", "vec3f", "vec4f", "in", "poly", "public",
-    "constexpr", "nonlocal", "global",
+    "float",
+    "int",
+    "double",
+    "half",
+    "real",
+    "bool",
+    "uint",
+    "vec2",
+    "vec3",
+    "vec4",
+    "float2",
+    "float3",
+    "float4",
+    "half2",
+    "half3",
+    "half4",
+    "mat2",
+    "mat3",
+    "mat4",
+    "const",
+    "let",
+    "var",
+    "auto",
+    "static",
+    "inline",
+    "uniform",
+    "varying",
+    "out",
+    "inout",
+    "highp",
+    "mediump",
+    "lowp",
+    "local",
+    "function",
+    "fn",
+    "void",
+    "precise",
+    "long",
+    "unsigned",
+    "mat2x2",
+    "mat3x3",
+    "mat4x4",
+    "float2x2",
+    "float3x3",
+    "float4x4",
+    "ivec2",
+    "ivec3",
+    "ivec4",
+    "uvec2",
+    "uvec3",
+    "uvec4",
+    "bvec2",
+    "bvec3",
+    "bvec4",
+    "dvec2",
+    "dvec3",
+    "dvec4",
+    "vec2f",
+    "vec3f",
+    "vec4f",
+    "in",
+    "poly",
+    "public",
+    "constexpr",
+    "nonlocal",
+    "global",
 ];
 
 /// Whether a type counts in whole numbers.
@@ -174,8 +233,15 @@ impl<'a> Words<'a> {
             return more.is_empty().then(|| (name, split(names, ','), value));
         }
         let is_word = matches!(self.word(rest[0]), "function" | "proc") || rest[0].symbol == '@';
-        let is_capture = rest[0].symbol == '[' && rest.get(1).is_some_and(|next| next.symbol == ']');
-        let rest = &rest[if is_word { 1 } else if is_capture { 2 } else { 0 }..];
+        let is_capture =
+            rest[0].symbol == '[' && rest.get(1).is_some_and(|next| next.symbol == ']');
+        let rest = &rest[if is_word {
+            1
+        } else if is_capture {
+            2
+        } else {
+            0
+        }..];
         let (parameters, value) = bracketed(rest).filter(|_| rest[0].symbol == '(')?;
         let parameters = split(parameters, ',');
         match value.as_slice() {
@@ -295,9 +361,9 @@ impl<'a> Words<'a> {
                     && (pair[1].symbol == '‧'
                         || pair[1].symbol == '[' && pair[0].span.end == pair[1].span.start)
             });
-            let unpacks = Self::unpacked(line).is_some_and(|(_, value)| {
-                matches!(value.as_slice(), [only] if self.word(*only) == name)
-            });
+            let unpacks = Self::unpacked(line).is_some_and(
+                |(_, value)| matches!(value.as_slice(), [only] if self.word(*only) == name),
+            );
             takes || unpacks
         })
     }

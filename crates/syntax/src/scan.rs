@@ -201,7 +201,9 @@ fn continues(rest: &str) -> bool {
     let after = line[name..].trim_start();
     let defines = name > 0 && (after.starts_with('=') || after.starts_with(":="));
     let is_operand = name > 0 || line.starts_with(['(', '[', '{', '\\', '+', '-', '−', '|']);
-    is_operand && !defines && !crate::spelling::symbol(&line[..name]).is_some_and(crate::spelling::is_setting)
+    is_operand
+        && !defines
+        && !crate::spelling::symbol(&line[..name]).is_some_and(crate::spelling::is_setting)
 }
 
 /// The index of the bracket that `symbol` at `span` closes.

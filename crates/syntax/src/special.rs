@@ -379,7 +379,10 @@ impl Builder<'_> {
 fn without_array(array: Expr) -> Expr {
     match array.kind {
         ExprKind::Call(Function::Vector(_) | Function::Matrix(_), mut only)
-            if matches!(only.as_slice(), [Expr { kind: ExprKind::Call(Function::Matrix(_), _), .. }]) =>
+            if matches!(
+                only.as_slice(),
+                [Expr { kind: ExprKind::Call(Function::Matrix(_), _), .. }]
+            ) =>
         {
             only.remove(0)
         }

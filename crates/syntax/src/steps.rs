@@ -102,7 +102,8 @@ impl Words<'_> {
                 tokens[1].symbol == '('
                     && outside(&tokens[2..=end], ',').is_none()
                     && tokens.get(end + 2).is_none_or(|next| {
-                        is_name(next.symbol) && self.word(*next) != "else" || next.symbol == '{'
+                        is_name(next.symbol) && self.word(*next) != "else"
+                            || next.symbol == '{'
                             || next.symbol == ';'
                     })
             }
@@ -206,10 +207,8 @@ impl Words<'_> {
                 steps.push(Step::Loop { word, start, condition, next, body });
             }
             _ => {
-                let parts: Vec<Vec<Token>> = header
-                    .split(|token| token.symbol == ';')
-                    .map(<[Token]>::to_vec)
-                    .collect();
+                let parts: Vec<Vec<Token>> =
+                    header.split(|token| token.symbol == ';').map(<[Token]>::to_vec).collect();
                 if let Ok([start, condition, next]) = <[_; 3]>::try_from(parts) {
                     steps.push(Step::Loop { word: first, start, condition, next, body });
                 } else {

@@ -132,9 +132,7 @@ impl Lowering<'_> {
     ) -> Fallible<Value> {
         match function {
             VectorFunction::Transpose => self.transpose(&arguments[0], span),
-            VectorFunction::Determinant => {
-                self.determinant(&arguments[0], span).map(Value::Number)
-            }
+            VectorFunction::Determinant => self.determinant(&arguments[0], span).map(Value::Number),
             // As numpy and Mathematica have it.
             VectorFunction::Dot if arguments.iter().any(Value::is_matrix) => {
                 self.of_matrices(Op::Mul, arguments, span)

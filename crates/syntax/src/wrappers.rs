@@ -10,8 +10,24 @@ use crate::steps::{closing, outside};
 
 /// Commands that only declare names, or set up a system.
 const SETUP: &[&str] = &[
-    "syms", "restart", "clc", "clear", "close", "hold", "figure", "ring", "LIB", "Clear", "ClearAll",
-    "Needs", "draw_curve", "clear_screen", "using", "namespace", "package", "precision",
+    "syms",
+    "restart",
+    "clc",
+    "clear",
+    "close",
+    "hold",
+    "figure",
+    "ring",
+    "LIB",
+    "Clear",
+    "ClearAll",
+    "Needs",
+    "draw_curve",
+    "clear_screen",
+    "using",
+    "namespace",
+    "package",
+    "precision",
 ];
 
 /// The same, where brackets follow.
@@ -22,16 +38,31 @@ const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
 
 /// Commands that plot their first argument.
 const PLOTS: &[&str] = &[
-    "ContourPlot3D", "RegionPlot3D", "ImplicitRegion", "implicit_plot3d", "implicitplot3d",
-    "ImplicitPlot3D", "fimplicit3", "ezimplot3", "isosurface", "implicit", "plot_implicit",
-    "Plot3D", "plot3d", "draw3d", "fsurf", "ezsurf", "surf",
+    "ContourPlot3D",
+    "RegionPlot3D",
+    "ImplicitRegion",
+    "implicit_plot3d",
+    "implicitplot3d",
+    "ImplicitPlot3D",
+    "fimplicit3",
+    "ezimplot3",
+    "isosurface",
+    "implicit",
+    "plot_implicit",
+    "Plot3D",
+    "plot3d",
+    "draw3d",
+    "fsurf",
+    "ezsurf",
+    "surf",
 ];
 
 /// Those among them of which it is a height.
 const HEIGHTS: &[&str] = &["Plot3D", "plot3d", "fsurf", "ezsurf", "surf"];
 
 /// What means nothing around a formula.
-const AROUND: &[&str] = &["Simplify", "FullSimplify", "Evaluate", "N", "Expand", "Factor", "simplify", "expand"];
+const AROUND: &[&str] =
+    &["Simplify", "FullSimplify", "Evaluate", "N", "Expand", "Factor", "simplify", "expand"];
 
 /// Words before a formula that ask for its picture.
 const ASKS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
@@ -53,7 +84,8 @@ impl Words<'_> {
         let opens = next.is_some_and(|next| matches!(next.symbol, '(' | '['));
         let is_setting = next.is_some_and(|next| matches!(next.symbol, '=' | ':' | ','));
         let statements = |all: Vec<Vec<Token>>| Some(Unwrapped::Statements(all));
-        if SETUP.contains(&word) && (next.is_none_or(|next| is_name(next.symbol)) || word == "Needs")
+        if SETUP.contains(&word)
+            && (next.is_none_or(|next| is_name(next.symbol)) || word == "Needs")
             || SETUP_CALLS.contains(&word) && opens && !is_setting && self.is_whole_call(tokens)
         {
             return statements(Vec::new());
@@ -80,7 +112,9 @@ impl Words<'_> {
                 let (inner, _) = bracketed(&tokens[1..])?;
                 return statements(vec![inner]);
             }
-            _ if ASKS.contains(&word) && next.is_some_and(|next| next.symbol != '(' && begins_operand(next.symbol)) => {
+            _ if ASKS.contains(&word)
+                && next.is_some_and(|next| next.symbol != '(' && begins_operand(next.symbol)) =>
+            {
                 return statements(vec![tokens[1..].to_vec()]);
             }
             _ => {}
@@ -142,7 +176,9 @@ impl Words<'_> {
     /// `function { … }` and `isosurface { function { … } threshold 1 … }`.
     fn of_pov(self, tokens: &[Token]) -> Option<Vec<Token>> {
         if self.word(tokens[0]) == "function" {
-            return bracketed(&tokens[1..]).filter(|(_, rest)| rest.is_empty()).map(|(inner, _)| inner);
+            return bracketed(&tokens[1..])
+                .filter(|(_, rest)| rest.is_empty())
+                .map(|(inner, _)| inner);
         }
         let (inner, _) = bracketed(&tokens[1..])?;
         let at = inner.iter().position(|token| self.word(*token) == "function")?;
@@ -154,7 +190,8 @@ impl Words<'_> {
         let level = rest.iter().position(|token| self.word(*token) == "threshold");
         let number = level.map(|at| {
             let after = &rest[at + 1..];
-            let end = after.iter().position(|t| !matches!(t.symbol, '0' | '-')).unwrap_or(after.len());
+            let end =
+                after.iter().position(|t| !matches!(t.symbol, '0' | '-')).unwrap_or(after.len());
             after[..end].to_vec()
         });
         Some(match number {
