@@ -293,15 +293,15 @@ impl Arranger<'_> {
             return;
         }
         nodes.retain(|node| !["if", "end", "fi"].iter().any(|word| self.is_word(node, word)));
-        for index in 0..nodes.len() {
-            let symbol = if self.is_word(&nodes[index], "then") {
+        for node in nodes.iter_mut() {
+            let symbol = if self.is_word(node, "then") {
                 '⸮'
-            } else if ["else", "elif", "elseif"].iter().any(|w| self.is_word(&nodes[index], w)) {
+            } else if ["else", "elif", "elseif"].iter().any(|word| self.is_word(node, word)) {
                 ':'
             } else {
                 continue;
             };
-            if let Node::Leaf(token) = &mut nodes[index] {
+            if let Node::Leaf(token) = node {
                 token.symbol = symbol;
             }
         }

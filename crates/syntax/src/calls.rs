@@ -3,8 +3,8 @@
 use crate::ast::{Expr, ExprKind, Function, Name};
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program::{Frame, Reader};
 use crate::program_words::split;
+use crate::reader::{Frame, Reader};
 use crate::scan::Token;
 use crate::span::Span;
 use crate::steps::{Step, closing};

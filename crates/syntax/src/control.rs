@@ -4,23 +4,23 @@
 //! What leaves a loop or a function early is a number, 0 as long as nothing has: where it is not known, what follows is one
 //! more branch.
 
-use crate::aliases::Aliases;
-use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
+use crate::ast::{Expr, ExprKind, Name, Relation};
 use crate::counting::{Counters, count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program::{Frame, Made, Reader, Wrap};
+use crate::program::Wrap;
 use crate::program_words::split;
+use crate::reader::{Frame, Reader};
 use crate::scan::Token;
 use crate::span::Span;
 use crate::statement::Head;
 use crate::steps::{Step, closing};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 /// The most statements that a program runs.
 pub(crate) const MOST_STEPS: usize = 1000;
 
 /// The name of what says whether a loop or the function was left; a word of programs, so that none is called so.
-const LEFT: &str = "break";
+pub(crate) const LEFT: &str = "break";
 /// The name of what is returned.
 pub(crate) const RESULT: &str = "return";
 
@@ -106,18 +106,18 @@ impl Reader<'_> {
     fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
         let Some(first) = tokens.first() else { return Ok(()) };
         match self.words.word(*first) {
-            "break" if tokens.len() == 1 => self.leave(LOOP, frame),
-            "continue" if tokens.len() == 1 => self.leave(ROUND, frame),
-            "return" if tokens.len() == 1 => self.leave(FUNCTION, frame),
+            "break" if tokens.len() == 1 => leave(LOOP, frame),
+            "continue" if tokens.len() == 1 => leave(ROUND, frame),
+            "return" if tokens.len() == 1 => leave(FUNCTION, frame),
             "return" if frame.nested > 0 => {
                 let name = Name { text: RESULT.to_owned(), span: first.span };
                 self.set(name, 1, tokens[1..].to_vec(), None, frame)?;
-                self.leave(FUNCTION, frame);
+                leave(FUNCTION, frame);
             }
             "return" => {
                 self.result(tokens[1..].to_vec(), frame)?;
                 frame.is_done = true;
-                self.leave(FUNCTION, frame);
+                leave(FUNCTION, frame);
             }
             _ => {
                 for part in self.words.each_setting(tokens.to_vec()) {
@@ -126,10 +126,6 @@ impl Reader<'_> {
             }
         }
         Ok(())
-    }
-
-    fn leave(&mut self, level: f64, frame: &mut Frame) {
-        frame.aliases.push(LEFT.to_owned(), written(level, Span::default()));
     }
 
     /// `if`: what is set on either side is chosen between, unless it is known which side is taken.
@@ -295,108 +291,6 @@ impl Reader<'_> {
         };
         frame.aliases.push(LEFT.to_owned(), kind);
     }
-
-    /// Adds a definition that no statement spells out; what it is called by.
-    pub(crate) fn make(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
-        let span = frame.function.as_ref().map_or(Span::default(), |(name, _)| name.span);
-        let text = self.fresh(&frame.made_name(name));
-        self.generated.insert(text.clone());
-        let (parameters, kind) = frame.call(&text);
-        let body = Expr::new(body, span);
-        let name = Name { text, span };
-        let definition = Definition { name, parameters, body, range: None };
-        self.program.made.push(Made::new(Statement::Define(definition), span));
-        kind
-    }
-
-    /// Names stand for what either side made of them.
-    fn merge(&mut self, frame: &mut Frame, yes: &Frame, no: &Frame, condition: &Expr) {
-        let (first, second) = (newest(&yes.aliases), newest(&no.aliases));
-        let mut names: Vec<&str> = Vec::new();
-        let mut seen = FxHashSet::default();
-        for (name, _) in yes.aliases.iter().chain(no.aliases.iter()) {
-            if seen.insert(name) {
-                names.push(name);
-            }
-        }
-        names.sort_unstable();
-        for name in names {
-            let own =
-                |side: &FxHashMap<&str, &ExprKind>| side.get(name).map(|kind| (*kind).clone());
-            let kind = match (own(&first), own(&second)) {
-                (Some(a), Some(b)) if a == b => a,
-                (Some(a), Some(b)) => self.chosen(name, condition, a, b, frame),
-                (Some(one), None) | (None, Some(one)) => {
-                    let is_first = first.contains_key(name);
-                    let global = self.heads.contains(name)
-                        || matches!(name, "p" | "pos") && frame.function.is_none();
-                    let global =
-                        global.then(|| ExprKind::Name(NamedValue::Defined(name.to_owned())));
-                    match frame.before(name).or(global) {
-                        Some(old) if is_first => self.chosen(name, condition, one, old, frame),
-                        Some(old) => self.chosen(name, condition, old, one, frame),
-                        None => one,
-                    }
-                }
-                (None, None) => continue,
-            };
-            if frame.aliases.find(name) != Some(&kind) {
-                frame.aliases.push(name.to_owned(), kind);
-            }
-        }
-        for side in [yes, no] {
-            for (name, size) in side.set.iter().skip(frame.set.len()) {
-                if !frame.set.iter().any(|(other, _)| other == name) {
-                    frame.set.push((name.clone(), *size));
-                }
-            }
-        }
-        frame.is_done |= yes.is_done || no.is_done;
-    }
-
-    fn chosen(
-        &mut self,
-        name: &str,
-        condition: &Expr,
-        yes: ExprKind,
-        no: ExprKind,
-        frame: &Frame,
-    ) -> ExprKind {
-        let span = condition.span;
-        // Nothing left before: 0.
-        let piece = (condition.clone(), Expr::new(yes, span));
-        let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(no, span))));
-        self.make(name, body, frame)
-    }
-
-    /// Ends a function, or what is outside functions: what it returns, if that was not plain.
-    pub(crate) fn end(&mut self, frame: &Frame, span: Span) -> Fallible<()> {
-        let Some(left) = frame.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0))
-        else {
-            return Ok(());
-        };
-        let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.is_done) else {
-            return Ok(());
-        };
-        let result = Expr::new(result.clone(), span);
-        let body = if number_of(left).is_some() {
-            result
-        } else {
-            let piece = (more_than(left.clone(), 0.0), result);
-            Expr::new(ExprKind::Choice(vec![piece], None), span)
-        };
-        let statement = match &frame.function {
-            Some((name, parameters)) => {
-                let parameters = Some(parameters.clone()).filter(|names| !names.is_empty());
-                self.heads.insert(name.text.clone());
-                let name = name.clone();
-                Statement::Define(Definition { name, parameters, body, range: None })
-            }
-            None => Statement::Draw { expr: body, restrictions: Vec::new() },
-        };
-        self.program.made.push(Made::new(statement, span));
-        Ok(())
-    }
 }
 
 /// What a name of a loop over values stands for.
@@ -405,65 +299,13 @@ enum Value {
     Typed(Vec<Token>),
 }
 
-/// What each name stands for, the last counting.
-fn newest(aliases: &Aliases) -> FxHashMap<&str, &ExprKind> {
-    let mut newest = FxHashMap::default();
-    for (name, kind) in aliases.iter() {
-        newest.entry(name).or_insert(kind);
-    }
-    newest
-}
-
-fn more_than(kind: ExprKind, level: f64) -> Expr {
+pub(crate) fn more_than(kind: ExprKind, level: f64) -> Expr {
     let span = Span::default();
     let level = Expr::new(written(level, span), span);
     let kind = ExprKind::Compare(Box::new(Expr::new(kind, span)), vec![(Relation::Greater, level)]);
     Expr::new(kind, span)
 }
 
-impl Frame {
-    /// The same names inside a statement that governs others.
-    pub(crate) fn inner(&self) -> Self {
-        Self { nested: self.nested + 1, ..self.clone() }
-    }
-
-    /// A name for what is made here.
-    pub(crate) fn made_name(&self, name: &str) -> String {
-        match (&self.prefix, &self.function) {
-            (Some(prefix), _) => format!("{prefix}_{name}"),
-            (None, Some((function, _))) => format!("{}_{name}", function.text),
-            (None, None) => format!("{name}_2"),
-        }
-    }
-
-    /// The parameters of what is made here, and how it is called.
-    pub(crate) fn call(&self, name: &str) -> (Option<Vec<Name>>, ExprKind) {
-        let parameters = self.function.as_ref().map(|(_, parameters)| parameters.clone());
-        let parameters = parameters.filter(|parameters| !parameters.is_empty());
-        let kind = match &parameters {
-            None => ExprKind::Name(NamedValue::Defined(name.to_owned())),
-            Some(parameters) => {
-                let local = |name: &Name| {
-                    let value = NamedValue::Local(name.text.clone());
-                    Expr::new(ExprKind::Name(value), name.span)
-                };
-                let function = Function::Defined(name.to_owned());
-                ExprKind::Call(function, parameters.iter().map(local).collect())
-            }
-        };
-        (parameters, kind)
-    }
-
-    /// What a name stood for before a branch, if it was something.
-    fn before(&self, name: &str) -> Option<ExprKind> {
-        if name == LEFT {
-            return Some(ExprKind::Number("0".to_owned()));
-        }
-        if let Some(kind) = self.aliases.find(name) {
-            return Some(kind.clone());
-        }
-        let (_, parameters) = self.function.as_ref()?;
-        let is_parameter = parameters.iter().any(|parameter| parameter.text == name);
-        is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
-    }
+fn leave(level: f64, frame: &mut Frame) {
+    frame.aliases.push(LEFT.to_owned(), written(level, Span::default()));
 }

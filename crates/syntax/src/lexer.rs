@@ -9,6 +9,7 @@ use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, sy
 
 /// What is known where a symbol is read.
 #[derive(Clone, Copy, Default)]
+#[allow(clippy::struct_excessive_bools)] // what was seen, each by itself
 pub(crate) struct Context {
     /// Whether a part of a fraction is next, which is one digit or stands in braces.
     pub is_part: bool,
@@ -319,12 +320,13 @@ fn command(rest: &str) -> (char, usize) {
         "sum" => return ('Σ', end),
         "prod" => return ('Π', end),
         "lvert" | "rvert" | "vert" | "lVert" | "rVert" | "Vert" => return ('|', end),
-        "pm" | "mp" => return ('?', end),
         "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (' ', end),
         "over" => return ('÷', end),
         "lbrace" => return ('{', end),
         "rbrace" => return ('}', end),
-        "int" | "iint" | "iiint" | "oint" | "partial" | "nabla" | "lim" => return ('?', end),
+        "pm" | "mp" | "int" | "iint" | "iiint" | "oint" | "partial" | "nabla" | "lim" => {
+            return ('?', end);
+        }
         _ if TYPESETTING.contains(&word) => return (' ', end),
         _ if LABELS.contains(&word) && after.starts_with('{') => {
             return (' ', after.find('}').map_or(rest.len(), |length| end + length + 1));

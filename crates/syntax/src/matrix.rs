@@ -107,7 +107,7 @@ impl Lowering<'_> {
     }
 
     /// A matrix with rows and columns exchanged.
-    pub(crate) fn transpose(&mut self, value: &Value, span: Span) -> Fallible<Value> {
+    pub(crate) fn transpose(value: &Value, span: Span) -> Fallible<Value> {
         let Value::Matrix(nodes) = value else {
             return Err(Error::new(span, ErrorKind::NotAMatrix));
         };

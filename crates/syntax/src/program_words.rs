@@ -369,7 +369,7 @@ impl<'a> Words<'a> {
     }
 
     /// The first sign that stands before all that it joins, as in `(+ a b)`.
-    pub(crate) fn prefixed(self, tokens: &[Token]) -> Option<Token> {
+    pub(crate) fn prefixed(tokens: &[Token]) -> Option<Token> {
         let found = tokens.windows(3).find(|part| {
             part[0].symbol == '('
                 && "+*/".contains(part[1].symbol)
@@ -397,7 +397,7 @@ impl<'a> Words<'a> {
     }
 
     /// `name: f32 = value` as `name = value`.
-    pub(crate) fn without_type(self, tokens: Vec<Token>) -> Vec<Token> {
+    pub(crate) fn without_type(tokens: Vec<Token>) -> Vec<Token> {
         let equals = tokens.iter().position(|token| token.symbol == '=').unwrap_or(tokens.len());
         let is_typed = tokens.get(1).is_some_and(|next| next.symbol == ':')
             && tokens[2..equals].iter().all(|t| is_name(t.symbol) || "<>0?".contains(t.symbol));

@@ -140,7 +140,9 @@ impl Builder<'_> {
                 for letter in &letters {
                     // A LaTeX command or subscript is never split, so every letter is where it was
                     // typed.
-                    let place = Span::new(at, at + letter.len());
+                    // Letters of print are longer.
+                    let is_plain = typed.len() == name.len();
+                    let place = if is_plain { Span::new(at, at + letter.len()) } else { span };
                     at = place.end;
                     if let Meaning::Value(value) = self.scope.meaning(letter, &self.locals) {
                         items.push_back(self.leaf(value, place));

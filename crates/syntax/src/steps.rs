@@ -113,7 +113,7 @@ impl Words<'_> {
     }
 
     /// What follows the first statement; `None` if that is not whole.
-    fn behind<'t>(self, tokens: &'t [Token], depth: usize) -> Option<&'t [Token]> {
+    fn behind(self, tokens: &[Token], depth: usize) -> Option<&[Token]> {
         let tokens = skip(tokens);
         let first = tokens.first()?;
         if depth > DEEPEST {

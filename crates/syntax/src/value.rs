@@ -131,7 +131,7 @@ impl Lowering<'_> {
         span: Span,
     ) -> Fallible<Value> {
         match function {
-            VectorFunction::Transpose => self.transpose(&arguments[0], span),
+            VectorFunction::Transpose => Self::transpose(&arguments[0], span),
             VectorFunction::Determinant => self.determinant(&arguments[0], span).map(Value::Number),
             // As numpy and Mathematica have it.
             VectorFunction::Dot if arguments.iter().any(Value::is_matrix) => {

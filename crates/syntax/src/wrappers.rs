@@ -86,7 +86,7 @@ impl Words<'_> {
         let statements = |all: Vec<Vec<Token>>| Some(Unwrapped::Statements(all));
         if SETUP.contains(&word)
             && (next.is_none_or(|next| is_name(next.symbol)) || word == "Needs")
-            || SETUP_CALLS.contains(&word) && opens && !is_setting && self.is_whole_call(tokens)
+            || SETUP_CALLS.contains(&word) && opens && !is_setting && Self::is_whole_call(tokens)
         {
             return statements(Vec::new());
         }
@@ -104,11 +104,11 @@ impl Words<'_> {
             return self.in_braces(tokens).map(|inner| Unwrapped::Statements(vec![inner]));
         }
         match word {
-            "With" | "Module" | "Block" if opens => return self.with(tokens).and_then(statements),
+            "With" | "Module" | "Block" if opens => return Self::with(tokens).and_then(statements),
             "isosurface" | "function" if next.is_some_and(|next| next.symbol == '{') => {
                 return self.of_pov(tokens).map(|inner| Unwrapped::Statements(vec![inner]));
             }
-            _ if AROUND.contains(&word) && opens && self.is_whole_call(tokens) => {
+            _ if AROUND.contains(&word) && opens && Self::is_whole_call(tokens) => {
                 let (inner, _) = bracketed(&tokens[1..])?;
                 return statements(vec![inner]);
             }
@@ -132,7 +132,7 @@ impl Words<'_> {
     }
 
     /// Whether a statement is one call and nothing else.
-    fn is_whole_call(self, tokens: &[Token]) -> bool {
+    fn is_whole_call(tokens: &[Token]) -> bool {
         let end = closing(&tokens[1..]);
         end.is_some_and(|end| {
             tokens[end + 2..].iter().all(|token| matches!(token.symbol, ':' | '?' | ','))
@@ -160,7 +160,7 @@ impl Words<'_> {
     }
 
     /// `With[{a = 2}, body]`.
-    fn with(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+    fn with(tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let (inner, rest) = bracketed(&tokens[1..])?;
         let [names, body] = <[_; 2]>::try_from(split(inner, ',')).ok()?;
         let (names, more) = bracketed(&names).filter(|_| names[0].symbol == '{')?;

@@ -206,11 +206,11 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
                 prop_assert!(surface.root.index() < document.graph.len());
             }
             let statements = parse(text, &Limits::default());
-            let statements = statements.map_err(|e| TestCaseError::fail(e.to_string()))?;
+            let statements = statements.map_err(|e| TestCaseError::fail(format!("{text}\n{e}")))?;
             let printed: Vec<String> = statements.iter().map(ToString::to_string).collect();
             let printed = printed.join("\n");
             match parse(&printed, &Limits::default()) {
-                Ok(again) => prop_assert_eq!(again, statements, "{}", printed),
+                Ok(again) => prop_assert!(again == statements, "{text}\n\n{printed}"),
                 Err(errors) => {
                     let errors = errors.render(None, &printed, false);
                     return Err(TestCaseError::fail(format!("{text}\n{errors}")));
