@@ -173,6 +173,8 @@ pub enum ErrorKind {
     RestrictionInside,
     #[error("there are no arrays")]
     Array,
+    #[error("programs cut this quotient of whole numbers")]
+    WholeQuotient,
     #[error("this statement sets nothing")]
     NoEffect,
     #[error("`//` is no integer division")]

@@ -275,6 +275,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
         ErrorKind::Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
         ErrorKind::RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
+        ErrorKind::WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
         ErrorKind::Degree { .. } => "write it in digits, or the polynomial itself",
         ErrorKind::Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"

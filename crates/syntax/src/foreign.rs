@@ -135,7 +135,13 @@ fn tag(rest: &str) -> Option<(char, usize)> {
         let is_short = rest[end + 1..end + 1 + close].chars().all(in_name);
         return is_short.then_some(('^', end + 1));
     }
-    TAGS.contains(&word).then_some((' ', end + 1))
+    // `x <b> y` compares: what opens must close.
+    let closes = || {
+        let close = format!("</{word}>");
+        crate::scan::start(&rest[end + 1..], 400).contains(&close)
+    };
+    let is_tag = rest.starts_with("</") || word == "br" || closes();
+    (TAGS.contains(&word) && is_tag).then_some((' ', end + 1))
 }
 
 /// The letter, digit or sign that a character is another form of: of full width, or set for mathematics.

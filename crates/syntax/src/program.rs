@@ -75,6 +75,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
         limits,
         taken: taken.into_iter().map(str::to_owned).collect(),
         heads: FxHashSet::default(),
+        whole: FxHashSet::default(),
         macros: FxHashMap::default(),
         procedures: FxHashMap::default(),
         constants: FxHashMap::default(),

@@ -42,6 +42,8 @@ pub(crate) struct Reader<'a> {
     pub limits: &'a Limits,
     /// Names that the text uses, or that were made.
     pub taken: FxHashSet<String>,
+    /// Names of whole numbers, whose quotients programs cut.
+    pub whole: FxHashSet<String>,
     /// Names that were defined.
     pub heads: FxHashSet<String>,
     pub macros: FxHashMap<String, Rc<Macro>>,
@@ -183,6 +185,9 @@ impl Reader<'_> {
             let procedure = self.procedures.get(self.words.word(**token));
             procedure.is_some_and(|procedure| procedure.changes)
         };
+        if let Some(span) = self.cut_quotient(&tokens) {
+            return Err(Error::new(span, ErrorKind::WholeQuotient));
+        }
         if let Some(token) = tokens.iter().find(changing) {
             let name = self.words.word(*token).to_owned();
             return Err(Error::new(token.span, ErrorKind::OutParameter { name }));

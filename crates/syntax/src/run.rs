@@ -177,7 +177,12 @@ impl Builder<'_> {
                     items.push_back(self.leaf(value, span));
                     return Ok(());
                 }
-                let Some(axis) = capital(&name) else {
+                // Beside a parameter x, X is no coordinate.
+                let hides = |axis: &Axis| {
+                    let lower = NamedValue::Coordinate(*axis);
+                    self.locals.iter().any(|local| local.text == lower.name())
+                };
+                let Some(axis) = capital(&name).filter(|axis| !hides(axis)) else {
                     return Err(self.unknown(&name, typed, span));
                 };
                 self.note(span, NoteKind::CapitalCoordinates);

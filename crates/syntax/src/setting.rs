@@ -8,6 +8,7 @@ use crate::program::Wrap;
 use crate::program_words::{Words, split};
 use crate::reader::{Frame, Reader};
 use crate::scan::Token;
+use crate::span::Span;
 use crate::spelling::is_name;
 use crate::statement::Head;
 use crate::value::LETTERS;
@@ -32,6 +33,9 @@ impl Reader<'_> {
                 && let Some(name) = tokens.first()
             {
                 frame.whole.insert(self.words.word(*name).to_owned());
+            }
+            if is_whole && let Some(name) = tokens.first() {
+                self.whole.insert(self.words.word(*name).to_owned());
             }
             if self.counts(&tokens, frame) {
                 continue;
@@ -144,6 +148,25 @@ impl Reader<'_> {
         }
         frame.set.push((name.text, size));
         Ok(())
+    }
+
+    /// A quotient of whole numbers, of which one has a name: programs leave out its fraction.
+    pub(crate) fn cut_quotient(&self, tokens: &[Token]) -> Option<Span> {
+        if self.whole.is_empty() {
+            return None;
+        }
+        let is_named = |token: Token| self.whole.contains(self.words.word(token));
+        let is_whole = |token: Token| {
+            let typed = &self.words.text[token.span.range()];
+            is_named(token) || token.symbol == '0' && typed.bytes().all(|b| b.is_ascii_digit())
+        };
+        let found = tokens.windows(3).find(|part| {
+            part[1].symbol == '/'
+                && is_whole(part[0])
+                && is_whole(part[2])
+                && (is_named(part[0]) || is_named(part[2]))
+        });
+        found.map(|part| part[0].span.to(part[2].span))
     }
 
     /// What a name stands for that nothing has set.
