@@ -13,7 +13,7 @@ use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
 use crate::program::program;
 use crate::scene::{DomainLine, SceneSetting, SrgbColor, ViewLine, scene_line};
-use crate::scope::Scope;
+use crate::scope::{Meaning, Scope};
 use crate::span::Span;
 use crate::spelling::short_name;
 use crate::statement::{Built, build, lines, settle_heads};
@@ -211,6 +211,16 @@ impl<'a> Reader<'a> {
                 self.errors.push(*error);
             }
             if self.errors.len() >= MOST {
+                break;
+            }
+        }
+        for made in &program.made {
+            let is_unknown = |name: &&String| {
+                !matches!(scope.meaning(name, &[]), Meaning::Value(_) | Meaning::Function(_))
+            };
+            if let Some(name) = made.used.iter().filter(is_unknown).min() {
+                let kind = ErrorKind::UnknownName { name: short_name(name), letter: None };
+                self.errors.push(*Error::new(made.span, kind));
                 break;
             }
         }

@@ -304,6 +304,12 @@ fn set(
             {
                 builder.used.insert(name.clone());
             }
+            if let ExprKind::Name(NamedValue::Defined(name)) = before {
+                let meaning = builder.scope.meaning(name, &builder.locals);
+                if !matches!(meaning, Meaning::Value(NamedValue::Defined(_))) {
+                    return Err(builder.unknown(name, name, head.name.span));
+                }
+            }
             body = Expr::new(with_parts(letters, before, *size, &body.kind, span), span);
         }
         None => {}
