@@ -120,7 +120,7 @@ impl Reader<'_> {
             None if again
                 || wrap.is_some()
                 || self.uses(&value, &name.text)
-                || matches!(name.text.as_str(), "x" | "y" | "z" | "t") =>
+                || name.text.chars().all(|letter| "xyzt".contains(letter)) =>
             {
                 self.fresh(&format!("{}_2", name.text))
             }
