@@ -83,8 +83,8 @@ fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> O
         return None;
     }
     let rest = &base[span.end..];
-    let end = span.end + rest.find(['\n', ';', '#']).unwrap_or(rest.len());
-    let space = if base[end..].starts_with('#') { " " } else { "" };
+    let end = span.end + end_of_statement(rest).unwrap_or(rest.len());
+    let space = if is_comment(&base[end..]) { " " } else { "" };
     Some(format!("{}{line}{space}{}", &base[..span.start], &base[end..]))
 }
 
@@ -123,14 +123,25 @@ fn extent(statement: &Statement) -> Range<usize> {
 fn piece(text: &str, span: &Range<usize>) -> Range<usize> {
     let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
     let rest = &text[span.end..];
-    let end = rest.find(['\n', ';', '#']).map_or(rest.len(), |at| {
-        if rest[at..].starts_with('#') {
+    let end = end_of_statement(rest).map_or(rest.len(), |at| {
+        if is_comment(&rest[at..]) {
             rest[at..].find('\n').map_or(rest.len(), |line| at + line + 1)
         } else {
             at + 1
         }
     });
     start..span.end + end
+}
+
+/// Where a line, a statement or its comment ends what `rest` begins with.
+fn end_of_statement(rest: &str) -> Option<usize> {
+    let end = rest.find(['\n', ';', '#']);
+    rest.find("//").filter(|at| end.is_none_or(|end| *at < end)).or(end)
+}
+
+/// Whether a comment begins here.
+fn is_comment(rest: &str) -> bool {
+    rest.starts_with('#') || rest.starts_with("//")
 }
 
 #[cfg(test)]
@@ -148,6 +159,8 @@ mod tests {
             ("r = 2 in [0, 5]\nx = r", "r = 3 in [1, 9]", "r = 3 in [1, 9]\nx = r"),
             ("x = 1; y = 2; r = 3", "z = r", " r = 3\nz = r"),
             ("x = 1 # one; two\ny = 3", "z", "z"),
+            ("x = 1 // one; two\ny = 3", "z", "z"),
+            ("r = 2 // a radius; old\nx = r", "r = 3", "r = 3 // a radius; old\nx = r"),
             ("x = 1 {y > 0,\n z > 0}\nr = 1", "z = r", "r = 1\nz = r"),
             ("# Title\nx", "y", "# Title\ny"),
             ("g(a) = a\nz = g(x)", "g(a) = 2a", "z = g(x)\ng(a) = 2a"),

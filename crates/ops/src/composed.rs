@@ -59,7 +59,7 @@ pub static COMPOSED: &[Composed] = &[
     row("radians", &["deg2rad"], &["a"], "a*pi/180", "an angle of a degrees, in radians"),
     row("degrees", &["rad2deg"], &["a"], "a*180/pi", "an angle of a radians, in degrees"),
     row("saturate", &[], &["a"], "min(max(a, 0), 1)", "a, no smaller than 0 and no larger than 1"),
-    row("heaviside", &["unitstep"], &["a"], "select_negative(a, 0, 1)", "0 where a < 0, else 1"),
+    row("heaviside", &["unitstep", "heavisidetheta"], &["a"], "select_negative(a, 0, 1)", "0 where a < 0, else 1"),
     row("heaviside", &[], &["a", "b"], "select_negative(a, 0, select_negative(-a, 1, b))", "0 where a < 0, 1 where a > 0, b at 0"),
     row("subtract", &["difference"], &["a", "b"], "max(a, -b)", "solid a without solid b"),
     row("blend", &["smooth_union"], &["a", "b", "k"], "min(a, b)-max(k-abs(a-b), 0)^2/(4*k)", "union of solids a and b, rounded over a width k"),

@@ -15,6 +15,14 @@ pub enum Meaning {
     Iterate,
     /// A vector with this many components.
     Vector(u8),
+    /// A square matrix with this many rows.
+    Matrix(u8),
+    /// A matrix with rows and columns exchanged.
+    Transpose,
+    /// The determinant of a matrix.
+    Determinant,
+    /// A product of matrices and vectors.
+    Multiply,
     /// A scalar product.
     Dot,
     /// A vector product.
@@ -57,12 +65,18 @@ const fn row(
 pub static FORMS: &[Form] = &[
     row("if", &["which", "where"], Meaning::Choose, "if(x < 0, x^2, x)", "a choice, also {x < 0: x^2, x}; conditions are tried in turn, and without a last value it is undefined where none holds"),
     row("piecewise", &[], Meaning::Pieces, "piecewise([[x^2, x < 0], [x, x >= 0]])", "a choice whose pieces are in brackets, the value first"),
-    row("sum", &["summation"], Meaning::Sum, "sum(k = 1..5, sin(k x)/k)", "a sum over whole numbers, at most 1000"),
+    row("sum", &["summation", "add"], Meaning::Sum, "sum(k = 1..5, sin(k x)/k)", "a sum over whole numbers, at most 1000"),
     row("product", &["prod"], Meaning::Product, "product(k = 1..3, x - k)", "a product over whole numbers, at most 1000"),
     row("iterate", &["nest"], Meaning::Iterate, "iterate(f, 3, x)", "f(f(f(x))): a function applied n times, at most 1000"),
-    row("vec2", &["float2"], Meaning::Vector(2), "vec2(x, y)", "a vector of two components, its parts .x and .y"),
-    row("vec3", &["float3", "vector", "array"], Meaning::Vector(3), "vec3(x, y, z)", "a vector of three components, its parts .x, .y and .z"),
-    row("vec4", &["float4"], Meaning::Vector(4), "vec4(x, y, z, 1)", "a vector of four components, its parts .x to .w"),
+    row("vec2", &["float2", "vec2f", "ivec2"], Meaning::Vector(2), "vec2(x, y)", "a vector of two components, its parts .x and .y"),
+    row("vec3", &["float3", "vec3f", "ivec3", "vector", "array"], Meaning::Vector(3), "vec3(x, y, z)", "a vector of three components, its parts .x, .y and .z"),
+    row("vec4", &["float4", "vec4f"], Meaning::Vector(4), "vec4(x, y, z, 1)", "a vector of four components, its parts .x to .w"),
+    row("mat2", &["mat2x2", "mat2x2f", "float2x2", "half2x2", "matrix"], Meaning::Matrix(2), "mat2(1, 0, 0, 1)", "a matrix of two columns, given one after the other; times a vector it is one"),
+    row("mat3", &["mat3x3", "mat3x3f", "float3x3", "half3x3"], Meaning::Matrix(3), "mat3(1, 0, 0, 0, 1, 0, 0, 0, 1)", "a matrix of three columns"),
+    row("mat4", &["mat4x4", "mat4x4f", "float4x4", "half4x4"], Meaning::Matrix(4), "mat4(1)", "a matrix of four columns, here with ones on its diagonal"),
+    row("transpose", &[], Meaning::Transpose, "transpose(mat2(1, 2, 3, 4))", "a matrix with rows and columns exchanged"),
+    row("determinant", &["det"], Meaning::Determinant, "determinant(mat2(1, 2, 3, 4))", "the determinant of a matrix"),
+    row("mul", &[], Meaning::Multiply, "mul(mat2(1, 2, 3, 4), vec2(x, y))", "m*p: a product of matrices and vectors"),
     row("dot", &[], Meaning::Dot, "dot(p, q)", "scalar product of two vectors"),
     row("cross", &[], Meaning::Cross, "cross(p, q)", "vector product of two vectors of three components"),
     row("normalize", &[], Meaning::Normalize, "normalize(p)", "p/length(p)"),

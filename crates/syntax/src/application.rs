@@ -44,7 +44,17 @@ impl Builder<'_> {
         let (arguments, place) = if let Some(pair) = brackets {
             items.pop_front();
             let place = self.span(&pair);
-            (self.arguments(pair, place)?, place)
+            let mut arguments = self.arguments(pair, place)?;
+            // `root(3)(x)` of AsciiMath.
+            if let (Callee::BuiltIn(name), 1, Some(Item::Group(radicand))) =
+                (&callee, arguments.len(), items.front())
+                && name == "root"
+            {
+                let radicand = radicand.clone();
+                items.pop_front();
+                arguments.insert(0, self.group(radicand)?);
+            }
+            (arguments, place)
         } else {
             let argument = self.bare_argument(&callee, span, items)?;
             let place = argument.span;
@@ -153,7 +163,7 @@ impl Builder<'_> {
     }
 
     /// A call with its arguments counted.
-    fn call(
+    pub(crate) fn call(
         &mut self,
         callee: &Callee,
         span: Span,
@@ -163,7 +173,33 @@ impl Builder<'_> {
         let forms = self.scope.forms(callee);
         let mut arguments = arguments;
         note_form(self, callee, span);
+        let typed = &self.text[span.range()];
         match (callee, arguments.as_mut_slice()) {
+            (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
+                self.note(span, NoteKind::NaturalLogarithm);
+            }
+            // SymPy and MATLAB have the mean at 0.
+            (Callee::BuiltIn(name), [_]) if name == "heaviside" && typed == "Heaviside" => {
+                let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), span);
+                let half = vec![(ProductSign::Over, number("2"))];
+                let half = ExprKind::Product(Box::new(number("1")), half);
+                arguments.push(Expr::new(half, span));
+            }
+            // `Clip[x, {a, b}]`
+            (
+                Callee::BuiltIn(_),
+                [_, Expr { kind: ExprKind::Call(Function::Vector(2), ends), .. }],
+            ) if typed == "Clip" => {
+                let ends = ends.clone();
+                arguments.truncate(1);
+                arguments.extend(ends);
+            }
+            // Typst has fractions so.
+            (Callee::BuiltIn(name), [_, _]) if name == "frac" => {
+                let (divisor, top) = (arguments.remove(1), arguments.remove(0));
+                let parts = vec![(ProductSign::Times, top), (ProductSign::Over, divisor)];
+                return product_of(parts);
+            }
             (Callee::Logarithm(base), [_]) => {
                 let base = Expr::new(ExprKind::Number(base.clone()), span);
                 let argument = arguments.remove(0);

@@ -57,7 +57,7 @@ pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallib
     let mut arranged = arranger.level(&mut tokens, None)?;
     // What was given no meaning by what is around it has none.
     for token in &mut arranged {
-        if matches!(token.symbol, '&' | '⸮' | '␤') {
+        if matches!(token.symbol, '&' | '⸮' | '␤' | '@' | '÷') {
             token.symbol = '?';
         }
     }
@@ -119,7 +119,13 @@ impl Arranger<'_> {
             if closer(token.symbol).is_some() {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
-                segment.push(self.group(token, inner, close, open.is_some()));
+                // `{\text{for}}` is a word of the text around.
+                let between = &self.text[token.span.end..close.span.start];
+                if inner.is_empty() && token.symbol == '{' && between.contains(r"\text") {
+                    continue;
+                }
+                let group = self.group((token, close), inner, open.is_some(), segment.last());
+                segment.push(group);
                 continue;
             }
             if token.symbol == '␤' && in_pieces {
@@ -163,7 +169,13 @@ impl Arranger<'_> {
     }
 
     /// A pair of brackets: braces are pieces if they hold a colon, a list if a comma.
-    fn group(&self, mut open: Token, inner: Vec<Token>, mut close: Token, nested: bool) -> Node {
+    fn group(
+        &self,
+        (mut open, mut close): (Token, Token),
+        inner: Vec<Token>,
+        nested: bool,
+        before: Option<&Node>,
+    ) -> Node {
         let mut depth = 0_usize;
         let (mut colon, mut comma, mut relation) = (false, false, false);
         for token in &inner {
@@ -177,7 +189,11 @@ impl Arranger<'_> {
             }
             relation |= "=≠<≤>≥∧∨¬".contains(token.symbol);
         }
-        if open.symbol == '{' && colon {
+        let typed = self.typed(open);
+        let is_printed = typed == r"\{" || typed == r"\lbrace";
+        if is_printed && !colon && !relation && (!comma || is_called(before)) {
+            (open.symbol, close.symbol) = ('(', ')');
+        } else if open.symbol == '{' && colon {
             (open.symbol, close.symbol) = ('⦃', '⦄');
         } else if open.symbol == '{'
             && !self.is_setting
@@ -246,6 +262,11 @@ impl Arranger<'_> {
                 token.symbol = '∧';
             }
         }
+        if let Some(at) = nodes.iter().position(|node| node.is('÷')) {
+            over(nodes, at, out);
+            return Ok(());
+        }
+        self.then(&mut nodes);
         let is_ternary = nodes.iter().any(|node| node.is('⸮'));
         let is_conditional = nodes.iter().skip(1).any(|node| self.is_word(node, "if"))
             && nodes.iter().any(|node| self.is_word(node, "else"));
@@ -264,6 +285,26 @@ impl Arranger<'_> {
         }
         flatten(nodes, out);
         Ok(())
+    }
+
+    /// `if c then a else b` as `c ? a : b`.
+    fn then(&self, nodes: &mut Vec<Node>) {
+        if !nodes.iter().any(|node| self.is_word(node, "then")) {
+            return;
+        }
+        nodes.retain(|node| !["if", "end", "fi"].iter().any(|word| self.is_word(node, word)));
+        for node in nodes.iter_mut() {
+            let symbol = if self.is_word(node, "then") {
+                '⸮'
+            } else if ["else", "elif", "elseif"].iter().any(|word| self.is_word(node, word)) {
+                ':'
+            } else {
+                continue;
+            };
+            if let Node::Leaf(token) = node {
+                token.symbol = symbol;
+            }
+        }
     }
 
     /// Words and signs that have a role in brackets only: ranges, generators, the last piece.
@@ -371,6 +412,27 @@ impl Arranger<'_> {
             }
         }
         None
+    }
+}
+
+/// Whether brackets behind this hold arguments.
+fn is_called(before: Option<&Node>) -> bool {
+    matches!(before, Some(Node::Leaf(token)) if token.symbol == 'a')
+}
+
+/// `a \over b` as a fraction.
+fn over(mut nodes: Vec<Node>, at: usize, out: &mut Vec<Token>) {
+    let below = nodes.split_off(at + 1);
+    let sign = nodes.pop().map_or(Span::default(), |node| node.span());
+    for (index, part) in [nodes, below].into_iter().enumerate() {
+        let start = part.first().map_or(sign, Node::span).start;
+        let end = part.last().map_or(sign, Node::span).end;
+        if index == 1 {
+            out.push(Token::new('/', sign));
+        }
+        out.push(Token::new('(', Span::at(start)));
+        flatten(part, out);
+        out.push(Token::new(')', Span::at(end)));
     }
 }
 

@@ -257,6 +257,8 @@ pub enum Function {
     Root,
     /// A vector: `vec2`, `vec3` or `vec4`.
     Vector(u8),
+    /// A square matrix of two to four rows, its elements column by column.
+    Matrix(u8),
     /// A function of vectors.
     OfVectors(VectorFunction),
     /// `iterate(f, n, a, …)`: this function applied n times to a, its further arguments the same
@@ -279,6 +281,10 @@ pub enum VectorFunction {
     Distance,
     /// A vector mirrored in a plane.
     Reflect,
+    /// A matrix with rows and columns exchanged.
+    Transpose,
+    /// The determinant of a matrix.
+    Determinant,
 }
 
 impl VectorFunction {
@@ -290,6 +296,8 @@ impl VectorFunction {
             Self::Normalize => "normalize",
             Self::Distance => "distance",
             Self::Reflect => "reflect",
+            Self::Transpose => "transpose",
+            Self::Determinant => "determinant",
         }
     }
 }
@@ -305,6 +313,9 @@ impl Function {
             Self::Vector(2) => "vec2",
             Self::Vector(3) => "vec3",
             Self::Vector(_) => "vec4",
+            Self::Matrix(2) => "mat2",
+            Self::Matrix(3) => "mat3",
+            Self::Matrix(_) => "mat4",
             Self::OfVectors(function) => function.name(),
             Self::Iterate(_) => "iterate",
             Self::Defined(name) => name,

@@ -2,14 +2,16 @@
 //! shapes.
 
 use crate::aliases::Aliases;
-use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign};
+use crate::ast::{
+    Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign, VectorFunction,
+};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule, recognise};
 use crate::limits::Limits;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::factor_text;
 use crate::scan::Piece;
-use crate::scope::Scope;
+use crate::scope::{Callee, Scope};
 use crate::span::Span;
 use crate::spelling::short_formula;
 use rustc_hash::FxHashSet;
@@ -256,6 +258,7 @@ impl<'a> Builder<'a> {
 
     fn product(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let mut joint = ProductSign::Times;
+        let mut function = None;
         let mut factors: Vec<(ProductSign, Expr)> = Vec::new();
         loop {
             let signs = self.signs(pairs);
@@ -263,17 +266,37 @@ impl<'a> Builder<'a> {
             let first = run.next().expect("a run has a first factor");
             let first = self.signed(&signs, |_| Ok(first))?;
             let others: Vec<Expr> = run.collect();
+            let first = match (factors.pop(), function.take()) {
+                (Some((sign, left)), Some(function)) => {
+                    joint = sign;
+                    let span = left.span.to(first.span);
+                    Expr::new(ExprKind::Call(function, vec![left, first]), span)
+                }
+                (before, _) => {
+                    factors.extend(before);
+                    first
+                }
+            };
             if joint == ProductSign::Over {
                 self.note_division(&factors, &first, &others);
             }
             factors.push((joint, first));
             factors.extend(others.into_iter().map(|f| (ProductSign::Times, f)));
             joint = match pairs.peek().map(|operator| operator.as_str()) {
-                Some("*") => ProductSign::Times,
+                Some("*" | "⊙" | "٪") => ProductSign::Times,
                 Some("/") => ProductSign::Over,
                 _ => break,
             };
-            pairs.next();
+            let Some(operator) = pairs.next() else { break };
+            function = match operator.as_str() {
+                "⊙" => Some(Function::OfVectors(VectorFunction::Dot)),
+                "٪" => {
+                    let span = self.span(&operator);
+                    self.note(span, NoteKind::Remainder);
+                    self.scope.forms(&Callee::BuiltIn("mod".to_owned())).function(2)
+                }
+                _ => None,
+            };
         }
         product_of(factors)
     }

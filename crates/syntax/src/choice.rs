@@ -17,6 +17,9 @@ use zeroset_ops::Op;
 /// The most terms of a sum, factors of a product and repetitions of a function.
 pub(crate) const MOST_TERMS: i64 = 1000;
 
+/// The most numbers that are chosen between where a choice depends on another.
+const MOST_LEAVES: usize = 500;
+
 impl<'a> Lowering<'a> {
     /// The value of the first piece whose condition holds.
     pub(crate) fn choice(
@@ -48,7 +51,7 @@ impl<'a> Lowering<'a> {
                     only => self.only_where(part(&only[0]), condition, locals)?,
                 });
             }
-            rest = Some(Value::new(nodes));
+            rest = Some(Value::shaped(nodes, &operands));
         }
         rest.ok_or_else(|| Error::new(Span::default(), ErrorKind::Empty))
     }
@@ -125,11 +128,47 @@ impl<'a> Lowering<'a> {
 
     /// `yes` where a margin is positive, or if not `strict` 0, else `no`.
     fn by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
+        // Whether a program has left a loop is itself a choice, between numbers: with that in between, bounds would hold
+        // both of what is chosen.
+        if let Some(node) = self.by_numbers(margin, strict, (yes, no), &mut MOST_LEAVES.clone()) {
+            return node;
+        }
         if strict {
             let below = self.graph.apply(Op::Neg, &[margin]);
             self.graph.apply(Op::SelectNegative, &[below, yes, no])
         } else {
             self.graph.apply(Op::SelectNegative, &[margin, no, yes])
+        }
+    }
+
+    /// What a margin decides that is a choice between numbers: the same choice between `values`. `None` for others.
+    fn by_numbers(
+        &mut self,
+        margin: NodeId,
+        strict: bool,
+        values: (NodeId, NodeId),
+        left: &mut usize,
+    ) -> Option<NodeId> {
+        *left = left.checked_sub(1)?;
+        let (op, operands) = match self.graph.node(margin) {
+            Node::Constant(constant) => {
+                let bounds = constant.bounds();
+                let holds = if constant.is_zero() { !strict } else { bounds.lo > 0.0 };
+                return Some(if holds { values.0 } else { values.1 });
+            }
+            Node::Apply(op, operands) => (*op, operands.to_vec()),
+            Node::Variable(_) | Node::Parameter(_) => return None,
+        };
+        match (op == Op::SelectNegative, operands.as_slice()) {
+            (true, [by, below, above]) => {
+                let below = self.by_numbers(*below, strict, values, left)?;
+                let above = self.by_numbers(*above, strict, values, left)?;
+                if below == above && self.total.get(by.index()) == Some(&true) {
+                    return Some(below);
+                }
+                Some(self.graph.apply(op, &[*by, below, above]))
+            }
+            _ => None,
         }
     }
 
@@ -196,7 +235,7 @@ impl<'a> Lowering<'a> {
     ) -> Fallible<Value> {
         let count = match arguments.remove(0) {
             Value::Number(node) => self.integer_of(node),
-            Value::Vector(_) => None,
+            Value::Vector(_) | Value::Matrix(_) => None,
         };
         let Some(count) = count.filter(|count| *count >= 0) else {
             return Err(Error::new(span, ErrorKind::RangeNotWhole));

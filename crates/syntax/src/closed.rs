@@ -41,7 +41,7 @@ impl Builder<'_> {
                     Some('⌈') => Op::Ceil,
                     _ => Op::Abs,
                 };
-                let inner = self.value(inner.next().expect("bars hold an expression"))?;
+                let inner = self.argument(inner.next().expect("bars hold an expression"))?;
                 if op == Op::Abs && is_vector(&inner) {
                     let length = self.scope.forms(&Callee::BuiltIn("length".to_owned()));
                     let length = length.function(1).expect("a function of one value");

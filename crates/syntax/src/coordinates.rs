@@ -9,6 +9,7 @@ use crate::ast::{Definition, Expr, ExprKind, Name, NamedValue, Statement};
 use crate::build::Builder;
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
+use crate::program::Wrap;
 use crate::scope::{Scope, canonical};
 use crate::span::Span;
 use crate::spelling::plain_name;
@@ -56,7 +57,10 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
                 uses.entry(name).or_default().push((index, token.span));
             }
         }
-        let before = unit.write.as_ref().map(|write| &write.before);
+        let before = match &unit.wrap {
+            Some(Wrap::Write { before, .. }) => Some(before),
+            _ => None,
+        };
         if let Some(ExprKind::Name(NamedValue::Defined(name))) = before
             && let Some(point) = ["p", "pos"].into_iter().find(|point| point == name)
         {

@@ -52,6 +52,9 @@ pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Bo
         (_, ';') => {
             Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
         }
+        ('}', sign) if "+-*/^".contains(sign) && braces_restrict(&piece.tokens[..next]) => {
+            Error::new(here, ErrorKind::RestrictionInside)
+        }
         (sign, _) if is_operator(sign) => {
             Error::new(place, ErrorKind::MissingAfter { sign: typed(place) })
         }
@@ -75,6 +78,12 @@ fn choice_in_braces(piece: &Piece, next: usize) -> Option<Span> {
     let open = before.iter().rposition(|token| token.symbol == '{')?;
     let sign = before.get(open.checked_sub(1)?)?;
     is_operator(sign.symbol).then(|| before[open].span.to(piece.tokens[next].span))
+}
+
+/// Whether the braces that were closed last hold a comparison.
+fn braces_restrict(before: &[Token]) -> bool {
+    let open = before.iter().rposition(|token| token.symbol == '{').unwrap_or(0);
+    before[open..].iter().any(|token| "=≠<≤>≥".contains(token.symbol))
 }
 
 /// Whether a colon is in a choice, where it has a meaning.
@@ -133,7 +142,10 @@ fn unknown_character(text: &str, span: Span) -> Box<Error> {
     if CALCULUS.contains(&typed) || matches!(typed, "∫" | "∬" | "∮" | "∂" | "∇") {
         return Error::new(span, ErrorKind::Calculus);
     }
-    let character = text[span.range()].chars().next().unwrap_or('?');
+    let character = match typed {
+        r"\pm" | r"\mp" => '±',
+        _ => typed.chars().next().unwrap_or('?'),
+    };
     let error = Error::new(span, ErrorKind::UnexpectedCharacter { character });
     let meant = match character {
         '–' | '—' | '‐' | '‑' | '‒' | '－' => "-",

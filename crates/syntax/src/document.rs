@@ -13,7 +13,7 @@ use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::Drawing;
 use crate::program::program;
 use crate::scene::{DomainLine, SceneSetting, SrgbColor, ViewLine, scene_line};
-use crate::scope::Scope;
+use crate::scope::{Meaning, Scope};
 use crate::span::Span;
 use crate::spelling::short_name;
 use crate::statement::{Built, build, lines, settle_heads};
@@ -181,6 +181,12 @@ impl<'a> Reader<'a> {
         }
         coordinates::settle(self.text, &mut lines, &scope);
         settle_heads(&mut lines, &mut scope, &mut self.notes);
+        for made in &program.made {
+            if let Statement::Define(Definition { name, parameters, .. }) = &made.statement {
+                scope.define(&name.text, parameters.as_ref().map(Vec::len));
+            }
+        }
+        self.notes.extend(program.notes.iter().cloned());
         let (mut built, notes) = coordinates::implied(
             self.text,
             &lines,
@@ -208,7 +214,24 @@ impl<'a> Reader<'a> {
                 break;
             }
         }
+        for made in &program.made {
+            let is_unknown = |name: &&String| {
+                !matches!(scope.meaning(name, &[]), Meaning::Value(_) | Meaning::Function(_))
+            };
+            if let Some(name) = made.used.iter().filter(is_unknown).min() {
+                let kind = ErrorKind::UnknownName { name: short_name(name), letter: None };
+                self.errors.push(*Error::new(made.span, kind));
+                break;
+            }
+        }
         self.check()?;
+        built.extend(program.made.iter().map(|made| Built {
+            statement: made.statement.clone(),
+            span: made.span,
+            notes: Vec::new(),
+            used: made.used.clone(),
+        }));
+        let mut built = needed(built, &program.generated);
         if let Some((drawn, note)) = drawn_by_program(&program, &built) {
             built.push(drawn);
             self.notes.push(note);
@@ -322,6 +345,35 @@ impl<'a> Reader<'a> {
             notes: self.notes,
         })
     }
+}
+
+/// What is used of what a program's branches and loops have made, and everything else.
+fn needed(built: Vec<Built>, generated: &FxHashSet<String>) -> Vec<Built> {
+    if generated.is_empty() {
+        return built;
+    }
+    let name = |built: &Built| match &built.statement {
+        Statement::Define(definition) if generated.contains(&definition.name.text) => {
+            Some(definition.name.text.clone())
+        }
+        _ => None,
+    };
+    let names: FxHashMap<String, usize> = built
+        .iter()
+        .enumerate()
+        .filter_map(|(index, one)| name(one).map(|name| (name, index)))
+        .collect();
+    let mut keep: Vec<bool> = built.iter().map(|one| name(one).is_none()).collect();
+    let mut open: Vec<usize> = (0..built.len()).filter(|index| keep[*index]).collect();
+    while let Some(index) = open.pop() {
+        for used in built[index].used.iter().filter_map(|name| names.get(name)) {
+            if !std::mem::replace(&mut keep[*used], true) {
+                open.push(*used);
+            }
+        }
+    }
+    let mut keep = keep.into_iter();
+    built.into_iter().filter(|_| keep.next().unwrap_or(true)).collect()
 }
 
 /// Notes on exponents that are not known to be integers, each where it is first drawn.

@@ -161,6 +161,22 @@ pub enum ErrorKind {
     Program { word: String },
     #[error("a program sets at most {limit} names")]
     TooManyNames { limit: usize },
+    #[error("a program runs at most {limit} statements, its loops written out")]
+    TooManySteps { limit: usize },
+    #[error("how often this loop runs is not known")]
+    LoopEnd,
+    #[error("`{name}` changes what it is given")]
+    OutParameter { name: String },
+    #[error("a sign stands between what it joins")]
+    Prefix,
+    #[error("a condition in braces ends the formula")]
+    RestrictionInside,
+    #[error("there are no arrays")]
+    Array,
+    #[error("programs cut this quotient of whole numbers")]
+    WholeQuotient,
+    #[error("this statement sets nothing")]
+    NoEffect,
     #[error("`//` is no integer division")]
     IntegerDivision,
 
@@ -175,8 +191,12 @@ pub enum ErrorKind {
     NoComponent { letter: char, size: usize },
     #[error("`cross` takes two vectors of three components")]
     CrossSize,
-    #[error("there are no matrices")]
+    #[error("a matrix cannot be used like this")]
     Matrix,
+    #[error("this is not a matrix")]
+    NotAMatrix,
+    #[error("a matrix of {size} rows and columns cannot be made of {given} numbers")]
+    MatrixSize { size: usize, given: usize },
 
     // ---- choices, sums, iteration
     #[error("a piece of a choice has no condition")]
@@ -185,6 +205,10 @@ pub enum ErrorKind {
     FormUsage { name: &'static str, usage: &'static str },
     #[error("this must be a constant whole number")]
     RangeNotWhole,
+    #[error("a polynomial's degree must be a whole number up to {limit}")]
+    Degree { limit: u32 },
+    #[error("there are no parametric surfaces")]
+    Parametric,
     #[error("the step of a sum must be 1 or more")]
     SeriesStep,
     #[error("there are at most {limit} terms or repetitions")]

@@ -158,6 +158,10 @@ impl Error {
                      with a line `{letter} = 1` or with `-D {letter}=1`"
                 )
             }
+            ErrorKind::Recursion { cycle } if cycle.len() == 1 => {
+                "write a sum as `sum(k = 1..5, …)`, a function applied again as `iterate(f, 5, x)`"
+                    .to_owned()
+            }
             ErrorKind::UnknownFunction { name } if name == "erf" => {
                 "no proven bounds are known here; an approximation within 0.0005 is \
                  `erf(a) = tanh(1.128379a + 0.100906a^3)`, as a line of its own"
@@ -241,6 +245,17 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::Program { .. } => {
             "write a choice as `c ? a : b`, a loop as `sum(k = 1..3, …)` or `iterate(f, 3, x)`"
         }
+        ErrorKind::TooManySteps { .. } => "let the loop end earlier",
+        ErrorKind::Array => {
+            "give each element a name of its own, or use a vector such as `vec3(a, b, c)`"
+        }
+        ErrorKind::LoopEnd => {
+            "let it count between numbers, as in `for (int i = 0; i < 5; i++)` or `for i in range(5):`"
+        }
+        ErrorKind::OutParameter { .. } => {
+            "call it in a statement of its own, and give it names or components: `fold(p.xz);`"
+        }
+        ErrorKind::NoEffect => "remove it, or set a name to its value",
         ErrorKind::IntegerDivision => {
             "write `floor(a/b)` for a division, or put the comment on a line of its own"
         }
@@ -249,11 +264,22 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::ComponentOfNumber { .. } => "a product is written `*`",
         ErrorKind::NoComponent { .. } => "components are .x, .y, .z and .w, in this order",
         ErrorKind::CrossSize => "write `cross(vec3(…), vec3(…))`",
-        ErrorKind::Matrix => "write the components, as in `vec2(c*p.x - s*p.y, s*p.x + c*p.y)`",
+        ErrorKind::Matrix => {
+            "add matrices of one size, or multiply with a number, a matrix or a vector: `m*p.xy`"
+        }
+        ErrorKind::NotAMatrix => "write a matrix column by column, as in `mat2(c, s, -s, c)`",
+        ErrorKind::MatrixSize { .. } => "give all elements, or one for the diagonal",
         ErrorKind::PieceWithoutCondition => {
             "write `{x < 0: a, b}`: conditions first, then a value for all other points"
         }
         ErrorKind::RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
+        ErrorKind::Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
+        ErrorKind::RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
+        ErrorKind::WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
+        ErrorKind::Degree { .. } => "write it in digits, or the polynomial itself",
+        ErrorKind::Parametric => {
+            "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
+        }
         ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
         ErrorKind::TooManyTerms { .. } => "end the range earlier",
         ErrorKind::Complex => "rewrite the formula with real and imaginary parts",
@@ -312,6 +338,11 @@ fn character_reason(character: char) -> Option<&'static str> {
 
 fn character_help(character: char) -> Option<&'static str> {
     Some(match character {
+        '\'' | '′' | '’' => "write the derivative out; a name with a prime is written `x1`",
+        '!' => "write the product, as in `product(k = 1..5, k)`; there is no gamma function",
+        '"' | '`' | '“' | '”' => "write the formula without quotation marks",
+        '@' => "a function is written `f(x, y) = …`",
+        '$' => "dollar signs stand around a formula, not in it",
         '?' => "a choice is written `c ? a : b` or `{c: a, b}`",
         '%' => "the remainder is written `mod(a, b)`",
         '~' => "write `not`, or `=`",

@@ -3,14 +3,18 @@
 //! What people paste is brought to the same symbols here: LaTeX environments, comments of other
 //! languages, names of modules before functions, components of vectors.
 
+use crate::foreign::{foreign, plain_text};
 use crate::scan::start;
 use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, symbol, vulgar};
 
 /// What is known where a symbol is read.
 #[derive(Clone, Copy, Default)]
+#[allow(clippy::struct_excessive_bools)] // what was seen, each by itself
 pub(crate) struct Context {
     /// Whether a part of a fraction is next, which is one digit or stands in braces.
     pub is_part: bool,
+    /// Whether a root of LaTeX is open, of which one digit stands below.
+    pub is_radicand: bool,
     /// Whether a color is next.
     pub is_color: bool,
     /// Whether nothing stands before it on its line.
@@ -24,7 +28,7 @@ pub(crate) struct Context {
 /// Names of modules, which mean nothing before a dot and a name.
 const MODULES: &[&str] = &[
     "np", "numpy", "math", "Math", "sp", "sympy", "scipy", "jnp", "torch", "tf", "glm", "linalg",
-    "mpmath", "mp", "cp", "xp",
+    "mpmath", "mp", "cp", "xp", "Mathf",
 ];
 
 /// LaTeX commands that set type and mean nothing.
@@ -81,6 +85,9 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
     if let Some(comment) = comment(rest, context) {
         return (' ', comment);
     }
+    if let Some(found) = foreign(rest, context) {
+        return found;
+    }
     match character {
         '#' if rest.starts_with("#define ") => ('a', "#define".len()),
         '#' => match prefix(&rest[1..], |c| c.is_ascii_hexdigit()) {
@@ -88,6 +95,7 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
             _ => (' ', line_length(rest)),
         },
         '0'..='9' if context.is_part => ('1', 1),
+        '1'..='9' if context.last == Some('R') && context.is_radicand => ('1', 1),
         '.' if rest.starts_with("..") => ('‥', prefix(rest, |c| c == '.')),
         '…' => ('‥', length),
         '.' if context.touching.is_some_and(ends_value) => component(rest, context),
@@ -114,7 +122,11 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
         _ if vulgar(character).is_some() => ('½', length),
         'ℯ' => ('a', length),
         _ if character.is_alphabetic() => {
+            // A subscript of print ends a name.
+            let is_below = |c: char| ('₀'..='₉').contains(&c);
             let end = prefix(rest, in_name);
+            let below = rest[..end].find(is_below);
+            let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
             module(rest, end).map_or_else(|| name(rest, end), |length| (' ', length))
         }
         '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {
@@ -170,12 +182,56 @@ fn component(rest: &str, context: Context) -> (char, usize) {
     if is_component(word) {
         return ('‧', 1 + word.len());
     }
+    if method(word).is_some() && rest[1 + word.len()..].starts_with('(') {
+        return ('⋄', 1 + word.len());
+    }
+    if word == "T" {
+        return (' ', 2);
+    }
     if matches!(word, "doit" | "evalf" | "simplify") && rest[1 + word.len()..].starts_with("()") {
         return (' ', 3 + word.len());
     }
     // The end of a sentence, or what has no meaning.
     let is_name = context.touching.is_some_and(is_name) && word.starts_with(char::is_alphabetic);
     if is_name { ('?', 1) } else { number(rest) }
+}
+
+/// The function that a method is, as Rust has them.
+pub(crate) fn method(word: &str) -> Option<&'static str> {
+    const METHODS: &[(&str, &str)] = &[
+        ("powi", "pow"),
+        ("powf", "pow"),
+        ("pow", "pow"),
+        ("sqrt", "sqrt"),
+        ("cbrt", "cbrt"),
+        ("abs", "abs"),
+        ("sin", "sin"),
+        ("cos", "cos"),
+        ("tan", "tan"),
+        ("asin", "asin"),
+        ("acos", "acos"),
+        ("atan", "atan"),
+        ("atan2", "atan2"),
+        ("sinh", "sinh"),
+        ("cosh", "cosh"),
+        ("tanh", "tanh"),
+        ("exp", "exp"),
+        ("ln", "ln"),
+        ("log2", "log2"),
+        ("log10", "log10"),
+        ("floor", "floor"),
+        ("ceil", "ceil"),
+        ("round", "round"),
+        ("signum", "sign"),
+        ("recip", "recip"),
+        ("min", "min"),
+        ("max", "max"),
+        ("clamp", "clamp"),
+        ("hypot", "hypot"),
+        ("norm", "length"),
+        ("length", "length"),
+    ];
+    METHODS.iter().find(|(name, _)| *name == word).map(|(_, function)| *function)
 }
 
 /// Whether a word names components of a vector.
@@ -186,6 +242,9 @@ fn is_component(word: &str) -> bool {
 
 /// The length of a module's name with its dot, if a function of it follows.
 fn module(rest: &str, end: usize) -> Option<usize> {
+    if rest[end..].starts_with("::") && matches!(&rest[..end], "std" | "glm") {
+        return Some(end + 2);
+    }
     let member = rest[end..].strip_prefix('.')?;
     let word = &member[..prefix(member, in_name)];
     let is_member = word.starts_with(char::is_alphabetic) && !is_component(word);
@@ -210,7 +269,12 @@ fn number(rest: &str) -> (char, usize) {
             return ('0', end + 1);
         }
     }
-    if let Some(exponent) = rest[end..].strip_prefix(['e', 'E']) {
+    // `1.5*^-3` is one number of Mathematica, `1.0d0` one of Fortran.
+    let has_point = rest[..end].contains('.');
+    let tail = rest[end..].strip_prefix("*^");
+    let tail = tail.or_else(|| rest[end..].strip_prefix(['e', 'E']));
+    let fortran = rest[end..].strip_prefix(['d', 'D']).filter(|_| has_point);
+    if let Some(exponent) = tail.or(fortran) {
         let exponent = exponent.strip_prefix(['+', '-', '−']).unwrap_or(exponent);
         if digits(exponent) > 0 {
             end = rest.len() - exponent.len() + digits(exponent);
@@ -221,7 +285,7 @@ fn number(rest: &str) -> (char, usize) {
 
 /// A name whose letters end at `end`, with its subscript.
 fn name(rest: &str, end: usize) -> (char, usize) {
-    if let Some(fixed) = symbol(&rest[..end]) {
+    if let Some(fixed) = symbol(&rest[..end]).or_else(|| symbol(&plain_text(&rest[..end]))) {
         return (fixed, end);
     }
     // The underscore of a subscript is a letter elsewhere.
@@ -255,10 +319,14 @@ fn command(rest: &str) -> (char, usize) {
         }
         "sum" => return ('Σ', end),
         "prod" => return ('Π', end),
-        "lvert" | "rvert" | "vert" => return ('|', end),
+        "lvert" | "rvert" | "vert" | "lVert" | "rVert" | "Vert" => return ('|', end),
+        "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (' ', end),
+        "over" => return ('÷', end),
         "lbrace" => return ('{', end),
         "rbrace" => return ('}', end),
-        "int" | "iint" | "iiint" | "oint" | "partial" | "nabla" | "lim" => return ('?', end),
+        "pm" | "mp" | "int" | "iint" | "iiint" | "oint" | "partial" | "nabla" | "lim" => {
+            return ('?', end);
+        }
         _ if TYPESETTING.contains(&word) => return (' ', end),
         _ if LABELS.contains(&word) && after.starts_with('{') => {
             return (' ', after.find('}').map_or(rest.len(), |length| end + length + 1));
@@ -287,6 +355,7 @@ fn sign(rest: &str) -> (char, usize) {
         r"\]" | r"\(" | r"\)" => (' ', 2),
         // A brace before an environment is its ornament.
         r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (' ', 2),
+        r"\|" => ('|', 2),
         r"\{" => ('{', 2),
         r"\}" => ('}', 2),
         other => symbol(other).map_or(('?', 1), |blank| (blank, two)),

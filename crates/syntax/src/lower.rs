@@ -139,7 +139,7 @@ impl<'a> Lowering<'a> {
     pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
         match self.value_of(expr, locals)? {
             Value::Number(node) => Ok(node),
-            Value::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+            Value::Vector(_) | Value::Matrix(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
         }
     }
 
@@ -296,6 +296,7 @@ impl<'a> Lowering<'a> {
                 self.root(nodes[0], nodes[1], span).map(Value::Number)
             }
             Function::Vector(size) => vector(usize::from(*size), &arguments, span),
+            Function::Matrix(size) => self.matrix(usize::from(*size), &arguments, span),
             Function::OfVectors(function) => self.of_vectors(*function, &arguments, span),
             Function::Iterate(function) => self.iterate(function, arguments, span),
             Function::Composed(index)

@@ -86,6 +86,14 @@ pub enum NoteKind {
     PointOfSpace { name: String },
     #[error("read as `{name}({read})`; brackets tell where the argument ends")]
     FunctionOfProduct { name: String, read: String },
+    #[error("`a % b` is read as `mod(a, b)`, which has the sign of b")]
+    Remainder,
+    #[error("`{name}` is read as the time `t`")]
+    TimeOfShaders { name: String },
+    #[error("`log` is the natural logarithm; for the one to base 10, write `log10`")]
+    NaturalLogarithm,
+    #[error("`{name}` is left out: what is drawn is the distance function")]
+    MainLeftOut { name: String },
     #[error("further notes omitted")]
     More,
 }
@@ -102,6 +110,9 @@ impl NoteKind {
                 | Self::Sinc
                 | Self::ArcCotangent
                 | Self::ZeroElsewhere
+                | Self::NaturalLogarithm
+                | Self::Remainder
+                | Self::TimeOfShaders { .. }
                 | Self::ProductOfVectors
         )
     }

@@ -7,11 +7,78 @@ use crate::spelling::{closer, is_closer, is_name, plain_name};
 
 /// Types and what else stands before a name that is declared.
 const TYPES: &[&str] = &[
-    "float", "int", "double", "half", "real", "bool", "uint", "vec2", "vec3", "vec4", "float2",
-    "float3", "float4", "half2", "half3", "half4", "mat2", "mat3", "mat4", "const", "let", "var",
-    "auto", "static", "inline", "uniform", "varying", "out", "inout", "highp", "mediump", "lowp",
-    "local", "function", "fn",
+    "float",
+    "int",
+    "double",
+    "half",
+    "real",
+    "bool",
+    "uint",
+    "vec2",
+    "vec3",
+    "vec4",
+    "float2",
+    "float3",
+    "float4",
+    "half2",
+    "half3",
+    "half4",
+    "mat2",
+    "mat3",
+    "mat4",
+    "const",
+    "let",
+    "var",
+    "auto",
+    "static",
+    "inline",
+    "uniform",
+    "varying",
+    "out",
+    "inout",
+    "highp",
+    "mediump",
+    "lowp",
+    "local",
+    "function",
+    "fn",
+    "void",
+    "precise",
+    "long",
+    "unsigned",
+    "mat2x2",
+    "mat3x3",
+    "mat4x4",
+    "float2x2",
+    "float3x3",
+    "float4x4",
+    "ivec2",
+    "ivec3",
+    "ivec4",
+    "uvec2",
+    "uvec3",
+    "uvec4",
+    "bvec2",
+    "bvec3",
+    "bvec4",
+    "dvec2",
+    "dvec3",
+    "dvec4",
+    "vec2f",
+    "vec3f",
+    "vec4f",
+    "in",
+    "poly",
+    "public",
+    "constexpr",
+    "nonlocal",
+    "global",
 ];
+
+/// Whether a type counts in whole numbers.
+pub(crate) fn is_whole_type(word: &str) -> bool {
+    matches!(word, "int" | "uint" | "long" | "unsigned")
+}
 
 pub(crate) fn is_type(word: &str) -> bool {
     TYPES.contains(&word)
@@ -19,7 +86,9 @@ pub(crate) fn is_type(word: &str) -> bool {
 
 /// The number of components of a type.
 pub(crate) fn size_of(word: &str) -> usize {
-    let is_vector = ["vec", "float", "half"].iter().any(|stem| word.starts_with(stem));
+    let stems = ["vec", "float", "half", "ivec", "uvec", "bvec", "dvec"];
+    let is_vector = stems.iter().any(|stem| word.starts_with(stem)) && !word.contains('x');
+    let word = word.strip_suffix('f').unwrap_or(word);
     match word.chars().last().and_then(|last| last.to_digit(10)) {
         Some(digit @ 2..=4) if is_vector => digit as usize,
         _ => 1,
@@ -156,14 +225,38 @@ impl<'a> Words<'a> {
             let parameters = split(rest[1..colon].to_vec(), ',');
             return Some((name, parameters, rest[colon + 1..].to_vec()));
         }
-        let (parameters, rest) = bracketed(rest)?;
-        match rest.as_slice() {
-            [equals, above, value @ ..]
-                if equals.symbol == '='
-                    && above.symbol == '>'
-                    && equals.span.end == above.span.start =>
+        // `Function[{x, y}, value]`
+        if self.word(rest[0]) == "Function" {
+            let (inner, more) = bracketed(&rest[1..])?;
+            let [names, value] = <[_; 2]>::try_from(split(inner, ',')).ok()?;
+            let (names, _) = bracketed(&names)?;
+            return more.is_empty().then(|| (name, split(names, ','), value));
+        }
+        let is_word = matches!(self.word(rest[0]), "function" | "proc") || rest[0].symbol == '@';
+        let is_capture =
+            rest[0].symbol == '[' && rest.get(1).is_some_and(|next| next.symbol == ']');
+        let rest = &rest[if is_word {
+            1
+        } else if is_capture {
+            2
+        } else {
+            0
+        }..];
+        let (parameters, value) = bracketed(rest).filter(|_| rest[0].symbol == '(')?;
+        let parameters = split(parameters, ',');
+        match value.as_slice() {
+            [first, second, value @ ..]
+                if second.symbol == '>'
+                    && matches!(first.symbol, '=' | '-')
+                    && first.span.end == second.span.start =>
             {
-                Some((name, split(parameters, ','), value.to_vec()))
+                Some((name, parameters, value.to_vec()))
+            }
+            value if is_word || is_capture => {
+                let is_end = |token: &&Token| matches!(self.word(**token), "end" | "proc");
+                let ends = value.iter().rev().take_while(is_end).count();
+                let value = &value[..value.len() - ends];
+                (!value.is_empty()).then(|| (name, parameters, value.to_vec()))
             }
             _ => None,
         }
@@ -244,21 +337,76 @@ impl<'a> Words<'a> {
         Some((names, values))
     }
 
-    /// Leaves of a command that plots its first argument only that; whether that is a height.
-    pub(crate) fn plot(self, tokens: &mut Vec<Token>) -> bool {
-        let word = self.word(tokens[0]);
-        let is_height = matches!(word, "Plot3D" | "plot3d");
-        if !is_height && !matches!(word, "ContourPlot3D" | "RegionPlot3D" | "implicit_plot3d") {
-            return false;
+    /// The names and the value of `x, y, z = p`.
+    pub(crate) fn unpacked(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
+        let equals = tokens.iter().position(|token| token.symbol == '=')?;
+        let names: Option<Vec<Token>> = split(tokens[..equals].to_vec(), ',')
+            .iter()
+            .map(|part| match part.as_slice() {
+                [only] if is_name(only.symbol) => Some(*only),
+                _ => None,
+            })
+            .collect();
+        let names = names.filter(|names| matches!(names.len(), 2..=4))?;
+        Some((names, tokens[equals + 1..].to_vec()))
+    }
+
+    /// Whether the components of a parameter are taken in `lines`.
+    pub(crate) fn is_point(self, parameter: &[Token], lines: &[Vec<Token>]) -> bool {
+        let Some((name, _, None)) = self.parameter(parameter) else { return false };
+        let name = self.word(name);
+        lines.iter().any(|line| {
+            let takes = line.windows(2).any(|pair| {
+                self.word(pair[0]) == name
+                    && (pair[1].symbol == '‧'
+                        || pair[1].symbol == '[' && pair[0].span.end == pair[1].span.start)
+            });
+            let unpacks = Self::unpacked(line).is_some_and(
+                |(_, value)| matches!(value.as_slice(), [only] if self.word(*only) == name),
+            );
+            takes || unpacks
+        })
+    }
+
+    /// The first sign that stands before all that it joins, as in `(+ a b)`.
+    pub(crate) fn prefixed(tokens: &[Token]) -> Option<Token> {
+        let found = tokens.windows(3).find(|part| {
+            part[0].symbol == '('
+                && "+*/".contains(part[1].symbol)
+                && part[1].span.end < part[2].span.start
+        });
+        found.map(|part| part[1])
+    }
+
+    /// Whether `++` or `--` is in `tokens`.
+    pub(crate) fn steps_by_one(tokens: &[Token]) -> bool {
+        tokens.windows(2).any(|pair| {
+            matches!(pair[0].symbol, '+' | '-')
+                && pair[0].symbol == pair[1].symbol
+                && pair[0].span.end == pair[1].span.start
+        })
+    }
+
+    /// Whether a statement is a value, which is neither set nor returned.
+    pub(crate) fn is_value(self, tokens: &[Token]) -> bool {
+        let Some(first) = tokens.first() else { return false };
+        self.word(*first) != "return"
+            && self.types(tokens) == 0
+            && self.assignment(tokens).is_none()
+            && tokens.iter().all(|token| token.symbol != '=')
+    }
+
+    /// `name: f32 = value` as `name = value`.
+    pub(crate) fn without_type(tokens: Vec<Token>) -> Vec<Token> {
+        let equals = tokens.iter().position(|token| token.symbol == '=').unwrap_or(tokens.len());
+        let is_typed = tokens.get(1).is_some_and(|next| next.symbol == ':')
+            && tokens[2..equals].iter().all(|t| is_name(t.symbol) || "<>0?".contains(t.symbol));
+        if !is_typed {
+            return tokens;
         }
-        let Some((inner, rest)) = bracketed(&tokens[1..]) else { return false };
-        if rest.is_empty()
-            && let Some(first) = split(inner, ',').into_iter().next()
-        {
-            *tokens = first;
-            return is_height;
-        }
-        false
+        let mut short = vec![tokens[0]];
+        short.extend(&tokens[equals..]);
+        short
     }
 
     /// `f[x_, y_]` as `f[x, y]`, on the left of a definition.

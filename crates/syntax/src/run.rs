@@ -3,11 +3,13 @@
 //! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
+use crate::arithmetic::{Arithmetic, arithmetic};
 use crate::ast::{Expr, ExprKind, NamedConstant, NamedValue, ProductSign};
 use crate::build::{Builder, Signs, number_only, root_text};
 use crate::closed::{native, number};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
+use crate::lexer::method;
 use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
@@ -27,6 +29,10 @@ pub(crate) enum Item<'i> {
     Form(&'static Form, Span),
     /// A condition, its parts in the brackets that follow.
     Logic(Logic, Span),
+    /// Arithmetic that is written as a function.
+    Arithmetic(Arithmetic, Span),
+    /// A function behind what it is applied to, with its other arguments.
+    Method(String, Span, Pair<'i>),
     /// `.xz` behind a vector.
     Component(String, Span),
     /// Round or square brackets.
@@ -67,7 +73,9 @@ impl Builder<'_> {
             Rule::name => return self.name(typed, span, items),
             Rule::number => Item::Leaf(number(decimal(typed), span)),
             Rule::superscript => {
-                let digits = number(typed.chars().filter_map(superscript_digit).collect(), span);
+                // `&sup2;` has its digit as it is.
+                let digit = |c: char| superscript_digit(c).or(Some(c).filter(char::is_ascii_digit));
+                let digits = number(typed.chars().filter_map(digit).collect(), span);
                 Item::Superscript(if typed.starts_with('⁻') {
                     digits.negated(span)
                 } else {
@@ -78,6 +86,10 @@ impl Builder<'_> {
             Rule::radical => Item::Radical(typed.chars().next().unwrap_or('√'), span),
             Rule::group => Item::Group(pair),
             Rule::component => Item::Component(letters(typed), span),
+            Rule::method => {
+                let word = typed[1..].split(|c| !in_name(c)).next().unwrap_or("");
+                Item::Method(method(word).unwrap_or(word).to_owned(), span, pair)
+            }
             Rule::vulgar => {
                 // `2½` is five halves to some and one to others.
                 if let Some(Item::Leaf(before)) = items.back()
@@ -104,6 +116,11 @@ impl Builder<'_> {
                 items.push_back(Item::Form(form, span));
                 return Ok(());
             }
+            let square = self.text[span.end..].trim_start_matches(BLANKS).starts_with('[');
+            if let (Some(kind), false) = (arithmetic(&name, square), self.scope.is_defined(&name)) {
+                items.push_back(Item::Arithmetic(kind, span));
+                return Ok(());
+            }
             if let (Some(logic), false) = (logic(&name), self.scope.is_defined(&name)) {
                 items.push_back(Item::Logic(logic, span));
                 return Ok(());
@@ -123,7 +140,9 @@ impl Builder<'_> {
                 for letter in &letters {
                     // A LaTeX command or subscript is never split, so every letter is where it was
                     // typed.
-                    let place = Span::new(at, at + letter.len());
+                    // Letters of print are longer.
+                    let is_plain = typed.len() == name.len();
+                    let place = if is_plain { Span::new(at, at + letter.len()) } else { span };
                     at = place.end;
                     if let Meaning::Value(value) = self.scope.meaning(letter, &self.locals) {
                         items.push_back(self.leaf(value, place));
@@ -133,13 +152,37 @@ impl Builder<'_> {
                 self.note(span, NoteKind::ProductOfNames { name, product });
             }
             Meaning::Unknown => {
+                if TIMES.contains(&typed) {
+                    let name = typed.to_owned();
+                    self.note(span, NoteKind::TimeOfShaders { name });
+                    items.push_back(self.leaf(NamedValue::Time, span));
+                    return Ok(());
+                }
+                // What makes a number of a number.
+                let is_called = self.text[span.end..].starts_with('(');
+                if is_called && matches!(typed, "float" | "double" | "f32" | "f64" | "S") {
+                    return Ok(());
+                }
+                // `2f` is a number of C#.
+                if typed == "f"
+                    && let Some(Item::Leaf(before)) = items.back()
+                    && before.number().is_some()
+                    && before.span.end == span.start
+                {
+                    return Ok(());
+                }
                 if typed == "E" {
                     self.note(span, NoteKind::CapitalE);
                     let value = NamedValue::Constant(NamedConstant::E);
                     items.push_back(self.leaf(value, span));
                     return Ok(());
                 }
-                let Some(axis) = capital(&name) else {
+                // Beside a parameter x, X is no coordinate.
+                let hides = |axis: &Axis| {
+                    let lower = NamedValue::Coordinate(*axis);
+                    self.locals.iter().any(|local| local.text == lower.name())
+                };
+                let Some(axis) = capital(&name).filter(|axis| !hides(axis)) else {
                     return Err(self.unknown(&name, typed, span));
                 };
                 self.note(span, NoteKind::CapitalCoordinates);
@@ -214,10 +257,31 @@ impl Builder<'_> {
             self.room(span, 1)?;
             base = Expr::new(ExprKind::Component(Box::new(base), letters), span);
         }
+        while let Some(Item::Method(..)) = items.front() {
+            base = self.method(base, items)?;
+        }
         match items.front() {
             Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
             _ => Ok(base),
         }
+    }
+
+    /// `a.pow(2)` as `pow(a, 2)`.
+    #[inline(never)] // keeps its text out of the stack frames of nested factors
+    fn method(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+        let Some(Item::Method(name, span, pair)) = items.pop_front() else { return Ok(base) };
+        let place = self.span(&pair);
+        self.room(place, 1)?;
+        let mut arguments = vec![base];
+        for part in pair.into_inner() {
+            if part.as_rule() == Rule::group {
+                for argument in part.into_inner() {
+                    arguments.push(self.deeper(place, 1, |b| b.argument(argument))?);
+                }
+            }
+        }
+        let callee = Callee::BuiltIn(name);
+        self.call(&callee, span, arguments, place)
     }
 
     #[inline(never)] // keeps the stack frames of nested factors without exponents small
@@ -304,6 +368,13 @@ impl Builder<'_> {
                 let group = self.brackets(items, span)?;
                 self.deeper(span, 1, |b| b.logic(logic, span, group))
             }
+            Item::Arithmetic(kind, span) => {
+                let group = self.brackets(items, span)?;
+                self.deeper(span, 1, |b| b.arithmetic(kind, span, group))
+            }
+            Item::Method(name, span, _) => {
+                Err(Error::new(span, ErrorKind::MissingBefore { sign: format!(".{name}") }))
+            }
             Item::Closed(pair) => {
                 let span = self.span(&pair);
                 self.deeper(span, 1, |b| b.closed(pair, span))
@@ -380,6 +451,9 @@ fn is_coordinate(expr: &Expr) -> bool {
     let is_bare = expr.span.end - expr.span.start == 1;
     is_bare && matches!(expr.kind, ExprKind::Name(NamedValue::Coordinate(_)))
 }
+
+/// What time is called in shaders.
+const TIMES: [&str; 6] = ["iTime", "iGlobalTime", "u_time", "uTime", "time", "TIME"];
 
 /// Blanks between a name and its brackets.
 const BLANKS: [char; 2] = [' ', '\t'];

@@ -86,6 +86,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let last = tokens.last();
         let context = Context {
             is_part,
+            is_radicand: last.is_some_and(|token| text[token.span.range()].starts_with('\\')),
             is_color: matches!(tokens.as_slice(), [Token { symbol: 'c' | 'b', .. }]),
             starts_line,
             touching: last.filter(|token| token.span.end == end).map(|token| token.symbol),
@@ -116,6 +117,11 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             return Err(Error::new(span, ErrorKind::TooManySymbols { limit: limits.symbols }));
         }
         let mut first = tokens.len();
+        // A line that ends with an operator goes on below.
+        let last = tokens.last().map_or(' ', |token| token.symbol);
+        if symbol == '\n' && open.is_empty() && "+-*/^".contains(last) && continues(&text[end..]) {
+            continue;
+        }
         match symbol {
             '\n' | ';' if open.is_empty() => {
                 if !tokens.is_empty() {
@@ -185,6 +191,19 @@ fn goes_on(rest: &str) -> bool {
     let rest = rest.trim_start_matches([' ', '\n', '\r', '\t', '&']);
     rest.starts_with(['+', '-', '−', '=', '*', '<', '>', '/'])
         || [r"\cdot", r"\times", r"\le", r"\ge"].iter().any(|sign| rest.starts_with(sign))
+}
+
+/// Whether a text begins with what can end the formula above it: not with a statement of its own.
+fn continues(rest: &str) -> bool {
+    let line = rest.trim_start_matches([' ', '\t', '\r']);
+    let line = start(&line[..line_length(line)], 300);
+    let name = line.find(|c| !in_name(c)).unwrap_or(line.len());
+    let after = line[name..].trim_start();
+    let defines = name > 0 && (after.starts_with('=') || after.starts_with(":="));
+    let is_operand = name > 0 || line.starts_with(['(', '[', '{', '\\', '+', '-', '−', '|']);
+    is_operand
+        && !defines
+        && !crate::spelling::symbol(&line[..name]).is_some_and(crate::spelling::is_setting)
 }
 
 /// The index of the bracket that `symbol` at `span` closes.

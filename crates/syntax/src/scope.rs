@@ -111,6 +111,12 @@ impl Scope {
                 return Meaning::Function(Callee::BuiltIn(lower));
             }
         }
+        // `sqrtf` and others of C.
+        if let Some(double) = name.strip_suffix('f').filter(|double| double.len() > 2)
+            && !forms(double, false).is_empty()
+        {
+            return Meaning::Function(Callee::BuiltIn(double.to_owned()));
+        }
         Meaning::Unknown
     }
 

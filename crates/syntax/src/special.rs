@@ -2,8 +2,8 @@
 //! languages.
 
 use crate::application::note_form;
-use crate::ast::{Expr, ExprKind, Function, Relation, VectorFunction};
-use crate::build::{Builder, joined};
+use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation, VectorFunction};
+use crate::build::{Builder, joined, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::lexer::OTHERWISE;
@@ -77,7 +77,15 @@ impl Builder<'_> {
                 self.series_call(form.meaning == Stands::Product, &parts, place)
             }
             Stands::Iterate => self.iterate(&parts, span, place),
-            Stands::Vector(size) => self.of_values(Function::Vector(size), None, parts, place),
+            Stands::Vector(size) => {
+                let built = self.of_values(Function::Vector(size), None, parts, place);
+                // `np.array([[a, b], [c, d]])`
+                built.map(|built| built.map(without_array))
+            }
+            Stands::Matrix(size) => self.matrix(size, span, parts, place),
+            Stands::Transpose => self.of_vectors(VectorFunction::Transpose, 1, parts, place),
+            Stands::Determinant => self.of_vectors(VectorFunction::Determinant, 1, parts, place),
+            Stands::Multiply => self.multiply(&parts, place),
             Stands::Dot => self.of_vectors(VectorFunction::Dot, 2, parts, place),
             Stands::Cross => self.of_vectors(VectorFunction::Cross, 2, parts, place),
             Stands::Normalize => self.of_vectors(VectorFunction::Normalize, 1, parts, place),
@@ -125,8 +133,57 @@ impl Builder<'_> {
         self.value(pair)
     }
 
-    /// A list as a vector.
+    /// A matrix; elsewhere than in shaders of OpenGL its elements are given row by row.
+    fn matrix(
+        &mut self,
+        size: u8,
+        span: Span,
+        parts: Vec<Pair<'_>>,
+        place: Span,
+    ) -> Fallible<Option<Expr>> {
+        let typed = &self.text[span.range()];
+        let by_rows = ["float", "half", "Matrix"].iter().any(|stem| typed.starts_with(stem));
+        let built = self.of_values(Function::Matrix(size), None, parts, place)?;
+        let Some(built) = built.map(without_array) else { return Ok(None) };
+        let is_list = matches!(&built.kind, ExprKind::Call(_, all) if all.len() == 1);
+        Ok(Some(if by_rows && !is_list && built.span == place {
+            let function = Function::OfVectors(VectorFunction::Transpose);
+            Expr::new(ExprKind::Call(function, vec![built]), place)
+        } else {
+            built
+        }))
+    }
+
+    /// `mul(m, p)`, as shaders of Direct3D have it.
+    fn multiply(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
+        let [left, right] = parts else { return Ok(None) };
+        let (left, right) = (self.argument(left.clone())?, self.argument(right.clone())?);
+        let product = product_of(vec![(ProductSign::Times, left), (ProductSign::Times, right)])?;
+        Ok(Some(Expr::new(product.kind, place)))
+    }
+
+    /// The rows of a matrix that is written as a list of lists.
+    fn rows(&mut self, parts: &[Pair<'_>], span: Span) -> Fallible<Option<Expr>> {
+        let size = parts.len();
+        let rows: Option<Vec<Vec<Pair<'_>>>> =
+            parts.iter().map(|part| tuple(part).filter(|row| row.len() == size)).collect();
+        let (Some(rows), Ok(2..=4)) = (rows, u8::try_from(size)) else { return Ok(None) };
+        let mut elements = Vec::new();
+        for column in 0..size {
+            for row in &rows {
+                elements.push(self.value(row[column].clone())?);
+            }
+        }
+        let function = Function::Matrix(u8::try_from(size).unwrap_or(2));
+        Ok(Some(Expr::new(ExprKind::Call(function, elements), span)))
+    }
+
+    /// A list as a vector, one of lists as a matrix.
     pub(crate) fn list(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        let inner: Vec<Pair<'_>> = pair.clone().into_inner().collect();
+        if let Some(matrix) = self.rows(&inner, span)? {
+            return Ok(matrix);
+        }
         let parts: Fallible<Vec<Expr>> = pair.into_inner().map(|part| self.value(part)).collect();
         let parts = parts?;
         match u8::try_from(parts.len()) {
@@ -140,7 +197,7 @@ impl Builder<'_> {
         pair.as_rule() == Rule::otherwise || OTHERWISE.contains(&self.typed(pair))
     }
 
-    fn condition_of(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+    pub(crate) fn condition_of(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let condition = self.expression(pair)?;
         if !condition.is_condition() {
             let word = "if".to_owned();
@@ -315,6 +372,21 @@ impl Builder<'_> {
         note_form(self, &callee, at);
         let function = Function::Iterate(Box::new(function));
         Ok(Some(Expr::new(ExprKind::Call(function, arguments), place)))
+    }
+}
+
+/// What stands in an array by itself, if that is a matrix.
+fn without_array(array: Expr) -> Expr {
+    match array.kind {
+        ExprKind::Call(Function::Vector(_) | Function::Matrix(_), mut only)
+            if matches!(
+                only.as_slice(),
+                [Expr { kind: ExprKind::Call(Function::Matrix(_), _), .. }]
+            ) =>
+        {
+            only.remove(0)
+        }
+        kind => Expr::new(kind, array.span),
     }
 }
 

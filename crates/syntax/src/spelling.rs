@@ -1,5 +1,7 @@
 //! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
+use crate::foreign::plain_text;
+
 /// Directions that a `view` line can name.
 pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
 
@@ -13,6 +15,8 @@ pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
 pub(crate) fn symbol(spelling: &str) -> Option<char> {
     Some(match spelling {
         " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
+        | "\u{AD}" | "\u{200A}" | "\u{200B}" | "\u{200C}" | "\u{200D}" | "\u{2002}" | "\u{2003}" | "\u{2060}"
+        | "\u{2061}"
         // In print these set spaces and the sizes of brackets; they mean nothing here.
         | r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle"
         | r"\left" | r"\right" | r"\bigl" | r"\bigr" | r"\big"
@@ -25,9 +29,9 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "?" => '⸮',
         "+" => '+',
         "-" | "−" => '-',
-        "*" | "·" | "×" | "⋅" | "∙" | r"\cdot" | r"\times" => '*',
-        "/" | "÷" | r"\div" => '/',
-        "^" | "**" => '^',
+        "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times" => '*',
+        "/" | "÷" | "∕" | "⁄" | r"\div" => '/',
+        "^" | "**" | "ˆ" => '^',
         "√" => '√',
         "∛" => '∛',
         "=" | "==" | ":=" => '=',
@@ -98,13 +102,16 @@ pub(crate) fn is_closer(symbol: char) -> bool {
 
 /// Whether `character` may stand in a name after its first letter.
 pub(crate) fn in_name(character: char) -> bool {
-    character.is_alphabetic() || character.is_ascii_digit() || character == '_'
+    character.is_alphabetic()
+        || character.is_ascii_digit()
+        || character == '_'
+        || ('₀'..='₉').contains(&character)
 }
 
 /// Whether `text` can be defined: a name that is no operator.
 pub(crate) fn is_definable(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)
-        && text.chars().all(in_name)
+        && text.chars().all(|c| in_name(c) && plain_text(c.encode_utf8(&mut [0; 4])).starts_with(c))
         && symbol(text).is_none_or(is_name)
 }
 
@@ -138,7 +145,9 @@ pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
 /// A number's text in one spelling: `.5` as `0.5`, `1.` as `1`, `0,5` as `0.5`, an exponent after
 /// `e`.
 pub(crate) fn decimal(typed: &str) -> String {
-    let text = typed.trim_end_matches('f').replace('−', "-").replace('E', "e").replace(',', ".");
+    let text = plain_text(typed.trim_end_matches('f'));
+    let text = text.replace('−', "-").replace("*^", "e").replace(['E', 'd', 'D'], "e");
+    let text = text.replace(',', ".");
     let (mantissa, exponent) = match text.split_once('e') {
         Some((mantissa, exponent)) => (mantissa, Some(exponent)),
         None => (text.as_str(), None),
@@ -164,6 +173,10 @@ pub(crate) fn plain_name(typed: &str) -> String {
     if typed == "ℯ" {
         return "e".to_owned();
     }
+    if typed == "@P" {
+        return "p".to_owned();
+    }
+    let typed = &plain_text(typed.strip_prefix('%').unwrap_or(typed));
     let text = typed.strip_prefix('\\').unwrap_or(typed).trim_end_matches('}');
     match text.split_once('{') {
         Some((name, subscript)) if name.ends_with('_') => format!("{name}{subscript}"),
@@ -195,7 +208,7 @@ mod tests {
     use super::*;
 
     /// Symbols of what has no fixed spelling.
-    const OTHERS: &str = "01½²#¦⦃⦄⟨⟩‥≔¿∀‧ΣΠ_";
+    const OTHERS: &str = "01½²#¦⦃⦄⟨⟩‥≔¿∀‧ΣΠ_⊙⋄٪";
 
     #[test]
     fn the_grammar_knows_symbols_only() {

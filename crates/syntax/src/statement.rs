@@ -2,16 +2,16 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::build::{Builder, relation};
+use crate::calls::with_parts;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::{Pair, Rule, recognise};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
-use crate::program::{Unit, Write};
+use crate::program::{Unit, Wrap};
 use crate::scan::Piece;
 use crate::scope::{Meaning, Scope};
 use crate::span::Span;
 use crate::spelling::{is_definable, plain_name};
-use crate::value::LETTERS;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::Meaning as Stands;
@@ -193,9 +193,11 @@ fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
     if let Some(form) = zeroset_ops::form(&head.name.text) {
         return match form.meaning {
-            Stands::Vector(_) => Some(true),
-            Stands::Dot | Stands::Cross | Stands::Distance | Stands::Reflect => Some(count == 2),
-            Stands::Normalize => Some(count == 1),
+            Stands::Vector(_) | Stands::Matrix(_) => Some(true),
+            Stands::Dot | Stands::Cross | Stands::Distance | Stands::Reflect | Stands::Multiply => {
+                Some(count == 2)
+            }
+            Stands::Normalize | Stands::Transpose | Stands::Determinant => Some(count == 1),
             Stands::Choose | Stands::Pieces | Stands::Sum | Stands::Product | Stands::Iterate => {
                 None
             }
@@ -245,7 +247,7 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         }
         let range = range.map(|(ends, _)| ends);
         Statement::Define(match &line.unit.head {
-            Some(_) => set(&mut builder, head, expression, line.unit.write.as_ref())?,
+            Some(_) => set(&mut builder, head, expression, line.unit.wrap.as_ref())?,
             None => define(&mut builder, head, expression, range)?,
         })
     } else {
@@ -272,27 +274,45 @@ fn set(
     builder: &mut Builder<'_>,
     head: &Head,
     expression: Pair<'_>,
-    write: Option<&Write>,
+    wrap: Option<&Wrap>,
 ) -> Fallible<Definition> {
     check_head(head)?;
-    let mut body = builder.value(expression)?;
-    if let Some(Write { letters, before, size }) = write {
-        if let ExprKind::Name(NamedValue::Defined(name))
-        | ExprKind::Call(Function::Defined(name), _) = before
-        {
-            builder.used.insert(name.clone());
+    let mut body = builder.expression(expression)?;
+    let span = body.span;
+    let is_condition = body.is_condition();
+    match wrap {
+        Some(Wrap::Flag) => {
+            let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), span);
+            let condition = if is_condition {
+                body
+            } else {
+                // In C what is not 0 holds.
+                let kind =
+                    ExprKind::Compare(Box::new(body), vec![(Relation::Unequal, number("0"))]);
+                Expr::new(kind, span)
+            };
+            let (yes, no) = (number("1"), number("0"));
+            body = Expr::new(ExprKind::Choice(vec![(condition, yes)], Some(Box::new(no))), span);
         }
-        let span = body.span;
-        let part = |of: Expr, letter: char| {
-            Expr::new(ExprKind::Component(Box::new(of), letter.to_string()), span)
-        };
-        let parts = LETTERS.chars().take(*size).map(|letter| match letters.find(letter) {
-            Some(_) if letters.len() == 1 => body.clone(),
-            Some(at) => part(body.clone(), LETTERS.chars().nth(at).unwrap_or('x')),
-            None => part(Expr::new(before.clone(), span), letter),
-        });
-        let function = Function::Vector(u8::try_from(*size).unwrap_or(3));
-        body = Expr::new(ExprKind::Call(function, parts.collect()), span);
+        _ if is_condition => return Err(Error::new(span, ErrorKind::ConditionAsValue)),
+        Some(Wrap::Pick(letter)) => {
+            body = Expr::new(ExprKind::Component(Box::new(body), letter.to_string()), span);
+        }
+        Some(Wrap::Write { letters, before, size }) => {
+            if let ExprKind::Name(NamedValue::Defined(name))
+            | ExprKind::Call(Function::Defined(name), _) = before
+            {
+                builder.used.insert(name.clone());
+            }
+            if let ExprKind::Name(NamedValue::Defined(name)) = before {
+                let meaning = builder.scope.meaning(name, &builder.locals);
+                if !matches!(meaning, Meaning::Value(NamedValue::Defined(_))) {
+                    return Err(builder.unknown(name, name, head.name.span));
+                }
+            }
+            body = Expr::new(with_parts(letters, before, *size, &body.kind, span), span);
+        }
+        None => {}
     }
     let (name, parameters) = (head.name.clone(), head.parameters.clone());
     Ok(Definition { name, parameters, body, range: None })
@@ -353,7 +373,14 @@ fn define(
     let span = builder.span(&expression);
     let mut sides = expression.into_inner().skip(2);
     let body = sides.next().expect("a definition has a right side");
-    if let Some(second) = sides.next() {
+    let second = sides.next().filter(|second| {
+        // `f(x, y, z) = x^2 + y^2 - z = 0`
+        let mut rest = sides.clone();
+        let zero = rest.next().is_some_and(|side| builder.typed(&side) == "0");
+        let is_zero = relation(second) == Relation::Equal && zero && rest.next().is_none();
+        !(is_zero && head.parameters.is_some())
+    });
+    if let Some(second) = second {
         let place = builder.span(&second);
         return Err(if relation(&second) == Relation::Equal {
             Error::new(place, ErrorKind::SeveralEquals)

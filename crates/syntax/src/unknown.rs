@@ -13,6 +13,9 @@ const LONGEST: usize = 64;
 impl Builder<'_> {
     /// The error for a function without a meaning.
     pub(crate) fn unknown_function(&self, name: &str, span: Span) -> Box<Error> {
+        if let Some(kind) = elsewhere(name) {
+            return Error::new(span, kind);
+        }
         let kind = ErrorKind::UnknownFunction { name: short_name(name) };
         Error::new(span, kind).suggest_any(span, self.scope.likely(name, &self.locals, true))
     }
@@ -25,15 +28,19 @@ impl Builder<'_> {
         if rest.is_some_and(|rest| rest.is_empty() || scope.is_product(rest, locals)) {
             return Error::new(span, ErrorKind::Complex);
         }
+        if name == "I" {
+            return Error::new(span, ErrorKind::Complex);
+        }
+        let is_parameter = matches!(name, "u" | "v" | "s");
+        if is_parameter && ["x", "y", "z"].iter().all(|axis| sets(self.text, axis)) {
+            return Error::new(span, ErrorKind::Parametric);
+        }
         let after = self.text[span.end..].trim_start_matches(['}', ' ']);
         let is_over = |rest: &str| {
             rest.strip_prefix(['/', '{']).is_some_and(|rest| rest.trim_start().starts_with('d'))
         };
         if name == "d" && is_over(after) {
             return Error::new(span, ErrorKind::Calculus);
-        }
-        if matches!(name, "mat2" | "mat3" | "mat4") {
-            return Error::new(span, ErrorKind::Matrix);
         }
         if symbol(name).is_some_and(is_setting) && span.start > self.piece.span.start {
             let name = name.to_owned();
@@ -45,6 +52,9 @@ impl Builder<'_> {
             return Error::new(span, ErrorKind::LostSuperscript { name }).suggest(span, powers);
         }
         let is_called = self.text[span.end..].trim_start().starts_with(['(', '[']);
+        if is_called && let Some(kind) = elsewhere(name) {
+            return Error::new(span, kind);
+        }
         let kind = if is_called || typed.starts_with('\\') {
             ErrorKind::UnknownFunction { name: short_name(name) }
         } else {
@@ -53,6 +63,26 @@ impl Builder<'_> {
         };
         Error::new(span, kind).suggest_any(span, scope.likely(name, locals, is_called))
     }
+}
+
+/// What functions are of which there is no like here.
+fn elsewhere(name: &str) -> Option<ErrorKind> {
+    Some(match name {
+        "D" | "diff" | "Diff" | "Derivative" | "integrate" | "Integrate" | "Dt" | "limit"
+        | "Limit" | "grad" | "Grad" => ErrorKind::Calculus,
+        "Surface" | "ParametricPlot3D" | "parametric_plot3d" | "Curve" | "fsurf" => {
+            ErrorKind::Parametric
+        }
+        _ => return None,
+    })
+}
+
+/// Whether a line of `text` begins with `axis =`.
+fn sets(text: &str, axis: &str) -> bool {
+    text.split(['\n', ',', ';']).any(|line| {
+        let rest = line.trim_start().strip_prefix(axis);
+        rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+    })
 }
 
 impl Scope {

@@ -20,13 +20,15 @@ pub(crate) enum Value {
     Number(NodeId),
     /// Two to four components.
     Vector(Vec<NodeId>),
+    /// The elements of a square matrix, column by column.
+    Matrix(Vec<NodeId>),
 }
 
 impl Value {
     fn size(&self) -> usize {
         match self {
             Self::Number(_) => 1,
-            Self::Vector(nodes) => nodes.len(),
+            Self::Vector(nodes) | Self::Matrix(nodes) => nodes.len(),
         }
     }
 
@@ -34,7 +36,7 @@ impl Value {
     fn part(&self, index: usize) -> NodeId {
         match self {
             Self::Number(node) => *node,
-            Self::Vector(nodes) => nodes[index],
+            Self::Vector(nodes) | Self::Matrix(nodes) => nodes[index],
         }
     }
 
@@ -42,8 +44,17 @@ impl Value {
     pub(crate) fn parts(&self) -> &[NodeId] {
         match self {
             Self::Number(node) => std::slice::from_ref(node),
-            Self::Vector(nodes) => nodes,
+            Self::Vector(nodes) | Self::Matrix(nodes) => nodes,
         }
+    }
+
+    fn is_matrix(&self) -> bool {
+        matches!(self, Self::Matrix(_))
+    }
+
+    /// Parts in the shape of the first of `operands` that is more than a number.
+    pub(crate) fn shaped(nodes: Vec<NodeId>, operands: &[Self]) -> Self {
+        if operands.iter().any(Self::is_matrix) { Self::Matrix(nodes) } else { Self::new(nodes) }
     }
 
     pub(crate) fn new(mut nodes: Vec<NodeId>) -> Self {
@@ -55,7 +66,7 @@ impl Value {
 pub(crate) fn numbers(values: &[Value], span: Span) -> Fallible<Vec<NodeId>> {
     let node = |value: &Value| match value {
         Value::Number(node) => Ok(*node),
-        Value::Vector(_) => Err(Error::new(span, ErrorKind::Vector)),
+        Value::Vector(_) | Value::Matrix(_) => Err(Error::new(span, ErrorKind::Vector)),
     };
     values.iter().map(node).collect()
 }
@@ -72,11 +83,17 @@ impl Lowering<'_> {
             Value::Vector(nodes) => {
                 Value::Vector(nodes.into_iter().map(|node| apply(self, node)).collect())
             }
+            Value::Matrix(nodes) => {
+                Value::Matrix(nodes.into_iter().map(|node| apply(self, node)).collect())
+            }
         }
     }
 
     /// An operation, component by component.
     pub(crate) fn native(&mut self, op: Op, operands: &[Value], span: Span) -> Fallible<Value> {
+        if operands.iter().any(Value::is_matrix) {
+            return self.of_matrices(op, operands, span);
+        }
         let size = common_size(operands, span)?;
         let is_vector = operands.iter().any(|value| matches!(value, Value::Vector(_)));
         let mut nodes = Vec::with_capacity(size);
@@ -90,7 +107,8 @@ impl Lowering<'_> {
 
     /// Notes that a product of two vectors is no scalar product.
     pub(crate) fn note_product(&mut self, op: Op, left: &Value, right: &Value, span: Span) {
-        let are_vectors = left.size() > 1 && right.size() > 1;
+        let is_vector = |value: &Value| matches!(value, Value::Vector(_));
+        let are_vectors = is_vector(left) && is_vector(right);
         if op == Op::Mul && are_vectors && self.notes.is_empty() {
             self.notes.push(Note { span, kind: NoteKind::ProductOfVectors });
         }
@@ -113,6 +131,12 @@ impl Lowering<'_> {
         span: Span,
     ) -> Fallible<Value> {
         match function {
+            VectorFunction::Transpose => Self::transpose(&arguments[0], span),
+            VectorFunction::Determinant => self.determinant(&arguments[0], span).map(Value::Number),
+            // As numpy and Mathematica have it.
+            VectorFunction::Dot if arguments.iter().any(Value::is_matrix) => {
+                self.of_matrices(Op::Mul, arguments, span)
+            }
             VectorFunction::Dot => self.dot(&arguments[0], &arguments[1], span).map(Value::Number),
             VectorFunction::Normalize => {
                 let length = self.length(arguments[0].parts());
@@ -168,6 +192,16 @@ pub(crate) fn vector(size: usize, arguments: &[Value], span: Span) -> Fallible<V
 
 /// The components that `letters` name.
 pub(crate) fn component(value: Value, letters: &str, span: Span) -> Fallible<Value> {
+    if let (Value::Matrix(nodes), Some(column)) = (&value, LETTERS.find(letters)) {
+        let rows = match nodes.len() {
+            4 => 2,
+            9 => 3,
+            _ => 4,
+        };
+        if letters.len() == 1 && (column + 1) * rows <= nodes.len() {
+            return Ok(Value::Vector(nodes[column * rows..(column + 1) * rows].to_vec()));
+        }
+    }
     let Value::Vector(nodes) = value else {
         let letters = letters.to_owned();
         return Err(Error::new(span, ErrorKind::ComponentOfNumber { letters }));
@@ -186,6 +220,12 @@ pub(crate) fn component(value: Value, letters: &str, span: Span) -> Fallible<Val
 /// The number of components of all operands; that of numbers is 1.
 pub(crate) fn common_size(operands: &[Value], span: Span) -> Fallible<usize> {
     let mut size = 1;
+    let is_matrix = |value: &&Value| value.is_matrix();
+    if operands.iter().any(|value| is_matrix(&value))
+        && operands.iter().filter(|value| value.size() > 1).any(|value| !is_matrix(&value))
+    {
+        return Err(Error::new(span, ErrorKind::Matrix));
+    }
     for operand in operands {
         match (size, operand.size()) {
             (_, 1) => {}

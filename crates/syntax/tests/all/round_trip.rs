@@ -12,10 +12,12 @@ use zeroset_syntax::ast::{
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
+/// As many cases, or what `ZEROSET_CASES` and `ZEROSET_SEED` say.
 fn config(cases: u32) -> ProptestConfig {
+    let set = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
     ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(0x7a65_726f),
+        cases: set("ZEROSET_CASES").and_then(|cases| u32::try_from(cases).ok()).unwrap_or(cases),
+        rng_seed: RngSeed::Fixed(set("ZEROSET_SEED").unwrap_or(0x7a65_726f)),
         failure_persistence: None,
         ..ProptestConfig::default()
     }
@@ -203,6 +205,17 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
             for surface in &document.surfaces {
                 prop_assert!(surface.root.index() < document.graph.len());
             }
+            let statements = parse(text, &Limits::default());
+            let statements = statements.map_err(|e| TestCaseError::fail(format!("{text}\n{e}")))?;
+            let printed: Vec<String> = statements.iter().map(ToString::to_string).collect();
+            let printed = printed.join("\n");
+            match parse(&printed, &Limits::default()) {
+                Ok(again) => prop_assert!(again == statements, "{text}\n\n{printed}"),
+                Err(errors) => {
+                    let errors = errors.render(None, &printed, false);
+                    return Err(TestCaseError::fail(format!("{text}\n{errors}")));
+                }
+            }
         }
         Err(errors) => {
             for error in &errors {
@@ -342,7 +355,61 @@ const PIECES: &[&str] = &[
     "Piecewise[{{",
     "}}]",
     "let(",
+    "for (int i = 0; i < 3; i++) ",
+    "for i in range(3):\n  ",
+    "while (n < 3) ",
+    "if (x < 0.) ",
+    " else ",
+    "break;",
+    "continue;",
+    "int n = 0;",
+    "n++",
+    "void f(inout vec3 p) { ",
+    "f(p.xz);",
+    "#define f(a) ",
+    "mat2(",
+    "*= mat2(1., 2., 3., 4.)",
+    "transpose(",
+    "@(x, y) ",
+    "isosurface { function {",
+    "With[{a = 2}, ",
+    "Plus[",
+    ".sqrt()",
+    " then ",
+    "&sup2;",
+    "<sup>2</sup>",
+    "\u{1d465}",
+    "\u{ff12}",
+    "\u{2081}",
+    "%",
+    "\n",
+    ";",
 ];
+
+/// The texts of both lists of what people paste.
+fn pasted() -> Vec<String> {
+    ["words.txt", "words_held_out.txt"]
+        .iter()
+        .flat_map(|name| {
+            let path = format!("{}/../../tests/data/{name}", env!("CARGO_MANIFEST_DIR"));
+            let rows = std::fs::read_to_string(path).expect("the list is there");
+            let texts = rows.split("\n[").skip(1).map(|row| {
+                let typed = row.lines().filter_map(|line| line.strip_prefix('>'));
+                typed.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>()
+            });
+            texts.map(|lines| lines.join("\n")).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// The nearest place before `at` at which `text` can be cut.
+fn cut(text: &str, at: usize) -> usize {
+    let mut at = at % (text.len() + 1);
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
 
 proptest! {
     #![proptest_config(config(4_000))]
@@ -350,6 +417,27 @@ proptest! {
     #[test]
     fn rows_of_pieces_never_panic(pieces in vec(prop::sample::select(PIECES), 0..24)) {
         survives(&pieces.concat())?;
+    }
+
+    #[test]
+    fn what_people_paste_never_panics_where_it_is_damaged(
+        rows in (any::<prop::sample::Index>(), any::<prop::sample::Index>()),
+        at in (0_usize..3000, 0_usize..3000, 0_usize..40),
+        piece in prop::sample::select(PIECES),
+        is_spliced in any::<bool>(),
+    ) {
+        thread_local!(static TEXTS: Vec<String> = pasted());
+        let text = TEXTS.with(|texts| {
+            let (first, second) = (rows.0.get(texts), rows.1.get(texts));
+            let (from, to) = (cut(first, at.0), cut(second, at.1));
+            if is_spliced {
+                format!("{}{piece}{}", &first[..from], &second[to..])
+            } else {
+                let rest = cut(first, (from + at.2).min(first.len()));
+                format!("{}{piece}{}", &first[..from], &first[rest.max(from)..])
+            }
+        });
+        survives(&text)?;
     }
 
     #[test]

@@ -9,14 +9,17 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
 
-const WORDS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/words.txt");
+/// The corpus that the reading was made with, and the one that was written down before anyone looked at how texts are
+/// read.
+const CORPORA: [&str; 2] = ["words.txt", "words_held_out.txt"];
 
 /// Points at which readings are compared.
 const POINTS: usize = 60;
 
 #[derive(Default)]
 struct Row {
-    line: usize,
+    /// File and line.
+    place: String,
     style: String,
     is_from_a_page: bool,
     text: String,
@@ -25,8 +28,9 @@ struct Row {
     notes: Vec<String>,
 }
 
-fn rows() -> Vec<Row> {
-    let text = std::fs::read_to_string(WORDS).expect("the corpus is there");
+fn rows(corpus: &str) -> Vec<Row> {
+    let path = format!("{}/../../tests/data/{corpus}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).expect("the corpus is there");
     let mut rows: Vec<Row> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         if line.is_empty() || line.starts_with('#') {
@@ -36,7 +40,7 @@ fn rows() -> Vec<Row> {
             let (style, page) = head.split_once(": ").unwrap_or((head, ""));
             let is_from_a_page = !page.is_empty();
             rows.push(Row {
-                line: index + 1,
+                place: format!("{corpus}:{}", index + 1),
                 style: style.to_owned(),
                 is_from_a_page,
                 ..Row::default()
@@ -57,7 +61,7 @@ fn rows() -> Vec<Row> {
             "=" => add(&mut row.meant),
             "!" => row.message = Some(rest.to_owned()),
             "~" => row.notes.push(rest.to_owned()),
-            _ => panic!("words.txt:{}: {line}", index + 1),
+            _ => panic!("{corpus}:{}: {line}", index + 1),
         }
     }
     rows
@@ -189,13 +193,14 @@ fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
 
 #[test]
 fn words_are_read_as_meant_or_refused_with_a_way_out() {
-    let (rows, points) = (rows(), points());
+    let points = points();
+    let rows: Vec<Row> = CORPORA.iter().flat_map(|corpus| rows(corpus)).collect();
     let mut report = String::new();
     let mut count = 0;
     for row in &rows {
         if let Some(what) = wrong(row, &points) {
             count += 1;
-            writeln!(report, "words.txt:{}\n{}\n{what}\n", row.line, row.text).unwrap();
+            writeln!(report, "{}\n{}\n{what}\n", row.place, row.text).unwrap();
         }
     }
     assert!(report.is_empty(), "{count} of {} rows:\n\n{report}", rows.len());
@@ -203,7 +208,7 @@ fn words_are_read_as_meant_or_refused_with_a_way_out() {
 
 #[test]
 fn the_corpus_is_as_wide_as_it_must_be() {
-    let rows = rows();
+    let rows = rows(CORPORA[0]);
     let read = rows.iter().filter(|row| row.message.is_none()).count();
     let pages = rows.iter().filter(|row| row.is_from_a_page).count();
     assert!(rows.len() >= 300, "{} rows", rows.len());
@@ -220,7 +225,8 @@ fn the_corpus_is_as_wide_as_it_must_be() {
 
 #[test]
 fn what_was_read_is_printed_and_read_alike() {
-    for row in rows().iter().filter(|row| row.message.is_none()) {
+    let rows = CORPORA.iter().flat_map(|corpus| rows(corpus));
+    for row in rows.filter(|row| row.message.is_none()) {
         let statements = parse(&row.text, &Limits::default()).expect(&row.text);
         let printed: Vec<String> = statements.iter().map(ToString::to_string).collect();
         let printed = printed.join("\n");

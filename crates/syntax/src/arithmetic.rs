@@ -1,0 +1,148 @@
+//! Arithmetic that other systems write as functions, `Plus[a, b]`, and functions that stand for a formula of ours:
+//! `Boole[c]`, `ChebyshevT[n, x]`.
+
+use crate::ast::{Expr, ExprKind, Function, ProductSign, SumSign, VectorFunction};
+use crate::build::{Builder, product_of, sum_of};
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::grammar::Pair;
+use crate::span::Span;
+
+/// What a name stands for before brackets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Arithmetic {
+    Plus,
+    Times,
+    Minus,
+    Difference,
+    Quotient,
+    /// The sum of a vector's components.
+    Total,
+    /// 1 where a condition holds, else 0.
+    Boole,
+    /// A Chebyshev polynomial of the first kind.
+    Chebyshev,
+}
+
+/// The largest degree of a polynomial that is written out.
+const MOST_DEGREE: u32 = 30;
+
+/// The arithmetic that a function called `name` is elsewhere; `square` is whether its brackets are.
+pub(crate) fn arithmetic(name: &str, square: bool) -> Option<Arithmetic> {
+    Some(match name {
+        "Plus" => Arithmetic::Plus,
+        "Times" => Arithmetic::Times,
+        "Minus" if square => Arithmetic::Minus,
+        "Subtract" if square => Arithmetic::Difference,
+        "Divide" | "Rational" => Arithmetic::Quotient,
+        "Total" => Arithmetic::Total,
+        "Boole" => Arithmetic::Boole,
+        "ChebyshevT" | "chebyshevT" | "chebyshevt" | "chebyshev_t" => Arithmetic::Chebyshev,
+        _ => return None,
+    })
+}
+
+impl Builder<'_> {
+    /// Such a function of what stands in its brackets.
+    pub(crate) fn arithmetic(
+        &mut self,
+        kind: Arithmetic,
+        span: Span,
+        group: Pair<'_>,
+    ) -> Fallible<Expr> {
+        let place = span.to(self.span(&group));
+        let parts: Vec<Pair<'_>> = group.into_inner().collect();
+        let refused = |expected: &str| {
+            let name = self.text[span.range()].to_owned();
+            let (expected, given) = (expected.to_owned(), parts.len());
+            Err(Error::new(place, ErrorKind::WrongCount { name, expected, given, usage: None }))
+        };
+        if let (Arithmetic::Boole, [only]) = (kind, parts.as_slice()) {
+            let condition = self.condition_of(only.clone())?;
+            let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), place);
+            let pieces = vec![(condition, number("1"))];
+            return Ok(Expr::new(ExprKind::Choice(pieces, Some(Box::new(number("0")))), place));
+        }
+        let count = match kind {
+            Arithmetic::Plus | Arithmetic::Times => parts.len().max(1),
+            Arithmetic::Minus | Arithmetic::Total | Arithmetic::Boole => 1,
+            Arithmetic::Difference | Arithmetic::Quotient | Arithmetic::Chebyshev => 2,
+        };
+        if parts.len() != count {
+            return refused(if count == 1 { "an argument" } else { "2 arguments" });
+        }
+        let values: Fallible<Vec<Expr>> =
+            parts.into_iter().map(|part| self.argument(part)).collect();
+        let mut values = values?.into_iter();
+        let Some(first) = values.next() else {
+            return Err(Error::new(place, ErrorKind::EmptyBrackets));
+        };
+        let expr = match kind {
+            Arithmetic::Plus | Arithmetic::Difference => {
+                let sign = if kind == Arithmetic::Plus { SumSign::Plus } else { SumSign::Minus };
+                let rest: Vec<(SumSign, Expr)> = values.map(|value| (sign, value)).collect();
+                if rest.is_empty() { first } else { sum_of(first, rest, place) }
+            }
+            Arithmetic::Times | Arithmetic::Quotient => {
+                let sign =
+                    if kind == Arithmetic::Times { ProductSign::Times } else { ProductSign::Over };
+                let mut factors = vec![(ProductSign::Times, first)];
+                factors.extend(values.map(|value| (sign, value)));
+                product_of(factors)?
+            }
+            Arithmetic::Minus => first.negated(place),
+            Arithmetic::Total => {
+                let one = Expr::new(ExprKind::Number("1".to_owned()), place);
+                let function = Function::OfVectors(VectorFunction::Dot);
+                Expr::new(ExprKind::Call(function, vec![first, one]), place)
+            }
+            Arithmetic::Boole => first,
+            Arithmetic::Chebyshev => {
+                let degree = first.whole_number().filter(|degree| *degree <= MOST_DEGREE);
+                let Some(degree) = degree else {
+                    return Err(Error::new(first.span, ErrorKind::Degree { limit: MOST_DEGREE }));
+                };
+                chebyshev(degree, &values.next().unwrap_or(first), place)
+            }
+        };
+        Ok(Expr::new(expr.kind, place))
+    }
+}
+
+/// The Chebyshev polynomial of the first kind of that degree, written out: T(n + 1) = 2a T(n) − T(n − 1).
+fn chebyshev(degree: u32, a: &Expr, span: Span) -> Expr {
+    let (mut before, mut now): (Vec<i64>, Vec<i64>) = (vec![1], vec![0, 1]);
+    for _ in 0..degree {
+        let mut next = vec![0; now.len() + 1];
+        for (power, factor) in now.iter().enumerate() {
+            next[power + 1] += 2 * factor;
+        }
+        for (power, factor) in before.iter().enumerate() {
+            next[power] -= factor;
+        }
+        before = std::mem::replace(&mut now, next);
+    }
+    let number = |value: i64| Expr::new(ExprKind::Number(value.abs().to_string()), span);
+    let mut terms = Vec::new();
+    for (power, factor) in before.iter().enumerate().rev().filter(|(_, factor)| **factor != 0) {
+        let power_of = match power {
+            0 => None,
+            1 => Some(a.clone()),
+            _ => {
+                let exponent = number(i64::try_from(power).unwrap_or(0));
+                let kind = ExprKind::Power(Box::new(a.clone()), Box::new(exponent));
+                Some(Expr::new(kind, span))
+            }
+        };
+        let term = match power_of {
+            None => number(*factor),
+            Some(power) if factor.abs() == 1 => power,
+            Some(power) => {
+                let rest = vec![(ProductSign::Times, power)];
+                Expr::new(ExprKind::Product(Box::new(number(*factor)), rest), span)
+            }
+        };
+        terms.push((if *factor < 0 { SumSign::Minus } else { SumSign::Plus }, term));
+    }
+    let (_, first) = terms.remove(0);
+    if terms.is_empty() { first } else { sum_of(first, terms, span) }
+}

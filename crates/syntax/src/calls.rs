@@ -1,0 +1,224 @@
+//! Functions of programs that change what they are given, and macros: both are written out where they are called.
+
+use crate::ast::{Expr, ExprKind, Function, Name};
+use crate::control::RESULT;
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::program_words::split;
+use crate::reader::{Frame, Reader};
+use crate::scan::Token;
+use crate::span::Span;
+use crate::steps::{Step, closing};
+use crate::value::LETTERS;
+use std::rc::Rc;
+
+/// How deep calls may nest that are written out.
+const DEEPEST: usize = 12;
+
+/// A function that changes what it is given, or returns nothing.
+pub(crate) struct Procedure {
+    pub parameters: Vec<Given>,
+    pub body: Vec<Step>,
+    /// Whether it changes a parameter.
+    pub changes: bool,
+}
+
+/// A parameter.
+pub(crate) struct Given {
+    pub name: Name,
+    pub size: usize,
+    /// Whether it has a value when the function begins.
+    pub is_in: bool,
+    /// Whether what it was made into goes back.
+    pub is_out: bool,
+}
+
+/// What stands for something else wherever it is called.
+pub(crate) struct Macro {
+    pub parameters: Option<Vec<String>>,
+    pub body: Vec<Token>,
+}
+
+impl Reader<'_> {
+    /// `#define name body` and `#define name(a) body`.
+    pub(crate) fn macro_of(&mut self, tokens: &[Token]) {
+        let Some(name) = tokens.first().copied() else { return };
+        let rest = &tokens[1..];
+        let is_call =
+            rest.first().is_some_and(|next| next.symbol == '(' && next.span.start == name.span.end);
+        let made = match closing(rest).filter(|_| is_call) {
+            Some(end) => {
+                let names = rest[1..end].iter().map(|token| self.words.word(*token).to_owned());
+                let parameters = names.filter(|name| !name.is_empty()).collect();
+                Macro { parameters: Some(parameters), body: rest[end + 1..].to_vec() }
+            }
+            None => Macro { parameters: None, body: rest.to_vec() },
+        };
+        self.macros.insert(self.words.word(name).to_owned(), Rc::new(made));
+    }
+
+    /// What `tokens` are with macros written out.
+    pub(crate) fn expanded(&self, tokens: Vec<Token>, depth: usize) -> Fallible<Vec<Token>> {
+        let found = |token: &Token| self.macros.get(self.words.word(*token));
+        if self.macros.is_empty() || !tokens.iter().any(|token| found(token).is_some()) {
+            return Ok(tokens);
+        }
+        let mut all = Vec::with_capacity(tokens.len());
+        let mut at = 0;
+        while let Some(token) = tokens.get(at).copied() {
+            at += 1;
+            let Some(made) = found(&token) else {
+                all.push(token);
+                continue;
+            };
+            if depth > DEEPEST {
+                return Err(Error::new(token.span, ErrorKind::TooDeep { limit: DEEPEST }));
+            }
+            let made = Rc::clone(made);
+            let limit = self.limits.symbols;
+            self.written.set(self.written.get() + made.body.len() + 1);
+            if self.written.get() > limit {
+                return Err(Error::new(token.span, ErrorKind::TooManySymbols { limit }));
+            }
+            let Some(parameters) = &made.parameters else {
+                all.extend(self.expanded(made.body.clone(), depth + 1)?);
+                continue;
+            };
+            let Some(end) = closing(&tokens[at..]).filter(|_| tokens[at].symbol == '(') else {
+                all.push(token);
+                continue;
+            };
+            let arguments = split(tokens[at + 1..at + end].to_vec(), ',');
+            at += end + 1;
+            let mut body = Vec::with_capacity(made.body.len());
+            for part in &made.body {
+                let word = self.words.word(*part);
+                let index = parameters.iter().position(|name| name == word);
+                match index.and_then(|index| arguments.get(index)) {
+                    Some(argument) if argument.len() > 1 => {
+                        body.push(Token::new('(', Span::at(argument[0].span.start)));
+                        body.extend(argument);
+                        let end = argument[argument.len() - 1].span.end;
+                        body.push(Token::new(')', Span::at(end)));
+                    }
+                    Some(argument) => body.extend(argument),
+                    None => body.push(*part),
+                }
+            }
+            all.extend(self.expanded(body, depth + 1)?);
+        }
+        Ok(all)
+    }
+
+    /// The procedure that a statement calls, which is nothing but that call; with its arguments.
+    pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
+        let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
+        let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;
+        let arguments = split(tokens[2..=end].to_vec(), ',');
+        (tokens[1].symbol == '(').then(|| (Rc::clone(procedure), arguments))
+    }
+
+    /// Runs a procedure where it is called; what it returns.
+    pub(crate) fn inline(
+        &mut self,
+        name: Token,
+        procedure: &Procedure,
+        arguments: &[Vec<Token>],
+        frame: &mut Frame,
+    ) -> Fallible<Option<ExprKind>> {
+        if frame.depth >= DEEPEST {
+            return Err(Error::new(name.span, ErrorKind::TooDeep { limit: DEEPEST }));
+        }
+        let word = self.words.word(name).to_owned();
+        let prefix = frame.made_name(&word);
+        let mut inner = Frame {
+            function: frame.function.clone(),
+            nested: 1,
+            depth: frame.depth + 1,
+            prefix: Some(prefix),
+            ..Frame::default()
+        };
+        if procedure.parameters.len() != arguments.len() {
+            let expected = format!("{} arguments", procedure.parameters.len());
+            let given = arguments.len();
+            let kind = ErrorKind::WrongCount { name: word, expected, given, usage: None };
+            return Err(Error::new(name.span, kind));
+        }
+        for (given, argument) in procedure.parameters.iter().zip(arguments) {
+            if given.is_in {
+                let within = frame.aliases.clone();
+                self.set_within(
+                    given.name.clone(),
+                    given.size,
+                    argument.clone(),
+                    &within,
+                    &mut inner,
+                )?;
+            } else {
+                inner.set.push((given.name.text.clone(), given.size));
+            }
+        }
+        self.run(&procedure.body, &mut inner)?;
+        for (given, argument) in procedure.parameters.iter().zip(arguments) {
+            let Some(value) = inner.aliases.find(&given.name.text).filter(|_| given.is_out) else {
+                continue;
+            };
+            let (target, letters) = match argument.as_slice() {
+                [target] => (*target, None),
+                [target, letters] if letters.symbol == '‧' => (
+                    *target,
+                    Some(self.words.text[letters.span.start + 1..letters.span.end].to_owned()),
+                ),
+                _ => return Err(Error::new(name.span, ErrorKind::OutParameter { name: word })),
+            };
+            self.take_back(target, letters, value.clone(), given.size, frame);
+        }
+        Ok(inner.aliases.find(RESULT).cloned())
+    }
+
+    /// Lets `target`, or some components of it, stand for `value`.
+    fn take_back(
+        &mut self,
+        target: Token,
+        letters: Option<String>,
+        value: ExprKind,
+        size: usize,
+        frame: &mut Frame,
+    ) {
+        let name = self.words.name(target);
+        let known = frame.set.iter().rfind(|(set, _)| *set == name.text).map(|(_, size)| *size);
+        let kind = match letters {
+            None => value,
+            Some(letters) => {
+                let before = frame.aliases.find(&name.text).cloned();
+                let before =
+                    before.unwrap_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)));
+                let whole = known.unwrap_or(3);
+                let body = with_parts(&letters, &before, whole, &value, name.span);
+                self.make(&name.text, body, frame)
+            }
+        };
+        frame.aliases.push(name.text.clone(), kind);
+        frame.set.push((name.text, known.unwrap_or(size)));
+    }
+}
+
+/// A vector of which some components are set.
+pub(crate) fn with_parts(
+    letters: &str,
+    before: &ExprKind,
+    size: usize,
+    value: &ExprKind,
+    span: Span,
+) -> ExprKind {
+    let expr = |kind: &ExprKind| Expr::new(kind.clone(), span);
+    let part = |of: &ExprKind, letter: char| {
+        Expr::new(ExprKind::Component(Box::new(expr(of)), letter.to_string()), span)
+    };
+    let parts = LETTERS.chars().take(size).map(|letter| match letters.find(letter) {
+        Some(_) if letters.len() == 1 => expr(value),
+        Some(at) => part(value, LETTERS.chars().nth(at).unwrap_or('x')),
+        None => part(before, letter),
+    });
+    let function = Function::Vector(u8::try_from(size).unwrap_or(3));
+    ExprKind::Call(function, parts.collect())
+}

@@ -1,0 +1,311 @@
+//! Branches and loops of programs, written out: a loop's rounds one after the other, and of a branch both sides, between
+//! which each name that they set is chosen.
+//!
+//! What leaves a loop or a function early is a number, 0 as long as nothing has: where it is not known, what follows is one
+//! more branch.
+
+use crate::ast::{Expr, ExprKind, Name, Relation};
+use crate::counting::{Counters, count, number_of, written};
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::program::Wrap;
+use crate::program_words::split;
+use crate::reader::{Frame, Reader};
+use crate::scan::Token;
+use crate::span::Span;
+use crate::statement::Head;
+use crate::steps::{Step, closing};
+use rustc_hash::FxHashMap;
+
+/// The most statements that a program runs.
+pub(crate) const MOST_STEPS: usize = 1000;
+
+/// The name of what says whether a loop or the function was left; a word of programs, so that none is called so.
+pub(crate) const LEFT: &str = "break";
+/// The name of what is returned.
+pub(crate) const RESULT: &str = "return";
+
+/// What leaves: this round, the loop, the function.
+const ROUND: f64 = 1.0;
+const LOOP: f64 = 2.0;
+const FUNCTION: f64 = 3.0;
+
+/// What is known of numbers in a function's body.
+struct Known<'k> {
+    frame: &'k mut Frame,
+    constants: &'k FxHashMap<String, f64>,
+}
+
+impl Counters for Known<'_> {
+    fn get(&self, name: &str) -> Option<f64> {
+        match self.frame.aliases.find(name) {
+            Some(kind) => number_of(kind),
+            None => self.constants.get(name).copied(),
+        }
+    }
+
+    fn set(&mut self, name: &str, value: f64) {
+        self.frame.aliases.push(name.to_owned(), written(value, Span::default()));
+    }
+}
+
+impl Reader<'_> {
+    /// The number that `tokens` are, if that is known.
+    pub(crate) fn known(&self, tokens: &[Token], frame: &mut Frame) -> Option<f64> {
+        count(self.words, tokens, &mut Known { frame, constants: &self.constants })
+    }
+
+    /// Runs the statements of a block.
+    pub(crate) fn run(&mut self, steps: &[Step], frame: &mut Frame) -> Fallible<()> {
+        for (index, step) in steps.iter().enumerate() {
+            self.steps += usize::from(frame.nested > 0);
+            if self.steps > MOST_STEPS {
+                let span = step.first().map_or(Span::default(), |first| first.span);
+                return Err(Error::new(span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+            }
+            match step {
+                Step::Plain(tokens) => self.plain_step(tokens, frame)?,
+                Step::If { condition, yes, no } => self.branch(condition, yes, no, frame)?,
+                Step::Loop { word, start, condition, next, body } => {
+                    frame.nested += 1;
+                    let counted = start.windows(2).filter(|pair| pair[1].symbol == '=');
+                    let names = counted.map(|pair| self.words.word(pair[0]).to_owned());
+                    frame.whole.extend(names);
+                    self.plain_step(start, frame)?;
+                    self.rounds(*word, (condition, next), body, frame)?;
+                    self.end_loop(body, frame);
+                    frame.nested -= 1;
+                }
+                Step::Each { name, values, body } => {
+                    let values = self.values(*name, values, frame)?;
+                    frame.nested += 1;
+                    self.each(*name, &values, body, frame)?;
+                    self.end_loop(body, frame);
+                    frame.nested -= 1;
+                }
+            }
+            let Some(left) = frame.aliases.find(LEFT).cloned() else { continue };
+            match number_of(&left) {
+                Some(0.0) => {}
+                Some(_) => return Ok(()),
+                None => {
+                    let rest = &steps[index + 1..];
+                    if !rest.is_empty() {
+                        let mut going = frame.inner();
+                        self.run(rest, &mut going)?;
+                        let stopped = frame.clone();
+                        self.merge(frame, &stopped, &going, &more_than(left, 0.0));
+                    }
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A statement that governs no others.
+    fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
+        let Some(first) = tokens.first() else { return Ok(()) };
+        match self.words.word(*first) {
+            "break" if tokens.len() == 1 => leave(LOOP, frame),
+            "continue" if tokens.len() == 1 => leave(ROUND, frame),
+            "return" if tokens.len() == 1 => leave(FUNCTION, frame),
+            "return" if frame.nested > 0 => {
+                let name = Name { text: RESULT.to_owned(), span: first.span };
+                self.set(name, 1, tokens[1..].to_vec(), None, frame)?;
+                leave(FUNCTION, frame);
+            }
+            "return" => {
+                self.result(tokens[1..].to_vec(), frame)?;
+                frame.is_done = true;
+                leave(FUNCTION, frame);
+            }
+            _ => {
+                for part in self.words.each_setting(tokens.to_vec()) {
+                    self.statement(part, frame, &mut Vec::new().into_iter())?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `if`: what is set on either side is chosen between, unless it is known which side is taken.
+    fn branch(
+        &mut self,
+        condition: &[Token],
+        yes: &[Step],
+        no: &[Step],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        if let Some(holds) = self.known(condition, frame) {
+            return self.run(if holds == 0.0 { no } else { yes }, frame);
+        }
+        let span = condition.first().map_or(Span::default(), |first| first.span);
+        let flag = self.fresh(&frame.made_name("if"));
+        let name = Name { text: flag, span };
+        self.generated.insert(name.text.clone());
+        let (parameters, kind) = frame.call(&name.text);
+        let head = Head { name, parameters };
+        self.push(condition.to_vec(), Some(head), Some(Wrap::Flag), &frame.aliases.clone(), false)?;
+        let (mut first, mut second) = (frame.inner(), frame.inner());
+        self.run(yes, &mut first)?;
+        self.run(no, &mut second)?;
+        self.merge(frame, &first, &second, &more_than(kind, 0.0));
+        Ok(())
+    }
+
+    /// The rounds of a loop that are left.
+    fn rounds(
+        &mut self,
+        word: Token,
+        (condition, next): (&[Token], &[Token]),
+        body: &[Step],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        loop {
+            let holds = if condition.is_empty() { Some(1.0) } else { self.known(condition, frame) };
+            let Some(holds) = holds else {
+                let span = condition[0].span.to(condition[condition.len() - 1].span);
+                return Err(Error::new(span, ErrorKind::LoopEnd));
+            };
+            if holds == 0.0 {
+                return Ok(());
+            }
+            self.steps += 1;
+            if self.steps > MOST_STEPS {
+                return Err(Error::new(word.span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+            }
+            self.run(body, frame)?;
+            if let Some(left) = self.end_round(body, frame) {
+                if number_of(&left).is_some() {
+                    return Ok(());
+                }
+                let mut going = frame.inner();
+                self.plain_step(next, &mut going)?;
+                self.rounds(word, (condition, next), body, &mut going)?;
+                let stopped = frame.clone();
+                self.merge(frame, &stopped, &going, &more_than(left, 0.0));
+                return Ok(());
+            }
+            self.plain_step(next, frame)?;
+        }
+    }
+
+    /// One round for each value.
+    fn each(
+        &mut self,
+        name: Token,
+        values: &[Value],
+        body: &[Step],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        for (index, value) in values.iter().enumerate() {
+            self.steps += 1;
+            if self.steps > MOST_STEPS {
+                return Err(Error::new(name.span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+            }
+            let text = self.words.text[name.span.range()].to_owned();
+            match value {
+                Value::Known(number) => frame.aliases.push(text, written(*number, name.span)),
+                Value::Typed(tokens) => {
+                    let name = Name { text, span: name.span };
+                    self.set(name, 1, tokens.clone(), None, frame)?;
+                }
+            }
+            self.run(body, frame)?;
+            if let Some(left) = self.end_round(body, frame) {
+                if number_of(&left).is_none() {
+                    let mut going = frame.inner();
+                    self.each(name, &values[index + 1..], body, &mut going)?;
+                    let stopped = frame.clone();
+                    self.merge(frame, &stopped, &going, &more_than(left, 0.0));
+                }
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// What a loop over values goes through.
+    fn values(&mut self, name: Token, tokens: &[Token], frame: &mut Frame) -> Fallible<Vec<Value>> {
+        let place = tokens.first().zip(tokens.last());
+        let span = place.map_or(name.span, |(first, last)| first.span.to(last.span));
+        let refused = || Error::new(span, ErrorKind::LoopEnd);
+        let is_range = tokens.first().is_some_and(|first| self.words.word(*first) == "range");
+        let list = if is_range { &tokens[1..] } else { tokens };
+        let Some(end) = closing(list).filter(|end| end + 1 == list.len()) else {
+            return Err(refused());
+        };
+        let parts = split(list[1..end].to_vec(), ',');
+        if !is_range {
+            return Ok(parts.into_iter().map(Value::Typed).collect());
+        }
+        let numbers: Option<Vec<f64>> = parts.iter().map(|part| self.known(part, frame)).collect();
+        let (low, high, step) = match numbers.as_deref() {
+            Some([high]) => (0.0, *high, 1.0),
+            Some([low, high]) => (*low, *high, 1.0),
+            Some([low, high, step]) if *step != 0.0 => (*low, *high, *step),
+            _ => return Err(refused()),
+        };
+        let mut values = Vec::new();
+        let mut value = low;
+        while (high - value) * step > 0.0 {
+            if values.len() > MOST_STEPS {
+                return Err(Error::new(span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+            }
+            values.push(Value::Known(value));
+            value += step;
+        }
+        Ok(values)
+    }
+
+    /// What is left of leaving, once a round is over: nothing of what left only that.
+    fn end_round(&mut self, body: &[Step], frame: &mut Frame) -> Option<ExprKind> {
+        if Step::has(body, self.words, "continue") {
+            let others = ["break", "return"].iter().any(|word| Step::has(body, self.words, word));
+            self.stay(ROUND, others, frame);
+        }
+        frame.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0)).cloned()
+    }
+
+    /// What left the loop is over with it.
+    fn end_loop(&mut self, body: &[Step], frame: &mut Frame) {
+        let others = Step::has(body, self.words, "return");
+        if frame.aliases.find(LEFT).is_some() {
+            self.stay(LOOP, others, frame);
+        }
+    }
+
+    /// Forgets what left no more than `level`; whether there are `others`.
+    fn stay(&mut self, level: f64, others: bool, frame: &mut Frame) {
+        let Some(left) = frame.aliases.find(LEFT).cloned() else { return };
+        let zero = ExprKind::Number("0".to_owned());
+        let kind = match number_of(&left) {
+            Some(number) if number > level => return,
+            None if others => {
+                let span = Span::default();
+                let piece = (more_than(left.clone(), level), Expr::new(left, span));
+                let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(zero, span))));
+                self.make(LEFT, body, frame)
+            }
+            _ => zero,
+        };
+        frame.aliases.push(LEFT.to_owned(), kind);
+    }
+}
+
+/// What a name of a loop over values stands for.
+enum Value {
+    Known(f64),
+    Typed(Vec<Token>),
+}
+
+pub(crate) fn more_than(kind: ExprKind, level: f64) -> Expr {
+    let span = Span::default();
+    let level = Expr::new(written(level, span), span);
+    let kind = ExprKind::Compare(Box::new(Expr::new(kind, span)), vec![(Relation::Greater, level)]);
+    Expr::new(kind, span)
+}
+
+fn leave(level: f64, frame: &mut Frame) {
+    frame.aliases.push(LEFT.to_owned(), written(level, Span::default()));
+}

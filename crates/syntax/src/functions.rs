@@ -1,0 +1,296 @@
+//! Functions of programs, and what governs other statements: where their bodies are, and what they return.
+
+use crate::aliases::Aliases;
+use crate::ast::{ExprKind, Name, NamedValue};
+use crate::calls::{Given, Procedure};
+use crate::control::RESULT;
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::note::{Note, NoteKind};
+use crate::program_words::{Words, bracketed, split};
+use crate::reader::{Frame, Reader, Statements};
+use crate::scan::Token;
+use crate::span::Span;
+use crate::statement::Head;
+use crate::steps::{Step, closing};
+use std::rc::Rc;
+
+/// The most functions on one line.
+const MOST_FUNCTIONS: usize = 300;
+
+impl Reader<'_> {
+    /// Functions whose bodies stand in braces, and what follows them on their line.
+    pub(crate) fn functions(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let place = tokens.first().map_or(Span::default(), |first| first.span);
+        let mut rest = tokens;
+        for _ in 0..MOST_FUNCTIONS {
+            rest = self.function(rest)?;
+            if rest.is_empty() {
+                return Ok(());
+            }
+            if !self.words.has_body(&rest) {
+                return self.statement(rest, frame, following);
+            }
+        }
+        Err(Error::new(place, ErrorKind::TooManyNames { limit: MOST_FUNCTIONS }))
+    }
+
+    /// A function whose body stands in braces; what follows it is left.
+    pub(crate) fn function(&mut self, tokens: Vec<Token>) -> Fallible<Vec<Token>> {
+        let Some((name, parameters, body, rest)) = self.words.function(&tokens) else {
+            return Ok(tokens);
+        };
+        let types = &tokens[..self.words.types(&tokens)];
+        let is_void = types.iter().any(|token| self.words.word(*token) == "void");
+        let word = self.words.word(name).to_owned();
+        if is_void && matches!(word.as_str(), "main" | "mainImage") {
+            // What it would be drawn with.
+            let kind = NoteKind::MainLeftOut { name: word };
+            self.program.notes.push(Note { span: name.span, kind });
+            return Ok(rest);
+        }
+        let body = self.expanded(body, 0)?;
+        let mut steps = self.words.block(&body, 0)?;
+        let given = self.given(&parameters);
+        if is_void || given.iter().any(|given| given.is_out) {
+            let changes = given.iter().any(|given| given.is_out);
+            let procedure = Procedure { parameters: given, body: steps, changes };
+            self.procedures.insert(word, Rc::new(procedure));
+            return Ok(rest);
+        }
+        // In Rust the last expression is the result.
+        let tail = steps.last().and_then(|last| match last {
+            Step::Plain(tokens) if self.words.is_value(tokens) => Some(tokens.clone()),
+            _ => None,
+        });
+        if tail.is_some() {
+            steps.pop();
+        }
+        let mut frame = self.enter(self.words.name(name), parameters)?;
+        self.run(&steps, &mut frame)?;
+        if let Some(tail) = tail {
+            self.result(tail, &frame)?;
+            frame.is_done = true;
+        }
+        self.leave_function(&frame)?;
+        Ok(rest)
+    }
+
+    /// Ends a function, which must return something.
+    pub(crate) fn leave_function(&mut self, frame: &Frame) -> Fallible<()> {
+        let Some((name, _)) = &frame.function else { return Ok(()) };
+        if !frame.is_done && frame.aliases.find(RESULT).is_none() {
+            let word = "void".to_owned();
+            return Err(Error::new(name.span, ErrorKind::Program { word }));
+        }
+        self.end(frame, name.span);
+        Ok(())
+    }
+
+    /// Parameters, and which of them are changed.
+    pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<Given> {
+        let one = |tokens: &Vec<Token>| {
+            let (token, size, _) = self.words.parameter(tokens)?;
+            let has = |word: &str| tokens.iter().any(|token| self.words.word(*token) == word);
+            let is_out = has("out") || has("inout");
+            Some(Given { name: self.words.name(token), size, is_in: !has("out"), is_out })
+        };
+        parameters.iter().filter_map(one).collect()
+    }
+
+    /// `if`, `for` or `while`, and what it governs, of which some may stand on further lines.
+    pub(crate) fn governing(
+        &mut self,
+        mut tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let begins_else = |tokens: Option<&Vec<Token>>| {
+            tokens.is_some_and(|tokens| self.words.word(tokens[0]) == "else")
+        };
+        while begins_else(following.as_slice().first()) || !self.words.is_whole(&tokens) {
+            let Some(more) = following.next() else { break };
+            tokens.push(Token::new(';', Span::at(more[0].span.start)));
+            tokens.extend(more);
+        }
+        let tokens = self.expanded(tokens, 0)?;
+        let mut steps = self.words.block(&tokens, 0)?;
+        // A function may leave before its end: what follows is then a branch as well.
+        if Step::has(&steps, self.words, "return") {
+            for more in following.by_ref() {
+                steps.push(Step::Plain(more));
+            }
+        }
+        self.run(&steps, frame)
+    }
+
+    /// As `governing`, where lines are indented.
+    pub(crate) fn governing_lines(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let own = self.words.indent(&tokens);
+        let mut lines = vec![tokens];
+        while let Some(next) = following.as_slice().first() {
+            let is_else = matches!(self.words.word(next[0]), "elif" | "else");
+            if self.words.indent(next) <= own && !is_else {
+                break;
+            }
+            lines.extend(following.next());
+        }
+        let steps = self.words.lines(&lines, 0)?;
+        self.run(&steps, frame)
+    }
+
+    /// `f(a) = value`, behind the word `function`.
+    pub(crate) fn openscad(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
+        let trigonometric = tokens.iter().find(|token| {
+            matches!(self.words.word(**token), "sin" | "cos" | "tan" | "atan2" | "atan")
+        });
+        let note =
+            trigonometric.map(|token| Note { span: token.span, kind: NoteKind::DegreesOfOpenscad });
+        let value = tokens.get(1..).and_then(bracketed);
+        let value = value.filter(|(inner, rest)| {
+            let has_values = inner.iter().any(|token| token.symbol == '=');
+            has_values && rest.first().is_some_and(|next| next.symbol == '=')
+        });
+        match self.words.with_bindings(&tokens) {
+            None if value.is_some() => {
+                if let Some((inner, rest)) = value {
+                    let name = self.words.name(tokens[0]);
+                    let frame = self.enter(name, split(inner, ','))?;
+                    self.result(rest[1..].to_vec(), &frame)?;
+                }
+            }
+            Some((name, parameters, bindings)) => {
+                let mut frame = self.enter(self.words.name(name), parameters)?;
+                self.bindings(bindings, &mut frame)?;
+            }
+            None => self.plain(tokens, frame, false)?,
+        }
+        if let Some(unit) = self.program.units.last_mut() {
+            unit.piece.notes.extend(note);
+        }
+        Ok(())
+    }
+
+    /// `def name(parameters):` and the lines up to `return`.
+    pub(crate) fn python(&mut self, tokens: &[Token], following: &mut Statements) -> Fallible<()> {
+        let word = "def".to_owned();
+        let refused = Error::new(tokens[0].span, ErrorKind::Program { word });
+        let Some((name, parameters, first)) = Words::python(tokens) else {
+            return Err(refused);
+        };
+        let mut lines: Vec<Vec<Token>> =
+            Some(first).filter(|first| !first.is_empty()).into_iter().collect();
+        let own = self.words.indent(tokens);
+        let is_indented =
+            following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);
+        while lines.is_empty() || is_indented {
+            let next = following.as_slice().first();
+            if next.is_none_or(|next| is_indented && self.words.indent(next) <= own) {
+                break;
+            }
+            lines.extend(following.next());
+        }
+        if !is_indented && !self.ends(&lines) {
+            // Lost its indentation: it ends where it returns.
+            for next in following.by_ref() {
+                lines.push(next);
+                if self.ends(&lines) {
+                    break;
+                }
+            }
+        }
+        if !lines.iter().any(|line| line.iter().any(|token| self.words.word(*token) == "return")) {
+            return Err(refused);
+        }
+        let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, &lines));
+        let steps = self.words.lines(&lines, 0)?;
+        let mut frame = self.enter(self.words.name(name), parameters)?;
+        if is_point {
+            self.program.last_function = Some(self.words.name(name));
+        }
+        self.run(&steps, &mut frame)?;
+        self.leave_function(&frame)
+    }
+
+    /// Whether the last line returns.
+    fn ends(&self, lines: &[Vec<Token>]) -> bool {
+        lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
+    }
+
+    /// The frame of a function; parameters with values become names that are set.
+    pub(crate) fn enter(&mut self, name: Name, parameters: Vec<Vec<Token>>) -> Fallible<Frame> {
+        let mut frame = Frame::default();
+        let mut names = Vec::new();
+        let mut given = Vec::new();
+        for tokens in parameters {
+            let Some((token, size, value)) = self.words.parameter(&tokens) else {
+                continue;
+            };
+            let parameter = self.words.name(token);
+            if let Some(value) = value {
+                given.push((parameter, value));
+            } else {
+                frame.set.push((parameter.text.clone(), size));
+                names.push((parameter, size));
+            }
+        }
+        if let [(_, 3)] = names.as_slice() {
+            self.program.last_function = Some(name.clone());
+        }
+        for (parameter, value) in given {
+            let text = self.fresh(&format!("{}_{}", name.text, parameter.text));
+            let kind = ExprKind::Name(NamedValue::Defined(text.clone()));
+            let head = Head { name: Name { text, span: parameter.span }, parameters: None };
+            self.push(value, Some(head), None, &Aliases::default(), false)?;
+            frame.aliases.push(parameter.text, kind);
+        }
+        let names = names.into_iter().map(|(name, _)| name).collect();
+        frame.function = Some((name, names));
+        Ok(frame)
+    }
+
+    /// `f = lambda x, y: …` and `f = (x, y) => …`.
+    pub(crate) fn lambda(
+        &mut self,
+        name: Option<Token>,
+        parameters: Vec<Vec<Token>>,
+        value: Vec<Token>,
+        frame: &Frame,
+    ) -> Fallible<()> {
+        let braces = closing(&value).filter(|end| value[0].symbol == '{' && end + 1 == value.len());
+        let body = braces.map(|end| value[1..end].to_vec());
+        let Some(name) = name else {
+            return self.plain(body.unwrap_or(value), frame, false);
+        };
+        let mut frame = self.enter(self.words.name(name), parameters)?;
+        let Some(body) = body else { return self.result(value, &frame) };
+        if !body.iter().any(|token| self.words.word(*token) == "return") {
+            return self.result(body, &frame);
+        }
+        let steps = self.words.block(&body, 0)?;
+        self.run(&steps, &mut frame)?;
+        self.leave_function(&frame)
+    }
+
+    /// `let(a = 1, b = 2) value`.
+    pub(crate) fn bindings(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
+        let Some((inner, rest)) = bracketed(&tokens[1..]) else {
+            return self.plain(tokens, frame, false);
+        };
+        for tokens in split(inner, ',') {
+            if let Some((name, None, value)) = self.words.assignment(&tokens) {
+                self.set(self.words.name(name), 1, value, None, frame)?;
+            }
+        }
+        self.result(rest, frame)
+    }
+}

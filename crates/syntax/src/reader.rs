@@ -1,0 +1,255 @@
+//! The statements of a program, one after the other: what each sets, and what is left as it stands.
+
+use crate::aliases::Aliases;
+use crate::arrange::arrange;
+use crate::ast::{Expr, ExprKind, Name, NamedValue, Statement};
+use crate::calls::{Macro, Procedure};
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::limits::Limits;
+use crate::made::Made;
+use crate::program::{Program, Unit, Wrap};
+use crate::program_words::{Words, begins_name, is_whole_type, size_of};
+use crate::scan::Token;
+use crate::spelling::is_setting;
+use crate::statement::Head;
+use crate::wrappers::Unwrapped;
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::cell::Cell;
+use std::rc::Rc;
+
+/// The names of a function's body, or of what is outside functions.
+#[derive(Clone, Default)]
+pub(crate) struct Frame {
+    /// The function's name and parameters.
+    pub function: Option<(Name, Vec<Name>)>,
+    pub aliases: Aliases,
+    /// Names that were set, with the number of their components.
+    pub set: Vec<(String, usize)>,
+    /// Names that count in whole numbers, and have a number that is known.
+    pub whole: FxHashSet<String>,
+    /// How many branches and loops are around.
+    pub nested: usize,
+    /// How many calls are around that are written out.
+    pub depth: usize,
+    /// What names begin with that are made in a call that is written out.
+    pub prefix: Option<String>,
+    /// Whether the result was written as it stands.
+    pub is_done: bool,
+}
+
+pub(crate) struct Reader<'a> {
+    pub words: Words<'a>,
+    pub limits: &'a Limits,
+    /// Names that the text uses, or that were made.
+    pub taken: FxHashSet<String>,
+    /// Names of whole numbers, whose quotients programs cut.
+    pub whole: FxHashSet<String>,
+    /// Names that were defined.
+    pub heads: FxHashSet<String>,
+    pub macros: FxHashMap<String, Rc<Macro>>,
+    pub procedures: FxHashMap<String, Rc<Procedure>>,
+    /// Numbers that names stand for outside functions.
+    pub constants: FxHashMap<String, f64>,
+    /// Names that were made in branches and loops.
+    pub generated: FxHashSet<String>,
+    /// How many statements were run.
+    pub steps: usize,
+    /// How many symbols macros were written out to.
+    pub written: Cell<usize>,
+    pub program: Program,
+}
+
+pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
+
+impl Reader<'_> {
+    /// One statement, which may be a function with the statements after it.
+    pub(crate) fn statement(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let mut tokens = self.expanded(tokens, 0)?;
+        let Some(first) = tokens.first().copied() else {
+            return Ok(());
+        };
+        if let Some(sign) = Words::prefixed(&tokens) {
+            return Err(Error::new(sign.span, ErrorKind::Prefix));
+        }
+        if is_setting(first.symbol) && frame.function.is_none() {
+            return self.plain(tokens, frame, false);
+        }
+        if frame.function.is_none()
+            && let Some(unwrapped) = self.words.unwrapped(&tokens)
+        {
+            return self.unwrapped(unwrapped, frame);
+        }
+        match self.words.word(first) {
+            "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
+            "for" | "while" | "if" if self.words.governs(&tokens) => {
+                return self.governing(tokens, frame, following);
+            }
+            "for" | "while" | "if" if self.words.governs_lines(&tokens) => {
+                return self.governing_lines(tokens, frame, following);
+            }
+            "struct" | "switch" | "do" | "else" | "elif"
+                if Words::is_command(&tokens) || self.words.governs(&tokens) =>
+            {
+                let word = self.words.word(first).to_owned();
+                return Err(Error::new(first.span, ErrorKind::Program { word }));
+            }
+            "def" if tokens.len() > 3 => return self.python(&tokens, following),
+            "return" if tokens.len() > 1 => {
+                tokens.remove(0);
+                return self.result(tokens, frame);
+            }
+            "#define" if tokens.len() > 1 => {
+                self.macro_of(&tokens[1..]);
+                return Ok(());
+            }
+            "function"
+                if tokens.len() > 2
+                    && !self.words.has_body(&tokens)
+                    && begins_name(tokens.get(1)) =>
+            {
+                tokens.remove(0);
+                return self.openscad(tokens, frame);
+            }
+            "let" if tokens.get(1).is_some_and(|token| token.symbol == '(') => {
+                return self.bindings(tokens, frame);
+            }
+            _ => {}
+        }
+        if self.words.has_body(&tokens) {
+            return self.functions(tokens, frame, following);
+        }
+        if let Some((procedure, arguments)) = self.called(&tokens) {
+            self.inline(first, &procedure, &arguments, frame)?;
+            return Ok(());
+        }
+        let types = self.words.types(&tokens);
+        if types > 0 {
+            let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
+            let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
+            tokens.drain(..types);
+            return self.declarations(tokens, size.unwrap_or(1), is_whole, frame);
+        }
+        if self.counts(&tokens, frame) {
+            return Ok(());
+        }
+        let tokens = if self.program.in_steps || frame.function.is_some() {
+            let Some(tokens) = self.step(tokens, frame)? else { return Ok(()) };
+            tokens
+        } else {
+            tokens
+        };
+        if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
+            return self.lambda(name, parameters, value, frame);
+        }
+        self.plain(tokens, frame, true)
+    }
+
+    /// A statement as it stands.
+    pub(crate) fn plain(&mut self, tokens: Vec<Token>, frame: &Frame, plots: bool) -> Fallible<()> {
+        let mut tokens = tokens;
+        if frame.function.is_some() && plots && self.words.assignment(&tokens).is_none() {
+            return Err(Error::new(tokens[0].span, ErrorKind::NoEffect));
+        }
+        if let [name, equals, number] = tokens.as_slice()
+            && equals.symbol == '='
+            && number.symbol == '0'
+            && let Some(value) = self.known(&[*number], &mut Frame::default())
+        {
+            self.constants.insert(self.words.word(*name).to_owned(), value);
+        }
+        let is_height = plots && self.words.plot(&mut tokens);
+        self.words.patterns(&mut tokens);
+        self.push(tokens, None, None, &frame.aliases, is_height)
+    }
+
+    pub(crate) fn push(
+        &mut self,
+        tokens: Vec<Token>,
+        head: Option<Head>,
+        wrap: Option<Wrap>,
+        aliases: &Aliases,
+        is_height: bool,
+    ) -> Fallible<()> {
+        if tokens.is_empty() {
+            return match head {
+                Some(head) => Err(Error::new(head.name.span, ErrorKind::Unfinished)),
+                None => Ok(()),
+            };
+        }
+        let changing = |token: &&Token| {
+            let procedure = self.procedures.get(self.words.word(**token));
+            procedure.is_some_and(|procedure| procedure.changes)
+        };
+        if let Some(span) = self.cut_quotient(&tokens) {
+            return Err(Error::new(span, ErrorKind::WholeQuotient));
+        }
+        if let Some(token) = tokens.iter().find(changing) {
+            let name = self.words.word(*token).to_owned();
+            return Err(Error::new(token.span, ErrorKind::OutParameter { name }));
+        }
+        if let Some(piece) = arrange(self.words.text, tokens, self.limits)? {
+            let aliases = aliases.clone();
+            self.heads.extend(head.iter().map(|head| head.name.text.clone()));
+            self.program.units.push(Unit { piece, head, aliases, wrap, is_height });
+        }
+        Ok(())
+    }
+
+    /// What stands for a statement of another system.
+    pub(crate) fn unwrapped(&mut self, unwrapped: Unwrapped, frame: &mut Frame) -> Fallible<()> {
+        match unwrapped {
+            // Each is shorter, so that this ends.
+            Unwrapped::Statements(all) => all
+                .into_iter()
+                .try_for_each(|tokens| self.statement(tokens, frame, &mut Vec::new().into_iter())),
+            Unwrapped::Drawn(name) => {
+                let value = NamedValue::Defined("surface".to_owned());
+                let expr = Expr::new(ExprKind::Name(value), name.span);
+                let statement = Statement::Draw { expr, restrictions: Vec::new() };
+                self.program.made.push(Made::new(statement, name.span));
+                Ok(())
+            }
+        }
+    }
+
+    /// A statement that sets names; what is left, if it sets none in steps.
+    pub(crate) fn step(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+    ) -> Fallible<Option<Vec<Token>>> {
+        if let Some((left, right)) = Words::parallel(&tokens) {
+            // All values are those before any of the names is set.
+            let within = frame.aliases.clone();
+            for (name, value) in left.into_iter().zip(right) {
+                self.set_within(self.words.name(name), 1, value, &within, frame)?;
+            }
+            return Ok(None);
+        }
+        if let Some((names, value)) = Words::unpacked(&tokens) {
+            return self.unpack(&names, &value, frame).map(|()| None);
+        }
+        if let Some((name, letters, value)) = self.words.assignment(&tokens) {
+            let name = self.words.name(name);
+            let known = frame.set.iter().rfind(|(set, _)| *set == name.text);
+            let size = known.map_or(3, |(_, size)| *size);
+            let is_set = frame.function.is_some() || known.is_some() || letters.is_some();
+            // `x = 3` is an equation, unless a program has declared x.
+            let is_coordinate = matches!(name.text.as_str(), "x" | "y" | "z" | "t");
+            if is_coordinate && !is_set {
+                return self.plain(tokens, frame, true).map(|()| None);
+            }
+            let is_steps = is_set || self.words.is_step(&tokens);
+            if is_steps || value.iter().any(|t| self.words.word(*t) == name.text) {
+                return self.set(name, size, value, letters, frame).map(|()| None);
+            }
+            frame.set.push((name.text, size));
+        }
+        Ok(Some(tokens))
+    }
+}
