@@ -95,7 +95,8 @@ mod tests {
     #[test]
     fn no_name_means_two_things() {
         let mut seen: HashMap<(&str, usize), &str> = HashMap::new();
-        for row in TABLE {
+        // What cannot be called has its name for printing only.
+        for row in TABLE.iter().filter(|row| native(row.name).is_some()) {
             for name in std::iter::once(&row.name).chain(row.aliases) {
                 assert!(seen.insert((name, usize::from(row.arity)), row.name).is_none(), "{name}");
             }
