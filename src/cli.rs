@@ -35,6 +35,7 @@ mod sheet;
 mod source;
 mod subject;
 mod terminal;
+mod tips;
 mod vector;
 mod watch;
 #[cfg(feature = "window")]

@@ -112,7 +112,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                 }
             }
             Ok(()) => {}
-            Err(message) => notes::say(&message),
+            Err(wrong) => notes::say(&wrong.full),
         }
     }
     session.print_with(None);
@@ -131,7 +131,8 @@ fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
         std::thread::sleep(LOOK);
         let mut typing = typing.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(fault) = session.live.snapshot().fault else { continue };
-        if typing.at.elapsed() < PAUSE || fault.revision == typing.reported {
+        let is_new = fault.revision != typing.reported && session.is_told(fault.revision);
+        if typing.at.elapsed() < PAUSE || !is_new {
             continue;
         }
         typing.reported = fault.revision;

@@ -6,15 +6,15 @@ use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
-use super::{explain, notes, preview};
+use super::{explain, notes, preview, tips};
 use anyhow::{Context, Result};
 use std::collections::VecDeque;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zeroset::live::{Live, Reply, Request};
+use zeroset::live::{Live, Refusal, Reply, Request};
 use zeroset::picture::Settings;
 
 /// What is shown when nothing is asked for.
@@ -47,6 +47,26 @@ impl History {
     }
 }
 
+/// Why a line was refused.
+pub struct Wrong {
+    /// One line of plain text.
+    pub summary: String,
+    /// All of it for the terminal, with carets.
+    pub full: String,
+}
+
+impl From<Refusal> for Wrong {
+    fn from(refusal: Refusal) -> Self {
+        let mut full = refusal.render(notes::coloured());
+        if let Some(letter) = refusal.missing_letter() {
+            full += &format!(
+                "\nhelp: type `{letter} = 1` to give it a value, and then the line once more (Up brings it back)"
+            );
+        }
+        Self { summary: refusal.to_string().lines().next().unwrap_or_default().to_owned(), full }
+    }
+}
+
 /// Shows a message above the line that is being typed, and tells whether it could.
 pub type Printer = Box<dyn FnMut(&str) -> bool + Send>;
 
@@ -64,6 +84,8 @@ pub struct Session {
     /// Whether pictures are as large as the terminal, not as a window.
     in_terminal: AtomicBool,
     ended: AtomicBool,
+    /// What is wrong with requests up to this one is said in the window, and not in the terminal.
+    hushed: AtomicU64,
     /// Shown before anything else.
     pub welcome: String,
 }
@@ -113,6 +135,7 @@ impl Session {
             saving: Mutex::default(),
             in_terminal: AtomicBool::new(arguments.preview),
             ended: AtomicBool::new(false),
+            hushed: AtomicU64::new(0),
             welcome,
         })
     }
@@ -128,19 +151,46 @@ impl Session {
             return;
         }
         let session = Arc::downgrade(self);
+        let watched = name.clone();
         let report = move |change| {
             let Some(session) = session.upgrade() else { return };
+            // Whoever took the loading of the file back no longer wants to see it.
+            if session.live.request().name != watched {
+                return;
+            }
             match change {
-                Change::Text(text) => session.live.load(&session.live.request().name, &text, true),
+                Change::Text(text) => session.live.load(&watched, &text, true),
                 Change::Lost(message) => {
                     session.say(&format!("note: {message}; its last version is still shown"));
                 }
             }
         };
-        match Watch::start(path, &self.live.text(), report) {
+        // What was changed since it was read is not the file's.
+        let known = source::open(path).map_or_else(|_| self.live.text(), |source| source.text);
+        match Watch::start(path, &known, report) {
             Ok(watch) => *file = Some((path.to_owned(), watch)),
             Err(error) => self.say(&format!("note: '{name}' is not watched: {error:#}")),
         }
+    }
+
+    /// Watches the file that the document came from, if that is another one now.
+    pub fn follow(self: &Arc<Self>) {
+        let watched = lock(&self.file).as_ref().map(|(path, _)| path.clone());
+        let name = self.live.request().name;
+        let path = Path::new(&name);
+        if watched.as_deref() != path.is_file().then_some(path) {
+            self.watch();
+        }
+    }
+
+    /// Says that whatever is wrong with what was asked for so far is said in the window.
+    pub fn hush(&self) {
+        self.hushed.fetch_max(self.live.revision(), Ordering::Relaxed);
+    }
+
+    /// Whether what is wrong with a request is to be said in the terminal.
+    pub fn is_told(&self, revision: u64) -> bool {
+        revision > self.hushed.load(Ordering::Relaxed)
     }
 
     /// Tells every thread to end. A picture that is waited for to be saved is given up.
@@ -183,13 +233,13 @@ impl Session {
     /// under a name if one is given.
     ///
     /// # Errors
-    /// What to show if it is refused, with carets.
+    /// What to show if it is refused.
     pub fn enter(
         self: &Arc<Self>,
         line: &str,
         png: impl FnOnce(Option<String>) -> Result<()>,
-    ) -> Result<(), String> {
-        let reply = self.live.enter(line).map_err(|refusal| refusal.render(notes::coloured()))?;
+    ) -> Result<(), Wrong> {
+        let reply = self.live.enter(line)?;
         let done = match reply {
             Reply::Done => Ok(()),
             Reply::Say(text) => {
@@ -200,12 +250,20 @@ impl Session {
             Reply::Save(to) => self.save(to.as_deref()),
             Reply::Png(to) => png(to),
             Reply::Explain { code } => self.explain(code),
+            Reply::Tips(wanted) => {
+                tips::switch(wanted);
+                Ok(())
+            }
             Reply::Quit => {
                 self.end();
                 Ok(())
             }
         };
-        done.map_err(|error| format!("error: {error:#}"))?;
+        done.map_err(|error| {
+            let summary = format!("error: {error:#}");
+            Wrong { full: summary.clone(), summary }
+        })?;
+        self.follow();
         remember(&self.live.text());
         Ok(())
     }
@@ -218,7 +276,7 @@ impl Session {
         Ok(())
     }
 
-    fn save(&self, to: Option<&str>) -> Result<()> {
+    fn save(self: &Arc<Self>, to: Option<&str>) -> Result<()> {
         let path = if let Some(path) = to {
             PathBuf::from(path)
         } else {
@@ -227,6 +285,8 @@ impl Session {
         };
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
+        self.live.saved(&path.to_string_lossy());
+        self.follow();
         self.say(&format!("saved '{}'", path.display()));
         Ok(())
     }

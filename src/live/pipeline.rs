@@ -5,6 +5,7 @@
 //! long as nothing that it depends on has changed. Pictures and what they were made with are shared
 //! by counting, so that the last of them to use a kernel frees it.
 
+use super::edit::missing_letter;
 use super::orbit::Orbit;
 use crate::blank::Blank;
 use crate::domain::AutoDomain;
@@ -107,6 +108,14 @@ impl Fault {
             }
             Reason::Scene(error) => error.to_string(),
             Reason::Bug => "internal error: this is a bug in zeroset, not in your formula".into(),
+        }
+    }
+
+    /// The one letter that lacks a value, if that is all that is wrong.
+    pub fn missing_letter(&self) -> Option<char> {
+        match &self.reason {
+            Reason::Text(errors) => missing_letter(errors),
+            Reason::Scene(_) | Reason::Bug => None,
         }
     }
 
