@@ -9,6 +9,7 @@ mod array;
 #[cfg(feature = "window")]
 mod canvas;
 mod completion;
+mod data;
 mod eval;
 mod explain;
 mod gallery;

@@ -113,7 +113,7 @@ mod tests {
     fn two_columns_fit_a_small_window() {
         let lines = layout(2);
         assert_eq!(lines.len(), 11);
-        assert_eq!(lines[1], "right drag  move        F           fit", "{lines:#?}");
+        assert_eq!(lines[1], "right drag  move        R           reset view", "{lines:#?}");
         assert!(lines.iter().all(|line| line.len() <= 47), "{lines:#?}");
         assert_eq!(layout(1)[21], "Q           quit");
     }

@@ -2,7 +2,8 @@
 //! decided elsewhere.
 
 use super::completion::{candidates, is_open};
-use super::session::{KEPT_LINES, Session, data_directory};
+use super::data::data_directory;
+use super::session::{KEPT_LINES, Session};
 use super::{notes, preview};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;

@@ -1,6 +1,7 @@
 //! A live picture and the files around it, as prompt and window share them.
 
 use super::arguments::InteractiveArgs;
+use super::data::remember;
 use super::output::{Output, check_png, write_png};
 use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
@@ -10,6 +11,7 @@ use super::{explain, notes, preview, tips};
 use anyhow::{Context, Result};
 use std::collections::VecDeque;
 use std::ffi::OsStr;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -50,6 +52,7 @@ impl History {
 /// Why a line was refused.
 pub struct Wrong {
     /// One line of plain text.
+    #[cfg_attr(not(feature = "window"), allow(dead_code))]
     pub summary: String,
     /// All of it for the terminal, with carets.
     pub full: String,
@@ -59,8 +62,11 @@ impl From<Refusal> for Wrong {
     fn from(refusal: Refusal) -> Self {
         let mut full = refusal.render(notes::coloured());
         if let Some(letter) = refusal.missing_letter() {
-            full += &format!(
-                "\nhelp: type `{letter} = 1` to give it a value, and then the line once more (Up brings it back)"
+            // Writing to a string cannot fail.
+            let _ = write!(
+                full,
+                "\nhelp: type `{letter} = 1` to give it a value, and then the line once more \
+                 (Up brings it back)"
             );
         }
         Self { summary: refusal.to_string().lines().next().unwrap_or_default().to_owned(), full }
@@ -184,6 +190,7 @@ impl Session {
     }
 
     /// Says that whatever is wrong with what was asked for so far is said in the window.
+    #[cfg(feature = "window")]
     pub fn hush(&self) {
         self.hushed.fetch_max(self.live.revision(), Ordering::Relaxed);
     }
@@ -368,26 +375,6 @@ impl Session {
             (None, None) => {}
         }
         Ok(())
-    }
-}
-
-/// Where history and the last document are kept, or `None` if there is no place for them.
-pub fn data_directory() -> Option<PathBuf> {
-    let from = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
-    let base = from("XDG_DATA_HOME")
-        .map(PathBuf::from)
-        .or_else(|| Some(PathBuf::from(from("HOME")?).join(".local/share")))?;
-    let directory = base.join("zeroset");
-    std::fs::create_dir_all(&directory).ok()?;
-    Some(directory)
-}
-
-/// Keeps the document, so that it is there after whatever ends the program.
-fn remember(text: &str) {
-    let Some(directory) = data_directory() else { return };
-    // A document that cannot be kept is no reason to stop.
-    if let Ok(output) = Output::create(&directory.join("last.zset")) {
-        let _ = output.finish(|out| writeln!(out, "{text}"));
     }
 }
 

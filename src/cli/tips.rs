@@ -1,7 +1,7 @@
 //! Tips for whoever is new: each is shown once in the window. How many were is kept in a file.
 
+use super::data::data_directory;
 use super::output::Output;
-use super::session::data_directory;
 use std::path::PathBuf;
 
 /// One line each, the most useful first.

@@ -37,7 +37,7 @@ pub(super) struct State {
     kept: Arc<str>,
     /// The values that were dragged since the document gave them.
     pub dragged: Vec<Dragged>,
-    undo: Undo,
+    pub undo: Undo,
     revision: u64,
 }
 
@@ -108,7 +108,7 @@ impl Live {
         live
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
+    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
         // Every write leaves the state whole, so a panic elsewhere does not spoil it.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -262,37 +262,6 @@ impl Live {
         state.kept.trim_end() != state.request.text.trim_end()
     }
 
-    /// Takes back the last step: what was entered, set, turned or dragged. Tells whether there was
-    /// one.
-    pub fn undo(&self) -> bool {
-        self.step(Undo::back)
-    }
-
-    /// Does again what was last taken back, if there is such a thing, and tells whether there is.
-    pub fn redo(&self) -> bool {
-        self.step(Undo::forth)
-    }
-
-    fn step(&self, step: impl FnOnce(&mut Undo, &Said) -> Option<Said>) -> bool {
-        let mut state = self.lock();
-        let now = state.said();
-        let Some(Said { request, dragged }) = step(&mut state.undo, &now) else { return false };
-        let text = Arc::clone(&request.text);
-        if parse(&text, &Limits::default()).is_ok() {
-            state.readable = Arc::clone(&text);
-        }
-        (state.request, state.dragged) = (request, dragged);
-        state.typed.clear();
-        self.show(&mut state, text);
-        true
-    }
-
-    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step of
-    /// [`Live::undo`].
-    pub fn hold(&self, held: bool) {
-        self.lock().undo.hold(held);
-    }
-
     /// What a value was before it was dragged, if it was.
     pub(super) fn before_dragged(&self, name: &str) -> Option<String> {
         let state = self.lock();
@@ -374,7 +343,7 @@ impl Live {
         self.show(state, shown);
     }
 
-    fn show(&self, state: &mut State, shown: Arc<str>) {
+    pub(super) fn show(&self, state: &mut State, shown: Arc<str>) {
         state.shown = shown;
         if state.shown.trim().is_empty() {
             return;

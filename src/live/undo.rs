@@ -2,7 +2,10 @@
 //! what a step means.
 
 use super::pipeline::Request;
+use super::session::Live;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
+use zeroset_syntax::{Limits, parse};
 
 /// So many steps are kept.
 const KEPT: usize = 200;
@@ -110,6 +113,39 @@ impl Undo {
         to.push(now.clone());
         *last = None;
         Some(other)
+    }
+}
+
+impl Live {
+    /// Takes back the last step: what was entered, set, turned or dragged. Tells whether there was
+    /// one.
+    pub fn undo(&self) -> bool {
+        self.step(Undo::back)
+    }
+
+    /// Does again what was last taken back, if there is such a thing, and tells whether there is.
+    pub fn redo(&self) -> bool {
+        self.step(Undo::forth)
+    }
+
+    fn step(&self, step: impl FnOnce(&mut Undo, &Said) -> Option<Said>) -> bool {
+        let mut state = self.lock();
+        let now = state.said();
+        let Some(Said { request, dragged }) = step(&mut state.undo, &now) else { return false };
+        let text = Arc::clone(&request.text);
+        if parse(&text, &Limits::default()).is_ok() {
+            state.readable = Arc::clone(&text);
+        }
+        (state.request, state.dragged) = (request, dragged);
+        state.typed.clear();
+        self.show(&mut state, text);
+        true
+    }
+
+    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step of
+    /// [`Live::undo`].
+    pub fn hold(&self, held: bool) {
+        self.lock().undo.hold(held);
     }
 }
 

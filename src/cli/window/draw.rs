@@ -62,13 +62,13 @@ impl Window {
         if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE) {
             self.message = None;
         }
+        self.compared = Instant::now();
         let content = self.content(seen);
         if self.drawn.as_ref() == Some(&content) {
             return Ok(false);
         }
         self.entitle();
-        self.active = Instant::now();
-        self.drawn_at = self.active;
+        self.active = self.compared;
         self.backdrop.follow(seen.rendering.as_ref(), self.picture_size(), content.size);
         let canvas = self.compose(&content);
         self.native

@@ -160,11 +160,7 @@ impl Window {
             'u' => live.toggle_undecided(),
             'x' => self.toggle_axes(),
             't' => self.toggle_play(),
-            'k' => {
-                if live.toggle_cut() {
-                    self.say("cut open: Ctrl with the wheel moves the cut, K takes it away");
-                }
-            }
+            'k' => self.toggle_cut(),
             's' => {
                 let (session, tell) = (Arc::clone(&self.session), self.tell.clone());
                 let revision = live.revision();
@@ -173,6 +169,12 @@ impl Window {
             }
             'q' => self.session.end(),
             _ => {}
+        }
+    }
+
+    fn toggle_cut(&mut self) {
+        if self.session.live.toggle_cut() {
+            self.say("cut open: Ctrl with the wheel moves the cut, K takes it away");
         }
     }
 

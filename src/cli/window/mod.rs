@@ -1,6 +1,7 @@
 //! The window: pictures as they come, the mouse and the keys. It owns the main thread and knows
 //! nothing of how a picture is made.
 
+mod clicks;
 mod draw;
 mod input;
 mod keys;
@@ -15,6 +16,7 @@ use super::session::Session;
 use super::tips;
 use super::vector::Size;
 use anyhow::Result;
+use clicks::Clicks;
 use draw::{Backdrop, Content};
 use input::{Keyboard, Typed};
 use minifb::{Key, MouseMode, ScaleMode, WindowOptions};
@@ -32,13 +34,15 @@ const MESSAGE: Duration = Duration::from_secs(8);
 /// What is wrong with a line is said when nothing has been typed for so long.
 const PAUSE: Duration = Duration::from_millis(300);
 
-/// Mouse and keyboard are looked at this often, so that no click is too short.
+/// Mouse and keyboard are looked at this often.
 const LOOK: Duration = Duration::from_millis(4);
 /// The same when nothing has happened for [`REST`]: a look takes some 20 µs.
-const IDLE_LOOK: Duration = Duration::from_millis(10);
+const IDLE_LOOK: Duration = Duration::from_millis(16);
 const REST: Duration = Duration::from_secs(2);
 /// The window is drawn at most this often.
 const FRAME: Duration = Duration::from_millis(16);
+/// The same when nothing has happened: messages come and go.
+const IDLE_FRAME: Duration = Duration::from_millis(100);
 
 /// The first tip comes after so long, and the others after so long again.
 const TIP: Duration = Duration::from_secs(20);
@@ -59,6 +63,7 @@ pub struct Window {
     typed_keys: Typed,
     scale: Option<usize>,
     mouse: Mouse,
+    clicks: Clicks,
     sliders: Sliders,
     line: Option<LineEdit>,
     /// What the line's last word may be completed to.
@@ -73,8 +78,8 @@ pub struct Window {
     fitted: Option<Orbit>,
     backdrop: Backdrop,
     drawn: Option<Content>,
-    /// When it was drawn.
-    drawn_at: Instant,
+    /// When what is to be seen was last compared with that.
+    compared: Instant,
     title: String,
     /// When something was last done or seen.
     active: Instant,
@@ -110,6 +115,7 @@ impl Window {
         };
         let now = Instant::now();
         Ok(Self {
+            clicks: Clicks::of(&window),
             native: window,
             session: Arc::clone(session),
             lines,
@@ -130,7 +136,7 @@ impl Window {
             fitted: None,
             backdrop: Backdrop::default(),
             drawn: None,
-            drawn_at: now,
+            compared: now,
             title: String::new(),
             active: now,
         })
@@ -152,11 +158,13 @@ impl Window {
             self.play(&seen);
             self.send_value(&seen);
             self.show_tips();
-            let is_drawn = self.drawn_at.elapsed() >= FRAME && self.draw(&seen)?;
+            let is_idle = self.active.elapsed() > REST;
+            let frame = if is_idle { IDLE_FRAME } else { FRAME };
+            let is_due = self.compared.elapsed() >= frame;
+            let is_drawn = is_due && self.draw(&seen)?;
             if !is_drawn {
                 self.native.update();
             }
-            let is_idle = self.active.elapsed() > REST;
             sleep(if is_idle { IDLE_LOOK } else { LOOK });
         }
         // What was begun is finished, but no picture is waited for any more.

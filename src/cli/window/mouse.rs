@@ -61,6 +61,10 @@ impl Window {
         if self.mouse.last.replace((at, held)) != Some((at, held)) {
             self.active = Instant::now();
         }
+        if self.clicks.was_missed(held) && inside && self.mouse.drag.is_none() {
+            self.active = Instant::now();
+            self.click(at, seen);
+        }
         match &mut self.mouse.drag {
             None if held && inside => {
                 let what = if left && self.press_slider(at) {
@@ -99,13 +103,30 @@ impl Window {
             self.release_slider();
         }
         self.session.live.hold(false);
-        let is_click = !drag.moves && drag.what == Dragged::Turn && !drag.cancelled;
-        if is_click
-            && let Some(rendering) = &seen.rendering
-            && let Some(pick) = Pick::at(rendering, drag.start, self.picture_size())
-        {
-            self.session.say(&pick.describe());
-            self.say(pick.describe().as_str());
+        if !drag.moves && drag.what == Dragged::Turn && !drag.cancelled {
+            self.tell_point(drag.start, seen);
+        }
+    }
+
+    /// What a press of the left button does that was over before it was seen.
+    fn click(&mut self, at: (f64, f64), seen: &Snapshot) {
+        if self.press_slider(at) {
+            self.release_slider();
+            self.session.live.hold(false);
+        } else {
+            self.tell_point(at, seen);
+        }
+    }
+
+    /// Says what is known of the point that is seen at a place.
+    fn tell_point(&mut self, at: (f64, f64), seen: &Snapshot) {
+        let pick = seen.rendering.as_ref().and_then(|rendering| {
+            let pick = Pick::at(rendering, at, self.picture_size())?;
+            Some(pick.describe())
+        });
+        if let Some(text) = pick {
+            self.session.say(&text);
+            self.say(&text);
         }
     }
 

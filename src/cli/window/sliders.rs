@@ -46,9 +46,13 @@ struct Playing {
 }
 
 impl Sliders {
-    /// Stops time.
-    pub fn pause(&mut self) {
-        self.playing = None;
+    /// Stops time, where it is seen to be, and tells whether it passed.
+    pub fn pause(&mut self) -> bool {
+        let passed = self.playing.take().is_some();
+        if passed {
+            self.wanted = None;
+        }
+        passed
     }
 
     /// Whether a hand or the clock moves one.
@@ -192,7 +196,7 @@ impl Window {
 
     /// Lets time pass, or no longer.
     pub(super) fn toggle_play(&mut self) {
-        if self.sliders.playing.take().is_some() {
+        if self.sliders.pause() {
             return;
         }
         let Some(index) = self.sliders.all.iter().position(|one| one.is_time) else {
@@ -210,10 +214,12 @@ impl Window {
         let Some(Playing { since, from }) = &sliders.playing else { return };
         self.active = Instant::now();
         if seen.rendering.is_none() {
-            return sliders.pause();
+            sliders.pause();
+            return;
         }
         let Some(index) = sliders.all.iter().position(|one| one.is_time) else {
-            return sliders.pause();
+            sliders.pause();
+            return;
         };
         let slider = &sliders.all[index];
         let range = slider.high - slider.low;
