@@ -43,10 +43,23 @@ impl Slider {
         Self { name: parameter.name.clone(), value, low, high, is_time }
     }
 
+    /// Whether there is a way from one end to the other: of a range beyond all floats, or too small
+    /// for them, there is none.
+    fn is_usable(&self) -> bool {
+        let width = self.high - self.low;
+        width > 0.0 && width.is_finite()
+    }
+
+    /// The value, or the nearest within the range; where it is at present for a NaN.
+    fn within(&self, value: f64) -> f64 {
+        let value = if value.is_nan() { self.value } else { value };
+        value.max(self.low).min(self.high)
+    }
+
     /// A value within the range with no more digits than it takes to tell it from one that is
     /// `step` away.
     pub fn rounded(&self, value: f64, step: f64) -> f64 {
-        let value = value.clamp(self.low, self.high);
+        let value = self.within(value);
         let digits = self.digits(step);
         let text = if digits > 0 {
             format!("{value:.places$}", places = digits as usize)
@@ -55,7 +68,7 @@ impl Slider {
             ((value / unit).round() * unit).to_string()
         };
         // What is written has been read before.
-        text.parse().unwrap_or(value).clamp(self.low, self.high)
+        self.within(text.parse().unwrap_or(value))
     }
 
     /// Digits after the point, or powers of ten before it if negative, that tell values `step` apart.
@@ -93,7 +106,7 @@ impl Rendering {
         let moves = |one: &&Parameter| {
             one.kind == ParameterKind::Slider || scene::depends_on_time(document)
         };
-        document.parameters.iter().filter(moves).map(Slider::of).collect()
+        document.parameters.iter().filter(moves).map(Slider::of).filter(Slider::is_usable).collect()
     }
 }
 
@@ -104,12 +117,12 @@ impl Live {
     ///
     /// Many calls are one step of [`Live::undo`].
     pub fn drag(&self, slider: &Slider, value: f64) -> u64 {
-        self.put(slider, &written(value), true)
+        self.put(slider, &written(slider.within(value)), true)
     }
 
     /// The same as the clock does it: no step of its own.
     pub fn pass(&self, slider: &Slider, value: f64) -> u64 {
-        self.put(slider, &written(value), false)
+        self.put(slider, &written(slider.within(value)), false)
     }
 
     /// Gives a name back the value that the document gave it before it was dragged, and tells whether
@@ -173,7 +186,11 @@ mod tests {
         assert_eq!(slider(0.0, 50_000.0).rounded(12_345.0, 400.0), 12_300.0);
         assert_eq!(slider(0.0, 1.0 / 3.0).rounded(0.333_33, 0.002), 0.333);
         assert_eq!(Slider { value: 1.5, ..five.clone() }.shown(0.04), "1.50");
+        assert_eq!(five.rounded(f64::NAN, 0.04), 0.0);
+        assert_eq!(five.rounded(f64::INFINITY, f64::NAN), 5.0);
         assert_eq!(Slider { value: 2e-9, ..five }.shown(1e-10), "2.000e-9");
+        assert!(slider(0.0, 5.0).is_usable() && !slider(1.0, 1.0).is_usable());
+        assert!(!slider(-f64::MAX, f64::MAX).is_usable());
     }
 
     #[test]

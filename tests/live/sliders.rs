@@ -191,3 +191,35 @@ fn a_letter_that_lacks_a_value_is_named() {
     let said = live.snapshot().fault.expect("wrong").render(false);
     assert!(said.contains("formula:") && !said.contains("test:"), "{said}");
 }
+
+/// However many values there are, the text stays as long as it is, and no code is made.
+#[test]
+fn thousands_of_values_leave_nothing_behind() {
+    let live = start("domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2", 16);
+    let slider = slider(&live, "r");
+    let kernels = made(&settled(&live));
+    let started = std::time::Instant::now();
+    live.hold(true);
+    for number in 1..=2000 {
+        live.drag(&slider, slider.rounded(f64::from(number) * 0.0015, 0.0015));
+    }
+    live.hold(false);
+    println!("a value takes {:?}", started.elapsed() / 2000);
+    let seen = settled(&live);
+    assert!(seen.model.is_rebound() && made(&seen) == kernels);
+    assert_eq!(live.text(), "domain 4\nr = 3 in [0, 3]\nx^2+y^2+z^2 = r^2");
+    assert!(live.undo() && !live.undo());
+    assert_eq!(live.text(), "domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2");
+}
+
+/// Whatever a slider is said to be, nothing is wrong with what it leads to.
+#[test]
+fn a_drag_beyond_everything_stays_within_the_range() {
+    let live = start("domain 4\nr = 1 in [0.5, 3]\nx^2+y^2+z^2 = r^2", 16);
+    let slider = slider(&live, "r");
+    for (value, expected) in [(f64::NAN, "1"), (f64::INFINITY, "3"), (-9.0, "0.5")] {
+        live.drag(&slider, value);
+        settled(&live);
+        assert!(live.text().contains(&format!("r = {expected} in")), "{value}: {}", live.text());
+    }
+}

@@ -36,8 +36,8 @@ const PAUSE: Duration = Duration::from_millis(300);
 
 /// Mouse and keyboard are looked at this often.
 const LOOK: Duration = Duration::from_millis(4);
-/// The same when nothing has happened for [`REST`]: a look takes some 20 µs.
-const IDLE_LOOK: Duration = Duration::from_millis(16);
+/// The same when nothing has happened for [`REST`]: a look takes some 100 µs.
+const IDLE_LOOK: Duration = Duration::from_millis(20);
 const REST: Duration = Duration::from_secs(2);
 /// The window is drawn at most this often.
 const FRAME: Duration = Duration::from_millis(16);

@@ -36,8 +36,8 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// The panel of `count` sliders, the longest of whose names has so many letters, below `top` in a
-    /// picture of so many pixels; `None` if there are none, or no room.
+    /// The panel of these sliders from the `scroll`-th on, below the first line of a picture of so
+    /// many pixels, with the letters of `canvas`; `None` if there are none, or no room.
     pub fn new(
         sliders: &[Slider],
         scroll: usize,

@@ -1,8 +1,8 @@
 //! How sliders are moved: by the mouse, by the keys, by the clock. A value is asked for when the
 //! picture of the one before is there, so that pictures are seen however long they take.
 
-use super::Window;
 use super::panel::Panel;
+use super::{FRAME, Window};
 use crate::cli::canvas::Canvas;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,6 +10,9 @@ use zeroset::live::{Rendering, Slider, Snapshot};
 
 /// Two presses of the same slider within so long are a double click.
 const DOUBLE: Duration = Duration::from_millis(400);
+/// A coarse picture is followed by that of the next value so long after its value was asked for, so
+/// that a finer one that comes within that time is seen.
+const COARSE: Duration = Duration::from_millis(30);
 /// A picture of a value is waited for so long before the next value is asked for.
 const LATE: Duration = Duration::from_millis(250);
 /// With Shift, a slider moves so many times less far.
@@ -93,7 +96,7 @@ impl Window {
                 let asked = sliders.all.iter().find(|one| one.name == slider.name);
                 let is_ahead = sliders.held.is_some() || sliders.wanted.is_some();
                 if let Some(asked) = asked.filter(|_| is_ahead) {
-                    slider.value = asked.value.clamp(slider.low, slider.high);
+                    slider.value = asked.value.max(slider.low).min(slider.high);
                 }
             }
             if all.len() != sliders.all.len() {
@@ -154,7 +157,7 @@ impl Window {
         let sliders = &mut self.sliders;
         let Some((panel, held)) = sliders.panel.zip(sliders.held.as_mut()) else { return };
         let Some(slider) = sliders.all.get(held.0) else { return };
-        held.1 = value.clamp(slider.low, slider.high);
+        held.1 = value.max(slider.low).min(slider.high);
         let rounded = slider.rounded(value, fine * panel.step(slider));
         let index = held.0;
         sliders.want(index, rounded);
@@ -228,11 +231,19 @@ impl Window {
         sliders.want(index, value);
     }
 
-    /// Asks for the value that is wanted, if the picture of the one before is there.
+    /// Asks for the value that is wanted, if the picture of the one before is there: the full one, or
+    /// a coarse one that has been seen for a while.
     pub(super) fn send_value(&mut self, seen: &Snapshot) {
-        let latest = seen.rendering.as_ref().map_or(0, |seen| seen.revision);
-        let latest = latest.max(seen.fault.as_ref().map_or(0, |fault| fault.revision));
-        let is_seen = |(sent, at): (u64, Instant)| latest >= sent || at.elapsed() > LATE;
+        let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
+        let (latest, coarse) = match &seen.rendering {
+            Some(seen) if seen.revision > fault => (seen.revision, seen.coarse),
+            Some(_) | None => (fault, false),
+        };
+        let is_seen = |(sent, at): (u64, Instant)| {
+            let least = if coarse { COARSE } else { FRAME };
+            let passed = at.elapsed();
+            latest >= sent && passed >= least || passed > LATE
+        };
         if self.sliders.sent.is_none_or(is_seen) {
             self.ask_for_value();
         }
