@@ -1,6 +1,7 @@
 //! Where a document's text defines a value, and the same text with another value there. Knows
 //! definitions and their ranges, but nothing of pictures.
 
+use super::draft::entered;
 use crate::scene::number;
 use std::ops::Range;
 use zeroset_syntax::ast::{Definition, Statement};
@@ -91,8 +92,14 @@ pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Op
         return parse(&joined, &Limits::default()).is_ok().then_some(joined);
     };
     let with = |what: &str| format!("{}{what}{}", &text[..body.start], &text[body.end..]);
-    if typed.is_some() {
-        return Some(with(value));
+    if let Some((low, high)) = typed {
+        let holds = || {
+            let (low, high) = (number(&text[low])?, number(&text[high])?);
+            Some((low..=high).contains(&number(value)?))
+        };
+        // One from the command line may lie beyond the range, and then so may its neighbours.
+        let extended = || entered(text, &format!("{name} = {value}"), false);
+        return Some(if holds() == Some(false) { extended() } else { with(value) });
     }
     // A program's definition, say, has no place for a range.
     let is_read = |new: &String| right_side(new, name).is_some_and(|(read, _)| read == value);
@@ -120,6 +127,7 @@ mod tests {
     fn a_value_is_changed_where_it_stands() {
         for (text, value, expected) in [
             ("r = 2 in [0, 5] # radius\nx = r", "3.5", "r = 3.5 in [0, 5] # radius\nx = r"),
+            ("r = 2 in [0, 5] # radius\nx = r", "7", "r = 7 in [0, 7] # radius\nx = r"),
             ("r = 2\nx = r", "-1", "r = -1 in [0, 9]\nx = r"),
             ("s = 1; r = -2; x = r", "0.5", "s = 1; r = 0.5 in [0, 9]; x = r"),
             ("x = r", "0.5", "x = r\nr = 0.5 in [0, 9]"),

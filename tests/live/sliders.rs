@@ -223,3 +223,18 @@ fn a_drag_beyond_everything_stays_within_the_range() {
         assert!(live.text().contains(&format!("r = {expected} in")), "{value}: {}", live.text());
     }
 }
+
+#[test]
+fn a_value_from_beyond_its_range_is_dragged_there_too() {
+    let settings = Settings { width: 16, height: 16, ..Settings::default() };
+    let text = "domain 4\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2".into();
+    let overrides = vec![("r".to_owned(), "3".to_owned())];
+    let live = Live::new(Request { text, overrides, settings, ..Request::default() });
+    for (value, expected) in [(2.5, "r = 2.5 in [0, 2.5]"), (1.5, "r = 1.5 in [0, 2.5]")] {
+        drag(&live, "r", value);
+        settled(&live);
+        assert!(live.text().contains(expected), "{}", live.text());
+    }
+    assert!(live.restore(&slider(&live, "r")));
+    assert_eq!(slider(&live, "r").value, 3.0);
+}
