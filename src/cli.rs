@@ -10,6 +10,7 @@ mod array;
 #[cfg(feature = "window")]
 mod canvas;
 mod completion;
+mod data;
 mod eval;
 mod explain;
 mod files;
@@ -38,6 +39,7 @@ mod sheet;
 mod source;
 mod subject;
 mod terminal;
+mod tips;
 mod vector;
 mod watch;
 #[cfg(feature = "window")]

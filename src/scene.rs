@@ -270,7 +270,7 @@ pub fn depends_on_time(document: &Document) -> bool {
 
 /// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and
 /// a flag with the same digits mean the same.
-fn nearest(constant: &Constant) -> f64 {
+pub(crate) fn nearest(constant: &Constant) -> f64 {
     let bounds = constant.bounds();
     let exact = constant.exact().and_then(ToPrimitive::to_f64);
     exact.unwrap_or_else(|| bounds.lo.midpoint(bounds.hi)).clamp(bounds.lo, bounds.hi)

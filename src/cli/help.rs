@@ -11,18 +11,22 @@ const ROWS: &[(&str, &str)] = &[
     ("drag", "turn"),
     ("right drag", "move"),
     ("wheel", "zoom"),
-    ("click", "print a point"),
+    ("click", "show point"),
     ("/ or Enter", "type"),
     ("Tab", "complete"),
     ("Up, Down", "history"),
     ("Esc", "close"),
+    ("Ctrl Z, Y", "undo, redo"),
     ("F1", "this help"),
     ("arrows", "turn"),
     ("+ -", "zoom"),
     ("R", "reset view"),
     ("F", "fit"),
     ("P", "projection"),
-    ("X", "box and axes"),
+    ("X", "box, axes"),
+    ("K", "cut open"),
+    ("Ctrl wheel", "move cut"),
+    ("T", "play time"),
     ("U", "undecided"),
     ("S", "save a PNG"),
     ("Q", "quit"),
@@ -108,10 +112,10 @@ mod tests {
     #[test]
     fn two_columns_fit_a_small_window() {
         let lines = layout(2);
-        assert_eq!(lines.len(), 9);
-        assert_eq!(lines[3], "click       print a point  F       fit");
+        assert_eq!(lines.len(), 11);
+        assert_eq!(lines[1], "right drag  move        R           reset view", "{lines:#?}");
         assert!(lines.iter().all(|line| line.len() <= 47), "{lines:#?}");
-        assert_eq!(layout(1)[17], "Q           quit");
+        assert_eq!(layout(1)[21], "Q           quit");
     }
 
     #[test]

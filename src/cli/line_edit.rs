@@ -67,16 +67,18 @@ impl LineEdit {
         self.end();
     }
 
-    /// Completes the word at the cursor as far as all candidates agree.
-    pub fn complete(&mut self) {
+    /// Completes the word at the cursor as far as all candidates agree, and returns them if there are
+    /// several.
+    pub fn complete(&mut self) -> Vec<String> {
         let (start, names) = candidates(&self.text, self.cursor);
-        let Some(first) = names.first() else { return };
+        let Some(first) = names.first() else { return names };
         let common = names.iter().fold(first.as_str(), |common, name| {
             let same = common.chars().zip(name.chars()).take_while(|(a, b)| a == b);
             &common[..same.map(|(a, _)| a.len_utf8()).sum()]
         });
         self.text.replace_range(start..self.cursor, common);
         self.cursor = start + common.len();
+        if names.len() > 1 { names } else { Vec::new() }
     }
 }
 
@@ -114,7 +116,10 @@ mod tests {
         assert_eq!(line.text(), "b");
         line.recall(&history, false);
         "smooths".chars().for_each(|letter| line.insert(letter));
-        line.complete();
+        assert_eq!(line.complete(), Vec::<String>::new());
         assert_eq!(line.text(), "smoothstep");
+        let mut line = LineEdit::default();
+        ":s".chars().for_each(|letter| line.insert(letter));
+        assert_eq!(line.complete(), ["set", "shadows", "steps", "save", "status"]);
     }
 }

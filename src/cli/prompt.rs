@@ -2,7 +2,8 @@
 //! decided elsewhere.
 
 use super::completion::{candidates, is_open};
-use super::session::{KEPT_LINES, Session, data_directory};
+use super::data::data_directory;
+use super::session::{KEPT_LINES, Session};
 use super::{notes, preview};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
@@ -112,7 +113,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                 }
             }
             Ok(()) => {}
-            Err(message) => notes::say(&message),
+            Err(wrong) => notes::say(&wrong.full),
         }
     }
     session.print_with(None);
@@ -131,7 +132,8 @@ fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
         std::thread::sleep(LOOK);
         let mut typing = typing.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(fault) = session.live.snapshot().fault else { continue };
-        if typing.at.elapsed() < PAUSE || fault.revision == typing.reported {
+        let is_new = fault.revision != typing.reported && session.is_told(fault.revision);
+        if typing.at.elapsed() < PAUSE || !is_new {
             continue;
         }
         typing.reported = fault.revision;

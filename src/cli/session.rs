@@ -1,21 +1,23 @@
 //! A live picture and the files around it, as prompt and window share them.
 
 use super::arguments::InteractiveArgs;
+use super::data::remember;
 use super::files::Origin;
 use super::output::{Output, check_png, write_png};
 use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
-use super::{explain, notes, preview};
+use super::{explain, notes, preview, tips};
 use anyhow::{Context, Result};
 use std::collections::VecDeque;
 use std::ffi::OsStr;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zeroset::live::{Live, Reply, Request};
+use zeroset::live::{Live, Refusal, Reply, Request};
 use zeroset::picture::Settings;
 
 /// What is shown when nothing is asked for.
@@ -48,6 +50,30 @@ impl History {
     }
 }
 
+/// Why a line was refused.
+pub struct Wrong {
+    /// One line of plain text.
+    #[cfg_attr(not(feature = "window"), allow(dead_code))]
+    pub summary: String,
+    /// All of it for the terminal, with carets.
+    pub full: String,
+}
+
+impl From<Refusal> for Wrong {
+    fn from(refusal: Refusal) -> Self {
+        let mut full = refusal.render(notes::coloured());
+        if let Some(letter) = refusal.missing_letter() {
+            // Writing to a string cannot fail.
+            let _ = write!(
+                full,
+                "\nhelp: type `{letter} = 1` to give it a value, and then the line once more \
+                 (Up brings it back)"
+            );
+        }
+        Self { summary: refusal.to_string().lines().next().unwrap_or_default().to_owned(), full }
+    }
+}
+
 /// Shows a message above the line that is being typed, and tells whether it could.
 pub type Printer = Box<dyn FnMut(&str) -> bool + Send>;
 
@@ -65,6 +91,8 @@ pub struct Session {
     /// Whether pictures are as large as the terminal, not as a window.
     in_terminal: AtomicBool,
     ended: AtomicBool,
+    /// What is wrong with requests up to this one is said in the window, and not in the terminal.
+    hushed: AtomicU64,
     /// Shown before anything else.
     pub welcome: String,
 }
@@ -114,6 +142,7 @@ impl Session {
             saving: Mutex::default(),
             in_terminal: AtomicBool::new(arguments.preview),
             ended: AtomicBool::new(false),
+            hushed: AtomicU64::new(0),
             welcome,
         })
     }
@@ -129,19 +158,47 @@ impl Session {
             return;
         }
         let session = Arc::downgrade(self);
+        let watched = name.clone();
         let report = move |change| {
             let Some(session) = session.upgrade() else { return };
+            // Whoever took the loading of the file back no longer wants to see it.
+            if session.live.request().name != watched {
+                return;
+            }
             match change {
-                Change::Text(text) => session.live.load(&session.live.request().name, &text, true),
+                Change::Text(text) => session.live.load(&watched, &text, true),
                 Change::Lost(message) => {
                     session.say(&format!("note: {message}; its last version is still shown"));
                 }
             }
         };
-        match Watch::start(path, &self.live.text(), report) {
+        // What was changed since it was read is not the file's.
+        let known = source::open(path).map_or_else(|_| self.live.text(), |source| source.text);
+        match Watch::start(path, &known, report) {
             Ok(watch) => *file = Some((path.to_owned(), watch)),
             Err(error) => self.say(&format!("note: '{name}' is not watched: {error:#}")),
         }
+    }
+
+    /// Watches the file that the document came from, if that is another one now.
+    pub fn follow(self: &Arc<Self>) {
+        let watched = lock(&self.file).as_ref().map(|(path, _)| path.clone());
+        let name = self.live.request().name;
+        let path = Path::new(&name);
+        if watched.as_deref() != path.is_file().then_some(path) {
+            self.watch();
+        }
+    }
+
+    /// Says that whatever is wrong with what was asked for so far is said in the window.
+    #[cfg(feature = "window")]
+    pub fn hush(&self) {
+        self.hushed.fetch_max(self.live.revision(), Ordering::Relaxed);
+    }
+
+    /// Whether what is wrong with a request is to be said in the terminal.
+    pub fn is_told(&self, revision: u64) -> bool {
+        revision > self.hushed.load(Ordering::Relaxed)
     }
 
     /// Tells every thread to end. A picture that is waited for to be saved is given up.
@@ -184,13 +241,13 @@ impl Session {
     /// under a name if one is given.
     ///
     /// # Errors
-    /// What to show if it is refused, with carets.
+    /// What to show if it is refused.
     pub fn enter(
         self: &Arc<Self>,
         line: &str,
         png: impl FnOnce(Option<String>) -> Result<()>,
-    ) -> Result<(), String> {
-        let reply = self.live.enter(line).map_err(|refusal| refusal.render(notes::coloured()))?;
+    ) -> Result<(), Wrong> {
+        let reply = self.live.enter(line)?;
         let done = match reply {
             Reply::Done => Ok(()),
             Reply::Say(text) => {
@@ -201,12 +258,20 @@ impl Session {
             Reply::Save(to) => self.save(to.as_deref()),
             Reply::Png(to) => png(to),
             Reply::Explain { code } => self.explain(code),
+            Reply::Tips(wanted) => {
+                tips::switch(wanted);
+                Ok(())
+            }
             Reply::Quit => {
                 self.end();
                 Ok(())
             }
         };
-        done.map_err(|error| format!("error: {error:#}"))?;
+        done.map_err(|error| {
+            let summary = format!("error: {error:#}");
+            Wrong { full: summary.clone(), summary }
+        })?;
+        self.follow();
         remember(&self.live.text());
         Ok(())
     }
@@ -219,7 +284,7 @@ impl Session {
         Ok(())
     }
 
-    fn save(&self, to: Option<&str>) -> Result<()> {
+    fn save(self: &Arc<Self>, to: Option<&str>) -> Result<()> {
         let path = if let Some(path) = to {
             PathBuf::from(path)
         } else {
@@ -228,6 +293,8 @@ impl Session {
         };
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
+        self.live.saved(&path.to_string_lossy());
+        self.follow();
         self.say(&format!("saved '{}'", path.display()));
         Ok(())
     }
@@ -309,26 +376,6 @@ impl Session {
             (None, None) => {}
         }
         Ok(())
-    }
-}
-
-/// Where history and the last document are kept, or `None` if there is no place for them.
-pub fn data_directory() -> Option<PathBuf> {
-    let from = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
-    let base = from("XDG_DATA_HOME")
-        .map(PathBuf::from)
-        .or_else(|| Some(PathBuf::from(from("HOME")?).join(".local/share")))?;
-    let directory = base.join("zeroset");
-    std::fs::create_dir_all(&directory).ok()?;
-    Some(directory)
-}
-
-/// Keeps the document, so that it is there after whatever ends the program.
-fn remember(text: &str) {
-    let Some(directory) = data_directory() else { return };
-    // A document that cannot be kept is no reason to stop.
-    if let Ok(output) = Output::create(&directory.join("last.zset")) {
-        let _ = output.finish(|out| writeln!(out, "{text}"));
     }
 }
 

@@ -1,16 +1,17 @@
 //! Lines that are typed, and the commands among them: one row per command, from which reading,
 //! help, completion and suggestions are derived. What touches files is left to the caller.
 
+use super::edit::Refusal;
+use super::help::help;
 use super::pipeline::Request;
-use super::session::{Live, Refusal, Reply};
-use super::status;
+use super::session::{Live, Reply};
+use super::settings::{depth, look, method, precision, shadows, steps, switch, tolerance};
+use super::slider::TIME;
+use super::{cut, status};
 use crate::names::Named;
-use crate::picture::{Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
+use crate::picture::Precision;
 use crate::scene::{self, CameraChoice, DomainChoice};
-use std::collections::HashSet;
-use std::fmt::Write as _;
-use zeroset_syntax::language_names;
-use zeroset_trace::{LOOKS, Look, METHODS, Method, MethodOption, Region, StandardView};
+use zeroset_trace::{Region, StandardView};
 
 /// What a line asks for.
 enum Line<'a> {
@@ -46,10 +47,20 @@ pub const COMMANDS: &[CommandRow] = &[
         run: |live, rest| rest.is_empty().then(|| say(live.text())) },
     CommandRow { name: ADD, arguments: "FORMULA", doc: "draw one more surface beside the others",
         run: |live, formula| Some(live.commit(&given(formula)?, true)) },
+    CommandRow { name: "delete", arguments: "[N]", doc: "take away the N-th surface; without a number, list them",
+        run: |live, number| Some(delete(live, optional(number, |number| number.parse().ok())?)) },
+    CommandRow { name: "clear", arguments: "", doc: "take away the whole document",
+        run: |live, rest| rest.is_empty().then(|| { live.clear(); Ok(Reply::Done) }) },
+    CommandRow { name: "undo", arguments: "", doc: "take back the last step",
+        run: |live, rest| rest.is_empty().then(|| if live.undo() { Ok(Reply::Done) } else { refused("there is nothing to take back".to_owned()) }) },
+    CommandRow { name: "redo", arguments: "", doc: "do again what was taken back",
+        run: |live, rest| rest.is_empty().then(|| if live.redo() { Ok(Reply::Done) } else { refused("nothing was taken back".to_owned()) }) },
     CommandRow { name: "set", arguments: "NAME = VALUE", doc: "give a name a value",
         run: set },
     CommandRow { name: "domain", arguments: "auto|R|X0,X1,Y0,Y1,Z0,Z1", doc: "set the domain that is shown",
         run: |live, domain| Some(look_at(live, domain.parse().ok()?)) },
+    CommandRow { name: "clip", arguments: "[A,B,C,D|off]", doc: "keep only A*x + B*y + C*z <= D",
+        run: |live, plane| cut::clip(live, plane) },
     CommandRow { name: "view", arguments: "iso|front|back|left|right|top|bottom", doc: "look from this side",
         run: |live, name| StandardView::named(name).map(|view| look_from(live, view)) },
     CommandRow { name: "look", arguments: "[NAME]", doc: "how surfaces are lit, and what they stand on",
@@ -67,7 +78,7 @@ pub const COMMANDS: &[CommandRow] = &[
     CommandRow { name: "precision", arguments: "[auto|f32|f64]", doc: "kernel precision: f64 is slower but resolves more",
         run: |live, name| Some(precision(live, optional(name, Precision::named)?)) },
     CommandRow { name: "time", arguments: "T", doc: "set the time t",
-        run: |live, time| Some(set_time(live, scene::number(time)?)) },
+        run: |live, time| scene::number(time).map(|_| live.set(TIME, time)) },
     CommandRow { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
         run: |_, from| Some(Ok(Reply::Load(given(from)?))) },
     CommandRow { name: "save", arguments: "[FILE.zset]", doc: "write the document",
@@ -78,6 +89,8 @@ pub const COMMANDS: &[CommandRow] = &[
         run: |_, what| matches!(what, "" | "code").then(|| Ok(Reply::Explain { code: !what.is_empty() })) },
     CommandRow { name: "status", arguments: "", doc: "what the picture shows and what it took",
         run: |live, rest| rest.is_empty().then(|| say(status::describe(&live.snapshot()))) },
+    CommandRow { name: "tips", arguments: "on|off", doc: "whether the window shows tips, each once",
+        run: |_, choice| switch(choice).map(|wanted| Ok(Reply::Tips(wanted))) },
     CommandRow { name: "quit", arguments: "", doc: "end",
         run: |_, rest| rest.is_empty().then_some(Ok(Reply::Quit)) },
 ];
@@ -114,11 +127,11 @@ impl Live {
 
 // What the shape of a result asks for, everywhere the same.
 #[allow(clippy::unnecessary_wraps)]
-fn say(text: String) -> Result<Reply, Refusal> {
+pub(super) fn say(text: String) -> Result<Reply, Refusal> {
     Ok(Reply::Say(text))
 }
 
-fn refused<T>(message: String) -> Result<T, Refusal> {
+pub(super) fn refused<T>(message: String) -> Result<T, Refusal> {
     Err(Refusal::Command(message))
 }
 
@@ -143,19 +156,21 @@ fn set(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
         return None;
     }
     Some(match (name, scene::number(value)) {
-        ("t", Some(time)) => set_time(live, time),
-        ("t", None) => refused(format!("'{value}' is not a finite number")),
+        (TIME, None) => refused(format!("'{value}' is not a finite number")),
         _ => live.set(name, value),
     })
 }
 
-fn set_time(live: &Live, time: f64) -> Result<Reply, Refusal> {
-    live.change(|request| request.time = Some(time));
-    // A document that is wrong is taken to depend on it.
-    if live.request().read().map_or(true, |document| scene::depends_on_time(&document)) {
-        return Ok(Reply::Done);
+fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
+    if let Some(number) = number {
+        return live.delete(number);
     }
-    say("noted; nothing that is drawn depends on the time t".to_owned())
+    let surfaces = live.request().read().map(|document| document.surfaces).unwrap_or_default();
+    let line = |(number, surface): (usize, &zeroset_syntax::Surface)| {
+        format!("{number}  {}", surface.echo)
+    };
+    let lines: Vec<String> = (1..).zip(&surfaces).map(line).collect();
+    say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
 }
 
 fn look_at(live: &Live, domain: DomainChoice) -> Result<Reply, Refusal> {
@@ -176,138 +191,6 @@ fn look_from(live: &Live, view: StandardView) -> Result<Reply, Refusal> {
         request.choice = CameraChoice { view: Some(view), projection, ..CameraChoice::default() };
     });
     Ok(Reply::Done)
-}
-
-fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
-    if name.is_empty() {
-        let rows = METHODS.iter().map(|row| (row.name, row.help));
-        return say(listed(rows, live.settings().method.name));
-    }
-    let Some(method) = Method::named(name) else {
-        let names: Vec<&str> = METHODS.iter().map(|row| row.name).collect();
-        return refused(format!("no method named '{name}'; there is {}", names.join(", ")));
-    };
-    live.change(|request| request.settings.method = method);
-    Ok(Reply::Done)
-}
-
-fn look(live: &Live, name: &str) -> Result<Reply, Refusal> {
-    if name.is_empty() {
-        let rows = LOOKS.iter().map(|row| (row.name, row.help));
-        let used = live.snapshot().rendering.map(|seen| seen.model.look(&live.settings()));
-        return say(listed(rows, used.unwrap_or_default().name));
-    }
-    let Some(look) = Look::named(name) else {
-        let names: Vec<&str> = LOOKS.iter().map(|row| row.name).collect();
-        return refused(format!("no look named '{name}'; there is {}", names.join(", ")));
-    };
-    live.change(|request| request.settings.look = Some(look));
-    Ok(Reply::Done)
-}
-
-fn shadows(live: &Live, wanted: Option<bool>) -> Result<Reply, Refusal> {
-    if let Some(wanted) = wanted {
-        live.change(|request| {
-            let settings = &mut request.settings;
-            settings.shadow_depth = wanted.then(|| settings.usual_shadow_depth());
-        });
-    }
-    let state = if live.settings().shadow_depth.is_some() { "on" } else { "off" };
-    say(format!("shadows {state}"))
-}
-
-fn switch(word: &str) -> Option<bool> {
-    match word {
-        "on" => Some(true),
-        "off" => Some(false),
-        _ => None,
-    }
-}
-
-/// Rows of a table by name and help, that in use with a star.
-fn listed<'a>(rows: impl Iterator<Item = (&'a str, &'a str)>, used: &str) -> String {
-    let line = |(name, help)| {
-        let mark = if name == used { '*' } else { ' ' };
-        format!("{mark} {name:8} {help}")
-    };
-    rows.map(line).collect::<Vec<_>>().join("\n")
-}
-
-fn tolerance(live: &Live, wanted: Option<f64>) -> Result<Reply, Refusal> {
-    if let Some(pixels) = wanted {
-        if !is_tolerance(pixels) {
-            return refused(format!("{pixels}: {TOLERANCES}"));
-        }
-        live.change(|request| request.settings.tolerance = pixels);
-    }
-    let settings = live.settings();
-    let unread = unread(&settings, MethodOption::Tolerance);
-    say(format!("hits are within {} pixels of where they are drawn{unread}", settings.tolerance))
-}
-
-fn steps(live: &Live, wanted: Option<u32>) -> Result<Reply, Refusal> {
-    if let Some(steps) = wanted {
-        if !STEPS_RANGE.contains(&steps) {
-            let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
-            return refused(format!("steps are between {least} and {most}"));
-        }
-        live.change(|request| request.settings.steps = steps);
-    }
-    let settings = live.settings();
-    let unread = unread(&settings, MethodOption::Steps);
-    say(format!("{} steps on a ray's way through the domain{unread}", settings.steps))
-}
-
-fn depth(live: &Live, wanted: Option<u32>) -> Result<Reply, Refusal> {
-    let most = live.settings().precision.max_depth();
-    if let Some(depth) = wanted {
-        if !(1..=most).contains(&depth) {
-            let hint = if most < Precision::F64.max_depth() {
-                format!(", or {} after :precision f64", Precision::F64.max_depth())
-            } else {
-                String::new()
-            };
-            return refused(format!("a depth is between 1 and {most}{hint}"));
-        }
-        live.change(|request| request.settings.max_depth = depth);
-    }
-    let settings = live.settings();
-    let unread = unread(&settings, MethodOption::Depth);
-    let slabs = live.snapshot().rendering.map_or_else(String::new, |seen| {
-        let extent = 2.0 * seen.model.region().half_extent();
-        format!(": slabs of at most {:.2e}", extent * 0.5_f64.powi(settings.max_depth as i32))
-    });
-    say(format!("depth {} of at most {most}{slabs}{unread}", settings.max_depth))
-}
-
-/// Slabs that are too thin for the new floats become as thin as they can be.
-fn precision(live: &Live, wanted: Option<Precision>) -> Result<Reply, Refusal> {
-    if let Some(precision) = wanted {
-        live.change(|request| {
-            request.settings.precision = precision;
-            request.settings.max_depth = request.settings.max_depth.min(precision.max_depth());
-        });
-    }
-    let settings = live.settings();
-    let Settings { precision, max_depth, .. } = settings;
-    if settings.method.reads.contains(&MethodOption::Depth) {
-        let most = precision.max_depth();
-        return say(format!("{precision}: depth {max_depth} of at most {most} (:depth sets it)"));
-    }
-    let help = Precision::NAMES.iter().find(|row| row.0 == precision).map_or("", |row| row.2);
-    say(format!("{precision}: {help}"))
-}
-
-/// A remark on an option that the method does not look at.
-fn unread(settings: &Settings, option: MethodOption) -> String {
-    let method = settings.method;
-    if method.reads.contains(&option) {
-        return String::new();
-    }
-    let names = METHODS.iter().filter(|row| row.reads.contains(&option)).map(|row| row.name);
-    let names: Vec<&str> = names.collect();
-    let verb = if names.len() == 1 { "does" } else { "do" };
-    format!("; the method {} does not use that, but {} {verb}", method.name, names.join(", "))
 }
 
 /// Reads a line. A command may be shortened to any prefix that only it has.
@@ -357,71 +240,6 @@ fn row(name: &str) -> Result<&'static CommandRow, String> {
     })
 }
 
-/// What a function or a command is, or what can be typed if no name is given.
-fn help(name: &str) -> Result<Reply, Refusal> {
-    if name.is_empty() {
-        return say(everything());
-    }
-    let bare = name.trim_start_matches(':');
-    if let Some(row) = COMMANDS.iter().find(|row| row.name == bare) {
-        return say(format!("{}: {}", row.usage(), row.doc));
-    }
-    let native = zeroset_ops::natives(name).map(|row| {
-        let aliases = match row.aliases {
-            [] => String::new(),
-            aliases => format!(" (also {})", aliases.join(", ")),
-        };
-        format!("{}{aliases}: {}", row.name, row.doc)
-    });
-    let mut found: Vec<String> = native.collect();
-    if found.is_empty() {
-        found = zeroset_ops::composed(name)
-            .map(|f| format!("{}({}): {}", f.name, f.parameters.join(", "), f.doc))
-            .collect();
-    }
-    if found.is_empty() {
-        found.extend(zeroset_ops::form(name).map(|form| format!("{}: {}", form.usage, form.doc)));
-    }
-    if !found.is_empty() {
-        return say(found.join("\n"));
-    }
-    let commands = COMMANDS.iter().map(|row| row.name);
-    let nearest = language_names()
-        .chain(commands)
-        .map(|other| {
-            // Of names equally near, the one that was typed in full and more.
-            (strsim::damerau_levenshtein(other, bare), !bare.starts_with(other), other)
-        })
-        .min()
-        .filter(|(distance, _, other)| *distance <= 2 && other.len() > *distance);
-    let hint = match nearest {
-        Some((0, ..)) | None => ":help lists everything".to_owned(),
-        Some((.., other)) => format!("did you mean {other}?"),
-    };
-    refused(format!("no function or command named '{name}'; {hint}"))
-}
-
-fn everything() -> String {
-    let mut text =
-        String::from("Type a formula such as x^2+y^2+z^2 = 1, a definition such as r = 2, or:\n");
-    let width = COMMANDS.iter().map(|row| row.usage().len()).max().unwrap_or(0);
-    for row in COMMANDS {
-        let _ = writeln!(text, "  {:width$}  {}", row.usage(), row.doc);
-    }
-    text.push_str("Functions (:help NAME tells more):");
-    let mut column = usize::MAX;
-    let mut told = HashSet::new();
-    for name in zeroset_ops::names().filter(|name| told.insert(*name)) {
-        if column.saturating_add(name.len() + 1) > 96 {
-            text.push_str("\n ");
-            column = 1;
-        }
-        column += name.len() + 1;
-        let _ = write!(text, " {name}");
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -446,7 +264,7 @@ mod tests {
         assert_eq!(command(":q"), ("quit", ""));
         assert_eq!(command(" :help  sin "), ("help", "sin"));
         assert_eq!(command(":tol 1e-3"), ("tolerance", "1e-3"));
-        assert_eq!(command(":de 12"), ("depth", "12"));
+        assert_eq!(command(":dep 12"), ("depth", "12"));
     }
 
     #[test]
@@ -473,9 +291,14 @@ mod tests {
             live.enter(line).expect(line);
             assert_eq!(live.text(), "r = 2", "{line}");
         }
-        for (line, time) in [(":time 1/4", 0.25), (":set t = -1/8", -0.125), (":time 2", 2.0)] {
+        for (line, text) in [
+            (":time 1/4", "r = 2\nt = 1/4"),
+            (":set t = -1/8", "r = 2\nt = -1/8"),
+            ("t = 1 in [0, 2]", "r = 2\nt = 1 in [0, 2]"),
+            (":time 20", "r = 2\nt = 20 in [0, 20]"),
+        ] {
             live.enter(line).expect(line);
-            assert_eq!(live.request().time, Some(time), "{line}");
+            assert_eq!(live.text(), text, "{line}");
         }
     }
 
@@ -510,20 +333,13 @@ mod tests {
             ":set r = 1\nx",
             ":quit now",
             ":add",
+            ":delete two",
+            ":clip 1,2",
+            ":clip none",
+            ":tips maybe",
+            ":undo 2",
         ] {
             assert!(message(text).starts_with("usage: :"), "{text}");
-        }
-    }
-
-    #[test]
-    fn every_name_that_completes_has_help_and_is_listed_once() {
-        let list = everything();
-        let (_, listed) = list.split_once("tells more):").expect("a list of functions");
-        let listed: Vec<&str> = listed.split_whitespace().collect();
-        for name in zeroset_ops::names() {
-            let Ok(Reply::Say(text)) = help(name) else { panic!("no help on {name}") };
-            assert!(!text.is_empty(), "{name}");
-            assert_eq!(listed.iter().filter(|other| **other == name).count(), 1, "{name}");
         }
     }
 

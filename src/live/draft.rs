@@ -1,14 +1,16 @@
 //! How a line that is entered changes a document's text. Knows statements and lines, but not what
 //! they mean.
 
+use super::values;
 use std::ops::Range;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
 
 /// The text after `line` has been entered into it: a definition replaces the one with the same
 /// name, a single value where that stands; a drawing replaces all others, or joins them if
-/// `adding`; a `domain`, `view` or `color` line replaces the one before. Text or line may be wrong;
-/// reading the result tells where. A text that is wrong itself is given up.
+/// `adding`; a `domain`, `view` or `color` line replaces the one before. A number for a value with a
+/// range keeps the range, which is extended to hold it. Text or line may be wrong; reading the
+/// result tells where. A text that is wrong itself is given up.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
@@ -59,6 +61,42 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     kept.trim_start_matches('\n').to_owned()
 }
 
+/// The text without its `number`-th drawing, counted from 1, or how many drawings there are instead.
+///
+/// # Errors
+/// The number of drawings that were typed, where there is no such one; 0 of a text that is wrong.
+pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize> {
+    let drawings = drawings(text);
+    let Some(span) = number.checked_sub(1).and_then(|index| drawings.get(index)) else {
+        return Err(drawings.len());
+    };
+    let mut kept = text.to_owned();
+    kept.replace_range(piece(text, span), "");
+    Ok(kept.trim_start_matches('\n').trim_end().to_owned())
+}
+
+/// Where the drawings of a text stand, in order.
+fn drawings(text: &str) -> Vec<Range<usize>> {
+    let statements = parse(text, &Limits::default()).unwrap_or_default();
+    let draws = |one: &&Statement| matches!(one, Statement::Draw { .. }) && is_typed(one);
+    statements.iter().filter(draws).map(extent).collect()
+}
+
+/// Whether a line that is entered replaces what is drawn.
+pub(super) fn draws(line: &str) -> bool {
+    scene_word(line).is_none() && !drawings(line).is_empty()
+}
+
+/// A text without those of `lines` that are comments or say where to look from and at what.
+pub(super) fn without_scenery(text: &str, lines: &str) -> String {
+    let is_scenery = |line: &str| {
+        line.trim_start().starts_with('#') || matches!(scene_word(line), Some("domain" | "view"))
+    };
+    let gone: Vec<&str> = lines.lines().filter(|line| is_scenery(line)).collect();
+    let kept: Vec<&str> = text.lines().filter(|line| !gone.contains(line)).collect();
+    kept.join("\n")
+}
+
 /// Whether a statement was typed, and not added by reading.
 fn is_typed(statement: &Statement) -> bool {
     let span = match statement {
@@ -84,6 +122,8 @@ fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> O
     }
     let rest = &base[span.end..];
     let end = span.end + end_of_statement(rest).unwrap_or(rest.len());
+    let range = values::kept_range(base, line, &wanted);
+    let line = format!("{line}{range}");
     let space = if is_comment(&base[end..]) { " " } else { "" };
     Some(format!("{}{line}{space}{}", &base[..span.start], &base[end..]))
 }
@@ -156,6 +196,10 @@ mod tests {
             ("r = 2\nx^2+y^2 = r", "z = r", "r = 2\nz = r"),
             ("r = 2\nx^2+y^2 = r", "r = 3", "r = 3\nx^2+y^2 = r"),
             ("s = 1; r = 2 # old\nx = r", "r = 3", "s = 1; r = 3 # old\nx = r"),
+            ("r = 2 in [0, 5]\nx = r", "r = 3", "r = 3 in [0, 5]\nx = r"),
+            ("r = 2 in [0, 5]\nx = r", "r = 9/2 + 2", "r = 9/2 + 2 in [0, 9/2 + 2]\nx = r"),
+            ("r = 2 in [0, 2pi]\nx = r", "r = -1", "r = -1 in [-1, 2pi]\nx = r"),
+            ("r = 2 in [0, 5]\nx = r", "r = y", "r = y\nx = r"),
             ("r = 2 in [0, 5]\nx = r", "r = 3 in [1, 9]", "r = 3 in [1, 9]\nx = r"),
             ("x = 1; y = 2; r = 3", "z = r", " r = 3\nz = r"),
             ("x = 1 # one; two\ny = 3", "z", "z"),
@@ -188,6 +232,30 @@ mod tests {
         assert_eq!(entered("domain 2\nx+y", "domain 3", false), "x+y\ndomain 3");
         assert_eq!(entered("# A\nx+y", "color red", false), "# A\ncolor red\nx+y");
         assert_eq!(entered("color red\nx+y", "color blue", false), "color blue\nx+y");
+    }
+
+    #[test]
+    fn a_drawing_is_taken_away_by_its_number() {
+        let text = "# Two\nx = 1\nr = 2; y = r # the second\nz = 3 {x > 0}";
+        assert_eq!(
+            without_drawing(text, 1).as_deref(),
+            Ok("# Two\nr = 2; y = r # the second\nz = 3 {x > 0}")
+        );
+        assert_eq!(without_drawing(text, 2).as_deref(), Ok("# Two\nx = 1\nr = 2;z = 3 {x > 0}"));
+        assert_eq!(
+            without_drawing(text, 3).as_deref(),
+            Ok("# Two\nx = 1\nr = 2; y = r # the second")
+        );
+        assert_eq!(without_drawing(text, 4), Err(3));
+        assert_eq!(without_drawing(text, 0), Err(3));
+    }
+
+    #[test]
+    fn scenery_is_what_came_with_the_formula_and_nobody_set() {
+        let came = "# A\n# b\ndomain 2\nview top\ncolor red\nx";
+        assert_eq!(without_scenery(came, came), "color red\nx");
+        assert_eq!(without_scenery("# A\ndomain 3\nx", came), "domain 3\nx");
+        assert!(draws("x+y") && draws("y = x^2") && !draws("r = 2") && !draws("domain 2"));
     }
 
     #[test]

@@ -17,16 +17,27 @@
 //! # Ok::<(), zeroset::live::Refusal>(())
 //! ```
 
+mod coming;
 mod command;
+mod cut;
 mod draft;
+mod edit;
+mod help;
 mod orbit;
 mod pipeline;
 mod session;
+mod settings;
+mod slider;
 mod status;
+mod undo;
+mod values;
 
+pub use coming::COMING;
 pub use command::{COMMANDS, CommandRow};
 pub use draft::entered;
+pub use edit::Refusal;
 pub use orbit::Orbit;
 pub use pipeline::{Fault, Rendering, Request, Snapshot};
-pub use session::{Live, Refusal, Reply};
+pub use session::{Live, Reply};
+pub use slider::Slider;
 pub use status::{FLAT, quote};

@@ -10,6 +10,7 @@ mod rooms;
 mod worker;
 
 use self::worker::Worker;
+use super::edit::missing_letter;
 use super::orbit::Orbit;
 use crate::blank::Blank;
 use crate::domain::AutoDomain;
@@ -109,6 +110,14 @@ impl Fault {
             }
             Reason::Scene(error) => error.to_string(),
             Reason::Bug => "internal error: this is a bug in zeroset, not in your formula".into(),
+        }
+    }
+
+    /// The one letter that lacks a value, if that is all that is wrong.
+    pub fn missing_letter(&self) -> Option<char> {
+        match &self.reason {
+            Reason::Text(errors) => missing_letter(errors),
+            Reason::Scene(_) | Reason::Bug => None,
         }
     }
 

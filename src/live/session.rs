@@ -1,16 +1,17 @@
 //! One document and its picture, as all who type, drag and look share them. Knows no commands.
 
-use super::draft::entered;
+use super::edit::{Refusal, after};
 use super::orbit::Orbit;
 use super::pipeline::{Pipeline, Rendering, Request, Snapshot, same_document};
+use super::slider::TIME;
+use super::undo::{Dragged, Gesture, Said, Undo};
+use super::values::{defined, right_side, with_value};
+use crate::gallery;
 use crate::picture::Settings;
-use crate::program::{Program, ProgramError};
-use crate::scene::{CameraChoice, is_idle};
+use crate::scene::CameraChoice;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zeroset_interval::Interval;
-use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Document, ErrorKind, Errors, Limits, Options, Span, parse};
+use zeroset_syntax::{Limits, parse};
 use zeroset_trace::UndecidedStyle;
 
 /// A document that is typed and turned, and its picture.
@@ -22,23 +23,46 @@ pub struct Live {
     pipeline: Pipeline,
 }
 
-struct State {
+pub(super) struct State {
     /// What is asked for, with the document as entered.
-    request: Request,
+    pub request: Request,
     /// The text last asked for, with what is being typed.
-    shown: Arc<str>,
+    pub shown: Arc<str>,
+    /// The names that are being defined by what is typed.
+    pub typed: Vec<String>,
     /// The last text that could be read, from which typing goes on when a watched file no longer
     /// can.
-    readable: Arc<str>,
+    pub readable: Arc<str>,
+    /// The text as it was loaded or saved last.
+    kept: Arc<str>,
+    /// The values that were dragged since the document gave them.
+    pub dragged: Vec<Dragged>,
+    pub undo: Undo,
     revision: u64,
 }
 
-/// What an edit has made of a document.
-struct Edit {
-    text: Arc<str>,
-    overrides: Vec<(String, String)>,
-    /// The document as read; `None` while it defines names only.
-    document: Option<Document>,
+impl State {
+    pub fn said(&self) -> Said {
+        Said { request: self.request.clone(), dragged: self.dragged.clone() }
+    }
+
+    /// Lets the text say what these names are, not what was given for them on the command line.
+    pub fn forget_given(&mut self, names: &[String]) {
+        forget_given(&mut self.request, names);
+    }
+
+    /// Values whose definition is no longer what dragging left of it are no longer dragged ones.
+    pub fn forget_dragged(&mut self, before: &str) {
+        let now = Arc::clone(&self.request.text);
+        self.dragged.retain(|one| right_side(before, &one.name) == right_side(&now, &one.name));
+    }
+}
+
+fn forget_given(request: &mut Request, names: &[String]) {
+    request.overrides.retain(|(other, _)| !names.contains(other));
+    if names.iter().any(|name| name == TIME) {
+        request.time = None;
+    }
 }
 
 /// What a line that was entered leads to.
@@ -54,6 +78,8 @@ pub enum Reply {
     Save(Option<String>),
     /// The caller is to write the picture to this file, or to one with a new name.
     Png(Option<String>),
+    /// The caller is to show tips, or no longer.
+    Tips(bool),
     /// The caller is to show how the document was read and compiled, with the code or without.
     Explain {
         /// Whether the code is asked for.
@@ -63,63 +89,35 @@ pub enum Reply {
     Quit,
 }
 
-/// Why a line was not entered. Nothing has changed then.
-#[derive(Debug)]
-pub enum Refusal {
-    /// The document would be wrong.
-    Text {
-        /// What it would be.
-        text: String,
-        /// What is wrong with it.
-        errors: Errors,
-    },
-    /// A formula would have no surface: it is constant, or defined nowhere.
-    Program(ProgramError),
-    /// The command is wrong.
-    Command(String),
-}
-
-impl Refusal {
-    /// What is wrong, with carets under a text.
-    pub fn render(&self, color: bool) -> String {
-        match self {
-            Self::Text { text, errors } => errors.render(None, text, color),
-            Self::Program(_) | Self::Command(_) => format!("error: {self}"),
-        }
-    }
-}
-
-impl std::fmt::Display for Refusal {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Text { errors, .. } => write!(f, "{errors}"),
-            Self::Program(error) => write!(f, "{error}"),
-            Self::Command(message) => f.write_str(message),
-        }
-    }
-}
-
-impl std::error::Error for Refusal {}
-
 impl Live {
     /// Starts to make pictures of a document, whose text is empty if there is none yet.
     pub fn new(request: Request) -> Self {
-        let (shown, readable) = (Arc::clone(&request.text), Arc::clone(&request.text));
-        let pipeline = Pipeline::new(request.clone());
-        let live =
-            Self { state: Mutex::new(State { request, shown, readable, revision: 0 }), pipeline };
+        let text = || Arc::clone(&request.text);
+        let state = State {
+            shown: text(),
+            typed: Vec::new(),
+            readable: text(),
+            kept: text(),
+            dragged: Vec::new(),
+            undo: Undo::default(),
+            revision: 0,
+            request: request.clone(),
+        };
+        let live = Self { state: Mutex::new(state), pipeline: Pipeline::new(request) };
         live.refresh();
         live
     }
 
-    fn lock(&self) -> MutexGuard<'_, State> {
+    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
         // Every write leaves the state whole, so a panic elsewhere does not spoil it.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What can be seen now.
+    /// What can be seen now: nothing while the document is empty.
     pub fn snapshot(&self) -> Snapshot {
-        self.pipeline.snapshot()
+        let is_empty = self.lock().shown.trim().is_empty();
+        let seen = self.pipeline.snapshot();
+        if is_empty { Snapshot { rendering: None, fault: None, ..seen } } else { seen }
     }
 
     /// Waits until the fine picture of everything asked for so far, or what is wrong with it, is
@@ -172,79 +170,21 @@ impl Live {
     pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
         let shown = |request: &Request, readable: &str| {
             Ok(match line {
-                Some(line) => entered(base(request, readable), line, adding).into(),
-                None => Arc::clone(&request.text),
+                Some(line) => (after(request, readable, line, adding).into(), defined(line)),
+                None => (Arc::clone(&request.text), Vec::new()),
             })
         };
-        let _never_refused = self.change_after(shown, |state, shown: Arc<str>| {
-            if shown != state.shown {
+        let _never_refused = self.change_after(shown, |state, (shown, typed): (Arc<str>, _)| {
+            if (&shown, &typed) != (&state.shown, &state.typed) {
+                state.typed = typed;
                 self.show(state, shown);
             }
         });
     }
 
-    /// Enters a line into the document.
-    pub(super) fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
-        let document = self.edit(|request, readable| {
-            let text = entered(base(request, readable), line, adding);
-            Edit::checked(text, request.overrides.clone(), request.time)
-        })?;
-        Ok(document.map_or_else(nothing_drawn, |_| Reply::Done))
-    }
-
-    /// Gives a name a value in the document; a slider keeps its range if the value lies within.
-    pub(super) fn set(&self, name: &str, value: &str) -> Result<Reply, Refusal> {
-        let defines = |one: &Statement| match one {
-            Statement::Define(definition) => definition.name.text == name,
-            Statement::Draw { .. } => false,
-        };
-        let document = self.edit(|request, readable| {
-            let base = base(request, readable);
-            let plain = entered(base, &format!("{name} = {value}"), false);
-            if parse(&plain, &Limits::default()).is_ok_and(|all| !all.iter().any(defines)) {
-                return Err(Refusal::Command(format!(
-                    "`{name}` has a fixed meaning and cannot be set"
-                )));
-            }
-            // What was given on the command line would otherwise go on to hide the definition.
-            let mut overrides = request.overrides.clone();
-            overrides.retain(|(other, _)| other != name);
-            let ranged = range(base, name).and_then(|range| {
-                let text = entered(base, &format!("{name} = {value} in {range}"), false);
-                Edit::checked(text, overrides.clone(), request.time).ok()
-            });
-            ranged.map_or_else(|| Edit::checked(plain, overrides, request.time), Ok)
-        })?;
-        let Some(document) = document else { return Ok(nothing_drawn()) };
-        let parameter = document.parameters.iter().find(|parameter| parameter.name == name);
-        Ok(match parameter {
-            Some(parameter) if is_idle(&document, parameter) => {
-                Reply::Say(format!("noted; nothing that is drawn depends on `{name}`"))
-            }
-            _ => Reply::Done,
-        })
-    }
-
-    /// Replaces the document by what `work` makes of it and of the last text that could be read,
-    /// and returns it as read.
-    fn edit(
-        &self,
-        work: impl Fn(&Request, &str) -> Result<Edit, Refusal>,
-    ) -> Result<Option<Document>, Refusal> {
-        self.change_after(work, |state, Edit { text, overrides, document }| {
-            state.request.overrides = overrides;
-            state.request.text = Arc::clone(&text);
-            state.readable = Arc::clone(&text);
-            if document.is_some() {
-                self.show(state, text);
-            }
-            document
-        })
-    }
-
     /// Does `work`, which may take long, without the lock, and again if somebody has changed the
     /// document meanwhile. What it results in is then applied.
-    fn change_after<W, R>(
+    pub(super) fn change_after<W, R>(
         &self,
         work: impl Fn(&Request, &str) -> Result<W, Refusal>,
         apply: impl FnOnce(&mut State, W) -> R,
@@ -262,15 +202,32 @@ impl Live {
         }
     }
 
-    /// Takes `text` for the document. The view stays if `again`: the text is the same document in a
-    /// newer version.
+    /// Takes `text` for the document. If `again`, the text is the same document in a newer version:
+    /// then the view stays, and so does a value that was dragged unless the text gives it another than
+    /// before.
     pub fn load(&self, name: &str, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
-        let text: Arc<str> = text.into();
+        let given: Arc<str> = text.into();
         let mut state = self.lock();
+        let before = state.said();
+        let text = if again && is_readable {
+            state.dragged.retain(|one| {
+                right_side(text, &one.name).map_or(String::new(), |(_, side)| side) == one.side
+            });
+            // As after saving.
+            if text.trim_end() == state.request.text.trim_end() {
+                state.kept = given;
+                return;
+            }
+            Arc::from(with_dragged(text, &state.readable, &state.dragged))
+        } else {
+            Arc::clone(&given)
+        };
         if is_readable || !again {
             state.readable = Arc::clone(&text);
         }
+        state.kept = given;
+        state.typed.clear();
         let request = &mut state.request;
         name.clone_into(&mut request.name);
         request.text = Arc::clone(&text);
@@ -282,8 +239,35 @@ impl Live {
                 settings: request.settings.clone(),
                 ..Request::default()
             };
+            state.dragged.clear();
         }
-        self.show(&mut state, text);
+        state.shown = text;
+        self.say(&mut state, before, None);
+    }
+
+    /// Takes the whole document away, and what was said of its domain and view.
+    pub fn clear(&self) {
+        self.load(TYPED, "", false);
+    }
+
+    /// Notes that the document is kept elsewhere as it is now, under this name.
+    pub fn saved(&self, name: &str) {
+        let mut state = self.lock();
+        name.clone_into(&mut state.request.name);
+        state.kept = Arc::clone(&state.request.text);
+    }
+
+    /// Whether the document differs from what was loaded or saved last.
+    pub fn is_changed(&self) -> bool {
+        let state = self.lock();
+        state.kept.trim_end() != state.request.text.trim_end()
+    }
+
+    /// What a value was before it was dragged, if it was.
+    pub(super) fn before_dragged(&self, name: &str) -> Option<String> {
+        let state = self.lock();
+        let one = state.dragged.iter().find(|one| one.name == name)?;
+        Some(one.value.clone())
     }
 
     /// Asks for pictures of this size, in pixels; nothing below 1 is taken.
@@ -300,7 +284,7 @@ impl Live {
     /// Turns, moves or zooms the view; nothing happens before there is a picture.
     pub fn turn(&self, turn: impl FnOnce(&mut Orbit)) {
         let Some(seen) = self.snapshot().rendering else { return };
-        self.change(|request| {
+        self.change_by(Some(Gesture::View), |request| {
             // The orbit last asked for, not the one last seen: it may be ahead of the pictures.
             let orbit = request
                 .orbit
@@ -341,68 +325,56 @@ impl Live {
 
     /// Changes what is asked for, but not the text.
     pub(super) fn change(&self, change: impl FnOnce(&mut Request)) {
-        let mut state = self.lock();
-        change(&mut state.request);
-        let shown = Arc::clone(&state.shown);
-        self.show(&mut state, shown);
+        self.change_by(None, change);
     }
 
-    fn show(&self, state: &mut State, shown: Arc<str>) {
+    /// The same as a part of a gesture.
+    pub(super) fn change_by(&self, gesture: Option<Gesture>, change: impl FnOnce(&mut Request)) {
+        let mut state = self.lock();
+        let before = state.said();
+        change(&mut state.request);
+        self.say(&mut state, before, gesture);
+    }
+
+    /// Asks for a picture of what is said now, and keeps what was said before.
+    pub(super) fn say(&self, state: &mut State, before: Said, gesture: Option<Gesture>) {
+        let now = state.said();
+        state.undo.note(before, &now, gesture);
+        let shown = Arc::clone(&state.shown);
+        self.show(state, shown);
+    }
+
+    pub(super) fn show(&self, state: &mut State, shown: Arc<str>) {
         state.shown = shown;
         if state.shown.trim().is_empty() {
             return;
         }
-        let request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };
+        let mut request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };
+        forget_given(&mut request, &state.typed);
+        // A mistake in what is typed is no mistake of the file.
+        if state.shown != state.request.text {
+            TYPED.clone_into(&mut request.name);
+        }
         state.revision = self.pipeline.request(request);
     }
 }
 
-impl Edit {
-    /// Reads a text with values for some of its names.
-    ///
-    /// # Errors
-    /// If it is wrong, or if a formula has no surface.
-    fn checked(
-        text: String,
-        overrides: Vec<(String, String)>,
-        time: Option<f64>,
-    ) -> Result<Self, Refusal> {
-        let options = Options { overrides: &overrides, time, ..Options::default() };
-        let document = match zeroset_syntax::read(&text, &options) {
-            Ok(document) => {
-                Program::new(&document, [Interval::ENTIRE; 3]).map_err(Refusal::Program)?;
-                Some(document)
-            }
-            // A definition may come before the formula that needs it.
-            Err(errors) if errors.iter().all(is_nothing_to_draw) => None,
-            Err(errors) => return Err(Refusal::Text { text, errors }),
+/// What a text is called that came from nowhere but the keyboard.
+pub(super) const TYPED: &str = "formula";
+
+/// `text` with values that were dragged as they are in `present`.
+fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {
+    dragged.iter().fold(text.to_owned(), |text, one| {
+        let moved = || {
+            let (value, side) = right_side(present, &one.name)?;
+            let (_, range) = side.split_once(" in ")?;
+            with_value(&text, &one.name, &value, range)
         };
-        Ok(Self { text: text.into(), overrides, document })
-    }
-}
-
-/// What a line is entered into.
-fn base<'a>(request: &'a Request, readable: &'a str) -> &'a str {
-    if parse(&request.text, &Limits::default()).is_ok() { &request.text } else { readable }
-}
-
-/// The range of a slider as it was typed.
-fn range(text: &str, name: &str) -> Option<String> {
-    let statements = parse(text, &Limits::default()).ok()?;
-    statements.iter().find_map(|one| match one {
-        Statement::Define(definition) if definition.name.text == name => {
-            let (low, high) = definition.range.as_ref()?;
-            let part = |span: Span| text.get(span.start..span.end);
-            Some(format!("[{}, {}]", part(low.span)?, part(high.span)?))
-        }
-        Statement::Define(_) | Statement::Draw { .. } => None,
+        moved().unwrap_or(text)
     })
 }
 
-fn is_nothing_to_draw(error: &zeroset_syntax::Error) -> bool {
-    matches!(error.kind, ErrorKind::NothingToDraw { .. })
-}
-
-fn nothing_drawn() -> Reply {
-    Reply::Say("noted; there is nothing to draw yet".to_owned())
+/// Whether a document is a surface of the gallery, and its text if so.
+pub(super) fn gallery_text(name: &str) -> Option<&'static str> {
+    gallery::examples().into_iter().find(|example| example.slug == name).map(|example| example.text)
 }

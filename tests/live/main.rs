@@ -4,3 +4,5 @@ mod cancel;
 mod live_support;
 mod parameters;
 mod session;
+mod sliders;
+mod undo;

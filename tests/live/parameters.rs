@@ -70,7 +70,7 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
 #[test]
 fn what_other_code_is_needed_for_is_compiled() {
     for (text, line) in [
-        // Out of its range, and without one.
+        // Out of its range, which is extended, and without one.
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", ":set r = 7"),
         ("domain 2\nr = 2\nx^2+y^2+z^2 = r^2", ":set r = 1"),
         // Which function is meant depends on the exponent.

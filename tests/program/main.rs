@@ -17,6 +17,8 @@ mod window_prompt;
 #[cfg(unix)]
 mod window_session;
 #[cfg(unix)]
+mod window_sliders;
+#[cfg(unix)]
 mod window_soak;
 #[cfg(unix)]
 mod window_support;

@@ -23,6 +23,22 @@ fn every_method_has_its_row() {
 }
 
 #[test]
+fn what_is_written_elsewhere_has_its_row() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    let readme = fs::read_to_string(path).expect("readable");
+    let rows: Vec<&str> = readme
+        .lines()
+        .skip_while(|line| !line.starts_with("| coming from |"))
+        .skip(2)
+        .take_while(|line| line.starts_with('|'))
+        .collect();
+    let expected = zeroset::live::COMING
+        .iter()
+        .map(|(from, there, here)| format!("| {from} | `{there}` | {here} |"));
+    assert_eq!(rows, expected.collect::<Vec<_>>());
+}
+
+#[test]
 fn every_function_and_every_form_is_listed() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
     let readme = fs::read_to_string(path).expect("readable");

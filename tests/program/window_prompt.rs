@@ -69,6 +69,33 @@ fn a_file_is_followed_while_the_prompt_waits() {
 }
 
 #[test]
+fn a_file_whose_loading_was_taken_back_is_followed_again_once_it_is_done_again() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    let path = terminal.place().join("surface.zset");
+    let save = |text: &str| {
+        std::fs::write(&path, text).expect("written");
+        std::thread::sleep(std::time::Duration::from_millis(500));
+    };
+    save("x = 1.25");
+    terminal.type_in(":load surface.zset\r");
+    terminal.type_in(":undo\r");
+    save("x = 2.25");
+    terminal.type_in(":list\r");
+    terminal.type_in(":help undo\r");
+    terminal.shows("take back the last step");
+    assert!(!terminal.shown().contains("x = 2.25"), "{}", terminal.shown());
+    terminal.type_in(":redo\r");
+    terminal.type_in(":list\r");
+    terminal.shows("x = 1.25");
+    save("x = 3.25");
+    terminal.type_in(":list\r");
+    terminal.shows("x = 3.25");
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
 fn terminals_that_take_pixels_get_them() {
     let terminal = Terminal::start_in("xterm-kitty", &["--preview", "x^2+y^2+z^2 = 1"]);
     terminal.shows("undecided");

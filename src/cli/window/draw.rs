@@ -1,0 +1,239 @@
+//! What the window shows: the picture, and over it the line that is typed, messages, sliders and
+//! the status. It is drawn again only when something of that changes.
+
+use super::panel::Panel;
+use super::{MESSAGE, PAUSE, Window};
+use crate::cli::canvas::{Canvas, Rgb};
+use crate::cli::help;
+use crate::cli::overlay::draw_box;
+use crate::cli::pick::Pick;
+use anyhow::{Context, Result};
+use minifb::MouseMode;
+use std::sync::Arc;
+use std::time::Instant;
+use zeroset::live::{Fault, Rendering, Slider, Snapshot};
+
+const PAPER: Rgb = 0x00f4_f4f6;
+const LIGHT: Rgb = 0x00f0_f0f4;
+const DIM: Rgb = 0x00b0_b0bc;
+const WRONG: Rgb = 0x00d0_3030;
+const WRONG_TEXT: Rgb = 0x00ff_9090;
+const GROUND: Rgb = 0x0020_2028;
+
+/// The picture at the window's size, kept while only what lies over it changes.
+#[derive(Default)]
+pub struct Backdrop {
+    rendering: Option<Arc<Rendering>>,
+    size: (usize, usize),
+    pixels: Vec<Rgb>,
+}
+
+/// Everything that a window's content depends on.
+#[derive(Clone, PartialEq)]
+pub struct Content {
+    size: (usize, usize),
+    /// The rendering, by its place in memory: it is kept while it is shown.
+    rendering: usize,
+    fault: Option<String>,
+    wrong: bool,
+    hover: Option<String>,
+    line: Option<(String, usize)>,
+    candidates: Option<String>,
+    message: Option<String>,
+    sliders: Option<(Panel, Vec<Slider>, Option<usize>)>,
+    help: bool,
+    axes: bool,
+}
+
+/// Where lines of text go, in pixels.
+struct Layout {
+    /// Around what is written.
+    margin: usize,
+    /// What a line has room for between margins.
+    room: usize,
+    row: usize,
+    /// The top of the status line.
+    bottom: i64,
+}
+
+impl Window {
+    /// Draws what is seen, if it is not what is shown already, and tells whether it did.
+    pub(super) fn draw(&mut self, seen: &Snapshot) -> Result<bool> {
+        if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE) {
+            self.message = None;
+        }
+        self.compared = Instant::now();
+        let content = self.content(seen);
+        if self.drawn.as_ref() == Some(&content) {
+            return Ok(false);
+        }
+        self.entitle();
+        self.active = self.compared;
+        self.backdrop.follow(seen.rendering.as_ref(), self.picture_size(), content.size);
+        let canvas = self.compose(&content);
+        self.native
+            .update_with_buffer(&canvas.pixels, canvas.width, canvas.height)
+            .context("the window cannot be drawn to")?;
+        self.drawn = Some(content);
+        Ok(true)
+    }
+
+    fn content(&self, seen: &Snapshot) -> Content {
+        let place = self.pointer(MouseMode::Discard);
+        let pick = seen
+            .rendering
+            .as_ref()
+            .zip(place)
+            .and_then(|(rendering, at)| Pick::at(rendering, at, self.picture_size()));
+        let rested = self.typed.elapsed() > PAUSE;
+        let fault = self.fault(seen);
+        let rendering = seen.rendering.as_ref();
+        Content {
+            size: self.size(),
+            rendering: rendering.map_or(0, |rendering| Arc::as_ptr(rendering) as usize),
+            fault: fault.filter(|_| rested).map(wrong),
+            wrong: fault.is_some(),
+            hover: pick.and_then(|pick| pick.coordinates()),
+            line: self.line.as_ref().map(|line| (line.text().to_owned(), line.column())),
+            candidates: (!self.candidates.is_empty()).then(|| self.candidates.join("  ")),
+            message: self.message.as_ref().map(|(text, _)| text.clone()),
+            sliders: self.sliders.shown(),
+            help: self.help,
+            axes: self.axes,
+        }
+    }
+
+    fn compose(&self, content: &Content) -> Canvas {
+        let (width, height) = content.size;
+        let scale = self.scale_at(height);
+        let mut canvas = Canvas { width, height, pixels: self.backdrop.pixels.clone(), scale };
+        let rendering = self.backdrop.rendering.as_ref();
+        if let Some(rendering) = rendering.filter(|_| content.axes) {
+            draw_box(&mut canvas, rendering, self.picture_size().1);
+        }
+        if content.wrong {
+            canvas.border(2 * scale, WRONG);
+        }
+        let (row, margin) = (canvas.line_height(), 6 * scale);
+        let room = width.saturating_sub(2 * margin);
+        let layout = Layout { margin, room, row, bottom: height as i64 - row as i64 };
+        if let Some(rendering) = rendering {
+            canvas.label(&canvas.fitting(&echo(rendering), room), 0, 0, LIGHT);
+        }
+        if let Some((panel, sliders, hovered)) = &content.sliders {
+            panel.draw(&mut canvas, sliders, *hovered);
+        }
+        draw_status(&mut canvas, &layout, content, rendering);
+        draw_texts(&mut canvas, &layout, content);
+        if content.help {
+            help::draw(&mut canvas);
+        }
+        canvas
+    }
+}
+
+/// What is wrong in one line, and the key that mends it if there is one.
+fn wrong(fault: &Fault) -> String {
+    let message = fault.message();
+    match fault.missing_letter() {
+        Some(letter) => format!("{message}; F2: {letter} = 1"),
+        None => message,
+    }
+}
+
+/// How the first surface was read, and how many more there are.
+fn echo(rendering: &Rendering) -> String {
+    let surfaces = &rendering.document.surfaces;
+    let echo = surfaces.first().map_or("", |surface| surface.echo.as_str());
+    match surfaces.len() {
+        0 | 1 => echo.to_owned(),
+        more => format!("{echo}  and {} more", more - 1),
+    }
+}
+
+/// The status line: what is seen at its left, and at its right what is under the pointer.
+fn draw_status(
+    canvas: &mut Canvas,
+    layout: &Layout,
+    content: &Content,
+    rendering: Option<&Arc<Rendering>>,
+) {
+    let Layout { margin, room, row, bottom } = *layout;
+    canvas.fill(0, bottom, canvas.width, row, GROUND, 255);
+    let status = match rendering {
+        Some(rendering) if rendering.coarse => format!("{} · refining", rendering.summary()),
+        Some(rendering) => rendering.summary(),
+        None => "no picture yet: type / and a formula".to_owned(),
+    };
+    let hover = content.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
+    let taken = hover.chars().count() * canvas.advance();
+    let text_y = bottom + 2 * canvas.scale as i64;
+    let right = (canvas.width as i64 - margin as i64 - taken as i64).max(0);
+    if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
+        canvas.write(&hover, right, text_y, DIM);
+    } else if content.line.is_none() {
+        // Both do not fit one line.
+        canvas.label(&hover, right, bottom - row as i64, DIM);
+    }
+    let left = canvas.fitting(&status, room);
+    canvas.write(&left, margin as i64, text_y, LIGHT);
+}
+
+/// The line that is typed, what it may be completed to, and what there is to say.
+fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
+    let Layout { margin, room, row, bottom } = *layout;
+    let (width, dot) = (canvas.width, canvas.scale);
+    let mut above = bottom - row as i64;
+    if let Some((text, column)) = &content.line {
+        canvas.fill(0, above, width, row, 0x0010_1014, 240);
+        // The end of a long line is where it is typed.
+        let letters = (room / canvas.advance()).saturating_sub(3).max(1);
+        let skip = column.saturating_sub(letters);
+        let part: String = text.chars().skip(skip).take(letters + 1).collect();
+        canvas.write(&format!("> {part}"), margin as i64, above + 2 * dot as i64, LIGHT);
+        let at = margin + (2 + column - skip) * canvas.advance();
+        canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, LIGHT, 255);
+        above -= row as i64;
+    }
+    let candidates = content.candidates.as_ref().map(|text| (text, DIM));
+    let fault = content.fault.as_ref().map(|text| (text, WRONG_TEXT));
+    let message = content.message.as_ref().map(|text| (text, LIGHT));
+    if let Some((text, colour)) = candidates.or(fault).or(message) {
+        let text = canvas.fitting(text, room);
+        canvas.label(&text, 0, above, colour);
+    }
+}
+
+impl Backdrop {
+    /// Scales the rendering's picture to its part of the window, if either has changed.
+    fn follow(
+        &mut self,
+        rendering: Option<&Arc<Rendering>>,
+        picture: (usize, usize),
+        window: (usize, usize),
+    ) {
+        let same = match (&self.rendering, rendering) {
+            (Some(old), Some(new)) => Arc::ptr_eq(old, new),
+            (None, None) => !self.pixels.is_empty(),
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        if same && self.size == window {
+            return;
+        }
+        self.rendering = rendering.cloned();
+        self.size = window;
+        self.pixels.clear();
+        self.pixels.resize(window.0 * window.1, PAPER);
+        let Some(rendering) = rendering else { return };
+        let (width, height) = picture;
+        let buffer = &rendering.picture.buffer;
+        for (y, row) in self.pixels.chunks_exact_mut(width).take(height).enumerate() {
+            let line = y * buffer.height / height * buffer.width;
+            for (x, pixel) in row.iter_mut().enumerate() {
+                let at = 3 * (line + x * buffer.width / width);
+                let [r, g, b] = [0, 1, 2].map(|k| u32::from(rendering.picture.rgb[at + k]));
+                *pixel = r << 16 | g << 8 | b;
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! What is typed, in order, until it is looked at. Knows no commands.
+
+use minifb::{InputCallback, Key};
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+/// What was typed. A key that is pressed and let go between two looks at the keyboard is not lost.
+#[derive(Clone, Copy)]
+pub enum Input {
+    Letter(char),
+    Key(Key),
+    /// A key while Ctrl was held.
+    Control(Key),
+}
+
+/// What was typed and has not been looked at yet.
+#[derive(Clone, Default)]
+pub struct Typed(Rc<RefCell<VecDeque<Input>>>);
+
+impl Typed {
+    /// Takes all of it, in order.
+    pub fn take(&self) -> Vec<Input> {
+        self.0.borrow_mut().drain(..).collect()
+    }
+}
+
+/// Collects what is typed.
+pub struct Keyboard {
+    pub typed: Typed,
+    /// How many of the two Ctrl keys are held.
+    pub controls: [bool; 2],
+}
+
+impl InputCallback for Keyboard {
+    fn add_char(&mut self, letter: u32) {
+        if let Some(letter) = char::from_u32(letter).filter(|letter| !letter.is_control()) {
+            self.typed.0.borrow_mut().push_back(Input::Letter(letter));
+        }
+    }
+
+    fn set_key_state(&mut self, key: Key, down: bool) {
+        match key {
+            Key::LeftCtrl => self.controls[0] = down,
+            Key::RightCtrl => self.controls[1] = down,
+            _ => {}
+        }
+        if down {
+            let held = self.controls.contains(&true);
+            let input = if held { Input::Control(key) } else { Input::Key(key) };
+            self.typed.0.borrow_mut().push_back(input);
+        }
+    }
+}

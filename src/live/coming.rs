@@ -1,0 +1,47 @@
+//! How what is known from other programs is written here: one table, for the help and the README.
+
+/// Rows of where one comes from, what is written there, and what to write here.
+pub const COMING: &[(&str, &str, &str)] = &[
+    ("Desmos", "z = {x < 0: x^2, x}", "the same; a slider is `a = 1 in [0, 5]`"),
+    (
+        "Mathematica",
+        "ContourPlot3D[x^2 + y^2 + z^2 == 1, …]",
+        "x^2+y^2+z^2 = 1, with `domain 2` for the ranges",
+    ),
+    ("Surfer", "x^3 + y^2 - a*z", "the same, with `a = 0.5 in [0, 1]` on a line of its own"),
+    (
+        "GLSL",
+        "float map(vec3 p) { return length(p) - 1.; }",
+        "the same, as a file or pasted; no loops",
+    ),
+    (
+        "libfive",
+        "(union (sphere 1) (box …))",
+        "union(x^2+y^2+z^2-1, max(abs(x),abs(y),abs(z))-0.8) <= 0",
+    ),
+];
+
+/// The table as text.
+pub(super) fn listed() -> String {
+    let row = |(from, there, here): &(&str, &str, &str)| format!("{from}: {there}\n  {here}");
+    COMING.iter().map(row).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_syntax::{Options, read};
+
+    #[test]
+    fn what_is_to_be_written_can_be_read() {
+        let document = |text: &str| read(text, &Options::default()).map(drop);
+        for (from, there, here) in COMING {
+            let text = match *from {
+                "Desmos" | "GLSL" => (*there).to_owned(),
+                "Surfer" => format!("a = 0.5 in [0, 1]\n{there}"),
+                _ => here.split(", with").next().unwrap_or_default().to_owned(),
+            };
+            assert!(document(&text).is_ok(), "{from}: {text}");
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! What can be typed, and what a name is: the help of the prompt, from the tables of commands, of
+//! functions and of what is written elsewhere.
+
+use super::coming;
+use super::command::{COMMANDS, refused, say};
+use super::edit::Refusal;
+use super::session::Reply;
+use std::collections::HashSet;
+use std::fmt::Write as _;
+use zeroset_syntax::language_names;
+
+/// The word for which there is the table of what is written elsewhere.
+const ELSEWHERE: &str = "coming";
+
+/// What a function or a command is, or what can be typed if no name is given.
+pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
+    if name.is_empty() {
+        return say(everything());
+    }
+    if name == ELSEWHERE {
+        return say(coming::listed());
+    }
+    let bare = name.trim_start_matches(':');
+    if let Some(row) = COMMANDS.iter().find(|row| row.name == bare) {
+        return say(format!("{}: {}", row.usage(), row.doc));
+    }
+    let native = zeroset_ops::natives(name).map(|row| {
+        let aliases = match row.aliases {
+            [] => String::new(),
+            aliases => format!(" (also {})", aliases.join(", ")),
+        };
+        format!("{}{aliases}: {}", row.name, row.doc)
+    });
+    let mut found: Vec<String> = native.collect();
+    if found.is_empty() {
+        found = zeroset_ops::composed(name)
+            .map(|f| format!("{}({}): {}", f.name, f.parameters.join(", "), f.doc))
+            .collect();
+    }
+    if found.is_empty() {
+        found.extend(zeroset_ops::form(name).map(|form| format!("{}: {}", form.usage, form.doc)));
+    }
+    if !found.is_empty() {
+        return say(found.join("\n"));
+    }
+    let commands = COMMANDS.iter().map(|row| row.name);
+    let nearest = language_names()
+        .chain(commands)
+        .map(|other| {
+            // Of names equally near, the one that was typed in full and more.
+            (strsim::damerau_levenshtein(other, bare), !bare.starts_with(other), other)
+        })
+        .min()
+        .filter(|(distance, _, other)| *distance <= 2 && other.len() > *distance);
+    let hint = match nearest {
+        Some((0, ..)) | None => ":help lists everything".to_owned(),
+        Some((.., other)) => format!("did you mean {other}?"),
+    };
+    refused(format!("no function or command named '{name}'; {hint}"))
+}
+
+fn everything() -> String {
+    let mut text =
+        String::from("Type a formula such as x^2+y^2+z^2 = 1, a definition such as r = 2, or:\n");
+    let width = COMMANDS.iter().map(|row| row.usage().len()).max().unwrap_or(0);
+    for row in COMMANDS {
+        let _ = writeln!(text, "  {:width$}  {}", row.usage(), row.doc);
+    }
+    text.push_str("Coming from Desmos, Mathematica, Surfer, GLSL or libfive? :help coming\n");
+    text.push_str("Functions (:help NAME tells more):");
+    let mut column = usize::MAX;
+    let mut told = HashSet::new();
+    for name in zeroset_ops::names().filter(|name| told.insert(*name)) {
+        if column.saturating_add(name.len() + 1) > 96 {
+            text.push_str("\n ");
+            column = 1;
+        }
+        column += name.len() + 1;
+        let _ = write!(text, " {name}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_that_completes_has_help_and_is_listed_once() {
+        let list = everything();
+        let (_, listed) = list.split_once("tells more):").expect("a list of functions");
+        let listed: Vec<&str> = listed.split_whitespace().collect();
+        for name in zeroset_ops::names() {
+            let Ok(Reply::Say(text)) = help(name) else { panic!("no help on {name}") };
+            assert!(!text.is_empty(), "{name}");
+            assert_eq!(listed.iter().filter(|other| **other == name).count(), 1, "{name}");
+        }
+    }
+}

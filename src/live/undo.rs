@@ -1,0 +1,206 @@
+//! What was said, to be taken back and said again. Knows what belongs together to one step, but not
+//! what a step means.
+
+use super::pipeline::Request;
+use super::session::Live;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use zeroset_syntax::{Limits, parse};
+
+/// So many steps are kept.
+const KEPT: usize = 200;
+
+/// Changes of the same kind belong together if no more time than this is between them.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// What is changed by many small steps that are taken back as one.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Gesture {
+    /// The view is turned, moved or zoomed.
+    View,
+    /// The clipping plane is moved.
+    Clip,
+    /// A value is dragged, or played.
+    Value(String),
+}
+
+/// A value that was dragged: what it was before, in the words of the text.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Dragged {
+    pub name: String,
+    /// The value that it had.
+    pub value: String,
+    /// The whole right side of its definition; empty if there was none.
+    pub side: String,
+}
+
+/// All that was said.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Said {
+    pub request: Request,
+    pub dragged: Vec<Dragged>,
+}
+
+impl Said {
+    /// Whether both say the same; how large a picture is nobody says.
+    fn is_same(&self, other: &Self) -> bool {
+        let mut sized = self.clone();
+        sized.take_size(other);
+        sized == *other
+    }
+
+    fn take_size(&mut self, other: &Self) {
+        let size = &other.request.settings;
+        let settings = &mut self.request.settings;
+        (settings.width, settings.height) = (size.width, size.height);
+    }
+}
+
+/// The steps that can be taken back, and those that were.
+#[derive(Default)]
+pub(super) struct Undo {
+    past: Vec<Said>,
+    future: Vec<Said>,
+    last: Option<(Gesture, Instant)>,
+    /// Whether a button is held, so that a gesture goes on whatever the pause.
+    held: bool,
+}
+
+impl Undo {
+    /// Notes that something else is said now than `before`.
+    pub fn note(&mut self, before: Said, now: &Said, gesture: Option<Gesture>) {
+        if before.is_same(now) {
+            return;
+        }
+        let goes_on = self.last.as_ref().is_some_and(|(last, at)| {
+            Some(last) == gesture.as_ref() && (self.held || at.elapsed() < PAUSE)
+        });
+        self.last = gesture.map(|gesture| (gesture, Instant::now()));
+        if goes_on && self.future.is_empty() {
+            return;
+        }
+        self.future.clear();
+        if self.past.len() == KEPT {
+            self.past.remove(0);
+        }
+        self.past.push(before);
+    }
+
+    /// Says that a gesture goes on until this is called with `false`; what follows then is another.
+    pub fn hold(&mut self, held: bool) {
+        self.held = held;
+        self.last = None;
+    }
+
+    /// What was said before, in exchange for what is said now; `None` if there is no such thing.
+    pub fn back(&mut self, now: &Said) -> Option<Said> {
+        Self::step(&mut self.past, &mut self.future, &mut self.last, now)
+    }
+
+    /// What was said before it was taken back.
+    pub fn forth(&mut self, now: &Said) -> Option<Said> {
+        Self::step(&mut self.future, &mut self.past, &mut self.last, now)
+    }
+
+    fn step(
+        from: &mut Vec<Said>,
+        to: &mut Vec<Said>,
+        last: &mut Option<(Gesture, Instant)>,
+        now: &Said,
+    ) -> Option<Said> {
+        let mut other = from.pop()?;
+        other.take_size(now);
+        to.push(now.clone());
+        *last = None;
+        Some(other)
+    }
+}
+
+impl Live {
+    /// Takes back the last step: what was entered, set, turned or dragged. Tells whether there was
+    /// one.
+    pub fn undo(&self) -> bool {
+        self.step(Undo::back)
+    }
+
+    /// Does again what was last taken back, if there is such a thing, and tells whether there is.
+    pub fn redo(&self) -> bool {
+        self.step(Undo::forth)
+    }
+
+    fn step(&self, step: impl FnOnce(&mut Undo, &Said) -> Option<Said>) -> bool {
+        let mut state = self.lock();
+        let now = state.said();
+        let Some(Said { request, dragged }) = step(&mut state.undo, &now) else { return false };
+        let text = Arc::clone(&request.text);
+        if parse(&text, &Limits::default()).is_ok() {
+            state.readable = Arc::clone(&text);
+        }
+        (state.request, state.dragged) = (request, dragged);
+        state.typed.clear();
+        self.show(&mut state, text);
+        true
+    }
+
+    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step of
+    /// [`Live::undo`].
+    pub fn hold(&self, held: bool) {
+        self.lock().undo.hold(held);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(name: &str) -> Said {
+        let request = Request { name: name.to_owned(), ..Request::default() };
+        Said { request, dragged: Vec::new() }
+    }
+
+    #[test]
+    fn steps_are_taken_back_and_forth_and_gestures_whole() {
+        let mut undo = Undo::default();
+        undo.note(said("a"), &said("b"), None);
+        for (before, now) in [("b", "c"), ("c", "d")] {
+            undo.note(said(before), &said(now), Some(Gesture::View));
+        }
+        undo.note(said("d"), &said("d"), None);
+        assert_eq!(undo.back(&said("d")), Some(said("b")));
+        assert_eq!(undo.back(&said("b")), Some(said("a")));
+        assert_eq!(undo.back(&said("a")), None);
+        assert_eq!(undo.forth(&said("a")), Some(said("b")));
+        // What is said anew leaves nothing to be said again.
+        undo.note(said("b"), &said("e"), None);
+        assert_eq!(undo.forth(&said("e")), None);
+        assert_eq!(undo.back(&said("e")), Some(said("b")));
+    }
+
+    #[test]
+    fn what_a_hand_does_after_letting_go_is_another_step() {
+        let mut undo = Undo::default();
+        for (before, now) in [("a", "b"), ("b", "c")] {
+            undo.hold(true);
+            undo.note(said(before), &said(now), Some(Gesture::View));
+            undo.hold(false);
+        }
+        assert_eq!(undo.back(&said("c")), Some(said("b")));
+    }
+
+    #[test]
+    fn a_picture_of_another_size_is_no_step() {
+        let mut undo = Undo::default();
+        let mut larger = said("a");
+        larger.request.settings.width = 9;
+        undo.note(said("a"), &larger, None);
+        assert_eq!(undo.back(&larger), None);
+    }
+
+    #[test]
+    fn the_oldest_steps_are_forgotten() {
+        let mut undo = Undo::default();
+        (0..KEPT + 9).for_each(|n| undo.note(said(&n.to_string()), &said("now"), None));
+        assert_eq!(undo.past.len(), KEPT);
+        assert_eq!(undo.past[0], said("9"));
+    }
+}

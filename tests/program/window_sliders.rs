@@ -1,0 +1,195 @@
+//! A real window as an instrument: sliders, time, what is taken back, what is cut open, and clicks
+//! however short.
+
+use crate::window_support::scene::{CUBE, PROGRAMS, Scene};
+use crate::window_support::{Terminal, have, until};
+use std::time::Duration;
+
+const BALL: &[&str] =
+    &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "400x320"];
+
+/// Where the track of the first slider begins and ends, and how high the first and the second are:
+/// names of one letter in letters of 8 pixels.
+const TRACK: (i32, i32) = (20, 180);
+const ROWS: [i32; 2] = [36, 56];
+
+/// What the terminal shows of the last `:list`.
+fn listed(scene: &mut Scene, expected: &str) {
+    scene.terminal.type_in(":list\r");
+    scene.terminal.shows(expected);
+}
+
+fn wait(milliseconds: u64) {
+    std::thread::sleep(Duration::from_millis(milliseconds));
+}
+
+#[test]
+fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(BALL);
+    let start = scene.rest();
+    let middle = i32::midpoint(TRACK.0, TRACK.1);
+    scene.changes("slider", || {
+        scene.drag("1", (middle, ROWS[0]), (middle + 40, ROWS[0]));
+    });
+    // A slider is brighter under the pointer.
+    scene.point(300, 250);
+    let dragged = scene.rest();
+    listed(&mut scene, "r = 1.5 in [0, 2]");
+    scene.terminal.type_in(":status\r");
+    scene.terminal.shows("not compiled again");
+    // It is one step, and the view has not turned.
+    assert!(scene.changes("undo", || scene.key("ctrl+z")) == start, "not as at the start");
+    listed(&mut scene, "r = 1 in [0, 2]");
+    assert!(scene.changes("redo", || scene.key("ctrl+y")) == dragged, "not as it was dragged");
+    // A double click puts it back.
+    scene.point(middle + 40, ROWS[0]);
+    wait(100);
+    scene.changes("double click", || {
+        for _ in 0..2 {
+            scene.display.tool(&["mousedown", "1"]);
+            wait(50);
+            scene.display.tool(&["mouseup", "1"]);
+            wait(50);
+        }
+    });
+    scene.point(300, 250);
+    assert!(scene.rest() == start, "not as at the start");
+    // An arrow is a hundredth of the range, while the pointer is over the slider.
+    scene.changes("arrow", || {
+        scene.point(middle, ROWS[0]);
+        wait(100);
+        scene.key("Right");
+    });
+    listed(&mut scene, "r = 1.02 in [0, 2]");
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn time_is_played_paused_and_scrubbed() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(BALL);
+    let start = scene.rest();
+    scene.key("t");
+    let mut last = scene.middle();
+    for _ in 0..3 {
+        until("time goes on", || scene.middle() != last);
+        last = scene.middle();
+    }
+    scene.key("t");
+    let paused = scene.rest();
+    assert!(paused != start, "time stands still");
+    listed(&mut scene, " in [0, 2pi]");
+    assert!(scene.changes("back to the start", || scene.key("ctrl+z")) == start);
+    scene.changes("scrubbing", || {
+        scene.drag("1", (TRACK.0, ROWS[1]), (TRACK.0 + 20, ROWS[1]));
+    });
+    listed(&mut scene, "t = 0.79 in [0, 2pi]");
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn what_faces_the_eye_is_cut_open_and_the_cut_is_moved() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let scene = Scene::start(CUBE);
+    let whole = scene.rest();
+    let cut = scene.changes("cut", || scene.key("k"));
+    let moved = scene.changes("moved cut", || {
+        scene.display.tool(&["keydown", "ctrl", "click", "5", "click", "5", "keyup", "ctrl"]);
+    });
+    assert!(whole != cut && cut != moved);
+    assert!(scene.changes("whole again", || scene.key("k")) == whole);
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+/// A click of `xdotool` is over after some microseconds.
+#[test]
+fn clicks_however_short_are_seen_and_each_once() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let scene = Scene::start(CUBE);
+    let said = || scene.terminal.shown().matches("| zeroset eval").count();
+    for number in 1..=10 {
+        scene.display.tool(&["click", "1"]);
+        until("the click is seen", || said() >= number);
+        wait(100);
+    }
+    // One that is held as long as a finger does counts once, too.
+    scene.display.tool(&["mousedown", "1"]);
+    wait(60);
+    scene.display.tool(&["mouseup", "1"]);
+    wait(300);
+    assert_eq!(said(), 11);
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(CUBE);
+    let before = scene.terminal.shown();
+    scene.key("slash");
+    for part in ["x^2+", "y^2 = (", "q*z", ")"] {
+        scene.display.tool(&["type", "--delay", "30", part]);
+        wait(500);
+    }
+    assert_eq!(scene.terminal.shown(), before);
+    // The letter that lacks a value gets one by a key.
+    scene.changes("a value for q", || scene.key("F2"));
+    scene.key("Return");
+    wait(500);
+    listed(&mut scene, "q = 1");
+    assert!(!scene.terminal.shown().contains("error"), "{}", scene.terminal.shown());
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn the_title_names_the_document_and_whether_it_was_changed() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(CUBE);
+    let title = |scene: &Scene| scene.display.tool(&["getwindowname", &scene.window]);
+    assert_eq!(title(&scene), "formula - zeroset");
+    scene.terminal.type_in(":load gyroid\r");
+    until("it has another title", || title(&scene) == "gyroid - zeroset");
+    scene.terminal.type_in("domain 4\r");
+    until("it was changed", || title(&scene) == "gyroid* - zeroset");
+    scene.terminal.type_in(":save mine.zset\r");
+    until("it is a file", || title(&scene) == "mine.zset - zeroset");
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn the_prompt_tells_how_to_give_a_letter_a_value() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    terminal.type_in("x^2+y^2 = q\r");
+    terminal.shows("type `q = 1` to give it a value");
+    terminal.type_in("q = 1\r");
+    terminal.type_in("x^2+y^2 = q\r");
+    terminal.type_in(":list\r");
+    terminal.shows("q = 1\r\nx^2+y^2 = q");
+    let place = terminal.place().join("data/zeroset/tips");
+    for (line, shown) in [(":tips on\r", "0\n"), (":tips off\r", "5\n")] {
+        terminal.type_in(line);
+        until(line, || std::fs::read_to_string(&place).is_ok_and(|text| text == shown));
+    }
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
