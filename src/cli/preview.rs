@@ -85,12 +85,17 @@ pub fn room() -> (usize, usize) {
 /// # Errors
 /// If the terminal cannot be written to.
 pub fn print(picture: &Picture, below: &str) -> anyhow::Result<()> {
+    output::print(&format!("{}\n", text(picture, below)))
+}
+
+/// What shows a picture that was made to fit, and a line below it.
+pub fn text(picture: &Picture, below: &str) -> String {
     let text = match protocol().0.and_then(|protocol| pixels(picture, protocol)) {
         Some(text) => text,
         None if notes::coloured_output() => blocks(picture),
         None => letters(picture),
     };
-    output::print(&format!("{text}{below}\n"))
+    text + below
 }
 
 /// The picture as this protocol takes it; `None` if it cannot be packed.

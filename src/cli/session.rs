@@ -166,7 +166,13 @@ impl Session {
                 return;
             }
             match change {
-                Change::Text(text) => session.live.load(&watched, &text, true),
+                Change::Text(text) => {
+                    session.live.load(&watched, &text, true);
+                    if session.in_terminal.load(Ordering::Relaxed) {
+                        let revision = session.live.revision();
+                        std::thread::spawn(move || session.show_reloaded(revision));
+                    }
+                }
                 Change::Lost(message) => {
                     session.say(&format!("note: {message}; its last version is still shown"));
                 }
@@ -222,6 +228,18 @@ impl Session {
         let history = lock(&self.history);
         let kept = known.saturating_sub(history.dropped);
         history.lines.iter().skip(kept).cloned().collect()
+    }
+
+    /// Shows the picture of a file that was changed above the line that is being typed, unless something else is wanted before
+    /// it is finished.
+    fn show_reloaded(&self, revision: u64) {
+        if let Some(seen) = self.live.finished(revision, PATIENCE) {
+            let text = preview::text(&seen.picture, &seen.summary());
+            if !lock(&self.printer).as_mut().is_some_and(|print| print(&text)) {
+                // Whoever no longer reads misses nothing.
+                let _ = super::output::print(&format!("{text}\n"));
+            }
+        }
     }
 
     /// Lets the prompt show messages from now on.

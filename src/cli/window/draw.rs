@@ -1,6 +1,7 @@
 //! What the window shows: the picture, and over it the line that is typed, messages, sliders and
 //! the status. It is drawn again only when something of that changes.
 
+use super::enlarge::enlarge;
 use super::panel::Panel;
 use super::{MESSAGE, PAUSE, Window};
 use crate::cli::canvas::{Canvas, Rgb};
@@ -225,15 +226,8 @@ impl Backdrop {
         self.pixels.clear();
         self.pixels.resize(window.0 * window.1, PAPER);
         let Some(rendering) = rendering else { return };
-        let (width, height) = picture;
         let buffer = &rendering.picture.buffer;
-        for (y, row) in self.pixels.chunks_exact_mut(width).take(height).enumerate() {
-            let line = y * buffer.height / height * buffer.width;
-            for (x, pixel) in row.iter_mut().enumerate() {
-                let at = 3 * (line + x * buffer.width / width);
-                let [r, g, b] = [0, 1, 2].map(|k| u32::from(rendering.picture.rgb[at + k]));
-                *pixel = r << 16 | g << 8 | b;
-            }
-        }
+        let shown = &rendering.picture.rgb;
+        enlarge(shown, [buffer.width, buffer.height], &mut self.pixels, [picture.0, picture.1]);
     }
 }

@@ -3,6 +3,7 @@
 
 mod clicks;
 mod draw;
+mod enlarge;
 mod input;
 mod keys;
 mod mouse;
