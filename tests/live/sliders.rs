@@ -20,6 +20,12 @@ fn made(seen: &Rendering) -> usize {
     seen.model.program().made().len()
 }
 
+/// The same of kernels in singles alone.
+fn singles(seen: &Rendering) -> usize {
+    let made = seen.model.program().made();
+    made.iter().filter(|one| format!("{one:?}").contains("F32")).count()
+}
+
 #[test]
 fn dragging_changes_the_picture_and_the_text_and_makes_no_kernel() {
     let live = start("domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2", 32);
@@ -150,7 +156,17 @@ fn time_passes_without_code_and_without_steps() {
         assert!(seen.model.is_rebound() && made(&seen) == kernels, "frame {frame}");
     }
     assert!(live.text().ends_with("t = 5.85 in [0, 2pi]"), "{}", live.text());
-    assert!(start.ends_with("t = 0 in [0, 2pi]") && live.undo());
+    assert!(start.ends_with("t = 0 in [0, 2pi]"));
+    // The view that is turned meanwhile is a step, and the time is none.
+    live.hold(true);
+    for frame in 1..4 {
+        live.turn(|orbit| orbit.turn(3.0, 0.0, 100));
+        live.pass(&time, f64::from(frame) * 0.2);
+    }
+    live.hold(false);
+    assert!(live.undo() && live.request().orbit.is_none());
+    assert!(live.text().ends_with("t = 5.85 in [0, 2pi]"), "{}", live.text());
+    assert!(live.undo() && !live.undo());
     assert_eq!(live.text(), "domain 3\nx^2+y^2+z^2 = 2 + sin(t)");
 }
 
@@ -197,7 +213,7 @@ fn a_letter_that_lacks_a_value_is_named() {
 fn thousands_of_values_leave_nothing_behind() {
     let live = start("domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2", 16);
     let slider = slider(&live, "r");
-    let kernels = made(&settled(&live));
+    let kernels = singles(&settled(&live));
     let started = std::time::Instant::now();
     live.hold(true);
     for number in 1..=2000 {
@@ -206,7 +222,9 @@ fn thousands_of_values_leave_nothing_behind() {
     live.hold(false);
     println!("a value takes {:?}", started.elapsed() / 2000);
     let seen = settled(&live);
-    assert!(seen.model.is_rebound() && made(&seen) == kernels);
+    assert!(seen.model.is_rebound(), "it was compiled again");
+    // A small sphere may have asked for doubles, which is once and for all.
+    assert_eq!(singles(&seen), kernels);
     assert_eq!(live.text(), "domain 4\nr = 3 in [0, 3]\nx^2+y^2+z^2 = r^2");
     assert!(live.undo() && !live.undo());
     assert_eq!(live.text(), "domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2");
