@@ -1,6 +1,6 @@
 //! The prompt under a pseudo-terminal without a display: a preview, mistakes, history, clean ends.
 
-use crate::window_support::Terminal;
+use crate::window_support::{Terminal, until};
 
 /// Whether a picture is there that was made of letters.
 fn has_letters(shown: &str) -> bool {
@@ -65,6 +65,28 @@ fn a_file_is_followed_while_the_prompt_waits() {
     terminal.type_in(":list\r");
     terminal.shows("x = 0.75");
     terminal.type_in(":q\r");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn the_picture_of_a_reloaded_file_is_shown_unasked() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    let path = terminal.place().join("surface.zset");
+    std::fs::write(&path, "x = 1").expect("written");
+    terminal.type_in(":load surface.zset\r");
+    until("its picture is there", || terminal.shown().matches("undecided").count() == 2);
+    std::fs::write(&path, "x^2+y^2+z^2 = 1/3").expect("written");
+    until("that of the next version is there", || {
+        terminal.shown().matches("undecided").count() == 3
+    });
+    let whole = terminal.shown();
+    let last = whole.rsplit("surface.zset").next().unwrap_or_default();
+    // A ball in letters, and the line goes on below.
+    assert!(last.matches(['@', '%', '#', '*']).count() > 100, "{last}");
+    terminal.type_in(":list\r");
+    terminal.shows("x^2+y^2+z^2 = 1/3");
+    terminal.type_in("\u{4}");
     assert_eq!(terminal.ends(), 0);
 }
 
