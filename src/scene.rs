@@ -1,7 +1,7 @@
 //! Where a document is looked at: the domain and the camera, from what the caller says, else from
 //! the document, else by default.
 
-use crate::domain::{self, AutoDomain};
+use crate::domain::{self, AutoDomain, Finding};
 use crate::program::{Program, ProgramError};
 use glam::DVec3;
 use num_traits::ToPrimitive;
@@ -42,6 +42,33 @@ impl FromStr for DomainChoice {
                 other.len()
             )),
         }
+    }
+}
+
+/// What a domain is clipped to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ClipTo {
+    /// What the document says; the ball where the domain was found and is a window that looks better so; else the box.
+    #[default]
+    Auto,
+    /// The [ball](Region::with_ball) in the domain's box.
+    Ball,
+    /// The domain's box.
+    Box,
+}
+
+/// What is cut away of a domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cut {
+    /// What is behind this plane; `None` for what the document says.
+    pub plane: Option<HalfSpace>,
+    /// What is outside of this.
+    pub to: ClipTo,
+}
+
+impl From<Option<HalfSpace>> for Cut {
+    fn from(plane: Option<HalfSpace>) -> Self {
+        Self { plane, ..Self::default() }
     }
 }
 
@@ -88,7 +115,7 @@ pub enum SceneError {
     Program(#[from] ProgramError),
 }
 
-/// The domain of `document`, cut by `clip`, and what was found if it was searched for.
+/// The domain of `document`, cut by `cut`, and what was found if it was searched for.
 ///
 /// # Errors
 /// If a range is empty or not finite, the plane has no normal, or a search is impossible because
@@ -99,9 +126,9 @@ pub enum SceneError {
 pub fn region(
     document: &Document,
     choice: DomainChoice,
-    clip: Option<HalfSpace>,
+    cut: impl Into<Cut>,
 ) -> Result<(Region, Option<AutoDomain>), SceneError> {
-    Ok(region_while(document, choice, clip, &|| true)?.expect("wanted to the end"))
+    Ok(region_while(document, choice, cut, &|| true)?.expect("wanted to the end"))
 }
 
 /// As [`region`], but asks during the search whether the domain is still wanted; `None` if not.
@@ -112,10 +139,12 @@ pub fn region(
 pub fn region_while(
     document: &Document,
     choice: DomainChoice,
-    clip: Option<HalfSpace>,
+    cut: impl Into<Cut>,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
     let (mut ranges, mut searched) = ([None; 3], None);
+    let Cut { plane, to } = cut.into();
+    let mut is_ball = to == ClipTo::Ball;
     match (choice, &document.domain) {
         (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
             ranges = [[x0, x1], [y0, y1], [z0, z1]].map(Some);
@@ -124,10 +153,21 @@ pub fn region_while(
             let floats = |(low, high): &(Constant, Constant)| [nearest(low), nearest(high)];
             ranges = typed.each_ref().map(|range| range.as_ref().map(floats));
         }
+        (DomainChoice::Document, Some(DomainLine::Ball(radius))) => {
+            let radius = nearest(radius);
+            ranges = [Some([-radius, radius]); 3];
+            is_ball |= to == ClipTo::Auto;
+        }
         (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {}
     }
     if ranges.contains(&None) {
-        let Some(found) = search_while(document, wanted)? else { return Ok(None) };
+        let Some(mut found) = search_while(document, wanted)? else { return Ok(None) };
+        let looks_better =
+            found.finding == Finding::UnboundedInBall && ranges.iter().all(Option::is_none);
+        is_ball |= to == ClipTo::Auto && looks_better;
+        if let Finding::Unbounded | Finding::UnboundedInBall = found.finding {
+            found.finding = if is_ball { Finding::UnboundedInBall } else { Finding::Unbounded };
+        }
         searched = Some(found);
         for (axis, range) in ranges.iter_mut().enumerate() {
             range.get_or_insert([found.low[axis], found.high[axis]]);
@@ -135,8 +175,11 @@ pub fn region_while(
     }
     let [x, y, z] = ranges.map(Option::unwrap_or_default);
     let mut region = Region::new(DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]))?;
-    if let Some(clip) = clip {
-        region = region.with_clip(clip)?;
+    if is_ball {
+        region = region.with_ball();
+    }
+    if let Some(plane) = plane {
+        region = region.with_clip(plane)?;
     }
     Ok(Some((region, searched)))
 }
@@ -281,6 +324,41 @@ mod tests {
         let given = DomainChoice::Bounds([0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
         let (region, _) = region(&document("domain 2\nx+y+z"), given, None).expect("valid");
         assert_eq!(region.high(), DVec3::ONE);
+    }
+
+    #[test]
+    fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
+        let found = |text: &str, choice, to| {
+            let (region, searched) =
+                region(&document(text), choice, Cut { plane: None, to }).expect(text);
+            (region, searched.map(|found| found.finding))
+        };
+        let auto = |text| found(text, DomainChoice::Document, ClipTo::Auto);
+        for text in ["x^2+y^2-z^2=1", "x*y*z=1", "4(x^2+y^2+z^2)+16x*y*z=1", "x^2+y^2=z^2"] {
+            let (region, finding) = auto(text);
+            let ball = region.ball().expect(text);
+            assert_eq!(ball.radius, region.half_extent());
+            assert_eq!(finding, Some(Finding::UnboundedInBall));
+            let (region, finding) = found(text, DomainChoice::Document, ClipTo::Box);
+            assert_eq!((region.ball(), finding), (None, Some(Finding::Unbounded)));
+        }
+        for text in ["z=x^2-y^2", "x*y*z=0", "x+y+z=1", "x^2+y^2=1", "sin(x)+sin(y)+sin(z)=0"] {
+            let (region, finding) = auto(text);
+            assert_eq!((region.ball(), finding), (None, Some(Finding::Unbounded)), "{text}");
+            let (region, finding) = found(text, DomainChoice::Auto, ClipTo::Ball);
+            assert!(region.ball().is_some() && finding == Some(Finding::UnboundedInBall));
+        }
+        // A domain that is given is the box that was typed, unless a ball was typed.
+        assert_eq!(auto("domain 3\nx^2+y^2-z^2=1").0.ball(), None);
+        assert_eq!(auto("x^2+y^2+z^2=1").0.ball(), None);
+        let ball = auto("domain ball 3/2\nx^2+y^2+z^2=1").0.ball().expect("typed");
+        assert_eq!((ball.centre, ball.radius), (DVec3::ZERO, 1.5));
+        let other = DomainChoice::Bounds([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0]);
+        assert_eq!(found("domain ball 3\nx*y*z=1", other, ClipTo::Auto).0.ball(), None);
+        assert_eq!(
+            found("domain ball 3\nx*y*z=1", DomainChoice::Document, ClipTo::Box).0.ball(),
+            None
+        );
     }
 
     #[test]

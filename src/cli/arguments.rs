@@ -12,7 +12,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset::names::Named;
 use zeroset::picture::{Normals, Precision};
-use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset::scene::{self, CameraChoice, ClipTo, DomainChoice};
 use zeroset_trace::{
     HalfSpace, Ideas, LOOKS, Look, METHODS, Method, Projection, StandardView, UndecidedStyle,
 };
@@ -143,6 +143,10 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub camera: CameraArgs,
+
+    /// What the domain is clipped to
+    #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipTo>(), default_value = "auto")]
+    pub clip_to: ClipTo,
 
     #[command(flatten)]
     pub tracing: TracingArgs,

@@ -17,7 +17,7 @@ use zeroset::framing;
 use zeroset::live::quote;
 use zeroset::model::Model;
 use zeroset::picture::{Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
-use zeroset::scene;
+use zeroset::scene::{self, Cut};
 use zeroset_syntax::SrgbColor;
 use zeroset_trace::{LinearRgb, MethodOption, Pattern, Proves, Reason, Status};
 
@@ -29,14 +29,15 @@ pub const AA: usize = 16;
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
-    let (choice, clip) = (arguments.camera.choice(), arguments.camera.clip());
+    let choice = arguments.camera.choice();
+    let cut = Cut { plane: arguments.camera.clip(), to: arguments.clip_to };
     let files = Files::create(&arguments.outputs)?;
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
     let render = || -> Result<_> {
         let document = &subject.document;
-        let (region, searched) = scene::region(document, subject.domain, clip)?;
+        let (region, searched) = scene::region(document, subject.domain, cut)?;
         let model = Model::new(document, &region, &settings)?;
         let camera = framing::camera(&model, document, &choice, &settings)?;
         let pixels = settings.width * settings.height * document.surfaces.len();

@@ -546,7 +546,8 @@ fn finer(expected: Option<Duration>, divisor: usize) -> usize {
 fn is_room_enough(region: &Region, wanted: &Region) -> bool {
     let is_inside =
         region.low().cmple(wanted.low()).all() && wanted.high().cmple(region.high()).all();
-    is_inside && wanted.half_extent() >= LEAST_SHARE * region.half_extent()
+    let as_round = region.ball().is_some() == wanted.ball().is_some();
+    is_inside && as_round && wanted.half_extent() >= LEAST_SHARE * region.half_extent()
 }
 
 /// A domain that serves for values beyond those that outgrew the one before, too.
@@ -556,6 +557,7 @@ fn widened(before: &Region, wanted: &Region) -> Region {
     let high =
         DVec3::select(wanted.high().cmpgt(before.high()), wanted.high() + room, wanted.high());
     let wider = Region::new(low, high).ok();
+    let wider = wider.map(|box_| if wanted.ball().is_some() { box_.with_ball() } else { box_ });
     let cut = |wider: Region| match wanted.clip() {
         Some(clip) => wider.with_clip(clip).ok(),
         None => Some(wider),

@@ -9,8 +9,8 @@ use std::time::Instant;
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
-    Appearance, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource, Pattern, RayGrid,
-    SurfaceColours, Tracer, Work, cap, normals, shade,
+    Appearance, Ball, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource, Pattern,
+    RayGrid, SurfaceColours, Tracer, Work, cap, normals, shade,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -312,7 +312,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         }
     }
 
-    /// Whether f < 0 on most of the region's faces, so that the side seen from far away is the negative one.
+    /// Whether f < 0 on most of the region's boundary, so that the side seen from far away is the negative one.
     fn is_negative_outside(&self, surface: usize) -> bool {
         /// Points along each edge of a face.
         const POINTS: usize = 8;
@@ -328,7 +328,9 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             let [u, v] = [u, v].map(|place| (place as f64 + 0.5) / POINTS as f64);
             let mut share = [u, v, (face % 2) as f64];
             share.rotate_right(face / 2);
-            (low + (high - low) * DVec3::from_array(share)).to_array()
+            let point = low + (high - low) * DVec3::from_array(share);
+            let on_sphere = |ball: Ball| ball.centre + ball.radius * ball.normal(point);
+            self.model.region.ball().map_or(point, on_sphere).to_array()
         });
         let points: Vec<[f64; 3]> = points.collect();
         let (mut negative, mut signed) = (0_usize, 0_usize);

@@ -1,6 +1,7 @@
 //! Pictures and the kernels behind them against what is known by other means: exact roots, certified ones, an oracle.
 
 mod antialias;
+mod balls;
 mod baselines;
 mod cameras;
 mod certified;

@@ -286,7 +286,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::UnknownOverride { .. } => "use it in the formula, or drop the setting",
         ErrorKind::OverrideFunction { .. } => "change its definition in the text instead",
         ErrorKind::BadDomain => {
-            "write `domain 3`, `domain auto`, `domain [-2, 2]`, \
+            "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
              `domain x in [-2, 2], y in [-1, 1]` or six numbers"
         }
         ErrorKind::BadColor => "write a name of CSS such as `orange`, or `#ff8800`",

@@ -26,6 +26,8 @@ pub enum DomainLine {
     Auto,
     /// A range for each coordinate, in world units; `None` where the line leaves one out.
     Box([Option<ConstantRange>; 3]),
+    /// The ball of this radius about the origin, in world units.
+    Ball(Constant),
 }
 
 /// Where to look from.
@@ -123,6 +125,7 @@ impl Builder<'_> {
                         return Err(Error::new(span, ErrorKind::RepeatedAxis { axis }));
                     }
                 }
+                Rule::ball => return self.ball(part).map(DomainLine::Ball),
                 Rule::expression => numbers.push(self.value(part)?),
                 _ => {}
             }
@@ -131,6 +134,21 @@ impl Builder<'_> {
             axes = plain_domain(&numbers, first.span.to(last.span), self.limits)?;
         }
         Ok(DomainLine::Box(axes))
+    }
+
+    fn ball(&mut self, pair: Pair<'_>) -> Fallible<Constant> {
+        let span = self.span(&pair);
+        let mut parts = pair.into_inner();
+        let word = parts.next().expect("a ball has a name");
+        if self.typed(&word) != "ball" {
+            return Err(Error::new(span, ErrorKind::BadDomain));
+        }
+        let radius = self.sum(parts.next().expect("a ball has a radius"))?;
+        let radius = evaluate(&radius, self.limits)?;
+        if radius.bounds().lo <= 0.0 {
+            return Err(Error::new(span, ErrorKind::EmptyDomain));
+        }
+        Ok(radius)
     }
 
     fn view(&mut self, line: Pair<'_>) -> Fallible<ViewLine> {

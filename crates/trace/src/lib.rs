@@ -43,7 +43,7 @@ pub use methods::{METHODS, STEPS};
 pub use near::{Near, TURNS};
 pub use normal::{NormalSource, normals};
 pub use pattern::Pattern;
-pub use region::{HalfSpace, Region, RegionError};
+pub use region::{Ball, HalfSpace, Region, RegionError};
 pub use region_caps::cap;
 pub use scalar::Scalar;
 pub use shade::{Appearance, SurfaceColours, UndecidedStyle, hand_back_colours, shade};

@@ -96,6 +96,9 @@ fn describe(row: &Row, document: &Document) -> String {
     match &document.domain {
         None => {}
         Some(DomainLine::Auto) => out.push_str("domain: auto\n"),
+        Some(DomainLine::Ball(radius)) => {
+            writeln!(out, "domain: ball {}", number(radius)).unwrap();
+        }
         Some(DomainLine::Box(axes)) => {
             let axis = |range: &Option<(Constant, Constant)>| match range {
                 Some((low, high)) => format!("[{}, {}]", number(low), number(high)),

@@ -139,14 +139,17 @@ impl Frame {
     /// Whether all of a tile's rays are in the region from s = `near` to `far`, its clipping plane apart.
     pub fn is_inside(&self, tile: &Tile, region: &Region, [near, far]: [f64; 2]) -> bool {
         let [low, high] = [region.low(), region.high()];
-        (0..3).all(|axis| {
+        let [mut first, mut last] = [DVec3::ZERO; 2];
+        let is_between_faces = (0..3).all(|axis| {
             let [o, d] =
                 [Self::range(&self.origin, tile, axis), Self::range(&self.direction, tile, axis)];
             let least = o[0] + (near * d[0]).min(near * d[1]).min(far * d[0]).min(far * d[1]);
             let most = o[1] + (near * d[0]).max(near * d[1]).max(far * d[0]).max(far * d[1]);
             let slack = self.error[axis];
+            (first[axis], last[axis]) = (least - slack, most + slack);
             low[axis] + slack <= least && most <= high[axis] - slack
-        })
+        });
+        is_between_faces && region.ball().is_none_or(|ball| ball.holds(first, last))
     }
 
     /// Bounds of one coordinate of a sum of three over a tile.
