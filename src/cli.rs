@@ -4,9 +4,9 @@
 //! and error goes to standard error. The exit code is 0, 1 for undecided pixels under `--strict`, 2
 //! for an error of the user's, and 3 for one of the program's own.
 
+mod annotate;
 mod arguments;
 mod array;
-#[cfg(feature = "window")]
 mod canvas;
 mod completion;
 mod eval;
@@ -21,7 +21,6 @@ mod line_edit;
 mod notes;
 mod number;
 mod output;
-#[cfg(feature = "window")]
 mod overlay;
 #[cfg(feature = "window")]
 mod pick;
@@ -35,6 +34,7 @@ mod sheet;
 mod source;
 mod subject;
 mod terminal;
+mod ticks;
 mod vector;
 mod watch;
 #[cfg(feature = "window")]

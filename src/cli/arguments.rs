@@ -315,6 +315,14 @@ pub struct ShadingArgs {
     #[arg(long, value_parser = looks())]
     pub look: Option<&'static Look>,
 
+    /// Draw the domain's box with axes and ticks; what is visible leaves room for it
+    #[arg(long)]
+    pub axes: bool,
+
+    /// Show which value has which color, where colors are those of values; with axes it is shown anyway
+    #[arg(long)]
+    pub legend: bool,
+
     /// Rays in a pixel through which an edge goes: 1, 4, 16 or 64. Arrays are about one ray a pixel
     #[arg(long, value_name = "N", default_value_t = AA)]
     pub aa: usize,

@@ -1,8 +1,10 @@
 //! `zeroset render`.
 
+use super::annotate::annotated;
 use super::arguments::{KernelArgs, OutputArgs, RenderArgs, TracingArgs};
 use super::array::{ARRAYS, ArrayRow, Arrays};
 use super::output::{Output, check_png, print, write_png};
+use super::overlay::Shown;
 use super::progress::Progress;
 use super::subject::{self, Subject};
 use super::vector::Size;
@@ -35,14 +37,25 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
+    let said = &subject.document.picture;
+    let axes = arguments.shading.axes || said.axes == Some(true);
+    let legend = arguments.shading.legend || said.legend.unwrap_or(axes);
     let render = || -> Result<_> {
         let document = &subject.document;
         let (region, searched) = scene::region(document, subject.domain, cut)?;
         let model = Model::new(document, &region, &settings)?;
-        let camera = framing::camera(&model, document, &choice, &settings)?;
+        let camera = if axes {
+            framing::of_domain(&region, document, &choice, &settings)?
+        } else {
+            framing::camera(&model, document, &choice, &settings)?
+        };
         let pixels = settings.width * settings.height * document.surfaces.len();
         let bar = Progress::new(pixels as u64, "tracing");
-        let picture = model.picture(&camera, &settings, &|done, _| bar.reach(done as u64))?;
+        let mut picture = model.picture(&camera, &settings, &|done, _| bar.reach(done as u64))?;
+        if (axes || legend) && !picture.rgb.is_empty() {
+            let shown = Shown { camera: &camera, region: &region, picture: &picture };
+            picture.rgb = annotated(shown, axes, legend);
+        }
         Ok((region, searched, camera, picture))
     };
     let (region, searched, camera, picture) = in_threads(arguments.tracing.threads, render)?;

@@ -479,7 +479,7 @@ impl Window {
         let scale = self.scale_at(height);
         let mut canvas = Canvas { width, height, pixels: self.backdrop.pixels.clone(), scale };
         if let Some(rendering) = self.backdrop.rendering.as_ref().filter(|_| content.axes) {
-            draw_box(&mut canvas, rendering, self.picture_size().1);
+            draw_box(&mut canvas, (&**rendering).into(), self.picture_size().1);
         }
         if content.wrong {
             canvas.border(2 * scale, WRONG);

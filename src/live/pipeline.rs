@@ -484,6 +484,7 @@ impl Worker {
         // Code holds for other values of parameters too, in the same region.
         let rebound = old.and_then(|built| {
             let same = built.document.domain == document.domain
+                && built.document.picture.clip == document.picture.clip
                 && (built.searched.is_none() || scene::same_search(&built.document, document));
             if same { Some((built.model.rebound(document)?, built.searched)) } else { None }
         });

@@ -7,6 +7,7 @@ mod cameras;
 mod certified;
 mod domains;
 mod framing;
+mod paints;
 mod properties;
 mod property_support;
 mod reference;
