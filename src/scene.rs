@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Node, NodeId};
-use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind};
+use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
 use zeroset_trace::{
     Camera, CameraError, HalfSpace, Projection, Region, RegionError, StandardView,
 };
@@ -277,7 +277,14 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
     let needed = document.graph.reachable(&roots);
     let node = Node::Parameter(parameter.number);
-    !document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node)
+    let is_drawn = document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node);
+    let colours = document.surfaces.iter().filter_map(|surface| match &surface.color {
+        Some(SurfaceColor::Mapped(mapped)) => Some(&mapped.value),
+        Some(SurfaceColor::Plain(_)) | None => None,
+    });
+    let lines = document.picture.contours.iter().filter_map(|lines| lines.value.as_ref());
+    let paints = |value: &PointValue| value.graph.iter().any(|(_, other)| *other == node);
+    !is_drawn && !colours.chain(lines).any(paints)
 }
 
 /// Whether `t` occurs in what `document` draws.

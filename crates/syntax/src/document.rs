@@ -255,7 +255,8 @@ impl<'a> Reader<'a> {
             self.notes.extend(notes);
         }
         let overrides = self.overrides(&definitions, &used);
-        let (names, parameters) = self.parameters(&definitions, &overrides, &drawings);
+        let is_timed = settings.used.contains("t");
+        let (names, parameters) = self.parameters(&definitions, &overrides, &drawings, is_timed);
         self.check()?;
         let time = parameters.iter().find(|p| p.kind == ParameterKind::Time).map(|p| p.number);
         let points = parameters.len() as u32;

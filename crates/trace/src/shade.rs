@@ -256,7 +256,11 @@ impl Band<'_> {
         while let Some(first) = window.lanes().next() {
             let of_surface = bits(|lane| surface[lane] == surface[first]);
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            self.light(window, colours, marks.as_ref(), &mut amounts);
+            if self.paint.is_empty() {
+                self.light::<false>(window, colours, marks.as_ref(), &mut amounts);
+            } else {
+                self.light::<true>(window, colours, marks.as_ref(), &mut amounts);
+            }
             let [red, green, blue] = &amounts;
             let code = |amounts: &Lanes<f32>, lane: usize| self.codes.byte(amounts[lane]);
             Window { wanted: window.wanted & of_surface, ..window }
@@ -278,8 +282,9 @@ impl Band<'_> {
         [left, tint]
     }
 
-    /// Writes the light that a window's pixels send to the eye, by primary, clamped to what the codes know.
-    fn light(
+    /// Writes the light that a window's pixels send to the eye, by primary, clamped to what the codes know. Twice in the
+    /// program, since most pictures have no paint.
+    fn light<const PAINTED: bool>(
         &self,
         window: Window,
         colours: &SurfaceColours,
@@ -296,7 +301,7 @@ impl Band<'_> {
         let occlusion = window.load(self.occlusion, occlusion);
         let is_cap = window.load(self.cap, &mut is_cap);
         let mut paints = [Paint::NONE; LANES];
-        let paint = (!self.paint.is_empty()).then(|| window.load(self.paint, &mut paints));
+        let paint = PAINTED.then(|| window.load(self.paint, &mut paints));
         let points = || rays.points(window, window.load(self.drawn, &mut [0.0; LANES]));
         let to_light = appearance.light.all_towards(points);
         let to_eye = rays.ways_to_eye(window);
@@ -340,13 +345,14 @@ impl Band<'_> {
                     .map(|colour| Vec4::splat(colour.0[primary]));
                 let base = Vec4::select(is_negative, negative, positive);
                 let mut base = Vec4::select(is_cut, cut, base);
-                let mut left = Vec4::ONE;
                 if let Some(paint) = paint {
                     let own = four(&|lane| paint[lane].base.0[primary]);
                     base = Vec4::select(own.is_nan_mask(), base, own);
-                    left -= INK * four(&|lane| paint[lane].ink);
                 }
-                let mut amount = toned(base * factor + white) * left;
+                let mut amount = toned(base * factor + white);
+                if let Some(paint) = paint {
+                    amount *= 1.0 - INK * four(&|lane| paint[lane].ink);
+                }
                 if let Some([left, tint]) = marks {
                     let own = amount * Vec4::from_slice(&left[at..]);
                     amount = own + TINT.0[primary] * Vec4::from_slice(&tint[at..]);
