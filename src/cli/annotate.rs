@@ -63,7 +63,8 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
         let color = u32::from_be_bytes([0, red, green, blue]);
         canvas.fill(left as i64, (bar + row) as i64, broad, 1, color, 255);
     }
-    if !(extent > 0.0) {
+    // Where there is one value only there are no marks.
+    if extent <= 0.0 || extent.is_nan() {
         return;
     }
     let place = |value: f64| bar as f64 + (legend.high - value) / extent * tall as f64;

@@ -54,6 +54,28 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
     }
 }
 
+/// What is said of the picture beside where and from where to look.
+fn describe_picture(out: &mut String, picture: &PictureLines) {
+    let PictureLines { clip, light, shadows, axes, legend, contours } = picture;
+    if let Some(plane) = clip {
+        let numbers = plane.each_ref().map(number).join(" ");
+        writeln!(out, "clip: {numbers}").unwrap();
+    }
+    if let Some(place) = light {
+        writeln!(out, "light: {}", vector(place)).unwrap();
+    }
+    for (word, on) in [("shadows", shadows), ("axes", axes), ("legend", legend)] {
+        if let Some(on) = on {
+            writeln!(out, "{word}: {on}").unwrap();
+        }
+    }
+    if let Some(Contours { value, step }) = contours {
+        let value = value.as_ref().map_or("-", |value| &value.echo);
+        let step = step.as_ref().map_or("-".to_owned(), number);
+        writeln!(out, "contours: {value}, {step}").unwrap();
+    }
+}
+
 fn describe(row: &Row, document: &Document) -> String {
     let mut out = String::new();
     if let Some(title) = &document.title {
@@ -119,24 +141,7 @@ fn describe(row: &Row, document: &Document) -> String {
             writeln!(out, "domain: {}", axes.each_ref().map(axis).join(" ")).unwrap();
         }
     }
-    let PictureLines { clip, light, shadows, axes, legend, contours } = &document.picture;
-    if let Some(plane) = clip {
-        let numbers = plane.each_ref().map(number).join(" ");
-        writeln!(out, "clip: {numbers}").unwrap();
-    }
-    if let Some(place) = light {
-        writeln!(out, "light: {}", vector(place)).unwrap();
-    }
-    for (word, on) in [("shadows", shadows), ("axes", axes), ("legend", legend)] {
-        if let Some(on) = on {
-            writeln!(out, "{word}: {on}").unwrap();
-        }
-    }
-    if let Some(Contours { value, step }) = contours {
-        let value = value.as_ref().map_or("-", |value| &value.echo);
-        let step = step.as_ref().map_or("-".to_owned(), number);
-        writeln!(out, "contours: {value}, {step}").unwrap();
-    }
+    describe_picture(&mut out, &document.picture);
     if let Some(view) = &document.view {
         out.push_str("view:");
         if let Some(preset) = view.preset {
