@@ -5,9 +5,9 @@
 //! for an error of the user's, and 3 for one of the program's own.
 
 mod animation;
+mod annotate;
 mod arguments;
 mod array;
-#[cfg(feature = "window")]
 mod canvas;
 mod completion;
 mod data;
@@ -24,7 +24,6 @@ mod line_edit;
 mod notes;
 mod number;
 mod output;
-#[cfg(feature = "window")]
 mod overlay;
 #[cfg(feature = "window")]
 mod pick;
@@ -39,6 +38,7 @@ mod sheet;
 mod source;
 mod subject;
 mod terminal;
+mod ticks;
 mod tips;
 mod vector;
 mod watch;

@@ -58,6 +58,8 @@ pub enum Finding {
     BoundedNear,
     /// It could not be shown to be bounded; the domain is a window, a box.
     Unbounded,
+    /// The same, but it looks better in the [ball](zeroset_trace::Region::with_ball) in that box.
+    UnboundedInBall,
     /// It has no point: proven.
     Empty,
     /// It has no point within ±[`REACH`]: proven.
@@ -71,6 +73,7 @@ impl Finding {
             Self::Bounded => "bounded: proven",
             Self::BoundedNear => "bounded: proven up to ±1e12",
             Self::Unbounded => "unbounded, clipped to a box",
+            Self::UnboundedInBall => "unbounded, clipped to a ball",
             Self::Empty => "empty: proven",
             Self::EmptyNear => "empty: proven up to ±1e12",
         }
@@ -115,7 +118,8 @@ pub fn find_while(
             None => (Cell::cube(window::PLAIN), Finding::EmptyNear),
         }
     } else {
-        (windows(program, &search)?, Finding::Unbounded)
+        let (window, is_round) = windows(program, &search)?;
+        (window, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
     };
     let work = WORK - search.work.get() + WORK_AT_INFINITY - at_infinity;
     let Cell { low, high } = proper(found);
@@ -223,10 +227,10 @@ fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// A box around the windows on all surfaces.
-fn windows(program: &Program, search: &Search<'_>) -> Result<Cell, ProgramError> {
+/// A box around the windows on all surfaces, and whether all of them look better in a ball.
+fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), ProgramError> {
     let (graph, parameters) = (program.graph(), program.values());
-    let mut whole: Option<Cell> = None;
+    let (mut whole, mut all_round) = (None::<Cell>, true);
     for (surface, &root) in program.roots().iter().enumerate() {
         let shape = Shape::of(graph, root, parameters);
         let alone = Search {
@@ -250,11 +254,12 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<Cell, ProgramError>
             values: program.kernels::<f64>(surface).values()?,
             waves: waves.as_ref().map(|waves| waves as &dyn Fn([f64; 3]) -> f64),
         };
-        let window = sight.window();
+        let (window, is_round) = sight.window();
+        all_round &= is_round;
         search.work.set(alone.work.get());
         whole = Some(whole.map_or(window, |whole| whole.around(&window)));
     }
-    Ok(whole.unwrap_or(Cell::cube(window::PLAIN)))
+    Ok((whole.unwrap_or(Cell::cube(window::PLAIN)), all_round))
 }
 
 /// A side shorter than this share of the longest is taken for none, and made that share of it.

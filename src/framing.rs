@@ -16,6 +16,9 @@ const SIDE: usize = 64;
 /// What is visible takes this share of the picture's shorter side.
 const FILLED: f64 = 0.86;
 
+/// The domain's box takes this share of it where there are numbers beside it.
+const FILLED_BY_DOMAIN: f64 = 0.8;
+
 /// A painted pixel of the small picture stands for what lies so many pixels around its centre.
 const REACH: f64 = 0.75;
 
@@ -194,6 +197,26 @@ fn usual(
         Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
     };
     Ok((usual, view))
+}
+
+/// The camera for pictures that show the whole domain with what is written around it: otherwise as [`camera_while`].
+///
+/// # Errors
+/// As [`camera_while`].
+pub fn of_domain(
+    region: &Region,
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+) -> Result<Camera, SceneError> {
+    let usual = scene::camera(document, region, choice)?;
+    let fov = match usual.projection() {
+        Projection::Perspective { fov } if !is_chosen(document, choice) => fov,
+        Projection::Perspective { .. } | Projection::Orthographic { .. } => return Ok(usual),
+    };
+    let view = View { fov, up: usual.up(), aspect: settings.width as f64 / settings.height as f64 };
+    let back = (usual.eye() - usual.target()).normalize();
+    Ok(view.fitted(back, &corners(region), FILLED_BY_DOMAIN).unwrap_or(usual))
 }
 
 /// Whether somebody said from where to look, at what, or how much is seen: another side than the usual one is that of the

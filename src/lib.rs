@@ -23,6 +23,7 @@ pub mod enclosure;
 pub mod framing;
 pub mod gallery;
 pub mod kernels;
+pub mod legend;
 pub mod live;
 pub mod model;
 pub mod names;

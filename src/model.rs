@@ -1,6 +1,8 @@
 //! Surfaces over one region, of which pictures can be taken from anywhere.
 
 mod antialias;
+mod layers;
+mod paint;
 mod trace;
 
 use crate::picture::{Normals, Picture, Precision, Settings, Times};
@@ -12,7 +14,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, Surface};
 use zeroset_interval::Interval;
-use zeroset_syntax::{Document, SrgbColor, SurfaceKind};
+use zeroset_ir::{Axis, Graph};
+use zeroset_syntax::{Contours, Document, PointValue, SrgbColor, SurfaceColor, SurfaceKind};
 use zeroset_trace::{Camera, Look, Options, Region};
 
 /// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed with the last model
@@ -32,20 +35,39 @@ pub struct Model {
 /// What of a surface is not its function.
 struct Style {
     kind: SurfaceKind,
-    color: Option<SrgbColor>,
+    color: Option<SurfaceColor>,
+    /// Share of the light from behind that it stops, within [0, 1].
+    opacity: f64,
 }
 
 /// What a document says of the picture.
-#[derive(Clone, Copy)]
 struct Setting {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
+    light: Option<DVec3>,
+    shadows: bool,
+    contours: Option<Contours>,
+    /// What is the same along contour lines, unless something else is said: z.
+    height: PointValue,
+    /// Values by number.
+    parameters: Vec<f64>,
 }
 
 impl Setting {
     fn of(document: &Document) -> Self {
-        let look = document.look.and_then(Look::named);
-        Self { look, background: document.background }
+        let lines = &document.picture;
+        let mut graph = Graph::new();
+        let root = graph.variable(Axis::Z);
+        let values = document.parameters.iter().map(|parameter| paint::number(&parameter.value));
+        Self {
+            look: document.look.and_then(Look::named),
+            background: document.background,
+            light: lines.light.as_ref().map(|place| place.each_ref().map(paint::number).into()),
+            shadows: lines.shadows == Some(true),
+            contours: lines.contours.clone(),
+            height: PointValue { graph, root, echo: "z".to_owned() },
+            parameters: values.collect(),
+        }
     }
 }
 
@@ -282,8 +304,11 @@ fn sample<T: KernelFloat>(surface: &dyn Surface, point: DVec3) -> Option<(f64, [
 }
 
 fn styles(document: &Document) -> Vec<Style> {
-    let style =
-        |surface: &zeroset_syntax::Surface| Style { kind: surface.kind, color: surface.color };
+    let style = |surface: &zeroset_syntax::Surface| Style {
+        kind: surface.kind,
+        color: surface.color.clone(),
+        opacity: surface.opacity,
+    };
     document.surfaces.iter().map(style).collect()
 }
 

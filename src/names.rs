@@ -2,6 +2,7 @@
 //! the prompt and what they print are made.
 
 use crate::picture::{Normals, Precision};
+use crate::scene::ClipTo;
 use zeroset_trace::UndecidedStyle;
 
 /// What is chosen by name.
@@ -41,5 +42,21 @@ impl Named for UndecidedStyle {
         (Self::Hatch, "hatch", "Like hits, with stripes"),
         (Self::Tint, "tint", "Like hits, tinted"),
         (Self::Miss, "miss", "Not at all"),
+    ];
+}
+
+impl Named for ClipTo {
+    const NAMES: &'static [(Self, &'static str, &'static str)] = &[
+        (
+            Self::Auto,
+            "auto",
+            "As the document says; else to a ball where a surface without end looks better so",
+        ),
+        (
+            Self::Ball,
+            "ball",
+            "To the ball about the domain's centre that reaches to its farthest faces",
+        ),
+        (Self::Box, "box", "To the domain's box"),
     ];
 }

@@ -1,6 +1,7 @@
 //! From a document to a picture: simplify, compile, trace, shade, and account for all of it.
 
 use crate::kernels::Made;
+use crate::legend::Legend;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -157,6 +158,8 @@ pub struct Picture {
     pub precision: Precision,
     /// How it is lit.
     pub look: &'static Look,
+    /// What tells which value has which colour; empty if no colour is that of a value.
+    pub legends: Vec<Legend>,
     /// What it took.
     pub statistics: Statistics,
     /// Whether some surface is proven to have no value anywhere in the domain.

@@ -1,7 +1,7 @@
 //! Where a document is looked at: the domain and the camera, from what the caller says, else from
 //! the document, else by default.
 
-use crate::domain::{self, AutoDomain};
+use crate::domain::{self, AutoDomain, Finding};
 use crate::program::{Program, ProgramError};
 use glam::DVec3;
 use num_traits::ToPrimitive;
@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Node, NodeId};
-use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind};
+use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
 use zeroset_trace::{
     Camera, CameraError, HalfSpace, Projection, Region, RegionError, StandardView,
 };
@@ -42,6 +42,33 @@ impl FromStr for DomainChoice {
                 other.len()
             )),
         }
+    }
+}
+
+/// What a domain is clipped to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ClipTo {
+    /// What the document says; the ball where the domain was found and is a window that looks better so; else the box.
+    #[default]
+    Auto,
+    /// The [ball](Region::with_ball) in the domain's box.
+    Ball,
+    /// The domain's box.
+    Box,
+}
+
+/// What is cut away of a domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cut {
+    /// What is behind this plane; `None` for what the document says.
+    pub plane: Option<HalfSpace>,
+    /// What is outside of this.
+    pub to: ClipTo,
+}
+
+impl From<Option<HalfSpace>> for Cut {
+    fn from(plane: Option<HalfSpace>) -> Self {
+        Self { plane, ..Self::default() }
     }
 }
 
@@ -88,7 +115,7 @@ pub enum SceneError {
     Program(#[from] ProgramError),
 }
 
-/// The domain of `document`, cut by `clip`, and what was found if it was searched for.
+/// The domain of `document`, cut by `cut`, and what was found if it was searched for.
 ///
 /// # Errors
 /// If a range is empty or not finite, the plane has no normal, or a search is impossible because
@@ -99,9 +126,9 @@ pub enum SceneError {
 pub fn region(
     document: &Document,
     choice: DomainChoice,
-    clip: Option<HalfSpace>,
+    cut: impl Into<Cut>,
 ) -> Result<(Region, Option<AutoDomain>), SceneError> {
-    Ok(region_while(document, choice, clip, &|| true)?.expect("wanted to the end"))
+    Ok(region_while(document, choice, cut, &|| true)?.expect("wanted to the end"))
 }
 
 /// As [`region`], but asks during the search whether the domain is still wanted; `None` if not.
@@ -112,10 +139,10 @@ pub fn region(
 pub fn region_while(
     document: &Document,
     choice: DomainChoice,
-    clip: Option<HalfSpace>,
+    cut: impl Into<Cut>,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
-    region_again(&mut None, document, choice, clip, wanted)
+    region_again(&mut None, document, choice, cut, wanted)
 }
 
 /// A search for a document's surfaces, which can be made again for other values of its parameters without compiling again.
@@ -136,10 +163,12 @@ pub fn region_again(
     search: &mut Option<Search>,
     document: &Document,
     choice: DomainChoice,
-    clip: Option<HalfSpace>,
+    cut: impl Into<Cut>,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
     let (mut ranges, mut searched) = ([None; 3], None);
+    let Cut { plane, to } = cut.into();
+    let mut is_ball = to == ClipTo::Ball;
     match (choice, &document.domain) {
         (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
             ranges = [[x0, x1], [y0, y1], [z0, z1]].map(Some);
@@ -148,10 +177,21 @@ pub fn region_again(
             let floats = |(low, high): &(Constant, Constant)| [nearest(low), nearest(high)];
             ranges = typed.each_ref().map(|range| range.as_ref().map(floats));
         }
+        (DomainChoice::Document, Some(DomainLine::Ball(radius))) => {
+            let radius = nearest(radius);
+            ranges = [Some([-radius, radius]); 3];
+            is_ball |= to == ClipTo::Auto;
+        }
         (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {}
     }
     if ranges.contains(&None) {
-        let Some(found) = search_while(search, document, wanted)? else { return Ok(None) };
+        let Some(mut found) = search_while(search, document, wanted)? else { return Ok(None) };
+        let looks_better =
+            found.finding == Finding::UnboundedInBall && ranges.iter().all(Option::is_none);
+        is_ball |= to == ClipTo::Auto && looks_better;
+        if let Finding::Unbounded | Finding::UnboundedInBall = found.finding {
+            found.finding = if is_ball { Finding::UnboundedInBall } else { Finding::Unbounded };
+        }
         searched = Some(found);
         for (axis, range) in ranges.iter_mut().enumerate() {
             range.get_or_insert([found.low[axis], found.high[axis]]);
@@ -159,10 +199,36 @@ pub fn region_again(
     }
     let [x, y, z] = ranges.map(Option::unwrap_or_default);
     let mut region = Region::new(DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]))?;
-    if let Some(clip) = clip {
-        region = region.with_clip(clip)?;
+    if is_ball {
+        region = region.with_ball();
+    }
+    if let Some(plane) = plane.or(typed_clip(document)) {
+        region = region.with_clip(plane)?;
     }
     Ok(Some((region, searched)))
+}
+
+/// The clipping plane of a document's own.
+pub fn typed_clip(document: &Document) -> Option<HalfSpace> {
+    document.picture.clip.as_ref().map(|numbers| {
+        let [a, b, c, d] = numbers.each_ref().map(nearest);
+        HalfSpace { normal: DVec3::new(a, b, c), offset: d }
+    })
+}
+
+/// The box from `low` to `high`, clipped to its ball if `is_round`, and by this plane.
+///
+/// # Errors
+/// If the box is empty or not finite, or the plane has no normal.
+pub fn clipped(
+    low: DVec3,
+    high: DVec3,
+    is_round: bool,
+    clip: Option<HalfSpace>,
+) -> Result<Region, RegionError> {
+    let whole = Region::new(low, high)?;
+    let whole = if is_round { whole.with_ball() } else { whole };
+    clip.map_or(Ok(whole), |clip| whole.with_clip(clip))
 }
 
 /// The surface found by intervals, whatever domain the document gives: for its parameters as they are set, and for all of the
@@ -259,7 +325,14 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
     let needed = document.graph.reachable(&roots);
     let node = Node::Parameter(parameter.number);
-    !document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node)
+    let is_drawn = document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node);
+    let colours = document.surfaces.iter().filter_map(|surface| match &surface.color {
+        Some(SurfaceColor::Mapped(mapped)) => Some(&mapped.value),
+        Some(SurfaceColor::Plain(_)) | None => None,
+    });
+    let lines = document.picture.contours.iter().filter_map(|lines| lines.value.as_ref());
+    let paints = |value: &PointValue| value.graph.iter().any(|(_, other)| *other == node);
+    !is_drawn && !colours.chain(lines).any(paints)
 }
 
 /// Whether `t` occurs in what `document` draws.
@@ -277,72 +350,4 @@ pub(crate) fn nearest(constant: &Constant) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use zeroset_syntax::{Options, read};
-
-    fn document(text: &str) -> Document {
-        read(text, &Options::default()).expect("reads")
-    }
-
-    fn found(text: &str) -> ([f64; 3], [f64; 3]) {
-        let (region, _) = region(&document(text), DomainChoice::Document, None).expect("valid");
-        (region.low().to_array(), region.high().to_array())
-    }
-
-    #[test]
-    fn domains_are_a_word_a_number_or_six() {
-        assert_eq!("auto".parse(), Ok(DomainChoice::Auto));
-        assert_eq!("3".parse(), Ok(DomainChoice::Bounds([-3.0, 3.0, -3.0, 3.0, -3.0, 3.0])));
-        assert_eq!(
-            "-1,1, 0,2,.5,1e1".parse(),
-            Ok(DomainChoice::Bounds([-1.0, 1.0, 0.0, 2.0, 0.5, 10.0]))
-        );
-        for text in ["", "1,2", "1,2,3,4,5", "a", "1,2,3,4,5,6,7", "1,,2"] {
-            assert!(text.parse::<DomainChoice>().is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn the_document_s_domain_counts_unless_another_is_given() {
-        assert_eq!(found("domain 2\nx+y+z"), ([-2.0; 3], [2.0; 3]));
-        assert_eq!(found("domain 1.2\nx+y+z"), ([-1.2; 3], [1.2; 3]));
-        let given = DomainChoice::Bounds([0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
-        let (region, _) = region(&document("domain 2\nx+y+z"), given, None).expect("valid");
-        assert_eq!(region.high(), DVec3::ONE);
-    }
-
-    #[test]
-    fn a_domain_left_open_is_searched_for() {
-        let (low, high) = found("x^2+y^2+z^2=1");
-        assert!(low.iter().all(|low| (-1.3..-1.0).contains(low)), "{low:?}");
-        assert!(high.iter().all(|high| (1.0..1.3).contains(high)), "{high:?}");
-        let (low, high) = found("domain z in [0, 5]\nx^2+y^2+z^2=1");
-        assert!((low[2], high[2]) == (0.0, 5.0) && low[0] > -1.3);
-        assert_eq!(found("sin(x)+sin(y)+sin(z)").1, [std::f64::consts::TAU; 3]);
-    }
-
-    #[test]
-    fn the_camera_comes_from_the_caller_then_the_document_then_the_default() {
-        let text = "domain 2\nview eye (4, 0, 0)\nx+y+z";
-        let document = document(text);
-        let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
-        let eye = |choice: CameraChoice| camera(&document, &region, &choice).expect("valid").eye();
-        assert_eq!(eye(CameraChoice::default()), DVec3::X * 4.0);
-        let own = CameraChoice { eye: Some(DVec3::Z * 9.0), ..CameraChoice::default() };
-        assert_eq!(eye(own), DVec3::Z * 9.0);
-        let side = CameraChoice { view: Some(StandardView::Iso), ..CameraChoice::default() };
-        assert_eq!(eye(side), DVec3::new(4.0, -6.0, 3.0));
-    }
-
-    #[test]
-    fn every_view_can_be_named_in_a_document() {
-        for (name, view) in StandardView::ALL {
-            let document = document(&format!("domain 2\nview {name}\nx+y+z"));
-            let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
-            let named = camera(&document, &region, &CameraChoice::default());
-            let projection = Projection::Perspective { fov: StandardView::FOV };
-            assert_eq!(named.expect("valid"), view.camera(&region, projection).expect("valid"));
-        }
-    }
-}
+mod tests;

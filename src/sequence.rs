@@ -7,12 +7,12 @@ use crate::domain::{AutoDomain, Finding};
 use crate::framing;
 use crate::model::Model;
 use crate::picture::Settings;
-use crate::scene::{self, CameraChoice, DomainChoice, SceneError};
+use crate::scene::{self, CameraChoice, Cut, DomainChoice, SceneError};
 use glam::{DQuat, DVec3};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_syntax::{Document, Errors, Options};
-use zeroset_trace::{Camera, CameraError, HalfSpace, Region};
+use zeroset_trace::{Camera, CameraError, Region};
 
 /// So many frames, evenly spread, are looked at to choose domain and camera.
 const SAMPLES: usize = 33;
@@ -117,7 +117,8 @@ impl Sequence {
         Ok(document)
     }
 
-    /// Domain and camera for all frames. A frame that has no surface is passed over.
+    /// Domain and camera for all frames. A frame that has no surface is passed over. The camera shows all of the domain's box
+    /// if `shows_domain`, else what is visible.
     ///
     /// # Errors
     /// If the text is wrong, if no frame has a surface, or if domain or camera are impossible.
@@ -128,8 +129,9 @@ impl Sequence {
         &self,
         text: &str,
         options: &Options<'_>,
-        (domain, clip): (DomainChoice, Option<HalfSpace>),
+        (domain, cut): (DomainChoice, Cut),
         choice: &CameraChoice,
+        shows_domain: bool,
         settings: &Settings,
     ) -> Result<Stage, SequenceError> {
         let (samples, last) = (self.frames.clamp(1, SAMPLES), self.frames.saturating_sub(1));
@@ -140,7 +142,7 @@ impl Sequence {
             let frame = sample * last / (samples - 1).max(1);
             let text = self.document(text, options, frame);
             let document = text.map_err(|errors| SequenceError::Text { frame, errors })?;
-            match scene::region(&document, domain, clip) {
+            match scene::region(&document, domain, cut) {
                 Ok(one) => {
                     found = Some(found.map_or(one, |before| both(&before, &one)));
                     seen.push(document);
@@ -161,7 +163,13 @@ impl Sequence {
         }
         let models: Vec<&Model> = models.iter().collect();
         let is_turned = self.turn.is_some();
-        let camera = framing::camera_over(&models, &seen[0], choice, settings, &region, is_turned);
+        // Of nothing all is seen that is written around it.
+        let visible = if shows_domain { &[] } else { &*models };
+        let camera = if shows_domain && !is_turned {
+            framing::of_domain(&region, &seen[0], choice, settings)
+        } else {
+            framing::camera_over(visible, &seen[0], choice, settings, &region, is_turned)
+        };
         let camera = camera.map_err(at_start)?;
         Ok(Stage { region, searched, camera })
     }
@@ -196,12 +204,8 @@ fn both(
     (other, found_too): &(Region, Option<AutoDomain>),
 ) -> (Region, Option<AutoDomain>) {
     let (low, high) = (one.low().min(other.low()), one.high().max(other.high()));
-    let wider = Region::new(low, high).ok();
-    let cut = |wider: Region| match one.clip() {
-        Some(clip) => wider.with_clip(clip).ok(),
-        None => Some(wider),
-    };
-    let region = wider.and_then(cut).unwrap_or(*one);
+    let is_round = one.ball().is_some() && other.ball().is_some();
+    let region = scene::clipped(low, high, is_round, one.clip()).unwrap_or(*one);
     let searched = found.zip(*found_too).map(|(one, other)| AutoDomain {
         low: low.to_array(),
         high: high.to_array(),
@@ -218,7 +222,8 @@ fn widest(one: Finding, other: Finding) -> Finding {
         Finding::EmptyNear => 1,
         Finding::Bounded => 2,
         Finding::BoundedNear => 3,
-        Finding::Unbounded => 4,
+        Finding::UnboundedInBall => 4,
+        Finding::Unbounded => 5,
     };
     if rank(&one) >= rank(&other) { one } else { other }
 }

@@ -12,7 +12,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset::names::Named;
 use zeroset::picture::{Normals, Precision};
-use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset::scene::{self, CameraChoice, ClipTo, DomainChoice};
 use zeroset_trace::{
     HalfSpace, Ideas, LOOKS, Look, METHODS, Method, Projection, StandardView, UndecidedStyle,
 };
@@ -143,6 +143,10 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub camera: CameraArgs,
+
+    /// What the domain is clipped to
+    #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipTo>(), default_value = "auto")]
+    pub clip_to: ClipTo,
 
     #[command(flatten)]
     pub tracing: TracingArgs,
@@ -349,6 +353,14 @@ pub struct ShadingArgs {
     /// How surfaces are lit, and what they stand on [default: what the document says, else studio]
     #[arg(long, value_parser = looks())]
     pub look: Option<&'static Look>,
+
+    /// Draw the domain's box with axes and ticks; what is visible leaves room for it
+    #[arg(long)]
+    pub axes: bool,
+
+    /// Show which value has which color, where colors are those of values; with axes it is shown anyway
+    #[arg(long)]
+    pub legend: bool,
 
     /// Rays in a pixel through which an edge goes: 1, 4, 16 or 64. Arrays are about one ray a pixel
     #[arg(long, value_name = "N", default_value_t = AA)]

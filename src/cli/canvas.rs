@@ -1,10 +1,23 @@
-//! Pixels of the window, and letters, lines and boxes on them. The letters are Noto Sans Mono (SIL
+//! Pixels of a picture or the window, and letters, lines and boxes on them. The letters are Noto Sans Mono (SIL
 //! Open Font License 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 const WEIGHT: FontWeight = FontWeight::Regular;
 const HEIGHT: RasterHeight = RasterHeight::Size16;
+
+/// The letter π, which the font lacks, as high and as bold as its others.
+const PI: [[u8; 7]; 16] = {
+    let mut rows = [[0; 7]; 16];
+    rows[6] = [90, 235, 250, 250, 250, 235, 90];
+    let mut row = 7;
+    while row < 12 {
+        rows[row] = [0, 80, 220, 0, 60, 235, 0];
+        row += 1;
+    }
+    rows[12] = [0, 110, 190, 0, 25, 225, 70];
+    rows
+};
 
 /// A colour as 0xRRGGBB.
 pub type Rgb = u32;
@@ -63,6 +76,7 @@ impl Canvas {
     }
 
     /// A frame along the edge.
+    #[cfg(feature = "window")]
     pub fn border(&mut self, thickness: usize, colour: Rgb) {
         let (w, h, t) = (self.width, self.height, thickness);
         self.fill(0, 0, w, t, colour, 255);
@@ -74,29 +88,39 @@ impl Canvas {
     /// Writes one line with its upper left corner at a place. What the font lacks becomes a
     /// question mark.
     pub fn write(&mut self, text: &str, x: i64, y: i64, colour: Rgb) {
-        let (advance, scale) = (self.advance() as i64, self.scale as i64);
+        let advance = self.advance() as i64;
         for (place, letter) in (0_i64..).zip(text.chars()) {
             let left = x + place * advance;
             if left >= self.width as i64 {
                 break;
             }
+            if letter == 'π' {
+                self.dots(left, y, PI.iter().map(<[u8; 7]>::as_slice), colour);
+                continue;
+            }
             let glyph = get_raster(letter, WEIGHT, HEIGHT)
                 .or_else(|| get_raster(if letter == ' ' { '_' } else { '?' }, WEIGHT, HEIGHT));
             let Some(glyph) = glyph else { continue };
-            for (row, line) in (0_i64..).zip(glyph.rows()) {
-                for (column, &cover) in (0_i64..).zip(line.iter()).filter(|(_, cover)| **cover > 0)
-                {
-                    for dot in 0..scale * scale {
-                        let x = left + column * scale + dot % scale;
-                        let y = y + row * scale + dot / scale;
-                        self.blend(x, y, colour, u32::from(cover));
-                    }
+            self.dots(left, y, glyph.rows(), colour);
+        }
+    }
+
+    /// Draws a letter, given how much of each of its dots is covered, row by row.
+    fn dots<'a>(&mut self, x: i64, y: i64, rows: impl Iterator<Item = &'a [u8]>, colour: Rgb) {
+        let scale = self.scale as i64;
+        for (row, line) in (0_i64..).zip(rows) {
+            for (column, &cover) in (0_i64..).zip(line.iter()).filter(|(_, cover)| **cover > 0) {
+                for dot in 0..scale * scale {
+                    let x = x + column * scale + dot % scale;
+                    let y = y + row * scale + dot / scale;
+                    self.blend(x, y, colour, u32::from(cover));
                 }
             }
         }
     }
 
     /// Writes one line on a dark ground.
+    #[cfg(feature = "window")]
     pub fn label(&mut self, text: &str, x: i64, y: i64, colour: Rgb) {
         let width = text.chars().count() * self.advance() + 8 * self.scale;
         self.fill(x, y, width, self.line_height(), 0x0020_2028, 208);

@@ -1,29 +1,61 @@
 //! The domain's box over the picture, with labelled ticks. Lines behind the surface are faint.
 
 use super::canvas::{Canvas, Rgb};
+use super::ticks::ticks;
 use glam::{DVec2, DVec3};
+#[cfg(feature = "window")]
 use zeroset::live::Rendering;
-use zeroset_trace::Projection;
+use zeroset::picture::Picture;
+use zeroset_trace::{Camera, Projection, Region};
 
-const INK: Rgb = 0x0030_3038;
+/// Lines and letters on light ground, and on dark.
+const INKS: [Rgb; 2] = [0x0030_3038, 0x00d8_d8e0];
 const SEEN: u32 = 190;
 const HIDDEN: u32 = 36;
+
+/// Width of a line, in dots of a letter.
+const WIDTH: f64 = 1.1;
 
 /// Pieces into which an edge is cut, for what is behind the eye or the surface.
 const PIECES: usize = 256;
 
-/// Ticks on an axis, about.
-const TICKS: f64 = 4.0;
+/// What is shown, and from where.
+#[derive(Clone, Copy)]
+pub struct Shown<'a> {
+    pub camera: &'a Camera,
+    pub region: &'a Region,
+    pub picture: &'a Picture,
+}
+
+#[cfg(feature = "window")]
+impl<'a> From<&'a Rendering> for Shown<'a> {
+    fn from(rendering: &'a Rendering) -> Self {
+        let (camera, picture) = (&rendering.camera, &rendering.picture);
+        Self { camera, region: rendering.model.region(), picture }
+    }
+}
+
+impl Shown<'_> {
+    /// The color of lines and letters that can be read on the picture's ground.
+    pub fn ink(&self) -> Rgb {
+        let ground =
+            (0..self.picture.buffer.drawn.len()).find(|&n| !self.picture.buffer.is_drawn(n));
+        let pixel = ground.and_then(|n| self.picture.rgb.as_chunks::<3>().0.get(n));
+        let is_dark =
+            pixel.is_some_and(|rgb| rgb.iter().map(|part| u32::from(*part)).sum::<u32>() < 300);
+        INKS[usize::from(is_dark)]
+    }
+}
 
 /// Where points of space appear in a window of a given size.
 pub struct Projector<'a> {
-    rendering: &'a Rendering,
+    shown: Shown<'a>,
     rays: zeroset_trace::RayGrid,
 }
 
 impl<'a> Projector<'a> {
-    pub fn new(rendering: &'a Rendering, width: usize, height: usize) -> Self {
-        Self { rendering, rays: rendering.camera.rays(width, height) }
+    pub fn new(shown: Shown<'a>, width: usize, height: usize) -> Self {
+        Self { shown, rays: shown.camera.rays(width, height) }
     }
 
     /// The place in pixels and the distance from the ray's origin; `None` behind the eye.
@@ -31,7 +63,7 @@ impl<'a> Projector<'a> {
         let rays = &self.rays;
         let way = point - rays.eye();
         let depth = way.dot(rays.forward());
-        let (reach, distance) = match self.rendering.camera.projection() {
+        let (reach, distance) = match self.shown.camera.projection() {
             Projection::Perspective { fov } => {
                 ((fov.to_radians() / 2.0).tan() * depth, way.length())
             }
@@ -48,7 +80,7 @@ impl<'a> Projector<'a> {
 
     /// Whether nothing is painted in front of a point seen at this place.
     fn is_seen(&self, at: DVec2, distance: f64) -> bool {
-        let buffer = &self.rendering.picture.buffer;
+        let buffer = &self.shown.picture.buffer;
         let scaled = |at: f64, size: usize, of: usize| {
             let place = (at * of as f64 / size as f64).max(0.0) as usize;
             place.min(of - 1)
@@ -59,7 +91,7 @@ impl<'a> Projector<'a> {
         buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
     }
 
-    fn line(&self, canvas: &mut Canvas, from: DVec3, to: DVec3) {
+    fn line(&self, cover: &mut Cover, from: DVec3, to: DVec3) {
         let mut last: Option<DVec2> = None;
         for piece in 0..=PIECES {
             let point = from.lerp(to, piece as f64 / PIECES as f64);
@@ -74,13 +106,53 @@ impl<'a> Projector<'a> {
                 && near(before)
                 && near(at)
             {
-                let steps = (at - before).abs().max_element().ceil().max(1.0);
-                for step in 0..steps as usize {
-                    let dot = before.lerp(at, step as f64 / steps);
-                    canvas.blend(dot.x.round() as i64, dot.y.round() as i64, INK, share);
-                }
+                cover.line(before, at, share);
             }
             last = Some(at);
+        }
+    }
+}
+
+/// How much of each pixel lines cover, so that lines that meet are no darker there.
+struct Cover {
+    width: usize,
+    height: usize,
+    /// Of a line, in pixels.
+    thickness: f64,
+    shares: Vec<u8>,
+}
+
+impl Cover {
+    fn new(canvas: &Canvas) -> Self {
+        let (width, height) = (canvas.width, canvas.height);
+        let thickness = WIDTH * canvas.scale as f64;
+        Self { width, height, thickness, shares: vec![0; width * height] }
+    }
+
+    /// A straight line with smooth edges.
+    fn line(&mut self, from: DVec2, to: DVec2, share: u32) {
+        let reach = self.thickness / 2.0 + 0.5;
+        let range = |a: f64, b: f64, size: usize| {
+            let low = (a.min(b) - reach).floor().clamp(0.0, size as f64);
+            let high = (a.max(b) + reach).ceil().clamp(0.0, size as f64);
+            low as usize..high as usize
+        };
+        let (way, rows) = (to - from, range(from.y, to.y, self.height));
+        for y in rows {
+            for x in range(from.x, to.x, self.width) {
+                let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - from;
+                let along = (at.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+                let covered = (reach - (at - along * way).length()).clamp(0.0, 1.0);
+                let place = &mut self.shares[y * self.width + x];
+                *place = (*place).max((covered * f64::from(share)) as u8);
+            }
+        }
+    }
+
+    fn blend(&self, canvas: &mut Canvas, ink: Rgb) {
+        for (n, share) in self.shares.iter().enumerate().filter(|(_, share)| **share > 0) {
+            let (x, y) = (n % self.width, n / self.width);
+            canvas.blend(x as i64, y as i64, ink, u32::from(*share));
         }
     }
 }
@@ -104,11 +176,11 @@ impl Label {
 
 /// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height`
 /// pixels, and returns what is written.
-pub fn draw_box(canvas: &mut Canvas, rendering: &Rendering, height: usize) -> Vec<Label> {
+pub fn draw_box(canvas: &mut Canvas, shown: Shown<'_>, height: usize) -> Vec<Label> {
     let mut labels = Vec::new();
     let width = canvas.width;
-    let projector = Projector::new(rendering, width, height);
-    let region = rendering.model.region();
+    let projector = Projector::new(shown, width, height);
+    let (region, mut cover) = (shown.region, Cover::new(canvas));
     let (low, high) = (region.low(), region.high());
     let corner = |n: usize| {
         let side = |axis: usize| if n >> axis & 1 == 1 { high[axis] } else { low[axis] };
@@ -121,7 +193,7 @@ pub fn draw_box(canvas: &mut Canvas, rendering: &Rendering, height: usize) -> Ve
             .map(|n| (corner(n), corner(n | 1 << axis)))
             .collect();
         for (from, to) in &edges {
-            projector.line(canvas, *from, *to);
+            projector.line(&mut cover, *from, *to);
         }
         // x and y along the lowest edges of the picture, z along the leftmost.
         let rank = |(from, to): &&(DVec3, DVec3)| {
@@ -131,14 +203,17 @@ pub fn draw_box(canvas: &mut Canvas, rendering: &Rendering, height: usize) -> Ve
         };
         let edge = edges.iter().filter(|edge| rank(edge).is_some()).max_by_key(rank);
         if let (Some(edge), Some(centre)) = (edge, centre) {
-            ticks(canvas, &projector, axis, *edge, centre, &mut labels);
+            label(canvas, &mut cover, &projector, axis, *edge, centre, &mut labels);
         }
     }
+    cover.blend(canvas, shown.ink());
     labels
 }
 
-fn ticks(
+/// Writes numbers and the name of an axis along an edge.
+fn label(
     canvas: &mut Canvas,
+    cover: &mut Cover,
     projector: &Projector<'_>,
     axis: usize,
     (from, to): (DVec3, DVec3),
@@ -146,9 +221,7 @@ fn ticks(
     labels: &mut Vec<Label>,
 ) {
     let (low, high) = (from[axis], to[axis]);
-    let step = nice((high - low) / TICKS);
-    let first = (low / step).ceil() as i64;
-    let last = (high / step).floor() as i64;
+    let (ticks, step) = ticks(low, high);
     let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
     // Across the edge, so that labels of two edges that meet part; an edge that is seen from its
     // end has no such direction.
@@ -179,16 +252,15 @@ fn ticks(
     let free = |label: &Label, labels: &[Label]| {
         !labels.iter().any(|other| label.touches(other, letter.x))
     };
+    let ink = projector.shown.ink();
     let mut write = |label: Label, labels: &mut Vec<Label>| {
         let (x, y) = (label.place.x.round() as i64, label.place.y.round() as i64);
-        canvas.write(&label.text, x, y, INK);
+        canvas.write(&label.text, x, y, ink);
         labels.push(label);
     };
     let mut marks = Vec::new();
-    // No more than a screen could show, whatever rounding does.
-    for tick in (first..=last).take(16) {
-        let value = tick as f64 * step;
-        let Some((at, label)) = label(value, shown(value, step), 7.0) else { continue };
+    for (value, text) in ticks {
+        let Some((at, label)) = label(value, text, 7.0) else { continue };
         marks.push(at);
         if free(&label, labels) {
             write(label, labels);
@@ -204,26 +276,10 @@ fn ticks(
         write(label, labels);
     }
     for at in marks {
-        for dot in 0..(5.0 * scale) as i64 {
-            let at = at + outward * dot as f64;
-            canvas.blend(at.x.round() as i64, at.y.round() as i64, INK, SEEN);
+        if at.abs().max_element() < 1e5 {
+            cover.line(at, at + outward * (5.0 * scale), SEEN);
         }
     }
-}
-
-/// The smallest of 1, 2 and 5 times a power of ten that is not below `least`.
-fn nice(least: f64) -> f64 {
-    let power = 10.0_f64.powf(least.log10().floor());
-    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
-    factor.unwrap_or(10.0) * power
-}
-
-/// A multiple of `step` with no more digits than it needs.
-fn shown(value: f64, step: f64) -> String {
-    let digits = (-step.log10().floor()).max(0.0) as usize;
-    let text = format!("{value:.digits$}");
-    // Zero has no sign.
-    if value == 0.0 { text.trim_start_matches('-').to_owned() } else { text }
 }
 
 #[cfg(test)]
@@ -246,7 +302,7 @@ mod tests {
         }
         let rendering = live.snapshot().rendering.expect("a picture");
         let pixels = vec![0x00ff_ffff; width * height];
-        draw_box(&mut Canvas { width, height, pixels, scale }, &rendering, height)
+        draw_box(&mut Canvas { width, height, pixels, scale }, (&*rendering).into(), height)
     }
 
     #[test]
@@ -278,14 +334,5 @@ mod tests {
             vec!["-1", "-1", "-1", "-2", "-2", "0", "0", "0", "1", "1", "1", "2", "2", "2"];
         expected.extend(["x", "y", "z"]);
         assert_eq!(texts, expected);
-    }
-
-    #[test]
-    fn ticks_are_round_numbers() {
-        assert_eq!([nice(0.9), nice(1.0), nice(3.1), nice(60.0)], [1.0, 1.0, 5.0, 100.0]);
-        assert!((nice(0.013) - 0.02).abs() < 1e-12);
-        assert_eq!(shown(-0.4, 0.2), "-0.4");
-        assert_eq!(shown(-0.0, 0.5), "0.0");
-        assert_eq!(shown(150.0, 50.0), "150");
     }
 }

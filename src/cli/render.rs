@@ -1,8 +1,10 @@
 //! `zeroset render`.
 
+use super::annotate::annotated;
 use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
 use super::files::{Files, Origin};
 use super::output::print;
+use super::overlay::Shown;
 use super::progress::Progress;
 use super::sequence;
 use super::subject::{self, Subject};
@@ -16,9 +18,9 @@ use zeroset::domain::AutoDomain;
 use zeroset::framing;
 use zeroset::model::Model;
 use zeroset::picture::{Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
-use zeroset::scene;
-use zeroset_syntax::SrgbColor;
-use zeroset_trace::{LinearRgb, MethodOption, Pattern, Proves, Reason, Status};
+use zeroset::scene::{self, Cut};
+use zeroset_syntax::{Document, SrgbColor};
+use zeroset_trace::{Camera, LinearRgb, MethodOption, Pattern, Proves, Reason, Region, Status};
 
 /// The exit code for undecided pixels under `--strict`.
 pub const UNDECIDED: u8 = 1;
@@ -32,19 +34,26 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let threads = arguments.tracing.threads;
         return in_threads(threads, || sequence::run(arguments, &sequence, &settings));
     }
-    let (choice, clip) = (arguments.camera.choice(), arguments.camera.clip());
+    let choice = arguments.camera.choice();
+    let cut = cut(arguments);
     let files = Files::create(&arguments.outputs.wanted())?;
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
+    let around = Around::of(arguments, &subject.document);
     let render = || -> Result<_> {
         let document = &subject.document;
-        let (region, searched) = scene::region(document, subject.domain, clip)?;
+        let (region, searched) = scene::region(document, subject.domain, cut)?;
         let model = Model::new(document, &region, &settings)?;
-        let camera = framing::camera(&model, document, &choice, &settings)?;
+        let camera = if around.axes {
+            framing::of_domain(&region, document, &choice, &settings)?
+        } else {
+            framing::camera(&model, document, &choice, &settings)?
+        };
         let pixels = settings.width * settings.height * document.surfaces.len();
         let bar = Progress::new(pixels as u64, "tracing");
-        let picture = model.picture(&camera, &settings, &|done, _| bar.reach(done as u64))?;
+        let mut picture = model.picture(&camera, &settings, &|done, _| bar.reach(done as u64))?;
+        around.draw(&mut picture, &camera, &region);
         Ok((region, searched, camera, picture))
     };
     let (region, searched, camera, picture) = in_threads(arguments.tracing.threads, render)?;
@@ -60,6 +69,35 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     }
     let undecided = picture.statistics.pixels.undecided > 0;
     Ok(if arguments.strict && undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
+}
+
+/// What is left of a domain.
+pub fn cut(arguments: &RenderArgs) -> Cut {
+    Cut { plane: arguments.camera.clip(), to: arguments.clip_to }
+}
+
+/// What is drawn around a picture.
+#[derive(Clone, Copy)]
+pub struct Around {
+    /// The domain's box with its ticks.
+    pub axes: bool,
+    legend: bool,
+}
+
+impl Around {
+    /// As the command line says, or else the document.
+    pub fn of(arguments: &RenderArgs, document: &Document) -> Self {
+        let said = &document.picture;
+        let axes = arguments.shading.axes || said.axes == Some(true);
+        Self { axes, legend: arguments.shading.legend || said.legend.unwrap_or(axes) }
+    }
+
+    /// Draws it.
+    pub fn draw(self, picture: &mut Picture, camera: &Camera, region: &Region) {
+        if (self.axes || self.legend) && !picture.rgb.is_empty() {
+            picture.rgb = annotated(Shown { camera, region, picture }, self.axes, self.legend);
+        }
+    }
 }
 
 /// Runs `work` with this many threads, or as many as there are processors.
@@ -185,7 +223,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
 /// Says what a look at the picture does not tell: why nothing is seen, and how much is undecided.
 fn remark(
     subject: &Subject,
-    region: &zeroset_trace::Region,
+    region: &Region,
     settings: &Settings,
     picture: &Picture,
     searched: Option<AutoDomain>,

@@ -93,5 +93,8 @@ pub fn object(
         "clip": region.clip().map(|clip| {
             [clip.normal.x, clip.normal.y, clip.normal.z, clip.offset]
         }),
+        "ball": region.ball().map(|ball| {
+            [ball.centre.x, ball.centre.y, ball.centre.z, ball.radius]
+        }),
     })
 }

@@ -5,7 +5,7 @@ use super::arguments::{RenderArgs, SequenceArgs};
 use super::files::{Files, Origin, Wanted};
 use super::output::{Output, print};
 use super::progress::Progress;
-use super::render::UNDECIDED;
+use super::render::{Around, UNDECIDED, cut};
 use super::subject::{self, Subject};
 use super::{notes, report};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -248,6 +248,7 @@ struct Maker<'a> {
     sequence: &'a Sequence,
     settings: &'a Settings,
     stage: Stage,
+    around: Around,
     progress: Progress,
 }
 
@@ -278,14 +279,15 @@ impl<'a> Maker<'a> {
         if let Some(Sweep { name, .. }) = idle {
             bail!("nothing that is drawn depends on '{name}', so all frames would be the same");
         }
-        let (choice, clip) = (arguments.camera.choice(), arguments.camera.clip());
-        let text = &subject.source.text;
-        let stage = sequence.stage(text, &options, (subject.domain, clip), &choice, settings)?;
+        let around = Around::of(arguments, &subject.document);
+        let (text, place) = (&subject.source.text, (subject.domain, cut(arguments)));
+        let choice = arguments.camera.choice();
+        let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;
         if let Some(found) = &stage.searched {
             notes::note(&subject::describe_domain(found));
         }
         let progress = Progress::new(sequence.frames as u64, "frames");
-        Ok(Self { subject, overrides, time, sequence, settings, stage, progress })
+        Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
     }
 
     /// One frame, with kernels of the one before where they serve.
@@ -302,7 +304,8 @@ impl<'a> Maker<'a> {
         let model = rebound.unwrap_or_else(|| Model::new(&document, &stage.region, settings));
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
-        let picture = model.picture(&camera, settings, &|_, _| {}).with_context(named)?;
+        let mut picture = model.picture(&camera, settings, &|_, _| {}).with_context(named)?;
+        self.around.draw(&mut picture, &camera, &stage.region);
         self.subject.document = document;
         *last = Some(model);
         Ok((camera, picture))

@@ -21,6 +21,8 @@ pub struct Shape {
     pub waves: Option<NodeId>,
     /// Whether it is linear altogether.
     pub is_plane: bool,
+    /// Whether its zeros are planes: it is linear, or a product of such functions.
+    pub is_of_planes: bool,
     /// The axis for which it can be solved, since it is that axis times a number and a function of the two others.
     pub height: Option<(usize, f64)>,
     /// Whether all of it is sums, products and whole powers.
@@ -32,6 +34,8 @@ pub struct Shape {
 struct Known {
     depends: [bool; 3],
     linear: Option<Linear>,
+    /// Whether it is a product of linear functions.
+    is_of_planes: bool,
     /// Per axis, the factor if the node is that axis times the factor and something that does not depend on it.
     solved: [Option<f64>; 3],
     is_polynomial: bool,
@@ -45,6 +49,7 @@ impl Shape {
         let number = |bounds: Interval| Known {
             depends: [false; 3],
             linear: Some([0.0; 3]),
+            is_of_planes: true,
             solved: [Some(0.0); 3],
             is_polynomial: true,
             value: Some(bounds.lo.midpoint(bounds.hi)),
@@ -62,6 +67,7 @@ impl Shape {
                     Known {
                         depends,
                         linear: Some(linear),
+                        is_of_planes: true,
                         solved,
                         is_polynomial: true,
                         value: None,
@@ -82,6 +88,7 @@ impl Shape {
         let found = known[root.index()];
         (shape.depends, shape.is_polynomial) = (found.depends, found.is_polynomial);
         shape.is_plane = found.linear.is_some();
+        shape.is_of_planes = found.is_of_planes;
         // Graphs over the ground first.
         let height = [2, 1, 0].into_iter().find_map(|axis| {
             let factor = found.solved[axis].filter(|factor| *factor != 0.0)?;
@@ -178,7 +185,11 @@ fn combined(op: Op, operands: &[Known]) -> Known {
     };
     let is_polynomial = is_built && operands.iter().all(|one| one.is_polynomial);
     let linear = if depends.contains(&true) { linear } else { Some([0.0; 3]) };
-    Known { depends, linear, solved, is_polynomial, value }
+    let is_product = [Op::Mul, Op::Neg, Op::Sqr, Op::Abs].contains(&op)
+        || [Op::Pow, Op::Div].contains(&op) && number(1).is_some();
+    let is_of_planes =
+        linear.is_some() || is_product && operands.iter().all(|one| one.is_of_planes);
+    Known { depends, linear, is_of_planes, solved, is_polynomial, value }
 }
 
 /// A factor 0 where nothing depends on the axis.

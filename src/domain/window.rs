@@ -22,6 +22,11 @@ const ROOM_OF_GRAPH: f64 = 1.6;
 /// What waves with another than a linear function of place is shown while that function's size is below this.
 const WAVES: f64 = 4.5 * PI;
 
+/// A box is as good as a cube if its sides are no shorter than this share of the longest, and as good as about the origin if
+/// opposite faces differ in distance by no more than this share of it.
+const NEARLY_CUBE: f64 = 0.8;
+const OFF_CENTRE: f64 = 0.1;
+
 /// A place on an axis is known to within this share of itself before it is looked for.
 const NEAR: f64 = 0.01;
 
@@ -51,8 +56,27 @@ pub struct Sight<'a> {
 }
 
 impl Sight<'_> {
-    /// The window on the surface.
-    pub fn window(&self) -> Cell {
+    /// The window on the surface, and whether it looks better cut by a ball.
+    pub fn window(&self) -> (Cell, bool) {
+        let cell = self.cell();
+        (cell, self.is_round(&cell))
+    }
+
+    /// Whether a surface that goes on alike in all directions is cut off there: edges that a box makes are then taken for its
+    /// own. What is flat, repeats, or is as high as a function of two axes is read against the box.
+    fn is_round(&self, cell: &Cell) -> bool {
+        let Shape { depends, period, waves, is_of_planes, height, .. } = self.shape;
+        let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
+        let repeats = waves.is_some() || period.iter().any(Option::is_some);
+        let largest = cell.largest();
+        let is_cube = (0..3).all(|axis| {
+            let off = cell.low[axis] + cell.high[axis];
+            cell.extent(axis) >= NEARLY_CUBE * largest && off.abs() <= OFF_CENTRE * largest
+        });
+        !is_flat && !repeats && is_cube
+    }
+
+    fn cell(&self) -> Cell {
         let Shape { depends, period, is_plane, height, .. } = self.shape;
         if let Some((axis, factor)) = height {
             return self.graph(axis, factor);

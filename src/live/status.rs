@@ -154,6 +154,9 @@ impl Rendering {
                 let [x, y, z] = scene::bounds(self.model.region())
                     .map(|Interval { lo, hi }| format!("{lo},{hi}"));
                 let _ = write!(command, " --domain {x},{y},{z}");
+                if self.model.region().ball().is_some() {
+                    command.push_str(" --clip-to ball");
+                }
             }
             DomainChoice::Document => {}
             DomainChoice::Auto => command.push_str(" --domain auto"),

@@ -1,6 +1,7 @@
 //! Colours of pixels through which an edge goes: the mean over many rays, each followed and lit as the one through the
 //! centre was.
 
+use super::paint::Painter;
 use super::trace::Shot;
 use crate::picture::Settings;
 use crate::program::ProgramError;
@@ -8,8 +9,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::KernelFloat;
 use zeroset_trace::{
-    Appearance, GBuffer, Pattern, RayGrid, Status, Tracer, UndecidedStyle, edges,
-    hand_back_colours, shade,
+    Appearance, GBuffer, Pattern, RayGrid, Status, Tracer, UndecidedStyle, edges, hand_back_colours,
 };
 
 /// Columns and rows of the finer picture that are traced at a time: as many tiles as a kernel takes, and few enough for the
@@ -25,20 +25,24 @@ impl<T: KernelFloat> Shot<'_, T> {
         &self,
         rays: &RayGrid,
         picture: &GBuffer,
+        layers: &[GBuffer],
         appearance: &Appearance,
+        painter: Option<&Painter<'_>>,
         rgb: &mut [u8],
     ) -> Result<usize, ProgramError> {
-        let Settings { antialias: pattern, max_depth, tolerance, .. } = *self.settings;
+        let Settings { antialias: pattern, tolerance, .. } = *self.settings;
         let side = pattern.side;
         // Pixels of the finer picture are so much smaller.
         let tolerance = tolerance * side as f64;
-        let surfaces = 0..self.model.surfaces();
-        let tracers = surfaces.map(|surface| self.tracer(surface, max_depth, tolerance));
-        let tracers = &tracers.collect::<Result<Vec<_>, _>>()?;
-        let mut edges = edges(picture, rays);
+        let tracers = &self.tracers(tolerance)?;
+        let mut wanted = edges(picture, rays);
+        for layer in layers {
+            // What is seen through a surface has edges, too.
+            wanted.iter_mut().zip(edges(layer, rays)).for_each(|(all, edge)| *all |= edge);
+        }
         if appearance.undecided != UndecidedStyle::Shade {
             // What is marked stays marked.
-            edges.iter_mut().zip(&picture.status).for_each(|(edge, status)| {
+            wanted.iter_mut().zip(&picture.status).for_each(|(edge, status)| {
                 *edge &= *status != Status::Undecided;
             });
         }
@@ -48,9 +52,10 @@ impl<T: KernelFloat> Shot<'_, T> {
             rays,
             finer: rays.finer(side),
             picture,
-            wanted: edges,
+            wanted,
             pattern,
             appearance,
+            painter,
             is_hidden: picture.shadow.iter().chain(&picture.occlusion).any(|hidden| *hidden > 0),
         };
         let (width, height) = (rays.width(), rays.height());
@@ -84,6 +89,7 @@ struct Edges<'a, T> {
     wanted: Vec<bool>,
     pattern: Pattern,
     appearance: &'a Appearance,
+    painter: Option<&'a Painter<'a>>,
     /// Whether light is hidden from any point.
     is_hidden: bool,
 }
@@ -127,7 +133,9 @@ impl<T: KernelFloat> Edges<'_, T> {
                 self.borrow(all, n, pixel(square));
             }
         }
-        let bytes = shade(all, &rays, self.appearance);
+        let layers = self.shot.layers(&rays, &only, self.tracers)?;
+        let (appearance, painter) = (self.appearance, self.painter);
+        let bytes = self.shot.coloured(&rays, all, &layers, appearance, painter, side);
         let squares = (0..edges.len()).filter(|&square| edges[square]);
         let colour = |square| (pixel(square), self.pattern.mean(&bytes, square, across));
         let found = squares.map(colour).collect();

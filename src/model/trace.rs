@@ -1,16 +1,18 @@
 //! One picture of a model: surfaces are found one after another, then lit.
 
+use super::paint::Painter;
 use super::{Model, Stopwatch, Style, options};
+use crate::legend::Legend;
 use crate::picture::{Normals, Picture, Precision, Settings, Statistics, Times};
 use crate::program::ProgramError;
 use glam::DVec3;
 use std::marker::PhantomData;
 use std::time::Instant;
 use zeroset_eval::{KernelFloat, Points};
-use zeroset_syntax::SurfaceKind;
+use zeroset_syntax::{SurfaceColor, SurfaceKind};
 use zeroset_trace::{
-    Appearance, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource, Pattern, RayGrid,
-    SurfaceColours, Tracer, Work, cap, normals, shade,
+    Appearance, Ball, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource, Pattern,
+    RayGrid, SurfaceColours, Tracer, Work, cap, normals,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -77,6 +79,7 @@ impl Model {
         let light = light?;
         lit.statistics.work += light.work;
         (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
+        lit.legends = light.legends;
         lit.look = self.look(settings);
         Ok(lit)
     }
@@ -85,6 +88,7 @@ impl Model {
 /// The colours of a picture, and what they took.
 struct Lit {
     rgb: Vec<u8>,
+    legends: Vec<Legend>,
     edge_rays: usize,
     work: Work,
 }
@@ -205,7 +209,19 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         // Where it is 0 everywhere no ray through the region is decided.
         let flat = statistics.pixels.undecided > 0 && model.is_flat::<T>()?;
         let (remarks, rgb, look) = (model.remarks.clone(), lit.rgb, model.look(settings));
-        Ok(Picture { buffer, rgb, method, precision, look, statistics, undefined, remarks, flat })
+        let legends = lit.legends;
+        Ok(Picture {
+            buffer,
+            rgb,
+            method,
+            precision,
+            look,
+            legends,
+            statistics,
+            undefined,
+            remarks,
+            flat,
+        })
     }
 
     /// Colours of what was found.
@@ -217,23 +233,45 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
     ) -> Result<Lit, ProgramError> {
         let settings = self.settings;
         let mut watch = Stopwatch::start();
-        let light = match settings.light {
+        let light = match settings.light.or(self.model.setting.light) {
             Some(place) => Light::Positional(place),
             None => Light::above_left(rays),
         };
         let work = self.hide(rays, &light, buffer)?;
         times.occlude += watch.lap();
-        let (mut rgb, mut edge_rays) = (Vec::new(), 0);
+        let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
         if settings.normals.is_some() {
             let appearance = self.appearance(light);
-            rgb = shade(buffer, rays, &appearance);
+            let painter = Painter::new(self.model, buffer, rays);
+            legends = painter.as_ref().map(Painter::legends).unwrap_or_default();
+            let mut layers = Vec::new();
+            if self.is_translucent() {
+                layers = self.layers(rays, &[], &self.tracers(settings.tolerance)?)?;
+                times.trace += watch.lap();
+            }
+            let painter = painter.as_ref();
+            rgb = self.coloured(rays, buffer, &layers, &appearance, painter, 1);
             times.shade += watch.lap();
             if settings.antialias != Pattern::ONE && (self.advance)(0) {
-                edge_rays = self.smooth_edges(rays, buffer, &appearance, &mut rgb)?;
+                edge_rays =
+                    self.smooth_edges(rays, buffer, &layers, &appearance, painter, &mut rgb)?;
                 times.antialias += watch.lap();
             }
         }
-        Ok(Lit { rgb, edge_rays, work })
+        Ok(Lit { rgb, legends, edge_rays, work })
+    }
+
+    /// The method at work on each surface.
+    pub fn tracers(&self, tolerance: f64) -> Result<Vec<Box<dyn Tracer + 'a>>, ProgramError> {
+        let depth = self.settings.max_depth;
+        (0..self.model.surfaces()).map(|surface| self.tracer(surface, depth, tolerance)).collect()
+    }
+
+    /// How often the way of a shadow ray is halved; `None` if there are no shadows.
+    fn shadow_depth(&self) -> Option<u32> {
+        let settings = self.settings;
+        let typed = self.model.setting.shadows.then(|| settings.usual_shadow_depth());
+        settings.shadow_depth.or(typed)
     }
 
     /// Finds what hides painted points from light: surfaces in the way, if shadows are wanted, and what is near.
@@ -247,14 +285,15 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let occludes =
             settings.occlusion && model.look(settings).occlusion && settings.normals.is_some();
         let mut work = Work::default();
-        if let Some(depth) = settings.shadow_depth {
+        let shadow_depth = self.shadow_depth();
+        if let Some(depth) = shadow_depth {
             work += self.shadows(rays, light, depth, buffer)?;
         }
-        if !occludes && settings.shadow_depth.is_none() || !advance(0) {
+        if !occludes && shadow_depth.is_none() || !advance(0) {
             return Ok(work);
         }
         let near = Near::new(buffer, rays, model.region.centre());
-        if settings.shadow_depth.is_some() {
+        if shadow_depth.is_some() {
             // Twice, since beside an edge a square is not whole.
             (0..2).for_each(|_| near.mean(&mut buffer.shadow));
         }
@@ -297,9 +336,11 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let plain = Appearance::new(self.model.look(settings), light);
         let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
         let surface = |(index, style): (usize, &Style)| {
-            let colours = match style.color {
-                Some(color) => SurfaceColours::around(LinearRgb::from_srgb(color.rgb)),
-                None => SurfaceColours::default_for(index),
+            let colours = match &style.color {
+                Some(SurfaceColor::Plain(color)) => {
+                    SurfaceColours::around(LinearRgb::from_srgb(color.rgb))
+                }
+                Some(SurfaceColor::Mapped(_)) | None => SurfaceColours::default_for(index),
             };
             if self.is_negative_outside(index) { colours.turned() } else { colours }
         };
@@ -312,7 +353,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         }
     }
 
-    /// Whether f < 0 on most of the region's faces, so that the side seen from far away is the negative one.
+    /// Whether f < 0 on most of the region's boundary, so that the side seen from far away is the negative one.
     fn is_negative_outside(&self, surface: usize) -> bool {
         /// Points along each edge of a face.
         const POINTS: usize = 8;
@@ -328,7 +369,9 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             let [u, v] = [u, v].map(|place| (place as f64 + 0.5) / POINTS as f64);
             let mut share = [u, v, (face % 2) as f64];
             share.rotate_right(face / 2);
-            (low + (high - low) * DVec3::from_array(share)).to_array()
+            let point = low + (high - low) * DVec3::from_array(share);
+            let on_sphere = |ball: Ball| ball.centre + ball.radius * ball.normal(point);
+            self.model.region.ball().map_or(point, on_sphere).to_array()
         });
         let points: Vec<[f64; 3]> = points.collect();
         let (mut negative, mut signed) = (0_usize, 0_usize);

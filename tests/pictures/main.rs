@@ -1,11 +1,13 @@
 //! Pictures and the kernels behind them against what is known by other means: exact roots, certified ones, an oracle.
 
 mod antialias;
+mod balls;
 mod baselines;
 mod cameras;
 mod certified;
 mod domains;
 mod framing;
+mod paints;
 mod properties;
 mod property_support;
 mod reference;

@@ -720,6 +720,8 @@ fn a_document_says_how_its_picture_looks() {
     assert_ne!(red, plain);
     let names: Vec<&str> = zeroset_trace::LOOKS.iter().map(|look| look.name).collect();
     assert_eq!(names, zeroset_syntax::LOOKS, "what may be typed is what there is");
+    let names = zeroset_trace::COLOUR_MAPS.map(|map| map.name);
+    assert_eq!(names, zeroset_syntax::COLOR_MAPS, "what may be typed is what there is");
     let refused = place.run(&["render", &format!("look nigt; {SPHERE}"), "-o", "p.png"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("did you mean `night`?"));
 }

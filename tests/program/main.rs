@@ -1,5 +1,6 @@
 //! The real program as its user meets it: the command line, a terminal, a window. The documents that a contributor meets too.
 
+mod cli_axes;
 mod cli_errors;
 mod cli_eval;
 mod cli_render;

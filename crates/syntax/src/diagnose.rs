@@ -3,6 +3,7 @@
 use crate::error::{Error, ErrorKind};
 use crate::grammar::Rule;
 use crate::scan::{Piece, Token};
+use crate::setting::setting;
 use crate::span::Span;
 use crate::spelling::{closer, is_closer, is_operator, short_name};
 
@@ -10,19 +11,24 @@ use crate::spelling::{closer, is_closer, is_operator, short_name};
 /// stopped.
 pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
     let found = piece.tokens.get(next);
+    let word = piece.tokens.first().and_then(|first| setting(&text[first.span.range()]));
     let setting = match rule {
         Rule::domain_line => Some(ErrorKind::BadDomain),
         Rule::view_line => Some(ErrorKind::BadView),
         Rule::color_line | Rule::background_line => Some(ErrorKind::BadColor),
         Rule::look_line => Some(ErrorKind::BadLook),
+        Rule::setting_line => {
+            word.map(|setting| ErrorKind::BadSetting { word: setting.word, hint: setting.hint })
+        }
         _ => None,
     };
     if let Some(kind) = setting {
         return Error::new(found.map_or(piece.span, |token| token.span), kind);
     }
     // A character without a meaning is reported before anything else.
-    let unknown =
-        |token: &&Token| token.symbol == '?' || (token.symbol == ':' && !inside(piece, token));
+    let unknown = |token: &&Token| {
+        matches!(token.symbol, '?' | '%') || (token.symbol == ':' && !inside(piece, token))
+    };
     if let Some(token) = piece.tokens.iter().find(unknown) {
         return unknown_character(text, token.span);
     }

@@ -6,14 +6,17 @@ use crate::coordinates;
 use crate::cycle::no_recursion;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::Rule;
+use crate::heading::heading;
 use crate::implied::{drawn_by_program, equals, implied_drawing, number_zero};
 use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::note::{MOST_NOTES, Note, NoteKind};
+use crate::paint::{Contours, PointValues, SurfaceColor};
 use crate::print::Drawing;
 use crate::program::program;
-use crate::scene::{DomainLine, SceneSetting, SrgbColor, ViewLine, scene_line};
+use crate::scene::{DomainLine, SrgbColor, ViewLine};
 use crate::scope::{Meaning, Scope};
+use crate::setting::{Collected, PictureLines, placed};
 use crate::span::Span;
 use crate::spelling::short_name;
 use crate::statement::{Built, build, lines, settle_heads};
@@ -48,6 +51,8 @@ pub struct Document {
     pub look: Option<&'static str>,
     /// What is shown where nothing is, if a line says so.
     pub background: Option<SrgbColor>,
+    /// What else is said of the picture.
+    pub picture: PictureLines,
     /// The first comment's first line, if the text starts with a comment.
     pub title: Option<String>,
     /// The rest of that comment, line breaks kept; empty if there is none.
@@ -69,7 +74,10 @@ pub struct Surface {
     pub echo: String,
     /// The color of the last `color` line above it, if there is one; of the first below it where the last such line of the
     /// document follows all drawings.
-    pub color: Option<SrgbColor>,
+    pub color: Option<SurfaceColor>,
+    /// How much of the light from behind it stops, within [0, 1]: what its `color` line says, or else the
+    /// `opacity` line that is in the same place; else 1.
+    pub opacity: f64,
 }
 
 /// What a surface is the surface of.
@@ -148,11 +156,7 @@ pub(crate) struct Reader<'a> {
     pub options: &'a Options<'a>,
     pub(crate) notes: Vec<Note>,
     pub errors: Vec<Error>,
-    domain: Option<DomainLine>,
-    view: Option<ViewLine>,
-    look: Option<&'static str>,
-    background: Option<SrgbColor>,
-    colors: Vec<(usize, SrgbColor)>,
+    settings: Collected,
 }
 
 impl<'a> Reader<'a> {
@@ -162,16 +166,12 @@ impl<'a> Reader<'a> {
             options,
             notes: Vec::new(),
             errors: Vec::new(),
-            domain: None,
-            view: None,
-            look: None,
-            background: None,
-            colors: Vec::new(),
+            settings: Collected::default(),
         }
     }
 
-    /// The trees of all statements and the names they see; `domain`, `view` and `color` lines go to
-    /// their fields.
+    /// The trees of all statements and the names they see; what is said of the picture goes to
+    /// the settings.
     fn statements(&mut self) -> Result<(Vec<Built>, Scope), Errors> {
         let program = program(self.text, &self.options.limits)?;
         let mut lines = lines(self.text, &program.units)?;
@@ -199,13 +199,7 @@ impl<'a> Reader<'a> {
             let result = if line.pair.as_rule() == Rule::line {
                 build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
             } else {
-                scene_line(self.text, line, &scope, &self.options.limits).map(|scene| match scene {
-                    SceneSetting::Domain(domain) => self.domain = Some(domain),
-                    SceneSetting::View(view) => self.view = Some(view),
-                    SceneSetting::Color(at, color) => self.colors.push((at, color)),
-                    SceneSetting::Look(look) => self.look = Some(look),
-                    SceneSetting::Background(color) => self.background = Some(color),
-                })
+                self.settings.read(self.text, line, &scope, &self.options.limits)
             };
             if let Err(error) = result {
                 self.errors.push(*error);
@@ -274,8 +268,9 @@ impl<'a> Reader<'a> {
             .map(|(_, both)| *both)
             .collect();
         no_recursion(&definitions)?;
+        let settings = std::mem::take(&mut self.settings);
         let used: FxHashSet<&str> =
-            built.iter().flat_map(|b| b.used.iter().map(String::as_str)).collect();
+            built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
             // Each is compared with every name, so a bound keeps hostile texts cheap.
@@ -283,9 +278,12 @@ impl<'a> Reader<'a> {
             self.notes.extend(notes);
         }
         let overrides = self.overrides(&definitions, &used);
-        let (names, parameters) = self.parameters(&definitions, &overrides, &drawings);
+        let is_timed = settings.used.contains("t");
+        let (names, parameters) = self.parameters(&definitions, &overrides, &drawings, is_timed);
         self.check()?;
         let time = parameters.iter().find(|p| p.kind == ParameterKind::Time).map(|p| p.number);
+        let points = parameters.len() as u32;
+        let values = PointValues::new(names.clone(), points, time, &self.options.limits);
         let mut lowering = Lowering::new(names, time, &self.options.limits);
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
@@ -307,17 +305,19 @@ impl<'a> Reader<'a> {
             implied = statement;
             surfaces.push(surface(&mut lowering, &implied)?);
         }
-        // A color is that of the drawings below it; but where none is below the last, each is that of those above.
         let last = surfaces.last().map_or(0, |surface| surface.span.start);
-        let follow = self.colors.last().is_some_and(|(at, _)| *at > last);
         for surface in &mut surfaces {
             let place = surface.span.start;
-            let color = if follow {
-                self.colors.iter().find(|(at, _)| *at > place)
-            } else {
-                self.colors.iter().rfind(|(at, _)| *at < place)
-            };
-            surface.color = color.map(|(_, color)| *color);
+            let color = placed(&settings.colors, place, last);
+            surface.color = color.map(|(color, _)| values.color(color)).transpose()?;
+            let own = color.and_then(|(_, opacity)| *opacity);
+            let opacity = own.or_else(|| placed(&settings.opacities, place, last).copied());
+            surface.opacity = opacity.unwrap_or(1.0);
+        }
+        let mut picture = settings.picture;
+        if let Some((value, step)) = &settings.contours {
+            let value = value.as_ref().map(|value| values.value(value)).transpose()?;
+            picture.contours = Some(Contours { value, step: step.clone() });
         }
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
@@ -336,10 +336,11 @@ impl<'a> Reader<'a> {
             graph: lowering.graph,
             surfaces,
             parameters,
-            domain: self.domain,
-            view: self.view,
-            look: self.look,
-            background: self.background,
+            domain: settings.domain,
+            view: settings.view,
+            look: settings.look,
+            background: settings.background,
+            picture,
             title,
             doc,
             notes: self.notes,
@@ -422,7 +423,14 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
         SurfaceKind::Equation => lowering.restrict(root, condition, &[]),
         SurfaceKind::Solid => lowering.cut(root, condition),
     })?;
-    Ok(Surface { root, kind, span: built.span, echo: echo(expr, restrictions), color: None })
+    Ok(Surface {
+        root,
+        kind,
+        span: built.span,
+        echo: echo(expr, restrictions),
+        color: None,
+        opacity: 1.0,
+    })
 }
 
 /// How a drawing was read; a plain formula shows the `= 0` it implies.
@@ -432,17 +440,4 @@ fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     }
     let equation = equals(expr.clone(), number_zero(expr.span));
     Drawing { expr: &equation, restrictions }.to_string()
-}
-
-/// The title and text of the comment that a document starts with.
-fn heading(text: &str) -> (Option<String>, String) {
-    let mut lines = text
-        .trim_start_matches('\u{FEFF}')
-        .lines()
-        .skip_while(|line| line.trim().is_empty())
-        .map_while(|line| line.trim().strip_prefix('#'))
-        .map(|line| line.trim_start_matches('#').trim().to_owned());
-    let title = lines.next().filter(|title| !title.is_empty());
-    let doc: Vec<String> = lines.collect();
-    (title, doc.join("\n").trim().to_owned())
 }

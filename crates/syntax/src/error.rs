@@ -309,6 +309,10 @@ pub enum ErrorKind {
     BadColor,
     #[error("this is not a look")]
     BadLook,
+    #[error("there is no such color map")]
+    BadColorMap,
+    #[error("this is not what `{word}` takes")]
+    BadSetting { word: &'static str, hint: &'static str },
 }
 
 fn plural(count: usize) -> String {

@@ -125,6 +125,8 @@ impl Error {
             | ErrorKind::UnknownFunction { .. }
             | ErrorKind::UnknownOverride { .. }
             | ErrorKind::BadColor
+            | ErrorKind::BadColorMap
+            | ErrorKind::BadSetting { .. }
             | ErrorKind::BadLook => format!("did you mean `{replacement}`?"),
             ErrorKind::UnexpectedCharacter { .. } => format!("write `{replacement}`"),
             _ => match text.get(meant.span.range()) {
@@ -312,10 +314,15 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::UnknownOverride { .. } => "use it in the formula, or drop the setting",
         ErrorKind::OverrideFunction { .. } => "change its definition in the text instead",
         ErrorKind::BadDomain => {
-            "write `domain 3`, `domain auto`, `domain [-2, 2]`, \
+            "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
              `domain x in [-2, 2], y in [-1, 1]` or six numbers"
         }
         ErrorKind::BadColor => "write a name of CSS such as `orange`, or `#ff8800`",
+        ErrorKind::BadColorMap => {
+            "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, `spectral`, \
+             `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
+        }
+        ErrorKind::BadSetting { hint, .. } => hint,
         ErrorKind::BadLook => "there are `studio`, `flat`, `paper` and `night`",
         _ => return None,
     })

@@ -38,12 +38,14 @@ impl<'a> Reader<'a> {
         values
     }
 
-    /// What every defined name means, and the parameters among them; errors are kept.
+    /// What every defined name means, and the parameters among them, with time if the picture depends on it by more than what
+    /// is drawn; errors are kept.
     pub(crate) fn parameters<'d>(
         &mut self,
         definitions: &[(&'d Definition, &Built)],
         overrides: &FxHashMap<&'d str, Constant>,
         drawings: &[&Built],
+        is_timed: bool,
     ) -> (FxHashMap<&'d str, Binding<'d>>, Vec<Parameter>)
     where
         'a: 'd,
@@ -109,7 +111,8 @@ impl<'a> Reader<'a> {
         }
         let mut built = drawings.iter().copied().chain(definitions.iter().map(|(_, built)| *built));
         let given = overrides.get("t").cloned();
-        if !time_set && (given.is_some() || built.any(|built| built.used.contains("t"))) {
+        if !time_set && (given.is_some() || is_timed || built.any(|built| built.used.contains("t")))
+        {
             add("t", time.or(given).unwrap_or_else(|| Constant::integer(0)), None, None);
         }
         (names, parameters)

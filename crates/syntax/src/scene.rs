@@ -1,4 +1,4 @@
-//! `domain`, `view`, `color`, `look` and `background` lines, as plain data: what they mean for a picture is not decided
+//! `domain`, `view`, `look` and `background` lines and plain colors, as data: what they mean for a picture is not decided
 //! here.
 
 use crate::ast::Expr;
@@ -7,10 +7,11 @@ use crate::constant::{evaluate, evaluate_range};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::limits::Limits;
-use crate::scope::{Scope, nearest};
+use crate::paint::COLOR_MAPS;
+use crate::scope::nearest;
+use crate::setting::bad;
 use crate::span::Span;
 use crate::spelling::{LOOKS, PRESETS};
-use crate::statement::Line;
 use csscolorparser::NAMED_COLORS;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
@@ -26,6 +27,8 @@ pub enum DomainLine {
     Auto,
     /// A range for each coordinate, in world units; `None` where the line leaves one out.
     Box([Option<ConstantRange>; 3]),
+    /// The ball of this radius about the origin, in world units.
+    Ball(Constant),
 }
 
 /// Where to look from.
@@ -69,39 +72,8 @@ impl SrgbColor {
     }
 }
 
-/// What one line says.
-#[allow(clippy::large_enum_variant)] // taken apart at once
-pub(crate) enum SceneSetting {
-    Domain(DomainLine),
-    View(ViewLine),
-    /// A color, and where its line stands.
-    Color(usize, SrgbColor),
-    Look(&'static str),
-    Background(SrgbColor),
-}
-
-/// Reads one of those lines.
-pub(crate) fn scene_line(
-    text: &str,
-    line: Line<'_>,
-    scope: &Scope,
-    limits: &Limits,
-) -> Fallible<SceneSetting> {
-    let mut builder = Builder::new(text, line.piece, scope, &[], limits);
-    match line.pair.as_rule() {
-        Rule::domain_line => builder.domain(line.pair).map(SceneSetting::Domain),
-        Rule::view_line => builder.view(line.pair).map(SceneSetting::View),
-        Rule::look_line => builder.look(line.pair).map(SceneSetting::Look),
-        Rule::background_line => builder.color(line.pair).map(SceneSetting::Background),
-        _ => {
-            let color = builder.color(line.pair)?;
-            Ok(SceneSetting::Color(line.piece.span.start, color))
-        }
-    }
-}
-
 impl Builder<'_> {
-    fn domain(&mut self, line: Pair<'_>) -> Fallible<DomainLine> {
+    pub(crate) fn domain(&mut self, line: Pair<'_>) -> Fallible<DomainLine> {
         let mut axes = [const { None }; 3];
         let mut numbers = Vec::new();
         for part in line.into_inner() {
@@ -123,6 +95,7 @@ impl Builder<'_> {
                         return Err(Error::new(span, ErrorKind::RepeatedAxis { axis }));
                     }
                 }
+                Rule::ball => return self.ball(part).map(DomainLine::Ball),
                 Rule::expression => numbers.push(self.value(part)?),
                 _ => {}
             }
@@ -133,7 +106,22 @@ impl Builder<'_> {
         Ok(DomainLine::Box(axes))
     }
 
-    fn view(&mut self, line: Pair<'_>) -> Fallible<ViewLine> {
+    fn ball(&mut self, pair: Pair<'_>) -> Fallible<Constant> {
+        let span = self.span(&pair);
+        let mut parts = pair.into_inner();
+        let word = parts.next().expect("a ball has a name");
+        if self.typed(&word) != "ball" {
+            return Err(Error::new(span, ErrorKind::BadDomain));
+        }
+        let radius = self.sum(parts.next().expect("a ball has a radius"))?;
+        let radius = evaluate(&radius, self.limits)?;
+        if radius.bounds().lo <= 0.0 {
+            return Err(Error::new(span, ErrorKind::EmptyDomain));
+        }
+        Ok(radius)
+    }
+
+    pub(crate) fn view(&mut self, line: Pair<'_>) -> Fallible<ViewLine> {
         let mut view = ViewLine::default();
         for part in line.into_inner() {
             match part.as_rule() {
@@ -176,7 +164,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn look(&self, line: Pair<'_>) -> Fallible<&'static str> {
+    pub(crate) fn look(&self, line: Pair<'_>) -> Fallible<&'static str> {
         let given = line.into_inner().next().expect("a look line has a name");
         let (span, typed) = (self.span(&given), self.typed(&given));
         let known = LOOKS.into_iter().find(|known| known.eq_ignore_ascii_case(typed));
@@ -186,11 +174,17 @@ impl Builder<'_> {
         })
     }
 
-    fn color(&self, line: Pair<'_>) -> Fallible<SrgbColor> {
-        let given = line.into_inner().next().expect("a color line has a color");
-        let span = self.span(&given);
-        let typed = self.typed(&given);
+    pub(crate) fn color(&self, line: Pair<'_>) -> Fallible<SrgbColor> {
+        self.plain(&line.into_inner().next().expect("a color line has a color"))
+    }
+
+    /// A color that is the same everywhere.
+    pub(crate) fn plain(&self, given: &Pair<'_>) -> Fallible<SrgbColor> {
+        let (span, typed) = (self.span(given), self.typed(given));
         SrgbColor::typed(typed).ok_or_else(|| {
+            if let Some(map) = COLOR_MAPS.iter().find(|map| map.eq_ignore_ascii_case(typed)) {
+                return bad("color", span).suggest(span, format!("{map}(z)"));
+            }
             let meant = nearest(typed, NAMED_COLORS.keys().map(|known| known.as_str()));
             Error::new(span, ErrorKind::BadColor).suggest_any(span, meant)
         })

@@ -7,7 +7,7 @@ use zeroset_ir::Axis;
 use zeroset_ops::{COMPOSED, Form, Notation, Op, TABLE, form, names, natives};
 
 /// The names that statements can see.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Scope {
     /// Names that the document or an override defines: the number of parameters, or `None` for a
     /// value.

@@ -1,241 +1,324 @@
-//! Names that a program sets: each time that one is set it is another name, which stands for it below.
+//! Lines that set something about the picture: the table of them, and those that are a word with numbers behind it.
+//!
+//! What they mean for a picture is not decided here.
 
-use crate::aliases::Aliases;
-use crate::ast::{ExprKind, Name, NamedValue};
-use crate::counting::{number_of, written};
+use crate::ast::Expr;
+use crate::build::Builder;
+use crate::constant::evaluate;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program::Wrap;
-use crate::program_words::{Words, split};
-use crate::reader::{Frame, Reader};
-use crate::scan::Token;
+use crate::grammar::{Pair, Rule};
+use crate::limits::Limits;
+use crate::paint::{Contours, TypedColor, with_point_names};
+use crate::scene::{DomainLine, SrgbColor, ViewLine};
+use crate::scope::{Scope, nearest};
 use crate::span::Span;
-use crate::spelling::is_name;
-use crate::statement::Head;
-use crate::value::LETTERS;
+use crate::statement::Line;
+use rustc_hash::FxHashSet;
+use zeroset_ir::Constant;
 
-/// The most names that a function sets.
-const MOST_NAMES: usize = 1500;
+/// A word that begins a line about the picture.
+pub(crate) struct Setting {
+    pub word: &'static str,
+    /// What the grammar knows it by.
+    pub symbol: char,
+    /// What such a line is.
+    pub rule: Rule,
+    /// Whether a value at each point of a surface may stand in it.
+    is_of_points: bool,
+    /// What to write.
+    pub hint: &'static str,
+    read: for<'b> fn(&mut Builder<'b>, Pair<'_>, Span) -> Fallible<SceneSetting>,
+}
 
-impl Reader<'_> {
-    /// `float a = 1., b = 2.`, its types taken away.
-    pub(crate) fn declarations(
+/// Every such word.
+pub(crate) const SETTINGS: [Setting; 13] = {
+    const PLAIN: Setting = Setting {
+        word: "",
+        symbol: 's',
+        rule: Rule::setting_line,
+        is_of_points: false,
+        hint: "",
+        read: |_, _, span| Err(Error::new(span, ErrorKind::Empty)),
+    };
+    const COLOR: Setting = Setting {
+        word: "color",
+        symbol: 'c',
+        rule: Rule::color_line,
+        is_of_points: true,
+        hint: "write a name of CSS such as `orange`, `#ff8800`, or a color map such as `viridis(z)`; \
+               perhaps how opaque it is behind that, as `50%`",
+        read: |builder, line, span| builder.color_line(line, span),
+    };
+    [
+        Setting {
+            word: "domain",
+            symbol: 'd',
+            rule: Rule::domain_line,
+            read: |builder, line, _| builder.domain(line).map(SceneSetting::Domain),
+            ..PLAIN
+        },
+        Setting {
+            word: "view",
+            symbol: 'v',
+            rule: Rule::view_line,
+            read: |builder, line, _| builder.view(line).map(SceneSetting::View),
+            ..PLAIN
+        },
+        COLOR,
+        Setting { word: "colour", ..COLOR },
+        Setting {
+            word: "look",
+            symbol: 'l',
+            rule: Rule::look_line,
+            read: |builder, line, _| builder.look(line).map(SceneSetting::Look),
+            ..PLAIN
+        },
+        Setting {
+            word: "background",
+            symbol: 'b',
+            rule: Rule::background_line,
+            read: |builder, line, _| builder.color(line).map(SceneSetting::Background),
+            ..PLAIN
+        },
+        Setting {
+            word: "clip",
+            hint: "write a, b, c and d: `clip 1, 0, 0, 0.5` keeps x <= 0.5",
+            read: |builder, line, span| builder.numbers(line, span).map(SceneSetting::Clip),
+            ..PLAIN
+        },
+        Setting {
+            word: "light",
+            hint: "write where it is: `light 4, -3, 6`",
+            read: |builder, line, span| builder.numbers(line, span).map(SceneSetting::Light),
+            ..PLAIN
+        },
+        Setting {
+            word: "opacity",
+            hint: "write a share from 0 to 1, or from `0%` to `100%`",
+            read: |builder, line, span| {
+                let share = line.into_inner().find(|part| part.as_rule() == Rule::opacity);
+                let share = share.ok_or_else(|| bad("opacity", span))?;
+                Ok(SceneSetting::Opacity(span.start, builder.opacity(share)?))
+            },
+            ..PLAIN
+        },
+        Setting {
+            word: "shadows",
+            hint: "write `shadows on` or `shadows off`",
+            read: |builder, line, span| {
+                builder.switch(line, "shadows", span).map(SceneSetting::Shadows)
+            },
+            ..PLAIN
+        },
+        Setting {
+            word: "axes",
+            hint: "write `axes on` or `axes off`",
+            read: |builder, line, span| builder.switch(line, "axes", span).map(SceneSetting::Axes),
+            ..PLAIN
+        },
+        Setting {
+            word: "legend",
+            hint: "write `legend on` or `legend off`",
+            read: |builder, line, span| {
+                builder.switch(line, "legend", span).map(SceneSetting::Legend)
+            },
+            ..PLAIN
+        },
+        Setting {
+            word: "contours",
+            is_of_points: true,
+            hint: "write what is the same along a line, how far the lines are apart, or both: \
+                   `contours z`, `contours 0.5`, `contours z, 0.5`",
+            read: |builder, line, span| builder.contours(line, span).map(SceneSetting::Contours),
+            ..PLAIN
+        },
+    ]
+};
+
+/// The setting that `word` begins.
+pub(crate) fn setting(word: &str) -> Option<&'static Setting> {
+    const { &SETTINGS }.iter().find(|setting| setting.word == word)
+}
+
+/// What one line says.
+#[allow(clippy::large_enum_variant)] // taken apart at once
+pub(crate) enum SceneSetting {
+    Domain(DomainLine),
+    View(ViewLine),
+    /// A color, and where its line stands; so also below.
+    Color(usize, TypedColor, Option<f64>),
+    Opacity(usize, f64),
+    Look(&'static str),
+    Background(SrgbColor),
+    Clip([Constant; 4]),
+    Light([Constant; 3]),
+    Shadows(bool),
+    Axes(bool),
+    Legend(bool),
+    Contours((Option<Expr>, Option<Constant>)),
+}
+
+/// What a document says of the picture beside where and from where to look. What is `None` is not said.
+#[derive(Clone, Debug, Default)]
+pub struct PictureLines {
+    /// a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is kept.
+    pub clip: Option<[Constant; 4]>,
+    /// Where the light is, in world units.
+    pub light: Option<[Constant; 3]>,
+    /// Whether there are shadows.
+    pub shadows: Option<bool>,
+    /// Whether the domain's box and axes are drawn.
+    pub axes: Option<bool>,
+    /// Whether it is told which value has which color.
+    pub legend: Option<bool>,
+    /// Lines along which a value stays the same.
+    pub contours: Option<Contours>,
+}
+
+/// What the lines of a text say, before names have values.
+#[derive(Default)]
+pub(crate) struct Collected {
+    pub domain: Option<DomainLine>,
+    pub view: Option<ViewLine>,
+    pub look: Option<&'static str>,
+    pub background: Option<SrgbColor>,
+    pub picture: PictureLines,
+    /// Each perhaps with an opacity of its own.
+    pub colors: Vec<(usize, (TypedColor, Option<f64>))>,
+    pub opacities: Vec<(usize, f64)>,
+    pub contours: Option<(Option<Expr>, Option<Constant>)>,
+    /// With the names of a point's own, once it was needed.
+    scope: Option<Scope>,
+    /// Names of the document that values of points depend on.
+    pub used: FxHashSet<String>,
+}
+
+impl Collected {
+    /// Reads one line.
+    pub fn read(
         &mut self,
-        tokens: Vec<Token>,
-        size: usize,
-        is_whole: bool,
-        frame: &mut Frame,
+        text: &str,
+        line: Line<'_>,
+        scope: &Scope,
+        limits: &Limits,
     ) -> Fallible<()> {
-        for tokens in split(tokens, ',') {
-            let tokens = Words::without_type(tokens);
-            let is_inner = frame.function.is_some() || frame.prefix.is_some() || frame.nested > 0;
-            if is_whole
-                && is_inner
-                && let Some(name) = tokens.first()
-            {
-                frame.whole.insert(self.words.word(*name).to_owned());
-            }
-            if is_whole && let Some(name) = tokens.first() {
-                self.whole.insert(self.words.word(*name).to_owned());
-            }
-            if self.counts(&tokens, frame) {
-                continue;
-            }
-            if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
-                self.lambda(name, parameters, value, frame)?;
-            } else if let Some((name, None, value)) = self.words.assignment(&tokens) {
-                if let Some((procedure, arguments)) = self.called(&value) {
-                    let kind = self.inline(value[0], &procedure, &arguments, frame)?;
-                    let text = self.words.name(name).text;
-                    let none = || Error::new(name.span, ErrorKind::NoEffect);
-                    frame.aliases.push(text.clone(), kind.ok_or_else(none)?);
-                    frame.set.push((text, size));
-                    continue;
-                }
-                let name = self.words.name(name);
-                self.set(name, size, value, None, frame)?;
-            } else if let [name, open, ..] = tokens.as_slice()
-                && open.symbol == '['
-                && is_name(name.symbol)
-            {
-                return Err(Error::new(name.span, ErrorKind::Array));
-            } else if let [name] = tokens.as_slice() {
-                // A name that is set later.
-                frame.set.push((self.words.word(*name).to_owned(), size));
-            } else {
-                self.plain(tokens, frame, false)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// `name = value`, or with `letters` some components of it.
-    pub(crate) fn set(
-        &mut self,
-        name: Name,
-        size: usize,
-        value: Vec<Token>,
-        letters: Option<String>,
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        let within = frame.aliases.clone();
-        let write = letters.map(|letters| {
-            let before = within.find(&name.text);
-            let before = before
-                .map_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)), ExprKind::clone);
-            Wrap::Write { letters, before, size }
-        });
-        self.set_to(name, size, value, write, &within, frame)
-    }
-
-    /// `name = value`, whose names stand for what they are in `within`.
-    pub(crate) fn set_within(
-        &mut self,
-        name: Name,
-        size: usize,
-        value: Vec<Token>,
-        within: &Aliases,
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        self.set_to(name, size, value, None, within, frame)
-    }
-
-    pub(crate) fn set_to(
-        &mut self,
-        name: Name,
-        size: usize,
-        value: Vec<Token>,
-        wrap: Option<Wrap>,
-        within: &Aliases,
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        if frame.set.len() >= MOST_NAMES {
-            return Err(Error::new(name.span, ErrorKind::TooManyNames { limit: MOST_NAMES }));
-        }
-        let again = frame.set.iter().any(|(set, _)| *set == name.text)
-            && frame.aliases.find(&name.text).is_some()
-            || self.defined(&name.text);
-        let is_inner = frame.function.is_some() || frame.prefix.is_some() || frame.nested > 0;
-        let text = match &frame.function {
-            _ if is_inner => self.fresh(&frame.made_name(&name.text)),
-            None if again
-                || wrap.is_some()
-                || self.uses(&value, &name.text)
-                || name.text.chars().all(|letter| "xyzt".contains(letter)) =>
-            {
-                self.fresh(&format!("{}_2", name.text))
-            }
-            _ => name.text.clone(),
-        };
-        let (parameters, kind) = frame.call(&text);
-        if frame.nested > 0 {
-            self.generated.insert(text.clone());
-        }
-        if frame.function.is_none() {
-            match self.known(&value, &mut frame.clone()).filter(|_| wrap.is_none()) {
-                Some(number) => self.constants.insert(name.text.clone(), number),
-                None => self.constants.remove(&name.text),
-            };
-        }
-        let renamed = text != name.text;
-        let made = Name { text, span: name.span };
-        if size == 1 && wrap.is_none() && frame.function.is_none() && frame.prefix.is_none() {
-            self.program.last_value = Some(made.clone());
-        }
-        let head = Head { name: made, parameters };
-        self.push(value, Some(head), wrap, within, false)?;
-        if renamed || is_inner {
-            frame.aliases.push(name.text.clone(), kind);
-        }
-        frame.set.push((name.text, size));
-        Ok(())
-    }
-
-    /// A quotient of whole numbers, of which one has a name: programs leave out its fraction.
-    pub(crate) fn cut_quotient(&self, tokens: &[Token]) -> Option<Span> {
-        if self.whole.is_empty() {
-            return None;
-        }
-        let is_named = |token: Token| self.whole.contains(self.words.word(token));
-        let is_whole = |token: Token| {
-            let typed = &self.words.text[token.span.range()];
-            is_named(token) || token.symbol == '0' && typed.bytes().all(|b| b.is_ascii_digit())
-        };
-        let found = tokens.windows(3).find(|part| {
-            part[1].symbol == '/'
-                && is_whole(part[0])
-                && is_whole(part[2])
-                && (is_named(part[0]) || is_named(part[2]))
-        });
-        found.map(|part| part[0].span.to(part[2].span))
-    }
-
-    /// What a name stands for that nothing has set.
-    pub(crate) fn unset(name: &str, frame: &Frame) -> NamedValue {
-        let parameters = frame.function.iter().flat_map(|(_, parameters)| parameters);
-        if parameters.into_iter().any(|parameter| parameter.text == name) {
-            NamedValue::Local(name.to_owned())
+        let span = line.piece.span;
+        let setting =
+            line.piece.tokens.first().and_then(|token| setting(&text[token.span.range()]));
+        let setting = setting.ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
+        let scope = if setting.is_of_points {
+            self.scope.get_or_insert_with(|| with_point_names(scope))
         } else {
-            NamedValue::Defined(name.to_owned())
-        }
-    }
-
-    pub(crate) fn defined(&self, name: &str) -> bool {
-        self.heads.contains(name)
-    }
-
-    pub(crate) fn uses(&self, tokens: &[Token], name: &str) -> bool {
-        tokens.iter().any(|token| self.words.word(*token) == name)
-    }
-
-    /// A name like `wanted` that the text does not use.
-    pub(crate) fn fresh(&mut self, wanted: &str) -> String {
-        let mut name = wanted.to_owned();
-        let mut number = 2;
-        while !self.taken.insert(name.clone()) {
-            number += 1;
-            name = format!("{}_{number}", wanted.strip_suffix("_2").unwrap_or(wanted));
-        }
-        name
-    }
-
-    /// `return value`.
-    pub(crate) fn result(&mut self, tokens: Vec<Token>, frame: &Frame) -> Fallible<()> {
-        let head = frame.function.as_ref().map(|(name, parameters)| Head {
-            name: name.clone(),
-            parameters: Some(parameters.clone()).filter(|parameters| !parameters.is_empty()),
-        });
-        self.push(tokens, head, None, &frame.aliases, false)
-    }
-
-    /// Counts, where a name that counts is set to a number that is known.
-    pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
-        if Words::steps_by_one(tokens) && tokens.len() == 3 {
-            return self.known(tokens, frame).is_some();
-        }
-        let Some((name, None, value)) = self.words.assignment(tokens) else { return false };
-        let text = self.words.word(name).to_owned();
-        let is_known = frame.aliases.find(&text).is_some_and(|kind| number_of(kind).is_some());
-        if !is_known && !frame.whole.contains(&text) {
-            return false;
-        }
-        let Some(number) = self.known(&value, frame) else { return false };
-        frame.aliases.push(text.clone(), written(number, name.span));
-        frame.set.push((text, 1));
-        true
-    }
-
-    /// `x, y, z = p`.
-    pub(crate) fn unpack(
-        &mut self,
-        names: &[Token],
-        value: &[Token],
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        let within = frame.aliases.clone();
-        for (name, letter) in names.iter().zip(LETTERS.chars()) {
-            let wrap = Some(Wrap::Pick(letter));
-            self.set_to(self.words.name(*name), 1, value.to_vec(), wrap, &within, frame)?;
+            scope
+        };
+        let mut builder = Builder::new(text, line.piece, scope, &[], limits);
+        let said = (setting.read)(&mut builder, line.pair, span)?;
+        self.used.extend(builder.used);
+        match said {
+            SceneSetting::Domain(domain) => self.domain = Some(domain),
+            SceneSetting::View(view) => self.view = Some(view),
+            SceneSetting::Color(at, color, opacity) => {
+                self.colors.push((at, (color, opacity)));
+            }
+            SceneSetting::Opacity(at, opacity) => self.opacities.push((at, opacity)),
+            SceneSetting::Look(look) => self.look = Some(look),
+            SceneSetting::Background(color) => self.background = Some(color),
+            SceneSetting::Clip(plane) => self.picture.clip = Some(plane),
+            SceneSetting::Light(place) => self.picture.light = Some(place),
+            SceneSetting::Shadows(on) => self.picture.shadows = Some(on),
+            SceneSetting::Axes(on) => self.picture.axes = Some(on),
+            SceneSetting::Legend(on) => self.picture.legend = Some(on),
+            SceneSetting::Contours(contours) => self.contours = Some(contours),
         }
         Ok(())
+    }
+}
+
+/// What holds for a drawing at `place`: what the last line above it says; but where no drawing is below the last line (that
+/// at `last` is the last drawing), the first line below it.
+pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
+    let follow = lines.last().is_some_and(|(at, _)| *at > last);
+    let found = if follow {
+        lines.iter().find(|(at, _)| *at > place)
+    } else {
+        lines.iter().rfind(|(at, _)| *at < place)
+    };
+    found.map(|(_, said)| said)
+}
+
+/// What stands behind the word of a line.
+pub(crate) fn parts(line: Pair<'_>) -> Vec<Pair<'_>> {
+    line.into_inner().filter(|part| part.as_rule() != Rule::EOI).collect()
+}
+
+pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
+    let hint = setting(word).map_or("", |setting| setting.hint);
+    Error::new(span, ErrorKind::BadSetting { word, hint })
+}
+
+impl Builder<'_> {
+    /// The word that begins the line.
+    fn word(&self) -> &'static str {
+        let first = self.piece.tokens.first();
+        let setting = first.and_then(|token| setting(&self.text[token.span.range()]));
+        setting.map_or("", |setting| setting.word)
+    }
+
+    /// As many numbers.
+    fn numbers<const COUNT: usize>(
+        &mut self,
+        line: Pair<'_>,
+        span: Span,
+    ) -> Fallible<[Constant; COUNT]> {
+        let word = self.word();
+        let mut parts = parts(line);
+        if let [point] = &parts[..]
+            && point.as_rule() == Rule::point
+        {
+            parts = point.clone().into_inner().collect();
+        }
+        let mut numbers = Vec::new();
+        for part in parts {
+            if !matches!(part.as_rule(), Rule::expression) {
+                return Err(bad(word, self.span(&part)));
+            }
+            let number = self.value(part)?;
+            numbers.push(evaluate(&number, self.limits)?);
+        }
+        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad(word, span))
+    }
+
+    /// Whether something is on: the word alone means that it is.
+    fn switch(&mut self, line: Pair<'_>, word: &'static str, span: Span) -> Fallible<bool> {
+        let parts = parts(line);
+        match &parts[..] {
+            [] => Ok(true),
+            [part] => {
+                let place = self.span(part);
+                match &self.text[place.range()] {
+                    "on" => Ok(true),
+                    "off" => Ok(false),
+                    typed => {
+                        let meant = nearest(typed, ["on", "off"].into_iter());
+                        Err(bad(word, place).suggest_any(place, meant))
+                    }
+                }
+            }
+            _ => Err(bad(word, span)),
+        }
+    }
+
+    /// A share from 0 to 1.
+    pub(crate) fn opacity(&mut self, pair: Pair<'_>) -> Fallible<f64> {
+        let span = self.span(&pair);
+        let mut parts = pair.into_inner();
+        let number = self.term(&mut parts.next().expect("an opacity has a number").into_inner());
+        let value = evaluate(&number?, self.limits)?.bounds();
+        let whole = match parts.next() {
+            Some(_) => 100.0,
+            None => 1.0,
+        };
+        let share = value.lo.midpoint(value.hi) / whole;
+        if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(bad("opacity", span)) }
     }
 }

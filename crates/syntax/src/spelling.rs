@@ -1,6 +1,7 @@
 //! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
 use crate::foreign::plain_text;
+use crate::setting::{SETTINGS, setting};
 
 /// Directions that a `view` line can name.
 pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
@@ -11,7 +12,7 @@ pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
 /// The symbol of a fixed spelling: the character that the grammar knows it by. A blank only
 /// separates, a line break ends a statement.
 ///
-/// This is the only list of the words, operators and LaTeX names of the language.
+/// This is the only list of the words, operators and LaTeX names of the language, but for [`SETTINGS`].
 pub(crate) fn symbol(spelling: &str) -> Option<char> {
     Some(match spelling {
         " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
@@ -27,6 +28,8 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "," => ',',
         ":" => ':',
         "?" => '⸮',
+        // Behind a share of an opacity; a formula has no remainder.
+        "%" => '%',
         "+" => '+',
         "-" | "−" => '-',
         "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times" => '*',
@@ -62,22 +65,18 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "x" => 'x',
         "y" => 'y',
         "z" => 'z',
-        "domain" => 'd',
-        "view" => 'v',
-        "color" | "colour" => 'c',
-        "look" => 'l',
-        "background" => 'b',
         "auto" => 'u',
         "eye" | "target" | "up" => 'k',
         "fov" | "ortho" => 'n',
         name if PRESETS.contains(&name) => 'p',
+        name if let Some(setting) = setting(name) => setting.symbol,
         _ => return None,
     })
 }
 
 /// Whether a symbol is that of a word that begins a line about the picture rather than a formula.
 pub(crate) fn is_setting(symbol: char) -> bool {
-    matches!(symbol, 'd' | 'v' | 'c' | 'l' | 'b')
+    const { &SETTINGS }.iter().any(|setting| setting.symbol == symbol)
 }
 
 /// Whether a symbol stands for a name.

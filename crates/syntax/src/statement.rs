@@ -10,6 +10,7 @@ use crate::note::{Note, NoteKind};
 use crate::program::{Unit, Wrap};
 use crate::scan::Piece;
 use crate::scope::{Meaning, Scope};
+use crate::setting::{SETTINGS, Setting};
 use crate::span::Span;
 use crate::spelling::{is_definable, plain_name};
 use rustc_hash::FxHashSet;
@@ -70,16 +71,14 @@ pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, 
 /// What the first symbols of a statement make of it.
 fn rule(piece: &Piece) -> Rule {
     let mut symbols = piece.symbols.chars();
-    let rule = match symbols.next() {
-        Some('d') => Rule::domain_line,
-        Some('v') => Rule::view_line,
-        Some('c') => Rule::color_line,
-        Some('l') => Rule::look_line,
-        Some('b') => Rule::background_line,
-        _ => return Rule::line,
-    };
+    let first = symbols.next();
+    let setting = const { &SETTINGS }.iter().find(|setting| Some(setting.symbol) == first);
+    let Some(Setting { rule, .. }) = setting else { return Rule::line };
+    let rule = *rule;
     // `view = 3` and `view(x) = …` are definitions like any other.
     match symbols.next() {
+        // A point is made of numbers only.
+        Some('(') if rule == Rule::setting_line && symbols.all(|c| "0,-+)".contains(c)) => rule,
         Some('(') if rule != Rule::domain_line => Rule::line,
         Some('*' | '/' | '^' | '²' | ',' | '=' | '≠' | '<' | '≤' | '>' | '≥' | '∧' | '∨' | '∈') => {
             Rule::line

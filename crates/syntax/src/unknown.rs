@@ -3,7 +3,8 @@
 use crate::ast::Name;
 use crate::build::Builder;
 use crate::error::{Error, ErrorKind};
-use crate::scope::{Meaning, Scope};
+use crate::scope::{Meaning, Scope, nearest};
+use crate::setting::SETTINGS;
 use crate::span::Span;
 use crate::spelling::{is_setting, short_name, symbol};
 
@@ -46,6 +47,16 @@ impl Builder<'_> {
             let name = name.to_owned();
             let at = Span::at(self.text[..span.start].trim_end().len());
             return Error::new(span, ErrorKind::SettingInLine { name }).suggest(at, ";");
+        }
+        let behind = self.text[span.end..].trim_start_matches([' ', '\t']);
+        let begins =
+            span.start == self.piece.span.start && behind.len() < self.text.len() - span.end;
+        if begins && behind.starts_with(|c: char| c.is_alphanumeric() || c == '#') {
+            let words = const { &SETTINGS }.iter().map(|setting| setting.word);
+            if let Some(meant) = nearest(name, words) {
+                let kind = ErrorKind::UnknownName { name: short_name(name), letter: None };
+                return Error::new(span, kind).suggest(span, meant);
+            }
         }
         if let Some(powers) = scope.lost_superscripts(name, locals) {
             let name = name.to_owned();

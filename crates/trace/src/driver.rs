@@ -146,6 +146,46 @@ impl Driver<'_> {
         work
     }
 
+    /// Follows the rays of pixels on from the given distances, in world units; where those are not finite, the pixel stays as
+    /// it is. What is found is behind something else, and tells nothing of the whole ray.
+    ///
+    /// # Panics
+    /// If there are not as many distances as pixels, or the buffer has another size than the picture.
+    pub fn behind(&self, starts: &[f64], start: Start, buffer: &mut GBuffer) -> Work {
+        assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
+        assert_eq!(starts.len(), buffer.status.len());
+        let wanted = |pixel: &usize| starts[*pixel].is_finite();
+        let pixels: Vec<usize> = (0..starts.len()).filter(wanted).collect();
+        let [width, growth] = self.rays.pixel();
+        let segment = |pixel: Pixel| {
+            let [column, row] = pixel.map(|place| place as usize);
+            let ray = self.rays.ray(column, row);
+            let t = ray.parameter(starts[self.index(pixel)]);
+            Segment {
+                ray: Ray { origin: ray.at(t), ..ray },
+                to: f64::INFINITY,
+                pixel: [width + growth * t, growth],
+            }
+        };
+        let tiles = pixels.par_chunks(LIST).map(|tile| (self.places(tile), 0));
+        let mut work = Work::default();
+        for (found, part) in self.follow(tiles, &segment, start).into_iter().flatten() {
+            work += part;
+            for (pixel, found) in found {
+                let pixel = self.index(pixel);
+                let from = starts[pixel];
+                let found = Found {
+                    distance: found.distance + from,
+                    drawn: found.drawn + from,
+                    bracket: found.bracket.map(|end| end + from),
+                    ..found
+                };
+                buffer.set(pixel, &found);
+            }
+        }
+        work
+    }
+
     fn index(&self, [column, row]: Pixel) -> usize {
         row as usize * self.rays.width() + column as usize
     }

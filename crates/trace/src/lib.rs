@@ -8,6 +8,7 @@
 mod band;
 mod camera;
 mod colour;
+mod colour_map;
 mod driver;
 mod edges;
 mod gbuffer;
@@ -32,6 +33,7 @@ mod work;
 pub use band::Band;
 pub use camera::{Camera, CameraError, Projection, Ray};
 pub use colour::LinearRgb;
+pub use colour_map::{COLOUR_MAPS, ColourMap};
 pub use driver::Driver;
 pub use edges::edges;
 pub use gbuffer::{Found, GBuffer, PixelCounts, Reason, Status};
@@ -43,9 +45,11 @@ pub use methods::{METHODS, STEPS};
 pub use near::{Near, TURNS};
 pub use normal::{NormalSource, normals};
 pub use pattern::Pattern;
-pub use region::{HalfSpace, Region, RegionError};
+pub use region::{Ball, HalfSpace, Region, RegionError};
 pub use region_caps::cap;
 pub use scalar::Scalar;
-pub use shade::{Appearance, SurfaceColours, UndecidedStyle, hand_back_colours, shade};
+pub use shade::{
+    Appearance, Paint, SurfaceColours, UndecidedStyle, hand_back_colours, shade, shade_painted,
+};
 pub use view::StandardView;
 pub use work::{Count, Work};

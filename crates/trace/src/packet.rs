@@ -195,6 +195,31 @@ impl<T: Scalar> Packet<T> {
             }
         }
         self.clip(segments, &t0, &dt, region);
+        self.round(segments, region);
+    }
+
+    /// Keeps only τ in the region's ball.
+    fn round(&mut self, segments: &[&Segment; RAYS], region: &Region) {
+        if region.ball().is_none() {
+            return;
+        }
+        let Planes { k, start, inverse, .. } = self.planes;
+        let (mut from, mut to) = ([T::integer(1); 4], [-T::integer(1); 4]);
+        for (lane, segment) in segments.iter().enumerate() {
+            // What the box keeps of the ray is cut by the ball alone: no end moves that the ball does not move.
+            let Some((near, far)) = region.span(&segment.ray) else { continue };
+            let (origin, direction) = (segment.ray.origin[k], segment.ray.direction[k]);
+            let share = |t: f64, outward: f64| {
+                let advance = t * direction;
+                let sizes = (origin * inverse).abs() + (advance * inverse).abs();
+                let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * sizes;
+                T::nearest((advance - (start - origin)) * inverse + outward * error)
+            };
+            (from[lane], to[lane]) = (share(near, -1.0), share(far, 1.0));
+        }
+        // In this order, what is not a number gives way.
+        self.enter = T::Four::from_array(from).max(self.enter);
+        self.leave = T::Four::from_array(to).min(self.leave);
     }
 
     /// Keeps only τ in the region's half-space.

@@ -1,10 +1,13 @@
-//! The part of space in which a surface is looked for: a box, and optionally a half-space that cuts
-//! it.
+//! The part of space in which a surface is looked for: a box, and optionally a half-space and a ball
+//! that cut it.
 //!
 //! Every bound here is rounded away from the region, so that no part of a ray inside it is ever
 //! lost. Nothing is known of functions or pixels.
 
+mod ball;
+
 use crate::camera::Ray;
+pub use ball::Ball;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -21,12 +24,13 @@ pub struct HalfSpace {
     pub offset: f64,
 }
 
-/// A closed box, cut by at most one half-space.
+/// A closed box, cut by at most one half-space and by at most one ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
     low: DVec3,
     high: DVec3,
     clip: Option<HalfSpace>,
+    ball: Option<Ball>,
 }
 
 /// Why a region cannot exist.
@@ -92,7 +96,7 @@ impl Region {
                 return Err(RegionError::Empty { axis, low, high });
             }
         }
-        Ok(Self { low, high, clip: None })
+        Ok(Self { low, high, clip: None, ball: None })
     }
 
     /// The same box, cut by a half-space.
@@ -102,6 +106,13 @@ impl Region {
     pub fn with_clip(self, clip: HalfSpace) -> Result<Self, RegionError> {
         let valid = clip.normal.try_normalize().is_some() && clip.offset.is_finite();
         if valid { Ok(Self { clip: Some(clip), ..self }) } else { Err(RegionError::Plane) }
+    }
+
+    /// The same region, cut by the ball about the box's centre that reaches to its farthest faces.
+    #[must_use]
+    pub fn with_ball(self) -> Self {
+        let ball = Ball { centre: self.centre(), radius: self.half_extent() };
+        Self { ball: Some(ball), ..self }
     }
 
     /// The corner with the smallest coordinates.
@@ -117,6 +128,16 @@ impl Region {
     /// The half-space that cuts the box.
     pub fn clip(&self) -> Option<HalfSpace> {
         self.clip
+    }
+
+    /// The ball that cuts the box.
+    pub fn ball(&self) -> Option<Ball> {
+        self.ball
+    }
+
+    /// Whether anything of the box is cut away.
+    pub(crate) fn is_cut(&self) -> bool {
+        self.clip.is_some() || self.ball.is_some()
     }
 
     /// The middle of the box, whatever is cut away.
@@ -151,6 +172,11 @@ impl Region {
                 return None;
             }
         }
+        if let Some(ball) = &self.ball {
+            let [first, last] = ball.chord(ray).map(|chord| chord.outer)?;
+            near = near.max(first);
+            far = far.min(last);
+        }
         (near <= far).then_some((near, far))
     }
 
@@ -174,6 +200,11 @@ impl Region {
             } else if room < 0.0 {
                 return NOWHERE;
             }
+        }
+        if let Some(ball) = &self.ball {
+            let Some(chord) = ball.chord(ray) else { return NOWHERE };
+            near = near.max(chord.inner[0]);
+            far = far.min(chord.inner[1]);
         }
         [near, far]
     }
@@ -204,6 +235,16 @@ impl Region {
             } else if room.0 < 0.0 {
                 far = 0.0;
             }
+        }
+        if let Some(ball) = &self.ball {
+            let chord = ball.chord(ray)?;
+            let [first, last] = chord.inner;
+            let crossing = (chord.outer[0], if first <= last { first } else { chord.outer[1] });
+            if crossing.0 > near.0 {
+                normal = Some(ball.normal(ray.at(crossing.0)));
+            }
+            near = (near.0.max(crossing.0), near.1.max(crossing.1));
+            far = far.min(last);
         }
         self.span(ray)?;
         let normal = normal?;
@@ -258,95 +299,4 @@ fn up(value: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn cube() -> Region {
-        Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("valid")
-    }
-
-    fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
-        Ray { origin: origin.into(), direction: DVec3::from(direction).normalize() }
-    }
-
-    #[test]
-    fn a_ray_through_the_box_enters_and_leaves() {
-        let along = ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
-        let (near, far) = cube().span(&along).expect("meets");
-        assert!(near < 2.0 && 2.0 - near < 1e-14 && far > 4.0 && far - 4.0 < 1e-14);
-        let entry = cube().entry(&along).expect("from outside");
-        assert!(entry.certain && entry.normal == DVec3::NEG_X);
-        assert!(entry.t.0 < 2.0 && entry.t.1 > 2.0);
-        assert_eq!(cube().span(&ray([-3.0, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
-        assert_eq!(cube().span(&ray([-3.0, 1.5, 0.0], [1.0, 0.0, 0.0])), None);
-    }
-
-    #[test]
-    fn an_eye_inside_starts_at_0_and_enters_nowhere() {
-        let inside = ray([0.5, 0.0, 0.0], [1.0, 0.0, 0.0]);
-        let (near, far) = cube().span(&inside).expect("meets");
-        assert!(near == 0.0 && far >= 0.5);
-        assert_eq!(cube().entry(&inside), None);
-    }
-
-    #[test]
-    fn a_ray_inside_a_face_is_kept() {
-        assert!(cube().span(&ray([-3.0, 1.0, 0.0], [1.0, 0.0, 0.0])).is_some());
-        assert!(cube().span(&ray([-3.0, 1.0_f64.next_up(), 0.0], [1.0, 0.0, 0.0])).is_none());
-    }
-
-    #[test]
-    fn a_half_space_cuts_either_end() {
-        let keep_left = HalfSpace { normal: DVec3::X * 2.0, offset: 0.5 };
-        let region = cube().with_clip(keep_left).expect("valid");
-        let (near, far) = region.span(&ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0])).expect("meets");
-        assert!((near - 2.0).abs() < 1e-12 && far > 3.25 && far - 3.25 < 1e-12);
-        let back = ray([3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]);
-        let (near, _) = region.span(&back).expect("meets");
-        assert!(near <= 2.75 && near > 2.75 - 1e-12);
-        assert_eq!(region.entry(&back).expect("from outside").normal, DVec3::X);
-        // Parallel to the plane, on either side of it.
-        assert!(region.span(&ray([0.0, -3.0, 0.0], [0.0, 1.0, 0.0])).is_some());
-        assert!(region.span(&ray([0.5, -3.0, 0.0], [0.0, 1.0, 0.0])).is_none());
-    }
-
-    #[test]
-    fn no_point_inside_is_lost() {
-        // Points of the region on exactly representable rays: small integers over powers of two
-        // make o + t·d exact.
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        println!("seed {state:#x}");
-        let mut random = |range: i64| {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state % (2 * range + 1) as u64) as i64 - range
-        };
-        for _ in 0..20_000 {
-            let direction = DVec3::new(random(9) as f64, random(9) as f64, random(9) as f64);
-            if direction == DVec3::ZERO {
-                continue;
-            }
-            let point = DVec3::new(random(16) as f64, random(16) as f64, random(16) as f64) / 16.0;
-            let t = random(64).unsigned_abs() as f64 / 8.0;
-            let ray = Ray { origin: point - direction * t, direction };
-            let normal = DVec3::new(random(3) as f64, random(3) as f64, 1.0);
-            let clip = HalfSpace { normal, offset: normal.dot(point) };
-            let region = cube().with_clip(clip).expect("valid");
-            let (near, far) = region.span(&ray).unwrap_or_else(|| panic!("lost: {ray:?} at {t}"));
-            assert!(near <= t && t <= far, "{ray:?} at {t}: {near} to {far}");
-        }
-    }
-
-    #[test]
-    fn impossible_regions_are_refused() {
-        let low = DVec3::splat(-1.0);
-        let bound = |x: f64| Region::new(low, DVec3::new(1.0, x, 1.0));
-        assert!(matches!(bound(-1.0), Err(RegionError::Empty { axis: 'y', .. })));
-        assert!(matches!(bound(f64::NAN), Err(RegionError::Bound { axis: 'y', .. })));
-        assert!(matches!(bound(f64::INFINITY), Err(RegionError::Bound { axis: 'y', .. })));
-        let plane = |normal: DVec3, offset| cube().with_clip(HalfSpace { normal, offset });
-        assert_eq!(plane(DVec3::ZERO, 0.0), Err(RegionError::Plane));
-        assert_eq!(plane(DVec3::X, f64::NAN), Err(RegionError::Plane));
-    }
-}
+mod tests;

@@ -110,7 +110,7 @@ impl Window {
         let mut canvas = Canvas { width, height, pixels: self.backdrop.pixels.clone(), scale };
         let rendering = self.backdrop.rendering.as_ref();
         if let Some(rendering) = rendering.filter(|_| content.axes) {
-            draw_box(&mut canvas, rendering, self.picture_size().1);
+            draw_box(&mut canvas, (&**rendering).into(), self.picture_size().1);
         }
         if content.wrong {
             canvas.border(2 * scale, WRONG);

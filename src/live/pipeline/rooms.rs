@@ -17,13 +17,12 @@ const SLIDERS: usize = 4;
 /// Code is made for domains so many times as large as the one shown, at most.
 const FARTHEST: f64 = 64.0;
 
-/// The same box with this clip.
+/// The same box or ball with this clip.
 ///
 /// # Errors
 /// If the plane has no normal.
 pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, RegionError> {
-    let whole = Region::new(region.low(), region.high())?;
-    clip.map_or(Ok(whole), |clip| whole.with_clip(clip))
+    scene::clipped(region.low(), region.high(), region.ball().is_some(), clip)
 }
 
 /// The domain to be shown after `before`, where `found` is that of the present values: the same while there is room.
@@ -31,15 +30,17 @@ pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, Regio
 /// # Errors
 /// If floats leave none.
 pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> {
-    let enough =
-        is_inside(found, before) && found.half_extent() >= LEAST_SHARE * before.half_extent();
+    let is_round = found.ball().is_some();
+    let enough = is_inside(found, before)
+        && is_round == before.ball().is_some()
+        && found.half_extent() >= LEAST_SHARE * before.half_extent();
     if enough {
         return clipped(before, found.clip());
     }
     let room = SPARE * (found.high() - found.low());
     let low = DVec3::select(found.low().cmplt(before.low()), found.low() - room, found.low());
     let high = DVec3::select(found.high().cmpgt(before.high()), found.high() + room, found.high());
-    Region::new(low, high).and_then(|wider| clipped(&wider, found.clip())).or(Ok(*found))
+    scene::clipped(low, high, is_round, found.clip()).or(Ok(*found))
 }
 
 /// A box around what is shown and what is found at the ends of the sliders: code made for it serves for all of them.

@@ -337,7 +337,8 @@ impl Worker {
                 && (built.searched.is_none() || scene::same_search(&built.document, document))
         });
         if let Some(built) = same {
-            let region = rooms::clipped(built.model.region(), *clip)?;
+            let clip = clip.or(scene::typed_clip(document));
+            let region = rooms::clipped(built.model.region(), clip)?;
             if let Some(model) = built.model.rebound(document, &region) {
                 return Ok(Some((Arc::new(model?), built.searched)));
             }

@@ -6,7 +6,8 @@
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_syntax::{
-    Document, DomainLine, Limits, Options, ParameterKind, SurfaceKind, parse, read,
+    Contours, Document, DomainLine, Limits, MappedColor, Options, ParameterKind, PictureLines,
+    SurfaceColor, SurfaceKind, parse, read,
 };
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/language.txt");
@@ -53,6 +54,28 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
     }
 }
 
+/// What is said of the picture beside where and from where to look.
+fn describe_picture(out: &mut String, picture: &PictureLines) {
+    let PictureLines { clip, light, shadows, axes, legend, contours } = picture;
+    if let Some(plane) = clip {
+        let numbers = plane.each_ref().map(number).join(" ");
+        writeln!(out, "clip: {numbers}").unwrap();
+    }
+    if let Some(place) = light {
+        writeln!(out, "light: {}", vector(place)).unwrap();
+    }
+    for (word, on) in [("shadows", shadows), ("axes", axes), ("legend", legend)] {
+        if let Some(on) = on {
+            writeln!(out, "{word}: {on}").unwrap();
+        }
+    }
+    if let Some(Contours { value, step }) = contours {
+        let value = value.as_ref().map_or("-", |value| &value.echo);
+        let step = step.as_ref().map_or("-".to_owned(), number);
+        writeln!(out, "contours: {value}, {step}").unwrap();
+    }
+}
+
 fn describe(row: &Row, document: &Document) -> String {
     let mut out = String::new();
     if let Some(title) = &document.title {
@@ -67,10 +90,21 @@ fn describe(row: &Row, document: &Document) -> String {
             SurfaceKind::Solid => "solid",
         };
         write!(out, "{kind}: {}", surface.echo).unwrap();
-        match surface.color {
-            Some(color) => writeln!(out, "  [color {:?}]", color.rgb).unwrap(),
-            None => out.push('\n'),
+        match &surface.color {
+            Some(SurfaceColor::Plain(color)) => write!(out, "  [color {:?}]", color.rgb).unwrap(),
+            Some(SurfaceColor::Mapped(MappedColor { map, value, range })) => {
+                write!(out, "  [color {map} of {}", value.echo).unwrap();
+                if let Some([low, high]) = range {
+                    write!(out, " from {} to {}", number(low), number(high)).unwrap();
+                }
+                out.push(']');
+            }
+            None => {}
         }
+        if surface.opacity < 1.0 {
+            write!(out, "  [opacity {}]", surface.opacity).unwrap();
+        }
+        out.push('\n');
         if row.graph {
             writeln!(out, "graph: {}", graph_text(&document.graph, surface.root)).unwrap();
         }
@@ -96,6 +130,9 @@ fn describe(row: &Row, document: &Document) -> String {
     match &document.domain {
         None => {}
         Some(DomainLine::Auto) => out.push_str("domain: auto\n"),
+        Some(DomainLine::Ball(radius)) => {
+            writeln!(out, "domain: ball {}", number(radius)).unwrap();
+        }
         Some(DomainLine::Box(axes)) => {
             let axis = |range: &Option<(Constant, Constant)>| match range {
                 Some((low, high)) => format!("[{}, {}]", number(low), number(high)),
@@ -104,6 +141,7 @@ fn describe(row: &Row, document: &Document) -> String {
             writeln!(out, "domain: {}", axes.each_ref().map(axis).join(" ")).unwrap();
         }
     }
+    describe_picture(&mut out, &document.picture);
     if let Some(view) = &document.view {
         out.push_str("view:");
         if let Some(preset) = view.preset {

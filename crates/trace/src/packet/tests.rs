@@ -34,7 +34,7 @@ fn exact(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
 }
 
-/// A region, four rays that meet it, perhaps a clipping plane, of all sizes and from near and very far.
+/// A region, four rays that meet its box, perhaps a clipping plane or a ball, of all sizes and from near and very far.
 fn scene(random: &mut Random) -> (Region, [Segment; 4]) {
     let size = random.scale(3);
     let away = size * random.scale(2);
@@ -46,6 +46,9 @@ fn scene(random: &mut Random) -> (Region, [Segment; 4]) {
         let normal = random.vector(1.0) + DVec3::splat(0.01);
         let offset = normal.dot(centre + half * random.unit() * 0.5);
         region = region.with_clip(HalfSpace { normal, offset }).expect("a plane");
+    }
+    if random.next().is_multiple_of(3) {
+        region = region.with_ball();
     }
     let away = size * random.scale(7);
     let origin = centre + random.vector(away);
@@ -73,7 +76,13 @@ fn inside(region: &Region, point: &[BigRational; 3]) -> bool {
         let dot: BigRational = (0..3).map(|axis| exact(half.normal[axis]) * &point[axis]).sum();
         dot <= exact(half.offset)
     });
-    in_box && kept
+    let in_ball = region.ball().is_none_or(|ball| {
+        let square = |value: BigRational| &value * &value;
+        let far: BigRational =
+            (0..3).map(|axis| square(&point[axis] - exact(ball.centre[axis]))).sum();
+        far <= square(exact(ball.radius))
+    });
+    in_box && kept && in_ball
 }
 
 #[test]

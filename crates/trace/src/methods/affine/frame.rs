@@ -139,14 +139,23 @@ impl Frame {
     /// Whether all of a tile's rays are in the region from s = `near` to `far`, its clipping plane apart.
     pub fn is_inside(&self, tile: &Tile, region: &Region, [near, far]: [f64; 2]) -> bool {
         let [low, high] = [region.low(), region.high()];
-        (0..3).all(|axis| {
+        let bounds = |axis: usize| {
             let [o, d] =
                 [Self::range(&self.origin, tile, axis), Self::range(&self.direction, tile, axis)];
             let least = o[0] + (near * d[0]).min(near * d[1]).min(far * d[0]).min(far * d[1]);
             let most = o[1] + (near * d[0]).max(near * d[1]).max(far * d[0]).max(far * d[1]);
-            let slack = self.error[axis];
+            [least, most]
+        };
+        let is_between = |axis: usize| {
+            let ([least, most], slack) = (bounds(axis), self.error[axis]);
             low[axis] + slack <= least && most <= high[axis] - slack
-        })
+        };
+        (0..3).all(is_between)
+            && region.ball().is_none_or(|ball| {
+                let [x, y, z] = [0, 1, 2].map(bounds);
+                let (least, most) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
+                ball.holds(least - self.error, most + self.error)
+            })
     }
 
     /// Bounds of one coordinate of a sum of three over a tile.

@@ -268,7 +268,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let ray = Tile { centre: screen, half: [0.0; 2] };
             let Some(mut span) = self.frame.clip(&ray, region, segment) else { continue };
             let mut inside = way::between_faces([origin, direction, self.frame.error], region);
-            if region.clip().is_some() {
+            if region.is_cut() {
                 let ray = self.rays.ray(patch.column(bit), self.band.top + patch.row(bit));
                 let start = self.frame.start;
                 let Some((near, far)) = region.span(&ray) else { continue };

@@ -206,7 +206,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
         for (lane, segment) in rays.iter().enumerate() {
             found[lane] = Found::MISS;
-            let Some(way) = Way::new(segment, self.region) else { continue };
+            let Some(mut way) = Way::new(segment, self.region) else { continue };
+            way.tolerance = self.options.tolerance * segment.footprint(-way.start);
             starts[lane] = -way.start;
             ways.push(way);
             lanes.push(lane);

@@ -1,0 +1,241 @@
+//! Names that a program sets: each time that one is set it is another name, which stands for it below.
+
+use crate::aliases::Aliases;
+use crate::ast::{ExprKind, Name, NamedValue};
+use crate::counting::{number_of, written};
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::program::Wrap;
+use crate::program_words::{Words, split};
+use crate::reader::{Frame, Reader};
+use crate::scan::Token;
+use crate::span::Span;
+use crate::spelling::is_name;
+use crate::statement::Head;
+use crate::value::LETTERS;
+
+/// The most names that a function sets.
+const MOST_NAMES: usize = 1500;
+
+impl Reader<'_> {
+    /// `float a = 1., b = 2.`, its types taken away.
+    pub(crate) fn declarations(
+        &mut self,
+        tokens: Vec<Token>,
+        size: usize,
+        is_whole: bool,
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        for tokens in split(tokens, ',') {
+            let tokens = Words::without_type(tokens);
+            let is_inner = frame.function.is_some() || frame.prefix.is_some() || frame.nested > 0;
+            if is_whole
+                && is_inner
+                && let Some(name) = tokens.first()
+            {
+                frame.whole.insert(self.words.word(*name).to_owned());
+            }
+            if is_whole && let Some(name) = tokens.first() {
+                self.whole.insert(self.words.word(*name).to_owned());
+            }
+            if self.counts(&tokens, frame) {
+                continue;
+            }
+            if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
+                self.lambda(name, parameters, value, frame)?;
+            } else if let Some((name, None, value)) = self.words.assignment(&tokens) {
+                if let Some((procedure, arguments)) = self.called(&value) {
+                    let kind = self.inline(value[0], &procedure, &arguments, frame)?;
+                    let text = self.words.name(name).text;
+                    let none = || Error::new(name.span, ErrorKind::NoEffect);
+                    frame.aliases.push(text.clone(), kind.ok_or_else(none)?);
+                    frame.set.push((text, size));
+                    continue;
+                }
+                let name = self.words.name(name);
+                self.set(name, size, value, None, frame)?;
+            } else if let [name, open, ..] = tokens.as_slice()
+                && open.symbol == '['
+                && is_name(name.symbol)
+            {
+                return Err(Error::new(name.span, ErrorKind::Array));
+            } else if let [name] = tokens.as_slice() {
+                // A name that is set later.
+                frame.set.push((self.words.word(*name).to_owned(), size));
+            } else {
+                self.plain(tokens, frame, false)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// `name = value`, or with `letters` some components of it.
+    pub(crate) fn set(
+        &mut self,
+        name: Name,
+        size: usize,
+        value: Vec<Token>,
+        letters: Option<String>,
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        let within = frame.aliases.clone();
+        let write = letters.map(|letters| {
+            let before = within.find(&name.text);
+            let before = before
+                .map_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)), ExprKind::clone);
+            Wrap::Write { letters, before, size }
+        });
+        self.set_to(name, size, value, write, &within, frame)
+    }
+
+    /// `name = value`, whose names stand for what they are in `within`.
+    pub(crate) fn set_within(
+        &mut self,
+        name: Name,
+        size: usize,
+        value: Vec<Token>,
+        within: &Aliases,
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        self.set_to(name, size, value, None, within, frame)
+    }
+
+    pub(crate) fn set_to(
+        &mut self,
+        name: Name,
+        size: usize,
+        value: Vec<Token>,
+        wrap: Option<Wrap>,
+        within: &Aliases,
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        if frame.set.len() >= MOST_NAMES {
+            return Err(Error::new(name.span, ErrorKind::TooManyNames { limit: MOST_NAMES }));
+        }
+        let again = frame.set.iter().any(|(set, _)| *set == name.text)
+            && frame.aliases.find(&name.text).is_some()
+            || self.defined(&name.text);
+        let is_inner = frame.function.is_some() || frame.prefix.is_some() || frame.nested > 0;
+        let text = match &frame.function {
+            _ if is_inner => self.fresh(&frame.made_name(&name.text)),
+            None if again
+                || wrap.is_some()
+                || self.uses(&value, &name.text)
+                || name.text.chars().all(|letter| "xyzt".contains(letter)) =>
+            {
+                self.fresh(&format!("{}_2", name.text))
+            }
+            _ => name.text.clone(),
+        };
+        let (parameters, kind) = frame.call(&text);
+        if frame.nested > 0 {
+            self.generated.insert(text.clone());
+        }
+        if frame.function.is_none() {
+            match self.known(&value, &mut frame.clone()).filter(|_| wrap.is_none()) {
+                Some(number) => self.constants.insert(name.text.clone(), number),
+                None => self.constants.remove(&name.text),
+            };
+        }
+        let renamed = text != name.text;
+        let made = Name { text, span: name.span };
+        if size == 1 && wrap.is_none() && frame.function.is_none() && frame.prefix.is_none() {
+            self.program.last_value = Some(made.clone());
+        }
+        let head = Head { name: made, parameters };
+        self.push(value, Some(head), wrap, within, false)?;
+        if renamed || is_inner {
+            frame.aliases.push(name.text.clone(), kind);
+        }
+        frame.set.push((name.text, size));
+        Ok(())
+    }
+
+    /// A quotient of whole numbers, of which one has a name: programs leave out its fraction.
+    pub(crate) fn cut_quotient(&self, tokens: &[Token]) -> Option<Span> {
+        if self.whole.is_empty() {
+            return None;
+        }
+        let is_named = |token: Token| self.whole.contains(self.words.word(token));
+        let is_whole = |token: Token| {
+            let typed = &self.words.text[token.span.range()];
+            is_named(token) || token.symbol == '0' && typed.bytes().all(|b| b.is_ascii_digit())
+        };
+        let found = tokens.windows(3).find(|part| {
+            part[1].symbol == '/'
+                && is_whole(part[0])
+                && is_whole(part[2])
+                && (is_named(part[0]) || is_named(part[2]))
+        });
+        found.map(|part| part[0].span.to(part[2].span))
+    }
+
+    /// What a name stands for that nothing has set.
+    pub(crate) fn unset(name: &str, frame: &Frame) -> NamedValue {
+        let parameters = frame.function.iter().flat_map(|(_, parameters)| parameters);
+        if parameters.into_iter().any(|parameter| parameter.text == name) {
+            NamedValue::Local(name.to_owned())
+        } else {
+            NamedValue::Defined(name.to_owned())
+        }
+    }
+
+    pub(crate) fn defined(&self, name: &str) -> bool {
+        self.heads.contains(name)
+    }
+
+    pub(crate) fn uses(&self, tokens: &[Token], name: &str) -> bool {
+        tokens.iter().any(|token| self.words.word(*token) == name)
+    }
+
+    /// A name like `wanted` that the text does not use.
+    pub(crate) fn fresh(&mut self, wanted: &str) -> String {
+        let mut name = wanted.to_owned();
+        let mut number = 2;
+        while !self.taken.insert(name.clone()) {
+            number += 1;
+            name = format!("{}_{number}", wanted.strip_suffix("_2").unwrap_or(wanted));
+        }
+        name
+    }
+
+    /// `return value`.
+    pub(crate) fn result(&mut self, tokens: Vec<Token>, frame: &Frame) -> Fallible<()> {
+        let head = frame.function.as_ref().map(|(name, parameters)| Head {
+            name: name.clone(),
+            parameters: Some(parameters.clone()).filter(|parameters| !parameters.is_empty()),
+        });
+        self.push(tokens, head, None, &frame.aliases, false)
+    }
+
+    /// Counts, where a name that counts is set to a number that is known.
+    pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
+        if Words::steps_by_one(tokens) && tokens.len() == 3 {
+            return self.known(tokens, frame).is_some();
+        }
+        let Some((name, None, value)) = self.words.assignment(tokens) else { return false };
+        let text = self.words.word(name).to_owned();
+        let is_known = frame.aliases.find(&text).is_some_and(|kind| number_of(kind).is_some());
+        if !is_known && !frame.whole.contains(&text) {
+            return false;
+        }
+        let Some(number) = self.known(&value, frame) else { return false };
+        frame.aliases.push(text.clone(), written(number, name.span));
+        frame.set.push((text, 1));
+        true
+    }
+
+    /// `x, y, z = p`.
+    pub(crate) fn unpack(
+        &mut self,
+        names: &[Token],
+        value: &[Token],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        let within = frame.aliases.clone();
+        for (name, letter) in names.iter().zip(LETTERS.chars()) {
+            let wrap = Some(Wrap::Pick(letter));
+            self.set_to(self.words.name(*name), 1, value.to_vec(), wrap, &within, frame)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,216 @@
+//! Colors of surfaces and lines on them: everywhere the same, or by a value at each point.
+//!
+//! What a value is at a point is not computed here.
+
+use crate::ast::Expr;
+use crate::build::Builder;
+use crate::constant::evaluate;
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::grammar::{Pair, Rule};
+use crate::limits::Limits;
+use crate::lower::{Binding, Lowering};
+use crate::scene::SrgbColor;
+use crate::scope::{Meaning, Scope, nearest};
+use crate::setting::{SceneSetting, bad, parts};
+use crate::span::Span;
+use rustc_hash::FxHashMap;
+use zeroset_ir::{Constant, Graph, NodeId};
+
+/// Color maps that a `color` line can name.
+pub const COLOR_MAPS: [&str; 12] = [
+    "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "spectral", "sinebow", "rainbow",
+    "blues", "greys", "redblue",
+];
+
+/// Names that a value at each point of a surface may depend on beside x, y and z: the unit normal, and the distance from the
+/// eye. Their numbers as parameters follow those of the document.
+pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
+
+/// Lines on a surface along which a value stays the same.
+#[derive(Clone, Debug)]
+pub struct Contours {
+    /// The value; `None` for that of the surface's color, else z.
+    pub value: Option<PointValue>,
+    /// How far the values of two lines are apart; `None` for a round number.
+    pub step: Option<Constant>,
+}
+
+/// The color of a surface.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // a document has few
+pub enum SurfaceColor {
+    /// Everywhere the same.
+    Plain(SrgbColor),
+    /// By a value.
+    Mapped(MappedColor),
+}
+
+/// Which value has which color.
+#[derive(Clone, Debug)]
+pub struct MappedColor {
+    /// One of [`COLOR_MAPS`].
+    pub map: &'static str,
+    /// The value.
+    pub value: PointValue,
+    /// The values that have the first and the last color; `None` for the least and the greatest that are seen.
+    pub range: Option<[Constant; 2]>,
+}
+
+/// A number at each point of a surface.
+#[derive(Clone, Debug)]
+pub struct PointValue {
+    /// A graph of its own. Its parameters are those of the document, and then [`POINT_NAMES`].
+    pub graph: Graph,
+    /// What is to be computed.
+    pub root: NodeId,
+    /// How it was read.
+    pub echo: String,
+}
+
+/// A color before names have values.
+#[allow(clippy::large_enum_variant)] // likewise
+pub(crate) enum TypedColor {
+    Plain(SrgbColor),
+    Mapped { map: &'static str, value: Expr, range: Option<[Constant; 2]> },
+}
+
+/// The same names, and those of a point's own.
+pub(crate) fn with_point_names(scope: &Scope) -> Scope {
+    let mut scope = scope.clone();
+    for name in POINT_NAMES {
+        if matches!(scope.meaning(name, &[]), Meaning::Unknown | Meaning::Product) {
+            scope.define(name, None);
+        }
+    }
+    scope
+}
+
+/// Brings values of points to graphs.
+pub(crate) struct PointValues<'a> {
+    pub names: FxHashMap<&'a str, Binding<'a>>,
+    pub time: Option<u32>,
+    pub limits: &'a Limits,
+}
+
+impl<'a> PointValues<'a> {
+    /// With the point's own names as parameters from `first` on.
+    pub fn new(
+        mut names: FxHashMap<&'a str, Binding<'a>>,
+        first: u32,
+        time: Option<u32>,
+        limits: &'a Limits,
+    ) -> Self {
+        for (number, name) in (first..).zip(POINT_NAMES) {
+            names.entry(name).or_insert(Binding::Parameter(number));
+        }
+        Self { names, time, limits }
+    }
+
+    /// The graph of one value.
+    pub fn value(&self, expr: &'a Expr) -> Fallible<PointValue> {
+        let mut lowering = Lowering::new(self.names.clone(), self.time, self.limits);
+        let root = lowering.value(expr)?;
+        Ok(PointValue { graph: lowering.graph, root, echo: expr.to_string() })
+    }
+
+    /// A surface's color.
+    pub fn color(&self, typed: &'a TypedColor) -> Fallible<SurfaceColor> {
+        Ok(match typed {
+            TypedColor::Plain(color) => SurfaceColor::Plain(*color),
+            TypedColor::Mapped { map, value, range } => SurfaceColor::Mapped(MappedColor {
+                map,
+                value: self.value(value)?,
+                range: range.clone(),
+            }),
+        })
+    }
+}
+
+impl Builder<'_> {
+    pub(crate) fn color_line(&mut self, line: Pair<'_>, span: Span) -> Fallible<SceneSetting> {
+        let (mut color, mut opacity) = (None, None);
+        for part in line.into_inner() {
+            match part.as_rule() {
+                Rule::opacity => opacity = Some(self.opacity(part)?),
+                Rule::mapped => color = Some(self.mapped(part)?),
+                Rule::hex | Rule::name => color = Some(TypedColor::Plain(self.plain(&part)?)),
+                _ => {}
+            }
+        }
+        let color = color.ok_or_else(|| bad("color", span))?;
+        Ok(SceneSetting::Color(span.start, color, opacity))
+    }
+
+    /// `viridis(z)` or `viridis(z, -1, 1)`.
+    fn mapped(&mut self, pair: Pair<'_>) -> Fallible<TypedColor> {
+        let span = self.span(&pair);
+        let mut parts = pair.into_inner();
+        let name = parts.next().expect("a color map has a name");
+        let (place, typed) = (self.span(&name), self.typed(&name));
+        let map = COLOR_MAPS.into_iter().find(|known| known.eq_ignore_ascii_case(typed));
+        let map = map.ok_or_else(|| {
+            let meant = nearest(typed, COLOR_MAPS.into_iter());
+            Error::new(place, ErrorKind::BadColorMap).suggest_any(place, meant)
+        })?;
+        let mut arguments = Vec::new();
+        for part in parts {
+            if part.as_rule() != Rule::expression {
+                return Err(bad("color", self.span(&part)));
+            }
+            arguments.push(self.value(part)?);
+        }
+        let mut arguments = arguments.into_iter();
+        let (value, rest) = (arguments.next(), arguments.collect::<Vec<_>>());
+        let value = value.ok_or_else(|| bad("color", span))?;
+        let range = match &rest[..] {
+            [] => None,
+            [low, high] => {
+                let ends = [evaluate(low, self.limits)?, evaluate(high, self.limits)?];
+                if ends[0].bounds().lo >= ends[1].bounds().hi {
+                    return Err(Error::new(low.span.to(high.span), ErrorKind::EmptyRange));
+                }
+                Some(ends)
+            }
+            _ => return Err(bad("color", span)),
+        };
+        Ok(TypedColor::Mapped { map, value, range })
+    }
+
+    pub(crate) fn contours(
+        &mut self,
+        line: Pair<'_>,
+        span: Span,
+    ) -> Fallible<(Option<Expr>, Option<Constant>)> {
+        let mut values = Vec::new();
+        for part in parts(line) {
+            let value = match part.as_rule() {
+                Rule::opacity => {
+                    let limits = self.limits;
+                    let span = self.span(&part);
+                    let [amount] = &parts(part)[..] else { return Err(bad("contours", span)) };
+                    let number = self.term(&mut amount.clone().into_inner())?;
+                    return Ok((None, Some(step(limits, &number)?)));
+                }
+                Rule::expression => self.value(part)?,
+                _ => return Err(bad("contours", self.span(&part))),
+            };
+            values.push(value);
+        }
+        let mut values = values.into_iter();
+        match (values.next(), values.next(), values.next()) {
+            (None, ..) => Ok((None, None)),
+            (Some(one), None, _) if evaluate(&one, self.limits).is_ok() => {
+                Ok((None, Some(step(self.limits, &one)?)))
+            }
+            (Some(one), None, _) => Ok((Some(one), None)),
+            (Some(one), Some(other), None) => Ok((Some(one), Some(step(self.limits, &other)?))),
+            _ => Err(bad("contours", span)),
+        }
+    }
+}
+
+/// How far the values of two contour lines are apart.
+fn step(limits: &Limits, expr: &Expr) -> Fallible<Constant> {
+    let step = evaluate(expr, limits)?;
+    if step.bounds().lo > 0.0 { Ok(step) } else { Err(bad("contours", expr.span)) }
+}

@@ -1,0 +1,273 @@
+//! Colours by a value at each point, and lines along which a value stays the same.
+//!
+//! Values are those of floats: no claim depends on them.
+
+use super::Model;
+use crate::legend::{Legend, nice};
+use rayon::prelude::*;
+use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
+use zeroset_ir::{Constant, Node};
+use zeroset_syntax::{MappedColor, POINT_NAMES, PointValue, SurfaceColor};
+use zeroset_trace::{ColourMap, GBuffer, Paint, RayGrid};
+
+/// Width of a contour line, in pixels.
+const WIDTH: f64 = 1.4;
+/// About so many lines lie between the least and the greatest value, unless told otherwise.
+const LINES: f64 = 12.0;
+/// Where lines are closer than so many pixels they fade into their mean.
+const DENSE: f64 = 3.0;
+/// Points that a thread takes at a time.
+const PART: usize = 512;
+
+/// What is painted on surfaces.
+pub(super) struct Painter<'a> {
+    model: &'a Model,
+    /// By surface.
+    scales: Vec<Option<Scale<'a>>>,
+    /// By surface, what is the same along lines, and how far the values of lines are apart.
+    contours: Vec<Option<(&'a PointValue, f64)>>,
+}
+
+/// Which values have which colours.
+#[derive(Clone, Copy)]
+struct Scale<'a> {
+    map: &'static ColourMap,
+    value: &'a PointValue,
+    low: f64,
+    high: f64,
+}
+
+impl<'a> Painter<'a> {
+    /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own colours.
+    pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
+        let mapped = |surface: usize| match &model.styles[surface].color {
+            Some(SurfaceColor::Mapped(mapped)) => Some(mapped),
+            Some(SurfaceColor::Plain(_)) | None => None,
+        };
+        let surfaces = 0..model.surfaces();
+        if model.setting.contours.is_none() && surfaces.clone().all(|one| mapped(one).is_none()) {
+            return None;
+        }
+        let blank = Self { model, scales: Vec::new(), contours: Vec::new() };
+        let range = |value: &PointValue, shown: &dyn Fn(usize) -> bool| {
+            let points = points(picture, |pixel| shown(usize::from(picture.surface[pixel])));
+            let values = blank.values(value, &points, picture, rays);
+            let finite = values.into_iter().filter(|value| value.is_finite());
+            let none = [f64::INFINITY, f64::NEG_INFINITY];
+            let [low, high] = finite.fold(none, |[low, high], v| [low.min(v), high.max(v)]);
+            if low <= high { [low, high] } else { [0.0, 1.0] }
+        };
+        let is_same = |one: &MappedColor, other: &MappedColor| {
+            (one.map, &one.value.echo, &one.range) == (other.map, &other.value.echo, &other.range)
+        };
+        let scale = |surface: usize| {
+            let own = mapped(surface)?;
+            let [low, high] = match &own.range {
+                Some(ends) => ends.each_ref().map(number),
+                // Surfaces that are coloured alike have one scale.
+                None => {
+                    range(&own.value, &|other| mapped(other).is_some_and(|one| is_same(own, one)))
+                }
+            };
+            Some(Scale { map: ColourMap::named(own.map)?, value: &own.value, low, high })
+        };
+        let scales: Vec<Option<Scale<'_>>> = surfaces.clone().map(scale).collect();
+        let contours = surfaces.map(|surface| {
+            let setting = model.setting.contours.as_ref()?;
+            let scale = scales[surface];
+            let value = setting.value.as_ref().or(scale.map(|scale| scale.value));
+            let value = value.unwrap_or(&model.setting.height);
+            let [low, high] = match scale {
+                _ if setting.step.is_some() => [0.0; 2],
+                Some(scale) if setting.value.is_none() => [scale.low, scale.high],
+                _ => range(value, &|_| true),
+            };
+            let step = setting.step.as_ref().map_or_else(|| nice((high - low) / LINES), number);
+            (step > 0.0 && step.is_finite()).then_some((value, step))
+        });
+        let contours = contours.collect();
+        Some(Self { model, scales, contours })
+    }
+
+    /// What tells which value has which colour: one for each scale.
+    pub fn legends(&self) -> Vec<Legend> {
+        let mut legends: Vec<Legend> = Vec::new();
+        for (scale, contours) in self.scales.iter().zip(&self.contours) {
+            let Some(Scale { map, value, low, high }) = scale else { continue };
+            let own = contours.filter(|(contour, _)| contour.echo == value.echo);
+            let step = own.map(|(_, step)| step);
+            let legend = Legend { map, value: value.echo.clone(), low: *low, high: *high, step };
+            if !legends.contains(&legend) {
+                legends.push(legend);
+            }
+        }
+        legends
+    }
+
+    /// What is painted in a picture of which `side` pixels are as wide as one of the whole.
+    pub fn paint(&self, picture: &GBuffer, rays: &RayGrid, side: usize) -> Vec<Paint> {
+        let mut paint = vec![Paint::NONE; picture.drawn.len()];
+        for surface in 0..self.model.surfaces() {
+            let points = points(picture, |pixel| usize::from(picture.surface[pixel]) == surface);
+            let (scale, contours) = (&self.scales[surface], &self.contours[surface]);
+            let mut known: Option<(&str, Vec<f64>)> = None;
+            if let Some(Scale { map, value, low, high }) = scale {
+                let values = self.values(value, &points, picture, rays);
+                let extent = high - low;
+                for (&pixel, value) in points.iter().zip(&values) {
+                    // Where there is one value only it has the middle colour.
+                    let share = if extent > 0.0 { (value - low) / extent } else { 0.5 };
+                    if !value.is_nan() {
+                        paint[pixel].base = map.at(share);
+                    }
+                }
+                known = Some((&value.echo, values));
+            }
+            let Some((value, step)) = contours else { continue };
+            let values = match known {
+                Some((echo, values)) if echo == value.echo => values,
+                _ => self.values(value, &points, picture, rays),
+            };
+            let lines = Lines { width: picture.width, step: *step, side: side as f64 };
+            let mut field = vec![f64::NAN; picture.drawn.len()];
+            points.iter().zip(&values).for_each(|(&pixel, value)| field[pixel] = *value);
+            for &pixel in &points {
+                paint[pixel].ink = lines.ink(&field, pixel) as f32;
+            }
+        }
+        paint
+    }
+
+    /// The value at each of these pixels' points.
+    fn values(
+        &self,
+        value: &PointValue,
+        points: &[usize],
+        picture: &GBuffer,
+        rays: &RayGrid,
+    ) -> Vec<f64> {
+        let parameters = &self.model.setting.parameters;
+        let needed = value.graph.reachable(&[value.root]);
+        let place = |pixel: usize| {
+            let ray = rays.ray_of(pixel);
+            let drawn = picture.drawn[pixel];
+            let at = ray.at(ray.parameter(drawn));
+            let [nx, ny, nz] = picture.normal[pixel].map(f64::from);
+            // x, y and z, and then the point's own names in their order.
+            let own: [f64; POINT_NAMES.len()] = [nx, ny, nz, drawn];
+            (at.to_array(), own)
+        };
+        let both = |values: [f64; 2]| Vector128::from_f64(values);
+        let pair = |two: &[usize]| -> [f64; 2] {
+            let ends = [place(two[0]), place(two[two.len() - 1])];
+            let mut known: Vec<Vector128> = vec![both([0.0; 2]); value.graph.len()];
+            for (id, node) in value.graph.iter().filter(|(id, _)| needed[id.index()]) {
+                known[id.index()] = match node {
+                    Node::Variable(axis) => both(ends.map(|(at, _)| at[*axis as usize])),
+                    Node::Parameter(number) => {
+                        let number = *number as usize;
+                        match parameters.get(number) {
+                            Some(parameter) => both([*parameter; 2]),
+                            None => both(ends.map(|(_, own)| own[number - parameters.len()])),
+                        }
+                    }
+                    Node::Constant(constant) => both([self::number(constant); 2]),
+                    Node::Apply(op, operands) => {
+                        let exponent = operands
+                            .last()
+                            .map_or(Exponent::Real, |last| exponent(value.graph.node(*last)));
+                        let operands: Vec<Vector128> =
+                            operands.iter().map(|id| known[id.index()]).collect();
+                        evaluate(&mut Software, Format::F64, *op, &operands, exponent)
+                    }
+                };
+            }
+            known[value.root.index()].f64()
+        };
+        let mut values = vec![f64::NAN; points.len()];
+        values.par_chunks_mut(PART).zip(points.par_chunks(PART)).for_each(|(values, points)| {
+            for (values, two) in values.chunks_mut(2).zip(points.chunks(2)) {
+                values.copy_from_slice(&pair(two)[..two.len()]);
+            }
+        });
+        values
+    }
+}
+
+/// The painted pixels for which something holds.
+fn points(picture: &GBuffer, holds: impl Fn(usize) -> bool) -> Vec<usize> {
+    (0..picture.drawn.len()).filter(|&pixel| picture.is_drawn(pixel) && holds(pixel)).collect()
+}
+
+/// The float nearest to a constant.
+pub(super) fn number(constant: &Constant) -> f64 {
+    let bounds = constant.bounds();
+    bounds.lo.midpoint(bounds.hi)
+}
+
+/// What a node is as an exponent.
+fn exponent(node: &Node) -> Exponent {
+    let Node::Constant(value) = node else { return Exponent::Real };
+    let whole = value.as_integer().and_then(|whole| i32::try_from(whole).ok());
+    whole.map_or(Exponent::Real, Exponent::Integer)
+}
+
+/// Where lines of equal value are in a picture.
+struct Lines {
+    /// Pixels in a row.
+    width: usize,
+    /// How far their values are apart.
+    step: f64,
+    /// How many pixels are as wide as one of the whole picture.
+    side: f64,
+}
+
+impl Lines {
+    /// How much of a pixel lines cover, given the value at each.
+    fn ink(&self, field: &[f64], pixel: usize) -> f64 {
+        let value = field[pixel];
+        let column = pixel % self.width;
+        let off = |there: Option<usize>| {
+            let there = there.and_then(|there| field.get(there).copied()).unwrap_or(f64::NAN);
+            (there - value).abs()
+        };
+        // The lesser change to the one or the other side: across an edge of what is seen values jump.
+        let across = off((column > 0).then(|| pixel - 1))
+            .min(off((column + 1 < self.width).then_some(pixel + 1)));
+        let down = off(pixel.checked_sub(self.width)).min(off(Some(pixel + self.width)));
+        let slope = across.hypot(down);
+        let away = (value / self.step - (value / self.step).round()).abs() * self.step / slope;
+        let width = WIDTH * self.side;
+        let cover = (width / 2.0 + 0.5 - away).clamp(0.0, 1.0);
+        let apart = self.step / slope / self.side;
+        let mean = WIDTH / apart;
+        let sharp = ((apart - DENSE / 2.0) / (DENSE / 2.0)).clamp(0.0, 1.0);
+        let ink = sharp * cover + (1.0 - sharp) * mean.min(0.5);
+        if ink.is_nan() { 0.0 } else { ink }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_as_wide_whatever_the_slope() {
+        for slope in [0.004, 0.05, 0.1] {
+            let (width, height) = (400, 3);
+            let field: Vec<f64> =
+                (0..width * height).map(|n| slope * (n % width) as f64 + 0.01).collect();
+            let lines = Lines { width, step: 1.0, side: 1.0 };
+            let row = width..2 * width;
+            let ink: f64 = row.clone().map(|pixel| lines.ink(&field, pixel)).sum();
+            // One for each whole number among the values, and a part of that below the first.
+            let crossed = (slope * 399.0 + 0.01).floor();
+            assert!((ink / crossed / WIDTH - 1.0).abs() < 0.1, "{slope}: {ink} of {crossed}");
+        }
+        // Far too many fade into grey, and where nothing changes there is none.
+        let field: Vec<f64> = (0..300).map(|n| 7.3 * f64::from(n % 100)).collect();
+        let lines = Lines { width: 100, step: 1.0, side: 1.0 };
+        assert!((100..200).all(|pixel| (lines.ink(&field, pixel) - 0.5).abs() < 1e-9));
+        assert!((100..200).all(|pixel| lines.ink(&[0.3; 300], pixel) == 0.0));
+    }
+}

@@ -1,0 +1,241 @@
+//! What documents say of colours, light and what can be seen through, against the same said otherwise.
+
+use glam::DVec3;
+use zeroset::model::render;
+use zeroset::picture::{Picture, Settings};
+use zeroset::scene::{self, DomainChoice};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{
+    Camera, ColourMap, HalfSpace, LinearRgb, Pattern, Projection, RayGrid, Region,
+};
+
+const SIDE: usize = 48;
+
+fn settings() -> Settings {
+    Settings { width: SIDE, height: SIDE, tolerance: 0.01, ..Settings::default() }
+}
+
+/// As seen along x, from 8 units before the origin, with parallel rays.
+fn camera() -> Camera {
+    let projection = Projection::Orthographic { height: 3.0 };
+    Camera::new(DVec3::NEG_X * 8.0, DVec3::ZERO, DVec3::Z, projection).expect("a camera")
+}
+
+fn rays() -> RayGrid {
+    camera().rays(SIDE, SIDE)
+}
+
+fn picture_of(text: &str, clip: Option<HalfSpace>, settings: &Settings) -> Picture {
+    let document = read(text, &Options::default()).expect(text);
+    let domain = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
+    let (region, _) = scene::region(&document, domain, clip).expect(text);
+    render(&document, &region, &camera(), settings, &|_, _| {}).expect(text)
+}
+
+fn picture(text: &str) -> Picture {
+    picture_of(text, None, &settings())
+}
+
+fn pixel(picture: &Picture, n: usize) -> [u8; 3] {
+    picture.rgb.as_chunks().0[n]
+}
+
+/// The light of a pixel as it would be behind so much of others.
+fn mixed(parts: &[([u8; 3], f32)]) -> [u8; 3] {
+    let mut sum = [0.0; 3];
+    for (rgb, share) in parts {
+        let light = LinearRgb::from_srgb(*rgb).0;
+        sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += share * light);
+    }
+    LinearRgb(sum).to_srgb()
+}
+
+fn assert_near(one: [u8; 3], other: [u8; 3], what: &str) {
+    let off = (0..3).map(|part| one[part].abs_diff(other[part])).max();
+    assert!(off <= Some(2), "{what}: {one:?} and {other:?}");
+}
+
+/// Keeps what is behind the plane through this x.
+fn behind(x: f64) -> HalfSpace {
+    HalfSpace { normal: DVec3::NEG_X, offset: -x }
+}
+
+#[test]
+fn translucent_surfaces_are_mixed_from_front_to_back() {
+    let (one, other) = ("color tomato", "color steelblue");
+    let (first, second) = ("(x+0.5)^2+y^2+z^2=1", "(x-0.5)^2+y^2+z^2=1");
+    let alone =
+        |color: &str, text: &str, clip| picture_of(&format!("{color}\n{text}"), clip, &settings());
+    // In the order in which rays meet them, whatever the order of lines.
+    let layers = [
+        alone(one, first, None),
+        alone(other, second, None),
+        alone(one, first, Some(behind(-0.5))),
+        alone(other, second, Some(behind(0.5))),
+    ];
+    let ground = picture("x^2+y^2+z^2=9");
+    for text in [
+        format!("{one} 60%\n{first}\n{other} 60%\n{second}"),
+        format!("opacity 60%\n{other}\n{second}\n{one}\n{first}"),
+    ] {
+        let all = picture(&text);
+        let mut checked = 0;
+        for n in 0..SIDE * SIDE {
+            let foot = rays().ray_of(n).origin;
+            // Farther out one is left before the other is met.
+            if foot.y.hypot(foot.z) > 0.84 {
+                continue;
+            }
+            let mut left = 1.0;
+            let mut parts = Vec::new();
+            for layer in &layers {
+                parts.push((pixel(layer, n), 0.6 * left));
+                left *= 0.4;
+            }
+            parts.push((pixel(&ground, 0), left));
+            assert_near(pixel(&all, n), mixed(&parts), &format!("{text} at {foot}"));
+            checked += 1;
+        }
+        assert!(checked > 400, "{checked}");
+    }
+}
+
+#[test]
+fn what_is_claimed_does_not_hang_on_opacity() {
+    for text in ["x^2+y^2+z^2=1", "x*y*z=0.1\nx^2+y^2=z", "x^2+y^2+z^2<=5"] {
+        let (opaque, clear) = (picture(text), picture(&format!("opacity 30%\n{text}")));
+        assert_eq!(opaque.buffer, clear.buffer, "{text}");
+        assert_eq!(opaque.statistics.pixels, clear.statistics.pixels);
+        assert_ne!(opaque.rgb, clear.rgb, "{text}");
+        assert_eq!(picture(&format!("opacity 1\n{text}")).rgb, opaque.rgb, "{text}");
+    }
+}
+
+#[test]
+fn an_opaque_surface_hides_what_is_behind_it() {
+    let inner = "color steelblue\nx^2+y^2+z^2=0.25";
+    let alone = picture(inner);
+    let around = picture("color tomato\nx^2+y^2+z^2=1");
+    let both = picture(&format!("color tomato 25%\nx^2+y^2+z^2=1\n{inner}"));
+    let mut checked = 0;
+    for n in 0..SIDE * SIDE {
+        let foot = rays().ray_of(n).origin;
+        if foot.y.hypot(foot.z) < 0.45 {
+            let parts = [(pixel(&around, n), 0.25), (pixel(&alone, n), 0.75)];
+            assert_near(pixel(&both, n), mixed(&parts), "through the outer sphere");
+            checked += 1;
+        }
+    }
+    assert!(checked > 100, "{checked}");
+    // Where edges are smoothed it is the same but for edges.
+    let smooth = Settings { antialias: Pattern::of(16).expect("a pattern"), ..settings() };
+    let smooth = picture_of(&format!("color tomato 25%\nx^2+y^2+z^2=1\n{inner}"), None, &smooth);
+    let middle = SIDE * SIDE / 2 + SIDE / 2;
+    assert_eq!(pixel(&smooth, middle), pixel(&both, middle));
+    let changed = (0..SIDE * SIDE).filter(|&n| pixel(&smooth, n) != pixel(&both, n)).count();
+    assert!((60..600).contains(&changed), "{changed}");
+}
+
+type Value = fn(DVec3) -> f64;
+
+#[test]
+fn colours_are_those_of_values() {
+    let map = ColourMap::named("viridis").expect("listed");
+    let (sphere, slider) = ("x^2+y^2+z^2=1", "r = 2 in [0, 3]");
+    let rays = rays();
+    let values: [(&str, Value); 5] = [
+        ("z", |at| at.z),
+        ("nz^3", |at| at.z.powi(3)),
+        ("r*y - 1", |at| 2.0 * at.y - 1.0),
+        ("depth - 8", |at| at.x),
+        ("abs(ny)", |at| at.y.abs()),
+    ];
+    for (text, value) in values {
+        let coloured = picture(&format!("{slider}\ncolor viridis({text}, -1, 1)\n{sphere}"));
+        for n in [[20, 17], [30, 24], [15, 33]].map(|[column, row]| row * SIDE + column) {
+            let ray = rays.ray_of(n);
+            let at = ray.at(ray.parameter(coloured.buffer.drawn[n]));
+            let [red, green, blue] = map.bytes(value(at).midpoint(1.0));
+            let plain = picture(&format!("color #{red:02x}{green:02x}{blue:02x}\n{sphere}"));
+            assert_near(pixel(&coloured, n), pixel(&plain, n), &format!("{text} at {at}"));
+        }
+    }
+    // Without a range the least and the greatest that is seen have the ends.
+    let coloured = picture(&format!("color viridis(2z)\n{sphere}"));
+    let [legend] = &coloured.legends[..] else { panic!("one scale") };
+    assert!(legend.low < -1.9 && legend.high > 1.9 && legend.high <= 2.0, "{legend:?}");
+    assert!(legend.value == "2*z" && legend.step.is_none(), "{legend:?}");
+    assert!(picture(sphere).legends.is_empty());
+    // Where it has no value, the surface has its own colour.
+    let [nowhere, own] =
+        ["color viridis(sqrt(z-5))\n", ""].map(|line| picture(&format!("{line}{sphere}")));
+    assert_eq!(nowhere.rgb, own.rgb);
+}
+
+#[test]
+fn contours_are_dark_where_a_value_is_a_multiple() {
+    let settings = Settings { width: 3 * SIDE, height: 3 * SIDE, ..settings() };
+    let plain = picture_of("x=y/4", None, &settings);
+    let lined = picture_of("contours z, 0.5\nx=y/4", None, &settings);
+    let same = picture_of("color viridis(z, -2, 2)\ncontours 0.5\nx=y/4", None, &settings);
+    assert_eq!(same.legends[0].step, Some(0.5));
+    let rays = camera().rays(settings.width, settings.height);
+    let mut lines = 0;
+    for row in 0..settings.height {
+        let n = row * settings.width + settings.width / 2;
+        let z = rays.ray_of(n).origin.z;
+        let off = (z / 0.5 - (z / 0.5).round()).abs() * 0.5 / rays.footprint(8.0);
+        let [before, after] = [&plain, &lined].map(|picture| u32::from(pixel(picture, n)[0]));
+        if off < 0.6 {
+            lines += 1;
+            assert!(after < before * 9 / 10, "{z}: {before} and {after}");
+        } else if off > 2.0 {
+            assert_eq!(before, after, "{z}");
+        }
+    }
+    assert!((5..=12).contains(&lines), "{lines}");
+}
+
+#[test]
+fn lines_of_a_document_are_as_the_settings() {
+    let text = "x^2+y^2+z^2=1\n(x+1.5)^2+y^2+z^2=0.1";
+    let said = |line: &str| picture(&format!("{line}\n{text}")).rgb;
+    let set = |settings: &Settings| picture_of(text, None, settings).rgb;
+    let plain = set(&settings());
+    let light = Settings { light: Some(DVec3::new(-4.0, 3.0, 5.0)), ..settings() };
+    assert_eq!(said("light -4, 3, 5"), set(&light));
+    let depth = settings().usual_shadow_depth();
+    let shadows = Settings { shadow_depth: Some(depth), ..settings() };
+    assert_eq!(said("shadows"), set(&shadows));
+    assert_eq!(said("shadows off"), plain);
+    let plane = HalfSpace { normal: DVec3::new(0.0, 1.0, 0.5), offset: 0.25 };
+    let clipped = picture_of(text, Some(plane), &settings()).rgb;
+    assert_eq!(said("clip 0, 1, 1/2, 0.25"), clipped);
+    for changed in [set(&light), set(&shadows), clipped] {
+        assert_ne!(changed, plain);
+    }
+    // What the caller says comes first.
+    let both = picture_of(&format!("clip 1, 0, 0, 0\n{text}"), Some(plane), &settings()).rgb;
+    assert_eq!(both, said("clip 0, 1, 1/2, 0.25"));
+}
+
+#[test]
+fn rays_followed_alone_find_points_as_exactly() {
+    let sphere = "x^2+y^2+z^2=1";
+    let region = Region::new(-2.0 * DVec3::ONE, 2.0 * DVec3::ONE).expect("a cube");
+    let document = read(sphere, &Options::default()).expect("reads");
+    let mut alone = settings();
+    alone.ideas.tiles = false;
+    let picture = render(&document, &region, &camera(), &alone, &|_, _| {}).expect("a picture");
+    let mut hits = 0;
+    for n in (0..SIDE * SIDE).filter(|&n| picture.buffer.is_drawn(n)) {
+        let foot = rays().ray_of(n).origin;
+        let square = 1.0 - foot.y * foot.y - foot.z * foot.z;
+        if square > 0.05 {
+            let off = (picture.buffer.drawn[n] - (8.0 - square.sqrt())).abs();
+            assert!(off < 0.02 * 3.0 / SIDE as f64, "{off} at {foot}");
+            hits += 1;
+        }
+    }
+    assert!(hits > 600, "{hits}");
+}
