@@ -4,7 +4,9 @@
 //! of the keys that leave valid text. Each is pressed 100 ms after the one before, as by a fast typist, so that the work
 //! for the older text often has to be broken off. It prints how long the first picture took, which may be a coarse one,
 //! against the target of 100 ms at the 95th percentile. Then it prints, for each surface of the gallery, the median time
-//! to the first and to the full picture. `-- gyroid` at the end of the command looks only at surfaces with such a name.
+//! to the first and to the full picture, and how many pictures a second follow a slider that moves its formula, with how
+//! many times fewer columns than the window has. `-- gyroid` at the end of the command looks only at surfaces with such a
+//! name.
 
 use std::time::{Duration, Instant};
 use zeroset::gallery::{Example, examples};
@@ -16,6 +18,10 @@ const SEED: u64 = 20_070_002;
 /// Between two keys.
 const PACE: Duration = Duration::from_millis(100);
 const ROUNDS: usize = 5;
+/// Steps of a slider.
+const DRAGS: i32 = 40;
+/// So many pictures a second are seen as movement, if they have at least half of the window's columns.
+const SMOOTH: f64 = 30.0;
 const LIMIT: Duration = Duration::from_mins(1);
 const TARGET: f64 = 100.0;
 
@@ -106,6 +112,63 @@ fn pictures(example: &Example) -> [f64; 2] {
     [percentile(&mut first[1..], 0.5), percentile(&mut full[1..], 0.5)]
 }
 
+/// The formula with every `x` replaced by `(x + s/10)`.
+fn moved(formula: &str) -> String {
+    let is_letter = |c: char| c.is_alphanumeric() || c == '_';
+    let mut text = String::new();
+    let mut rest = formula;
+    while let Some(first) = rest.chars().next() {
+        let end = rest.find(|c| is_letter(c) != is_letter(first)).unwrap_or(rest.len());
+        let (part, after) = rest.split_at(end);
+        text.push_str(if part == "x" { "(x + s/10)" } else { part });
+        rest = after;
+    }
+    text
+}
+
+/// What follows a slider that is dragged to and fro.
+struct Dragging {
+    /// Pictures a second.
+    rate: f64,
+    /// How many times fewer columns they have than the full picture, in the median.
+    scale: f64,
+    /// Steps for which code was made.
+    compiled: usize,
+}
+
+fn drag(example: &Example) -> Dragging {
+    let document = read(example.text, &Options::default()).expect(example.slug);
+    let text = zeroset::live::entered(example.text, "s = 0 in [-1, 1]", false);
+    let text = zeroset::live::entered(&text, &moved(&document.surfaces[0].echo), false);
+    let live = Live::new(Request::default());
+    live.load(example.slug, &text, false);
+    assert!(live.wait(LIMIT), "{} does not settle", example.slug);
+    let fault = live.snapshot().fault.map(|fault| fault.message());
+    assert!(fault.is_none(), "{}: {fault:?} in {text}", example.slug);
+    let sliders = live.snapshot().rendering.expect("a picture").sliders();
+    let slider = sliders.iter().find(|slider| slider.name == "s").expect("it moves");
+    let full = live.settings().width as f64;
+    let (mut scales, mut compiled) = (Vec::new(), 0);
+    let mut spent = Duration::ZERO;
+    // The first steps find out what a picture costs.
+    for step in -5..DRAGS {
+        let value = (f64::from(step) * 0.13).sin();
+        let before = live.revision();
+        let pressed = Instant::now();
+        live.drag(slider, value);
+        assert!(live.wait_for_news(LIMIT, before), "{}: no picture", example.slug);
+        let taken = pressed.elapsed();
+        let seen = live.snapshot().rendering.expect("a picture");
+        if step >= 0 {
+            spent += taken;
+            compiled += usize::from(!seen.model.is_rebound());
+            scales.push(full / seen.picture.buffer.width as f64);
+        }
+    }
+    let rate = f64::from(DRAGS) / spent.as_secs_f64();
+    Dragging { rate, scale: percentile(&mut scales, 0.5), compiled }
+}
+
 fn percentile(times: &mut [f64], share: f64) -> f64 {
     times.sort_by(f64::total_cmp);
     times[((times.len() as f64 * share) as usize).min(times.len() - 1)]
@@ -143,4 +206,18 @@ fn main() {
     let ([first, slowest_first], [full, slowest_full]) = (column(0), column(1));
     println!("{:34}{first:10.1}{full:10.1}", "median");
     println!("{:34}{slowest_first:10.1}{slowest_full:10.1}", "worst");
+
+    println!("\n{:34}{:>10}{:>10}{:>10}", "dragging a slider", "pictures/s", "scale", "compiled");
+    let mut smooth = 0;
+    for example in &examples {
+        let Dragging { rate, scale, compiled } = drag(example);
+        let is_smooth = rate >= SMOOTH && scale <= 2.0;
+        smooth += usize::from(is_smooth);
+        let mark = if is_smooth { "" } else { "  !" };
+        println!("{:34}{rate:10.1}{scale:10.2}{compiled:10}{mark}", example.slug);
+    }
+    println!(
+        "{smooth} of {} follow at {SMOOTH} pictures a second, with at least half of the columns",
+        examples.len()
+    );
 }

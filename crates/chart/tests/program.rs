@@ -65,7 +65,7 @@ fn rows_are_written_kept_and_checked() {
 fn difficult_formulas_are_named_after_what_becomes_of_them() {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().to_str().expect("UTF-8");
-    let cases = ["thin-cylinder", "seventh-power", "double-sphere"];
+    let cases = ["thin-cylinder", "seventh-power", "double-sphere", "radius-1e-6", "radius-1000"];
     let methods = ["--methods", "affine,knoll", "-o", path];
     let output = chart(&[&["stability"], &cases[..], &methods[..]].concat());
     assert!(output.status.success(), "{output:?}");
@@ -81,11 +81,14 @@ fn difficult_formulas_are_named_after_what_becomes_of_them() {
     // Multiple roots are made simple before any method sees them.
     assert_eq!(outcomes("seventh-power"), ["sound", "sound"]);
     assert_eq!(outcomes("double-sphere"), ["sound", "sound"]);
+    // The certified tracer alone, at scales where slabs and thresholds of a unit cube see nothing.
+    assert_eq!(outcomes("radius-1e-6"), ["sound", "sound"]);
+    assert_eq!(outcomes("radius-1000"), ["sound", "sound"]);
     let sheet = fs::read(directory.path().join("stability.png")).expect("a sheet");
     assert!(sheet.starts_with(b"\x89PNG"));
     let rows = fs::read(directory.path().join("stability.json")).expect("rows");
     let rows: Vec<serde_json::Value> = serde_json::from_slice(&rows).expect("valid");
-    assert_eq!(rows.len(), 6);
+    assert_eq!(rows.len(), 10);
     assert_eq!(rows[4]["errors"]["roots"], 400, "{}", rows[4]);
 }
 

@@ -194,11 +194,11 @@ mod tests {
         // (x − 1)⁷
         assert_eq!(simple(&[-1, 7, -21, 35, -35, 21, -7, 1]).as_deref(), Some("x + (-1)"));
         // (x² − 2)², whose roots are no fractions
-        assert_eq!(simple(&[4, 0, -4, 0, 1]).as_deref(), Some("x*x + (-2)"));
+        assert_eq!(simple(&[4, 0, -4, 0, 1]).as_deref(), Some("sqr(x) + (-2)"));
         // (x − 1)² (x + 2)
         assert!(simple(&[2, -3, 0, 1]).is_some());
         // (x² + 1)² has no real root, and keeps none.
-        assert_eq!(simple(&[1, 0, 2, 0, 1]).as_deref(), Some("x*x + 1"));
+        assert_eq!(simple(&[1, 0, 2, 0, 1]).as_deref(), Some("sqr(x) + 1"));
     }
 
     #[test]

@@ -61,6 +61,7 @@ pub fn cases() -> Result<Vec<Case>, ChartError> {
         case.place = Some(place);
     }
     cases.extend(read(data!("others.json"))?);
+    cases.extend(read(data!("further.json"))?);
     Ok(cases)
 }
 
