@@ -127,13 +127,14 @@ impl Orbit {
         }
     }
 
-    /// Shows the whole of the region's box from the same side, with space around it for labels, in
-    /// a picture of so many pixels.
-    pub fn fit(&mut self, region: &Region, width: usize, height: usize) {
-        self.target = DVec3::ZERO;
+    /// Shows the whole of the box of `shown` from the same side, with space around it for labels, in
+    /// a picture of so many pixels; lengths are in half extents of `region`.
+    pub fn fit(&mut self, shown: &Region, region: &Region, width: usize, height: usize) {
+        let scale = region.half_extent();
+        self.target = (shown.centre() - region.centre()) / scale;
         let (back, right, up) = self.directions();
         let aspect = width.max(1) as f64 / height.max(1) as f64;
-        let half = (region.high() - region.low()) / (2.0 * region.half_extent());
+        let half = (shown.high() - shown.low()) / (2.0 * scale);
         // Of each corner, how far from the middle it lies, in halves of the picture's height, and
         // how near to the eye.
         let corners = (0..8).map(|n: i32| {
@@ -273,7 +274,7 @@ mod tests {
                     let camera = view.camera(&region, projection).expect("valid");
                     let mut orbit = Orbit::from_camera(&camera, &region);
                     orbit.pan(77.0, -50.0, height);
-                    orbit.fit(&region, width, height);
+                    orbit.fit(&region, &region, width, height);
                     let camera = orbit.camera(&region).expect("valid");
                     let corners = (0..8).map(|n: i32| {
                         let low = [n & 1, n >> 1 & 1, n >> 2 & 1].map(|bit| bit == 0);

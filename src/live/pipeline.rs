@@ -21,7 +21,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use zeroset_syntax::{Document, Errors, Options};
-use zeroset_trace::{Camera, HalfSpace};
+use zeroset_trace::{Camera, HalfSpace, Region};
 
 /// Everything that a picture depends on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -69,6 +69,8 @@ pub struct Rendering {
     pub model: Arc<Model>,
     /// What was found if the domain was searched for.
     pub searched: Option<AutoDomain>,
+    /// What the view is relative to: the domain when the formula was first seen, however its parameters have moved since.
+    pub seat: Region,
     /// From where it was taken.
     pub camera: Camera,
     /// Why nothing is seen, if nothing is.

@@ -286,9 +286,8 @@ impl Live {
         let Some(seen) = self.snapshot().rendering else { return };
         self.change_by(Some(Gesture::View), |request| {
             // The orbit last asked for, not the one last seen: it may be ahead of the pictures.
-            let orbit = request
-                .orbit
-                .get_or_insert_with(|| Orbit::from_camera(&seen.camera, seen.model.region()));
+            let orbit =
+                request.orbit.get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.seat));
             turn(orbit);
         });
     }
@@ -297,7 +296,7 @@ impl Live {
     pub fn fit(&self) {
         let Some(seen) = self.snapshot().rendering else { return };
         let Settings { width, height, .. } = self.settings();
-        self.turn(|orbit| orbit.fit(seen.model.region(), width, height));
+        self.turn(|orbit| orbit.fit(seen.model.region(), &seen.seat, width, height));
     }
 
     /// Looks again from where the document says.

@@ -256,3 +256,22 @@ fn a_value_from_beyond_its_range_is_dragged_there_too() {
     assert!(live.restore(&slider(&live, "r")));
     assert_eq!(slider(&live, "r").value, 3.0);
 }
+
+#[test]
+fn a_view_that_was_turned_stays_while_a_surface_outgrows_its_domain() {
+    let live = start("r = 1 in [0.2, 5]; x^2+y^2+z^2 = r^2", 48);
+    settled(&live);
+    live.turn(|orbit| orbit.turn(10.0, 5.0, 48));
+    let before = settled(&live);
+    let slider = before.sliders().remove(0);
+    live.drag(&slider, 4.0);
+    let grown = settled(&live);
+    assert!(grown.model.region().half_extent() > 2.0 * before.model.region().half_extent());
+    assert_eq!(grown.camera, before.camera);
+    // All of it is shown when that is asked for, and turned about its middle then.
+    live.fit();
+    let far = settled(&live).camera;
+    assert!((far.eye() - far.target()).length() > 8.0, "{far:?}");
+    live.drag(&slider, 0.5);
+    assert_eq!(settled(&live).camera, far);
+}

@@ -42,8 +42,7 @@ struct Read {
 struct Built {
     request: Arc<Request>,
     document: Arc<Document>,
-    model: Arc<Model>,
-    searched: Option<AutoDomain>,
+    made: Made,
 }
 
 /// A camera that was fitted, and to what.
@@ -56,8 +55,13 @@ struct Framed {
     camera: Camera,
 }
 
-/// A model, and what was found if its domain was searched for.
-type Made = (Arc<Model>, Option<AutoDomain>);
+/// A model, what was found if its domain was searched for, and what views of it are relative to.
+#[derive(Clone)]
+struct Made {
+    model: Arc<Model>,
+    searched: Option<AutoDomain>,
+    seat: Region,
+}
 
 /// A request being worked on.
 struct Job {
@@ -141,10 +145,10 @@ impl Worker {
         }
         let scene = |error: SceneError| Reason::Scene(error);
         let made = self.model(job, &document).map_err(scene)?;
-        let Some((model, searched)) = made else { return Ok(()) };
+        let Some(Made { model, searched, seat }) = made else { return Ok(()) };
         let region = model.region();
         let camera = match &job.request.orbit {
-            Some(orbit) => orbit.camera(region).map(Some).map_err(SceneError::from),
+            Some(orbit) => orbit.camera(&seat).map(Some).map_err(SceneError::from),
             None => self.framed(job, &document, &model),
         };
         let Some(camera) = camera.map_err(scene)? else { return Ok(()) };
@@ -177,6 +181,7 @@ impl Worker {
                 document: Arc::clone(&document),
                 model: Arc::clone(&model),
                 searched,
+                seat,
                 camera,
                 blank,
                 picture,
@@ -308,15 +313,14 @@ impl Worker {
             Arc::ptr_eq(&built.document, document) && built.request.clip == request.clip
         });
         let made = match same {
-            Some(built) => Ok(Some((Arc::clone(&built.model), built.searched))),
+            Some(built) => Ok(Some(built.made.clone())),
             None => self.made(job, document, old),
         };
         self.built = match &made {
-            Ok(Some((model, searched))) => Some(Built {
+            Ok(Some(made)) => Some(Built {
                 request: Arc::clone(request),
                 document: Arc::clone(document),
-                model: Arc::clone(model),
-                searched: *searched,
+                made: made.clone(),
             }),
             Ok(None) | Err(_) => last,
         };
@@ -334,13 +338,13 @@ impl Worker {
         // Code holds for other values of parameters too, in the same domain.
         let same = old.filter(|built| {
             built.document.domain == document.domain
-                && (built.searched.is_none() || scene::same_search(&built.document, document))
+                && (built.made.searched.is_none() || scene::same_search(&built.document, document))
         });
-        if let Some(built) = same {
+        if let Some(Built { made, .. }) = same {
             let clip = clip.or(scene::typed_clip(document));
-            let region = rooms::clipped(built.model.region(), clip)?;
-            if let Some(model) = built.model.rebound(document, &region) {
-                return Ok(Some((Arc::new(model?), built.searched)));
+            let region = rooms::clipped(made.model.region(), clip)?;
+            if let Some(model) = made.model.rebound(document, &region) {
+                return Ok(Some(Made { model: Arc::new(model?), ..*made }));
             }
         }
         let mut search = self.search.take();
@@ -350,13 +354,13 @@ impl Worker {
             self.search = search;
             return Ok(None);
         };
-        let old = old.filter(|built| built.searched.is_some() && searched.is_some());
+        let old = old.map(|built| &built.made);
+        let old = old.filter(|made| made.searched.is_some() && searched.is_some());
         // The same formula, so that it is seen to grow or to shrink.
-        let moved =
-            old.filter(|built| built.model.rebound(document, built.model.region()).is_some());
-        let region = moved.map_or(Ok(found), |built| rooms::for_next(built.model.region(), &found));
+        let moved = old.filter(|made| made.model.rebound(document, made.model.region()).is_some());
+        let region = moved.map_or(Ok(found), |made| rooms::for_next(made.model.region(), &found));
         let region = region?;
-        let rebound = moved.and_then(|built| built.model.rebound(document, &region));
+        let rebound = moved.and_then(|made| made.model.rebound(document, &region));
         let model = if let Some(model) = rebound {
             Some(model?)
         } else {
@@ -371,7 +375,8 @@ impl Worker {
         if !model.is_rebound() {
             self.pace = Pace::default();
         }
-        Ok(Some((Arc::new(model), searched)))
+        let seat = moved.map_or(region, |made| made.seat);
+        Ok(Some(Made { model: Arc::new(model), searched, seat }))
     }
 }
 
