@@ -58,7 +58,7 @@ pub fn camera_while(
     settings: &Settings,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
-    fitted(&[model], document, choice, settings, model.region(), wanted)
+    fitted(&[model], document, choice, settings, model.region(), false, wanted)
 }
 
 /// One camera for pictures of several models over the same region, as [`camera_while`] chooses it for one. If it is to turn
@@ -77,9 +77,7 @@ pub fn camera_over(
     region: &Region,
     is_turned: bool,
 ) -> Result<Camera, SceneError> {
-    let wanted = || true;
-    let fit = if is_turned { fitted_around } else { fitted };
-    let camera = fit(models, document, choice, settings, region, &wanted)?;
+    let camera = fitted(models, document, choice, settings, region, is_turned, &|| true)?;
     Ok(camera.expect("wanted to the end"))
 }
 
@@ -89,14 +87,18 @@ fn fitted(
     choice: &CameraChoice,
     settings: &Settings,
     region: &Region,
+    is_turned: bool,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
     let (usual, view) = usual(document, region, choice, settings)?;
     let Some(view) = view else { return Ok(Some(usual)) };
-    let is_upright =
-        choice.up.is_none() && document.view.as_ref().is_none_or(|view| view.up.is_none());
     let back = (usual.eye() - usual.target()).normalize();
     let look = |back: DVec3| view.seen(models, back, region, settings, wanted);
+    if is_turned {
+        return view.fitted_around(back, &usual, region, &look);
+    }
+    let is_upright =
+        choice.up.is_none() && document.view.as_ref().is_none_or(|view| view.up.is_none());
     let Some(mut seen) = look(back)? else { return Ok(None) };
     let mut side = back;
     if is_upright
@@ -116,52 +118,6 @@ fn fitted(
     };
     // Where floats leave no room, the usual view is as good as any.
     Ok(Some(fitted.unwrap_or(usual)))
-}
-
-/// As `fitted`, for an eye that goes around the upright axis through its target.
-fn fitted_around(
-    models: &[&Model],
-    document: &Document,
-    choice: &CameraChoice,
-    settings: &Settings,
-    region: &Region,
-    wanted: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Camera>, SceneError> {
-    let (usual, view) = usual(document, region, choice, settings)?;
-    let Some(view) = view else { return Ok(Some(usual)) };
-    let back = (usual.eye() - usual.target()).normalize();
-    let axis = usual.up().normalize();
-    let turn = |n: usize, of: usize| {
-        DQuat::from_axis_angle(axis, std::f64::consts::TAU * n as f64 / of as f64)
-    };
-    let mut seen = Vec::new();
-    for side in 0..ROUND_SIDES {
-        let back = turn(side, ROUND_SIDES) * back;
-        let Some(spots) = view.seen(models, back, region, settings, wanted)? else {
-            return Ok(None);
-        };
-        seen.extend(spots);
-    }
-    if seen.len() < LEAST {
-        seen = corners(region);
-    }
-    let least = |a: DVec3, spot: &Spot| a.min(spot.at);
-    let most = |a: DVec3, spot: &Spot| a.max(spot.at);
-    let low = seen.iter().fold(DVec3::INFINITY, least);
-    let high = seen.iter().fold(DVec3::NEG_INFINITY, most);
-    let centre = low.midpoint(high);
-    let around = |n: usize| {
-        let turn = turn(n, ROUND_STEPS);
-        let moved = move |spot: &Spot| Spot { at: centre + turn * (spot.at - centre), ..*spot };
-        seen.iter().map(moved)
-    };
-    let everywhere: Vec<Spot> = (0..ROUND_STEPS).flat_map(around).collect();
-    let Ok(camera) = view.fitted(back, &everywhere, FILLED) else { return Ok(Some(usual)) };
-    // The target is where the view meets the axis.
-    let (eye, target) = (camera.eye(), camera.target());
-    let off = (target - centre).reject_from(axis);
-    let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
-    Ok(Some(on_axis.unwrap_or(camera)))
 }
 
 /// As [`camera_while`], to the end.
@@ -209,12 +165,8 @@ pub fn of_domain(
     choice: &CameraChoice,
     settings: &Settings,
 ) -> Result<Camera, SceneError> {
-    let usual = scene::camera(document, region, choice)?;
-    let fov = match usual.projection() {
-        Projection::Perspective { fov } if !is_chosen(document, choice) => fov,
-        Projection::Perspective { .. } | Projection::Orthographic { .. } => return Ok(usual),
-    };
-    let view = View { fov, up: usual.up(), aspect: settings.width as f64 / settings.height as f64 };
+    let (usual, view) = usual(document, region, choice, settings)?;
+    let Some(view) = view else { return Ok(usual) };
     let back = (usual.eye() - usual.target()).normalize();
     Ok(view.fitted(back, &corners(region), FILLED_BY_DOMAIN).unwrap_or(usual))
 }
@@ -310,6 +262,47 @@ impl View {
             seen.extend(spots);
         }
         Ok(Some(seen))
+    }
+
+    /// The camera on the side of `back` whose eye can go around the upright axis through its target and shows what `look` sees
+    /// from all sides; `usual` where floats leave no room, and `None` if that was no longer wanted.
+    fn fitted_around(
+        &self,
+        back: DVec3,
+        usual: &Camera,
+        region: &Region,
+        look: &dyn Fn(DVec3) -> Result<Option<Vec<Spot>>, SceneError>,
+    ) -> Result<Option<Camera>, SceneError> {
+        let axis = usual.up().normalize();
+        let turn = |n: usize, of: usize| {
+            DQuat::from_axis_angle(axis, std::f64::consts::TAU * n as f64 / of as f64)
+        };
+        let mut seen = Vec::new();
+        for side in 0..ROUND_SIDES {
+            let back = turn(side, ROUND_SIDES) * back;
+            let Some(spots) = look(back)? else { return Ok(None) };
+            seen.extend(spots);
+        }
+        if seen.len() < LEAST {
+            seen = corners(region);
+        }
+        let least = |a: DVec3, spot: &Spot| a.min(spot.at);
+        let most = |a: DVec3, spot: &Spot| a.max(spot.at);
+        let low = seen.iter().fold(DVec3::INFINITY, least);
+        let high = seen.iter().fold(DVec3::NEG_INFINITY, most);
+        let centre = low.midpoint(high);
+        let around = |n: usize| {
+            let turn = turn(n, ROUND_STEPS);
+            let moved = move |spot: &Spot| Spot { at: centre + turn * (spot.at - centre), ..*spot };
+            seen.iter().map(moved)
+        };
+        let everywhere: Vec<Spot> = (0..ROUND_STEPS).flat_map(around).collect();
+        let Ok(camera) = self.fitted(back, &everywhere, FILLED) else { return Ok(Some(*usual)) };
+        // The target is where the view meets the axis.
+        let (eye, target) = (camera.eye(), camera.target());
+        let off = (target - centre).reject_from(axis);
+        let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
+        Ok(Some(on_axis.unwrap_or(camera)))
     }
 
     /// The nearest camera on the side of `back` that shows all spots within a share of the picture's shorter side.

@@ -10,6 +10,7 @@ use crate::program::{Program, ProgramError};
 use crate::scene;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, Surface};
@@ -30,6 +31,8 @@ pub struct Model {
     precision: Precision,
     /// Time to simplify and to compile; none if that was done for another model.
     times: Option<Times>,
+    /// Per surface, whether its negative side is the one seen from far away; found for the first picture.
+    turned: OnceLock<Vec<bool>>,
 }
 
 /// What of a surface is not its function.
@@ -47,8 +50,8 @@ struct Setting {
     light: Option<DVec3>,
     shadows: bool,
     contours: Option<Contours>,
-    /// What is the same along contour lines, unless something else is said: z.
-    height: PointValue,
+    /// What is the same along contour lines, if there are any, unless something else is said: z.
+    height: Option<PointValue>,
     /// Values by number.
     parameters: Vec<f64>,
 }
@@ -56,16 +59,19 @@ struct Setting {
 impl Setting {
     fn of(document: &Document) -> Self {
         let lines = &document.picture;
-        let mut graph = Graph::new();
-        let root = graph.variable(Axis::Z);
-        let values = document.parameters.iter().map(|parameter| paint::number(&parameter.value));
+        let height = || {
+            let mut graph = Graph::new();
+            let root = graph.variable(Axis::Z);
+            PointValue { graph, root, echo: "z".to_owned() }
+        };
+        let values = document.parameters.iter().map(|parameter| scene::nearest(&parameter.value));
         Self {
             look: document.look.and_then(Look::named),
             background: document.background,
-            light: lines.light.as_ref().map(|place| place.each_ref().map(paint::number).into()),
+            light: lines.light.as_ref().map(|place| place.each_ref().map(scene::nearest).into()),
             shadows: lines.shadows == Some(true),
             contours: lines.contours.clone(),
-            height: PointValue { graph, root, echo: "z".to_owned() },
+            height: lines.contours.is_some().then(height),
             parameters: values.collect(),
         }
     }
@@ -119,7 +125,8 @@ impl Model {
         let (region, styles) = (*region, styles(document));
         let (remarks, times) = (program.remarks(document), Some(times));
         let setting = Setting::of(document);
-        Ok(Some(Self { region, program, styles, setting, remarks, precision, times }))
+        let turned = OnceLock::new();
+        Ok(Some(Self { region, program, styles, setting, remarks, precision, times, turned }))
     }
 
     /// The same code for the parameter values of another document and in another region, or `None` if the document differs
@@ -144,7 +151,8 @@ impl Model {
         Some(program.map(|program| {
             let remarks = program.remarks(document);
             let setting = Setting::of(document);
-            Self { region, program, styles, setting, remarks, precision, times: None }
+            let (times, turned) = (None, OnceLock::new());
+            Self { region, program, styles, setting, remarks, precision, times, turned }
         }))
     }
 

@@ -106,16 +106,21 @@ impl Program {
     /// # Errors
     /// If a formula depends on no coordinate or is defined nowhere.
     pub fn rebound(&self, document: &Document) -> Option<Result<Self, ProgramError>> {
-        let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.shared;
-        let assumed = document.parameters.iter().map(assumed);
-        let same = assumed.eq(assumptions.parameters.iter().copied())
-            && solid(document) == *solids
-            && typed(document) == *before;
-        if !same {
+        if !self.serves(document) {
             return None;
         }
         let program = self.with(values(document));
         Some(program.check(document).map(|()| program))
+    }
+
+    /// Whether the code holds for a document: it differs in values only from the one that it was made of, and these are within
+    /// what was assumed.
+    pub fn serves(&self, document: &Document) -> bool {
+        let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.shared;
+        let assumed = document.parameters.iter().map(assumed);
+        assumed.eq(assumptions.parameters.iter().copied())
+            && solid(document) == *solids
+            && typed(document) == *before
     }
 
     /// The same program for all times together that the document's loop has: what it says holds for each.

@@ -12,7 +12,7 @@ pub const COMING: &[(&str, &str, &str)] = &[
     (
         "GLSL",
         "float map(vec3 p) { return length(p) - 1.; }",
-        "the same, as a file or pasted; no loops",
+        "the same, as a file or pasted; loops have constant bounds",
     ),
     (
         "libfive",

@@ -4,7 +4,7 @@
 use super::values;
 use std::ops::Range;
 use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Limits, parse};
+use zeroset_syntax::{Limits, parse, setting_word};
 
 /// The text after `line` has been entered into it: a definition replaces the one with the same
 /// name, a single value where that stands; a drawing replaces all others, or joins them if
@@ -23,8 +23,8 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         let kept: Vec<&str> =
             base.lines().filter(|other| scene_word(other) != Some(word)).collect();
         let (kept, new) = (kept.join("\n"), line);
-        // A colour is that of the drawings below it.
-        return if word == "color" {
+        // Colour and opacity are those of the drawings below.
+        return if matches!(word, "color" | "opacity") {
             let (comment, rest) = kept.split_at(heading(&kept));
             format!("{comment}{new}\n{rest}")
         } else {
@@ -136,9 +136,7 @@ fn scene_word(line: &str) -> Option<&'static str> {
     let word = line.split_whitespace().next()?;
     // `domain = 2` would define a value of that name.
     let defines = line.trim_start()[word.len()..].trim_start().starts_with(['=', '(']);
-    ["domain", "view", "color", "look", "background"]
-        .into_iter()
-        .find(|other| *other == word && !defines)
+    setting_word(word).filter(|_| !defines)
 }
 
 /// Bytes of the comment that a text starts with.
@@ -203,6 +201,10 @@ mod tests {
             ("r = 2 in [0, 5]\nx = r", "r = 3 in [1, 9]", "r = 3 in [1, 9]\nx = r"),
             ("x = 1; y = 2; r = 3", "z = r", " r = 3\nz = r"),
             ("x = 1 # one; two\ny = 3", "z", "z"),
+            ("x = 1\nclip 1, 0, 0, 0", "clip 0, 1, 0, 0", "x = 1\nclip 0, 1, 0, 0"),
+            ("x = 1\naxes on", "axes off", "x = 1\naxes off"),
+            ("# A\nopacity 50%\nx = 1", "opacity 80%", "# A\nopacity 80%\nx = 1"),
+            ("color red\nx = 1", "colour blue", "colour blue\nx = 1"),
             ("x = 1 // one; two\ny = 3", "z", "z"),
             ("r = 2 // a radius; old\nx = r", "r = 3", "r = 3 // a radius; old\nx = r"),
             ("x = 1 {y > 0,\n z > 0}\nr = 1", "z = r", "r = 1\nz = r"),

@@ -1,7 +1,7 @@
 //! Colours of pixels through which an edge goes: the mean over many rays, each followed and lit as the one through the
 //! centre was.
 
-use super::paint::Painter;
+use super::paint::Finish;
 use super::trace::Shot;
 use crate::picture::Settings;
 use crate::program::ProgramError;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::KernelFloat;
 use zeroset_trace::{
-    Appearance, GBuffer, Pattern, RayGrid, Status, Tracer, UndecidedStyle, edges, hand_back_colours,
+    GBuffer, Pattern, RayGrid, Status, Tracer, UndecidedStyle, edges, hand_back_colours,
 };
 
 /// Columns and rows of the finer picture that are traced at a time: as many tiles as a kernel takes, and few enough for the
@@ -26,8 +26,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         rays: &RayGrid,
         picture: &GBuffer,
         layers: &[GBuffer],
-        appearance: &Appearance,
-        painter: Option<&Painter<'_>>,
+        finish: &Finish<'_>,
         rgb: &mut [u8],
     ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, tolerance, .. } = *self.settings;
@@ -40,7 +39,7 @@ impl<T: KernelFloat> Shot<'_, T> {
             // What is seen through a surface has edges, too.
             wanted.iter_mut().zip(edges(layer, rays)).for_each(|(all, edge)| *all |= edge);
         }
-        if appearance.undecided != UndecidedStyle::Shade {
+        if finish.appearance.undecided != UndecidedStyle::Shade {
             // What is marked stays marked.
             wanted.iter_mut().zip(&picture.status).for_each(|(edge, status)| {
                 *edge &= *status != Status::Undecided;
@@ -54,8 +53,7 @@ impl<T: KernelFloat> Shot<'_, T> {
             picture,
             wanted,
             pattern,
-            appearance,
-            painter,
+            finish,
             is_hidden: picture.shadow.iter().chain(&picture.occlusion).any(|hidden| *hidden > 0),
         };
         let (width, height) = (rays.width(), rays.height());
@@ -88,8 +86,7 @@ struct Edges<'a, T> {
     picture: &'a GBuffer,
     wanted: Vec<bool>,
     pattern: Pattern,
-    appearance: &'a Appearance,
-    painter: Option<&'a Painter<'a>>,
+    finish: &'a Finish<'a>,
     /// Whether light is hidden from any point.
     is_hidden: bool,
 }
@@ -134,8 +131,7 @@ impl<T: KernelFloat> Edges<'_, T> {
             }
         }
         let layers = self.shot.layers(&rays, &only, self.tracers)?;
-        let (appearance, painter) = (self.appearance, self.painter);
-        let bytes = self.shot.coloured(&rays, all, &layers, appearance, painter, side);
+        let bytes = self.shot.coloured(&rays, all, &layers, self.finish, side);
         let squares = (0..edges.len()).filter(|&square| edges[square]);
         let colour = |square| (pixel(square), self.pattern.mean(&bytes, square, across));
         let found = squares.map(colour).collect();

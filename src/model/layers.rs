@@ -2,14 +2,14 @@
 //!
 //! What is claimed of pixels is about the nearest point, and nothing here changes that.
 
-use super::paint::Painter;
+use super::paint::Finish;
 use super::trace::Shot;
 use crate::program::ProgramError;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
 use zeroset_trace::{
-    Appearance, Driver, GBuffer, LinearRgb, RayGrid, Start, Status, Tracer, UndecidedStyle,
-    hand_back_colours, shade_painted,
+    Driver, GBuffer, LinearRgb, RayGrid, Start, Status, Tracer, UndecidedStyle, hand_back_colours,
+    shade_painted,
 };
 
 /// Points of one surface along a ray, at most.
@@ -44,15 +44,15 @@ impl<T: KernelFloat> Shot<'_, T> {
         for (surface, tracer) in tracers.iter().enumerate() {
             let mut layer = new();
             self.find(surface, &**tracer, rays, only, &mut layer, &wanted)?;
-            for _ in 1..MOST {
+            for point in 1.. {
                 self.face(surface, rays, &mut layer)?;
+                let starts = self.starts(rays, &layer);
                 layers.push(layer);
-                let starts = self.starts(rays, layers.last().unwrap_or(&layers[0]));
-                layer = new();
-                if starts.iter().all(|start| start.is_infinite()) || !wanted(0) {
+                if point == MOST || starts.iter().all(|start| start.is_infinite()) || !wanted(0) {
                     break;
                 }
                 // The surface is left before it is met again.
+                layer = new();
                 let driver = Driver { rays, tracer: &**tracer, advance: &wanted };
                 driver.behind(&starts, Start::OnSurface, &mut layer);
                 layer.surface.fill(surface as u16);
@@ -87,12 +87,12 @@ impl<T: KernelFloat> Shot<'_, T> {
         rays: &RayGrid,
         picture: &GBuffer,
         layers: &[GBuffer],
-        appearance: &Appearance,
-        painter: Option<&Painter<'_>>,
+        finish: &Finish<'_>,
         side: usize,
     ) -> Vec<u8> {
+        let Finish { appearance, painter } = finish;
         let shaded = |buffer: &GBuffer| {
-            let paint = painter.map(|painter| painter.paint(buffer, rays, side));
+            let paint = painter.as_ref().map(|painter| painter.paint(buffer, rays, side));
             shade_painted(buffer, rays, appearance, &paint.unwrap_or_default())
         };
         let first = shaded(picture);

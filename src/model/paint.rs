@@ -4,11 +4,12 @@
 
 use super::Model;
 use crate::legend::{Legend, nice};
+use crate::scene::nearest;
 use rayon::prelude::*;
 use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
-use zeroset_ir::{Constant, Node};
+use zeroset_ir::Node;
 use zeroset_syntax::{MappedColor, POINT_NAMES, PointValue, SurfaceColor};
-use zeroset_trace::{ColourMap, GBuffer, Paint, RayGrid};
+use zeroset_trace::{Appearance, ColourMap, GBuffer, Paint, RayGrid};
 
 /// Width of a contour line, in pixels.
 const WIDTH: f64 = 1.4;
@@ -18,6 +19,14 @@ const LINES: f64 = 12.0;
 const DENSE: f64 = 3.0;
 /// Points that a thread takes at a time.
 const PART: usize = 512;
+
+/// How a picture's points are coloured.
+pub(super) struct Finish<'a> {
+    /// Under its light.
+    pub appearance: Appearance,
+    /// What is painted; `None` if all of it has its surfaces' own colours.
+    pub painter: Option<Painter<'a>>,
+}
 
 /// What is painted on surfaces.
 pub(super) struct Painter<'a> {
@@ -63,7 +72,7 @@ impl<'a> Painter<'a> {
         let scale = |surface: usize| {
             let own = mapped(surface)?;
             let [low, high] = match &own.range {
-                Some(ends) => ends.each_ref().map(number),
+                Some(ends) => ends.each_ref().map(nearest),
                 // Surfaces that are coloured alike have one scale.
                 None => {
                     range(&own.value, &|other| mapped(other).is_some_and(|one| is_same(own, one)))
@@ -76,13 +85,13 @@ impl<'a> Painter<'a> {
             let setting = model.setting.contours.as_ref()?;
             let scale = scales[surface];
             let value = setting.value.as_ref().or(scale.map(|scale| scale.value));
-            let value = value.unwrap_or(&model.setting.height);
+            let value = value.or(model.setting.height.as_ref())?;
             let [low, high] = match scale {
                 _ if setting.step.is_some() => [0.0; 2],
                 Some(scale) if setting.value.is_none() => [scale.low, scale.high],
                 _ => range(value, &|_| true),
             };
-            let step = setting.step.as_ref().map_or_else(|| nice((high - low) / LINES), number);
+            let step = setting.step.as_ref().map_or_else(|| nice((high - low) / LINES), nearest);
             (step > 0.0 && step.is_finite()).then_some((value, step))
         });
         let contours = contours.collect();
@@ -171,7 +180,7 @@ impl<'a> Painter<'a> {
                             None => both(ends.map(|(_, own)| own[number - parameters.len()])),
                         }
                     }
-                    Node::Constant(constant) => both([self::number(constant); 2]),
+                    Node::Constant(constant) => both([nearest(constant); 2]),
                     Node::Apply(op, operands) => {
                         let exponent = operands
                             .last()
@@ -199,17 +208,10 @@ fn points(picture: &GBuffer, holds: impl Fn(usize) -> bool) -> Vec<usize> {
     (0..picture.drawn.len()).filter(|&pixel| picture.is_drawn(pixel) && holds(pixel)).collect()
 }
 
-/// The float nearest to a constant.
-pub(super) fn number(constant: &Constant) -> f64 {
-    let bounds = constant.bounds();
-    bounds.lo.midpoint(bounds.hi)
-}
-
 /// What a node is as an exponent.
 fn exponent(node: &Node) -> Exponent {
     let Node::Constant(value) = node else { return Exponent::Real };
-    let whole = value.as_integer().and_then(|whole| i32::try_from(whole).ok());
-    whole.map_or(Exponent::Real, Exponent::Integer)
+    value.exponent()
 }
 
 /// Where lines of equal value are in a picture.

@@ -1,6 +1,6 @@
 //! One picture of a model: surfaces are found one after another, then lit.
 
-use super::paint::Painter;
+use super::paint::{Finish, Painter};
 use super::{Model, Stopwatch, Style, options};
 use crate::legend::Legend;
 use crate::picture::{Normals, Picture, Precision, Settings, Statistics, Times};
@@ -241,20 +241,18 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         times.occlude += watch.lap();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
         if settings.normals.is_some() {
-            let appearance = self.appearance(light);
             let painter = Painter::new(self.model, buffer, rays);
-            legends = painter.as_ref().map(Painter::legends).unwrap_or_default();
+            let finish = Finish { appearance: self.appearance(light), painter };
+            legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let mut layers = Vec::new();
             if self.is_translucent() {
                 layers = self.layers(rays, &[], &self.tracers(settings.tolerance)?)?;
                 times.trace += watch.lap();
             }
-            let painter = painter.as_ref();
-            rgb = self.coloured(rays, buffer, &layers, &appearance, painter, 1);
+            rgb = self.coloured(rays, buffer, &layers, &finish, 1);
             times.shade += watch.lap();
             if settings.antialias != Pattern::ONE && (self.advance)(0) {
-                edge_rays =
-                    self.smooth_edges(rays, buffer, &layers, &appearance, painter, &mut rgb)?;
+                edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
                 times.antialias += watch.lap();
             }
         }
@@ -335,6 +333,9 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let settings = self.settings;
         let plain = Appearance::new(self.model.look(settings), light);
         let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
+        let turned = self.model.turned.get_or_init(|| {
+            (0..self.model.surfaces()).map(|surface| self.is_negative_outside(surface)).collect()
+        });
         let surface = |(index, style): (usize, &Style)| {
             let colours = match &style.color {
                 Some(SurfaceColor::Plain(color)) => {
@@ -342,7 +343,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 }
                 Some(SurfaceColor::Mapped(_)) | None => SurfaceColours::default_for(index),
             };
-            if self.is_negative_outside(index) { colours.turned() } else { colours }
+            if turned[index] { colours.turned() } else { colours }
         };
         Appearance {
             surfaces: self.model.styles.iter().enumerate().map(surface).collect(),

@@ -3,11 +3,11 @@
 use crate::ast::{Expr, ExprKind, Function, Name};
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program_words::split;
+use crate::program_words::{closing, split};
 use crate::reader::{Frame, Reader};
 use crate::scan::Token;
 use crate::span::Span;
-use crate::steps::{Step, closing};
+use crate::steps::Step;
 use crate::value::LETTERS;
 use std::rc::Rc;
 

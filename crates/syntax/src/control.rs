@@ -8,12 +8,12 @@ use crate::ast::{Expr, ExprKind, Name, Relation};
 use crate::counting::{Counters, count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::Wrap;
-use crate::program_words::split;
+use crate::program_words::{closing, split};
 use crate::reader::{Frame, Reader};
 use crate::scan::Token;
 use crate::span::Span;
 use crate::statement::Head;
-use crate::steps::{Step, closing};
+use crate::steps::Step;
 use rustc_hash::FxHashMap;
 
 /// The most statements that a program runs.

@@ -6,12 +6,12 @@ use crate::calls::{Given, Procedure};
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::note::{Note, NoteKind};
-use crate::program_words::{Words, bracketed, split};
+use crate::program_words::{Words, bracketed, closing, split};
 use crate::reader::{Frame, Reader, Statements};
 use crate::scan::Token;
 use crate::span::Span;
 use crate::statement::Head;
-use crate::steps::{Step, closing};
+use crate::steps::Step;
 use std::rc::Rc;
 
 /// The most functions on one line.

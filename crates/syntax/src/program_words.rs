@@ -429,21 +429,27 @@ impl<'a> Words<'a> {
     }
 }
 
-/// What brackets hold that `tokens` begin with, and what follows them.
-pub(crate) fn bracketed(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
+/// Where the bracket is closed that `tokens` begin with.
+pub(crate) fn closing(tokens: &[Token]) -> Option<usize> {
     closer(tokens.first()?.symbol)?;
     let mut depth = 0_usize;
     for (index, token) in tokens.iter().enumerate() {
         if closer(token.symbol).is_some() {
             depth += 1;
         } else if is_closer(token.symbol) {
-            depth -= 1;
+            depth = depth.checked_sub(1)?;
             if depth == 0 {
-                return Some((tokens[1..index].to_vec(), tokens[index + 1..].to_vec()));
+                return Some(index);
             }
         }
     }
     None
+}
+
+/// What brackets hold that `tokens` begin with, and what follows them.
+pub(crate) fn bracketed(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
+    let end = closing(tokens)?;
+    Some((tokens[1..end].to_vec(), tokens[end + 1..].to_vec()))
 }
 
 /// The parts between `sign`, outside brackets; empty ones are left out.

@@ -140,6 +140,15 @@ pub(crate) fn setting(word: &str) -> Option<&'static Setting> {
     const { &SETTINGS }.iter().find(|setting| setting.word == word)
 }
 
+/// What a line about the picture sets that begins with `word`: the word itself, or its first spelling; `None` if there is no
+/// such line.
+pub fn setting_word(word: &str) -> Option<&'static str> {
+    let found = setting(word)?;
+    let is_spelling =
+        |other: &&Setting| other.rule == found.rule && other.rule != Rule::setting_line;
+    Some(const { &SETTINGS }.iter().find(is_spelling).unwrap_or(found).word)
+}
+
 /// What one line says.
 #[allow(clippy::large_enum_variant)] // taken apart at once
 pub(crate) enum SceneSetting {

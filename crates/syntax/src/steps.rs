@@ -1,7 +1,7 @@
 //! What a program does, statement by statement: blocks in braces, or indented. No statement is looked into.
 
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program_words::{Words, split};
+use crate::program_words::{Words, closing, split};
 use crate::scan::Token;
 use crate::spelling::{closer, is_closer, is_name};
 
@@ -52,23 +52,6 @@ impl Step {
             Self::Each { name, .. } => Some(*name),
         }
     }
-}
-
-/// Where the bracket is closed that `tokens` begin with.
-pub(crate) fn closing(tokens: &[Token]) -> Option<usize> {
-    closer(tokens.first()?.symbol)?;
-    let mut depth = 0_usize;
-    for (index, token) in tokens.iter().enumerate() {
-        if closer(token.symbol).is_some() {
-            depth += 1;
-        } else if is_closer(token.symbol) {
-            depth = depth.checked_sub(1)?;
-            if depth == 0 {
-                return Some(index);
-            }
-        }
-    }
-    None
 }
 
 /// The first place of `sign` outside brackets.

@@ -2,11 +2,11 @@
 //! looked into.
 
 use crate::lexer::begins_operand;
-use crate::program_words::{Words, bracketed, split};
+use crate::program_words::{Words, bracketed, closing, split};
 use crate::scan::Token;
 use crate::span::Span;
 use crate::spelling::is_name;
-use crate::steps::{closing, outside};
+use crate::steps::outside;
 
 /// Commands that only declare names, or set up a system.
 const SETUP: &[&str] = &[
@@ -91,7 +91,10 @@ impl Words<'_> {
             return statements(Vec::new());
         }
         if word == "draw_surface" && next.is_none() {
-            return self.text.contains("surface =").then_some(Unwrapped::Drawn(first));
+            let mut places = self.text.match_indices("surface");
+            let is_set =
+                places.any(|(at, word)| self.text[at + word.len()..].trim_start().starts_with('='));
+            return is_set.then_some(Unwrapped::Drawn(first));
         }
         if let Some(equals) = tokens.iter().position(|token| token.symbol == '=')
             && let [made, open, ..] = &tokens[equals + 1..]

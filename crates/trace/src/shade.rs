@@ -302,6 +302,8 @@ impl Band<'_> {
         let is_cap = window.load(self.cap, &mut is_cap);
         let mut paints = [Paint::NONE; LANES];
         let paint = PAINTED.then(|| window.load(self.paint, &mut paints));
+        // Most windows have nothing of either.
+        let (is_shaded, is_hidden) = (*shadow != [0; LANES], *occlusion != [0; LANES]);
         let points = || rays.points(window, window.load(self.drawn, &mut [0.0; LANES]));
         let to_light = appearance.light.all_towards(points);
         let to_eye = rays.ways_to_eye(window);
@@ -318,8 +320,10 @@ impl Band<'_> {
             // The side that is seen is lit.
             let side = Vec4::ONE.copysign(facing);
             let lamp = |way: Vec3| side * dot(normal, way.to_array().map(Vec4::splat));
-            let lit = 1.0 - four(&|lane| f32::from(shadow[lane])) / 255.0;
-            let open = 1.0 - four(&|lane| f32::from(occlusion[lane])) / 255.0;
+            let left = |is_any: bool, hidden: &[u8; LANES]| {
+                if is_any { 1.0 - four(&|lane| f32::from(hidden[lane])) / 255.0 } else { Vec4::ONE }
+            };
+            let (lit, open) = (left(is_shaded, shadow), left(is_hidden, occlusion));
             let direct = lit * (side * dot(normal, light)).max(Vec4::ZERO);
             // The square of the cosine between the normal and the direction half way to the light. From straight behind there
             // is none, and light is not seen.
@@ -370,6 +374,9 @@ fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
 
 /// Light as a picture shows it: what is brighter than most of the range is brought into it, rather than cut off.
 fn toned(amount: Vec4) -> Vec4 {
+    if amount.cmple(Vec4::splat(KNEE)).all() {
+        return amount;
+    }
     // Reinhard's curve (2002) with a white point, from the knee on, where its slope is 1.
     let above = (amount - KNEE).max(Vec4::ZERO) / (1.0 - KNEE);
     let curve = above * (1.0 + above / (WHITE * WHITE)) / (1.0 + above);

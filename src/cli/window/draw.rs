@@ -213,12 +213,8 @@ impl Backdrop {
         picture: (usize, usize),
         window: (usize, usize),
     ) {
-        let same = match (&self.rendering, rendering) {
-            (Some(old), Some(new)) => Arc::ptr_eq(old, new),
-            (None, None) => !self.pixels.is_empty(),
-            (Some(_), None) | (None, Some(_)) => false,
-        };
-        if same && self.size == window {
+        let is_same = self.rendering.as_ref().map(Arc::as_ptr) == rendering.map(Arc::as_ptr);
+        if is_same && self.size == window && !self.pixels.is_empty() {
             return;
         }
         self.rendering = rendering.cloned();

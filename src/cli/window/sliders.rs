@@ -82,12 +82,8 @@ impl Window {
         let (width, height) = self.picture_size();
         let scale = self.scale_at(self.size().1);
         let sliders = &mut self.sliders;
-        let is_same = match (&sliders.rendering, &seen.rendering) {
-            (Some(old), Some(new)) => Arc::ptr_eq(old, new),
-            (None, None) => true,
-            (Some(_), None) | (None, Some(_)) => false,
-        };
-        if !is_same {
+        let place = |rendering: &Option<Arc<Rendering>>| rendering.as_ref().map(Arc::as_ptr);
+        if place(&sliders.rendering) != place(&seen.rendering) {
             self.active = Instant::now();
             sliders.rendering.clone_from(&seen.rendering);
             let mut all = seen.rendering.as_ref().map(|seen| seen.sliders()).unwrap_or_default();

@@ -357,7 +357,7 @@ impl Worker {
         let old = old.map(|built| &built.made);
         let old = old.filter(|made| made.searched.is_some() && searched.is_some());
         // The same formula, so that it is seen to grow or to shrink.
-        let moved = old.filter(|made| made.model.rebound(document, made.model.region()).is_some());
+        let moved = old.filter(|made| made.model.program().serves(document));
         let region = moved.map_or(Ok(found), |made| rooms::for_next(made.model.region(), &found));
         let region = region?;
         let rebound = moved.and_then(|made| made.model.rebound(document, &region));
