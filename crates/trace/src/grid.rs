@@ -2,7 +2,7 @@
 
 use crate::camera::{Basis, Camera, Projection, Ray};
 use crate::painted::Window;
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes};
 
@@ -196,10 +196,14 @@ impl RayGrid {
         let first = -(forward + unit * across * right + unit * upward * up).as_vec3();
         let step = -(2.0 * unit * right).as_vec3();
         let mut ways = [Lanes::splat(0.0); 3];
-        let [xs, ys, zs] = &mut ways;
-        for (lane, ((x, y), z)) in xs.iter_mut().zip(&mut ys.0).zip(&mut zs.0).enumerate() {
-            let way = first + lane as f32 * step;
-            [*x, *y, *z] = (way / way.length()).to_array();
+        for at in (0..LANES).step_by(4) {
+            let lane = at as f32 + Vec4::new(0.0, 1.0, 2.0, 3.0);
+            let [x, y, z] = [(first.x, step.x), (first.y, step.y), (first.z, step.z)]
+                .map(|(f, s)| f + lane * s);
+            let length = (x * x + y * y + z * z).map(f32::sqrt);
+            for (ways, way) in ways.iter_mut().zip([x, y, z]) {
+                (way / length).write_to_slice(&mut ways[at..]);
+            }
         }
         ways
     }

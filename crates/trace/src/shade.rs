@@ -304,6 +304,7 @@ impl Band<'_> {
         let paint = PAINTED.then(|| window.load(self.paint, &mut paints));
         // Most windows have nothing of either.
         let (is_shaded, is_hidden) = (*shadow != [0; LANES], *occlusion != [0; LANES]);
+        let is_cut_open = *is_cap != [false; LANES];
         let points = || rays.points(window, window.load(self.drawn, &mut [0.0; LANES]));
         let to_light = appearance.light.all_towards(points);
         let to_eye = rays.ways_to_eye(window);
@@ -312,10 +313,9 @@ impl Band<'_> {
             let four = |value: &dyn Fn(usize) -> f32| {
                 Vec4::new(value(at), value(at + 1), value(at + 2), value(at + 3))
             };
-            let axes = [0, 1, 2];
-            let normal = axes.map(|axis| four(&|lane| normal[lane][axis]));
-            let eye = axes.map(|axis| Vec4::from_slice(&to_eye[axis][at..]));
-            let light = axes.map(|axis| Vec4::from_slice(&to_light[axis][at..]));
+            let normal = by_axis([0, 1, 2, 3].map(|lane| normal[at + lane]));
+            let eye = per_axis(|axis| Vec4::from_slice(&to_eye[axis][at..]));
+            let light = per_axis(|axis| Vec4::from_slice(&to_light[axis][at..]));
             let facing = dot(normal, eye);
             // The side that is seen is lit.
             let side = Vec4::ONE.copysign(facing);
@@ -327,7 +327,7 @@ impl Band<'_> {
             let direct = lit * (side * dot(normal, light)).max(Vec4::ZERO);
             // The square of the cosine between the normal and the direction half way to the light. From straight behind there
             // is none, and light is not seen.
-            let halfway = axes.map(|axis| light[axis] + eye[axis]);
+            let halfway = per_axis(|axis| light[axis] + eye[axis]);
             let cosine = (side * dot(normal, halfway)).max(Vec4::ZERO);
             let square_of_length = dot(halfway, halfway).max(Vec4::splat(f32::MIN_POSITIVE));
             let square = cosine * cosine / square_of_length;
@@ -342,13 +342,16 @@ impl Band<'_> {
             let factor = ambient + (1.0 - everywhere) * (look.key * direct + fill);
             let edge = grazing * grazing;
             let factor = factor * (1.0 - look.outline * edge * edge);
-            let cap = four(&|lane| if is_cap[lane] { -1.0 } else { 1.0 });
-            let (is_negative, is_cut) = (facing.cmplt(Vec4::ZERO), cap.cmplt(Vec4::ZERO));
+            let is_negative = facing.cmplt(Vec4::ZERO);
+            let cap = |lane| if is_cap[lane] { -1.0 } else { 1.0 };
+            let is_cut = is_cut_open.then(|| four(&cap).cmplt(Vec4::ZERO));
             for (primary, amounts) in amounts.iter_mut().enumerate() {
-                let [positive, negative, cut] = [colours.positive, colours.negative, colours.cut]
-                    .map(|colour| Vec4::splat(colour.0[primary]));
-                let base = Vec4::select(is_negative, negative, positive);
-                let mut base = Vec4::select(is_cut, cut, base);
+                let of = |colour: LinearRgb| Vec4::splat(colour.0[primary]);
+                let mut base =
+                    Vec4::select(is_negative, of(colours.negative), of(colours.positive));
+                if let Some(is_cut) = is_cut {
+                    base = Vec4::select(is_cut, of(colours.cut), base);
+                }
                 if let Some(paint) = paint {
                     let own = four(&|lane| paint[lane].base.0[primary]);
                     base = Vec4::select(own.is_nan_mask(), base, own);
@@ -368,6 +371,19 @@ impl Band<'_> {
     }
 }
 
+/// What it gives for x, y and z. Arrays' own `map` is not always compiled in place.
+#[inline(always)]
+fn per_axis<T>(value: impl Fn(usize) -> T) -> [T; 3] {
+    [value(0), value(1), value(2)]
+}
+
+/// The vectors of four lanes by their coordinates.
+#[inline(always)]
+fn by_axis([a, b, c, d]: [[f32; 3]; 4]) -> [Vec4; 3] {
+    per_axis(|axis| Vec4::new(a[axis], b[axis], c[axis], d[axis]))
+}
+
+#[inline(always)]
 fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
