@@ -214,6 +214,7 @@ fn spots(
         width: SIDE,
         height: SIDE,
         precision: settings.precision,
+        is_preview: true,
         normals: None,
         ..Settings::default()
     };

@@ -5,6 +5,7 @@ mod layers;
 mod paint;
 mod trace;
 
+use crate::kernels::Evaluator;
 use crate::picture::{Normals, Picture, Precision, Settings, Times};
 use crate::program::{Program, ProgramError};
 use crate::scene;
@@ -228,8 +229,10 @@ impl Model {
             at.to_array().map(|c| T::nearest(c).into()).map(|c| Interval { lo: c, hi: c })
         });
         let boxes = Boxes::<T>::around(&points.collect::<Vec<_>>());
+        // So few points take less time than compiling would.
+        let program = self.program.on(Evaluator::Reference);
         for surface in 0..self.surfaces() {
-            let zeros = self.program.kernels::<T>(surface).zeros()?;
+            let zeros = program.kernels::<T>(surface).zeros()?;
             let flat = zeros.ask_all(&boxes).iter().zip(&boxes).all(|(zeros, boxes)| {
                 let all = u16::MAX >> (u16::BITS - boxes.count);
                 zeros.possible & !zeros.jumping & all == all
@@ -264,11 +267,15 @@ impl Model {
     }
 }
 
+/// What stays open in a picture that another one follows, as a share of the tolerance.
+const PREVIEWED: f64 = 1.0 / 16.0;
+
 fn options(settings: &Settings, kind: SurfaceKind, depth: u32, tolerance: f64) -> Options {
-    let Settings { precision, steps, ideas, .. } = *settings;
+    let Settings { precision, is_preview, steps, ideas, .. } = *settings;
+    let least = if is_preview { PREVIEWED } else { 0.0 };
     // At a pole a surface has no point, but a solid may have a face.
     let suppress_asymptotes = kind == SurfaceKind::Equation;
-    Options { precision, depth, tolerance, steps, suppress_asymptotes, ideas }
+    Options { precision, depth, tolerance, least, steps, suppress_asymptotes, ideas }
 }
 
 /// Makes the kernels that a picture needs, all at once; returns whether they were wanted to the end.

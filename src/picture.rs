@@ -27,6 +27,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// How far, in pixels, a hit may be from where it is drawn, for methods that bound it; proofs do not depend on it.
     pub tolerance: f64,
+    /// Whether another picture follows: places that are hard to decide are painted, and left undecided, sooner.
+    pub is_preview: bool,
     /// Ideas of the method `affine` that are made use of.
     pub ideas: Ideas,
     /// Samples on a ray's way through the domain, or steps along it at most, for methods that take such; among
@@ -87,6 +89,7 @@ impl Default for Settings {
             precision: Precision::Auto,
             max_depth: 10,
             tolerance: 0.5,
+            is_preview: false,
             ideas: Ideas::default(),
             steps: 256,
             brackets: false,

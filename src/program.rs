@@ -92,11 +92,12 @@ impl Program {
         }))
     }
 
-    /// The same program, its kernels run by `evaluator`.
+    /// The same program, its kernels run by `evaluator` and counted anew.
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
-        Self::of(&self.shared, &self.ledger, self.values.to_vec(), |surface, values| {
-            BoundSurface::new(&self.shared, &self.ledger, surface, evaluator, values)
+        let ledger = Arc::default();
+        Self::of(&self.shared, &ledger, self.values.to_vec(), |surface, values| {
+            BoundSurface::new(&self.shared, &ledger, surface, evaluator, values)
         })
     }
 

@@ -206,8 +206,9 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         };
         let undefined = (0..model.surfaces()).any(|surface| model.program.is_undefined(surface));
         let (method, precision) = (settings.method, settings.precision);
+        let (hit, undecided) = (statistics.pixels.hit, statistics.pixels.undecided);
         // Where it is 0 everywhere no ray through the region is decided.
-        let flat = statistics.pixels.undecided > 0 && model.is_flat::<T>()?;
+        let flat = hit == 0 && undecided > 0 && model.is_flat::<T>()?;
         let (remarks, rgb, look) = (model.remarks.clone(), lit.rgb, model.look(settings));
         let legends = lit.legends;
         Ok(Picture {

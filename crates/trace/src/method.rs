@@ -78,6 +78,9 @@ pub struct Options {
     pub depth: u32,
     /// How far, in pixels, a hit may be from where it is said to be. Proofs do not depend on it.
     pub tolerance: f64,
+    /// How short the segments are that stay open, as a share of the tolerance: 0 follows them as far as arithmetic can tell,
+    /// more leaves them sooner to be painted, for a picture that another one follows. Read where proofs are.
+    pub least: f64,
     /// Samples on a ray's way through the region, or steps along it at most; from 2 on.
     pub steps: u32,
     /// Whether a place where the function is unbounded counts as an asymptote rather than a root: its pixel then is
@@ -93,6 +96,7 @@ impl Default for Options {
             precision: Precision::Auto,
             depth: 10,
             tolerance: 0.5,
+            least: 0.0,
             steps: 256,
             suppress_asymptotes: true,
             ideas: Ideas::default(),

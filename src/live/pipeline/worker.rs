@@ -388,6 +388,7 @@ fn coarser(full: &Settings, scale: f64) -> Settings {
         width: fewer(full.width),
         height: fewer(full.height),
         max_depth: depth.min(full.max_depth),
+        is_preview: scale > 1.0,
         ..full.clone()
     }
 }

@@ -77,9 +77,12 @@ impl<'a, T: Scalar> Affine<'a, T> {
         options: Options,
     ) -> Result<Self, KernelError> {
         let kernels = T::kernels(surface);
+        // Each is compiled while the other is.
+        let (tiles, follower) =
+            rayon::join(|| kernels.tiles(), || Follower::new(surface, region, options));
         Ok(Self {
-            tiles: kernels.tiles()?,
-            follower: Follower::new(surface, region, options)?,
+            tiles: tiles?,
+            follower: follower?,
             cleared: kernels.cleared()?.is_some(),
             region,
             tolerance: options.tolerance,

@@ -1,7 +1,7 @@
 //! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
 
 use super::slots::{Slots, Stack};
-use crate::method::Ideas;
+use crate::method::Options;
 use crate::methods::way::{CUT, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -34,6 +34,8 @@ pub(super) struct Narrower<'a, T: Scalar> {
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
     contracts: bool,
+    /// [`Options::least`].
+    least: f64,
     /// Whether what stays open is looked at in `f64`.
     hands_on: bool,
 }
@@ -72,10 +74,10 @@ impl<'a, T: Scalar> Narrower<'a, T> {
     pub fn new(
         surface: &'a dyn Surface,
         region: &'a Region,
-        ideas: Ideas,
+        options: Options,
         hands_on: bool,
     ) -> Result<Self, KernelError> {
-        let kernels = T::kernels(surface);
+        let (kernels, ideas) = (T::kernels(surface), options.ideas);
         let cleared = match kernels.cleared()? {
             Some([_, denominator]) => Some([kernels.bounds()?, denominator]),
             None => None,
@@ -84,9 +86,10 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             segments: kernels.segments()?,
             cleared,
             // What is looked at in `f64` in any case need not be asked of intervals first, one short segment after another.
-            zeros: kernels.zeros().ok().filter(|_| ideas.intervals && !hands_on),
+            zeros: if ideas.intervals && !hands_on { kernels.zeros().ok() } else { None },
             region,
             contracts: ideas.contract,
+            least: options.least,
             hands_on,
         })
     }
@@ -110,7 +113,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             steps[lane] = Step::Empty;
             if let Some(segment) = *segment {
                 least[lane] = begin::<T>(&ways[lane], segment, &mut stacks[lane]);
-                grain[lane] = least[lane];
+                grain[lane] = least[lane].max(self.least * ways[lane].tolerance);
             }
         }
         let mut slots = Slots::new(stacks);

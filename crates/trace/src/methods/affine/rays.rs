@@ -38,7 +38,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
     ) -> Result<Self, KernelError> {
         let refines = options.precision == Precision::Auto;
         Ok(Self {
-            narrower: Narrower::new(surface, region, options.ideas, refines)?,
+            narrower: Narrower::new(surface, region, options, refines)?,
             refines,
             double: OnceLock::new(),
             surface,
@@ -142,8 +142,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if open.iter().all(Option::is_none) {
             return;
         }
-        let make =
-            || Narrower::<f64>::new(self.surface, self.region, self.options.ideas, false).ok();
+        let make = || Narrower::<f64>::new(self.surface, self.region, self.options, false).ok();
         let Some(double) = self.double.get_or_init(make) else { return };
         let mut refined = [Step::Empty; LANES];
         double.narrow(ways, &open, &mut Scratch::default(), &mut refined, work);
@@ -173,7 +172,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     fn bridge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2]) -> Option<[f64; 2]> {
-        if !self.options.ideas.intervals {
+        // A picture that another one follows paints the place either way.
+        if !self.options.ideas.intervals || self.options.least > 0.0 {
             return None;
         }
         let kernel = U::kernels(self.surface).bounds().ok()?;
@@ -183,14 +183,18 @@ impl<'a, T: Scalar> Follower<'a, T> {
     fn judge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2], spent: bool) -> (Reason, bool) {
         let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
         let kernels = U::kernels(self.surface);
-        let (mut zeros, mut facts) = (Zeros::default(), Facts::NONE);
+        let mut zeros = Zeros::default();
         if let Ok(kernel) = kernels.zeros() {
             kernel.ask(&boxes[0], &mut zeros);
         }
+        let asymptote = self.options.suppress_asymptotes && zeros.unbounded & 1 == 1;
+        if self.options.least > 0.0 {
+            return (Reason::Budget, !asymptote);
+        }
+        let mut facts = Facts::NONE;
         if let Ok(kernel) = kernels.bounds() {
             facts = Kernel::<Enclose, U>::ask_all(kernel, &boxes)[0].facts(0);
         }
-        let asymptote = self.options.suppress_asymptotes && zeros.unbounded & 1 == 1;
         (reason(facts, spent), !asymptote)
     }
 
