@@ -18,3 +18,4 @@ mod stability_solids;
 mod truth;
 mod truth_support;
 mod words;
+mod zoom;

@@ -28,6 +28,14 @@ pub enum Command {
     Run(RunArguments),
     /// Draw formulas on which methods are known to fail, and name what becomes of each
     Stability(StabilityArguments),
+    /// Follow given rays, or random ones, by each method and by the certified tracer
+    ///
+    /// So that other programs can be held against the same rays. Writes, as .npy files of float64: `rays`, of which a row is
+    /// an origin and a direction of any length; for each method a file of its name, of which a row is 0 for a proven miss, 1
+    /// for a proven hit or 2 for undecided, the two distances between which the hit is proven, and the distance at which the
+    /// ray is painted; and `certified`, of which a row is 0 for no root, 1 for one or 2 for open, and the distances between
+    /// which the first root lies. Distances are from the origin in units of the world; they are NaN where there are none.
+    Rays(RaysArguments),
     /// Draw the charts of a directory's rows once more, as `run` does at its end
     Draw {
         /// What `run` has written
@@ -89,6 +97,38 @@ pub struct RunArguments {
     /// Little of everything, to try it: two views, three repeats, 64 pixels in a row
     #[arg(long)]
     quick: bool,
+}
+
+/// Which rays to follow.
+#[derive(Args, Debug)]
+pub struct RaysArguments {
+    /// A surface: a name of `zeroset gallery --list`, or one of the ten that are measured by default
+    pub surface: String,
+    /// Rays from an .npy file: float64, a row of six numbers each, an origin and a direction
+    #[arg(long, value_name = "FILE", conflicts_with = "random")]
+    pub rays: Option<PathBuf>,
+    /// So many random rays, from around the domain to points in it
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub random: u32,
+    /// Draws the random rays
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Methods, with commas between; all if not given
+    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
+    methods: Vec<String>,
+    /// How near a hit is to be, as a share of the domain's diagonal
+    #[arg(long, default_value_t = 1e-6, value_name = "SHARE", value_parser = tolerance)]
+    pub within: f64,
+    /// Where the files go
+    #[arg(short, long, value_name = "DIRECTORY")]
+    pub output: PathBuf,
+}
+
+impl RaysArguments {
+    /// The methods.
+    pub fn methods(&self) -> Vec<&'static Method> {
+        chosen(&self.methods)
+    }
 }
 
 /// Which difficult formulas to draw.

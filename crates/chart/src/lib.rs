@@ -20,6 +20,7 @@ pub mod pareto;
 pub mod plot;
 pub mod progress;
 pub mod quantile;
+pub mod rays;
 pub mod reference;
 pub mod row;
 pub mod run;

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use zeroset_chart::arguments::{Arguments, Command};
 use zeroset_chart::check::check;
+use zeroset_chart::rays::rays;
 use zeroset_chart::run::{Plan, run};
 use zeroset_chart::stability::{named, stability, table};
 use zeroset_chart::store::Store;
@@ -49,6 +50,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode> {
             let verdicts = stability(&cases, &methods, arguments.budget, &arguments.output)?;
             print!("{}", table(&verdicts, &methods));
         }
+        Command::Rays(arguments) => print!("{}", rays(arguments)?),
         Command::Draw { directory } => draw(directory)?,
         Command::Check { directory } => {
             let found = check(directory)?;

@@ -138,6 +138,15 @@ pub fn trace(
     pixels: &[usize],
     budget: u32,
 ) -> Result<Vec<(usize, Truth)>, ChartError> {
+    let rays: Vec<Ray> = pixels.iter().map(|&pixel| rays.ray_of(pixel)).collect();
+    Ok(pixels.iter().copied().zip(certify(surface, &rays, budget)?).collect())
+}
+
+/// What is certain of these rays, by about `budget` evaluations each.
+///
+/// # Errors
+/// If the function has no code.
+pub fn certify(surface: &Surface, rays: &[Ray], budget: u32) -> Result<Vec<Truth>, ChartError> {
     let settings = Settings { precision: Precision::F64, ..Settings::default() };
     let model = Model::new(&surface.document, &surface.region, &settings)
         .map_err(ChartError::of_surface(&surface.name))?;
@@ -148,7 +157,7 @@ pub fn trace(
         bounds: surface.bounds(),
         budget,
     };
-    Ok(pixels.par_iter().map(|&pixel| (pixel, tracer.truth(&rays.ray_of(pixel)))).collect())
+    Ok(rays.par_iter().map(|ray| tracer.truth(ray)).collect())
 }
 
 struct Certifier<'a> {

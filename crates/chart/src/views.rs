@@ -112,7 +112,7 @@ pub fn rng(purpose: &str) -> Rng {
 }
 
 /// A direction of length 1, all alike.
-fn direction(rng: &mut Rng) -> DVec3 {
+pub fn direction(rng: &mut Rng) -> DVec3 {
     loop {
         let v = DVec3::new(rng.f64(), rng.f64(), rng.f64()) * 2.0 - 1.0;
         if (0.01..=1.0).contains(&v.length()) {

@@ -113,3 +113,62 @@ fn what_cannot_be_done_is_said_once() {
         assert!(said.contains(expected) && said.matches("error:").count() == 1, "{said}");
     }
 }
+
+#[test]
+fn rays_are_followed_and_kept_for_others() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let path = directory.path().to_str().expect("UTF-8");
+    let output = chart(&["rays", "sphere", "--random", "200", "-o", path]);
+    assert!(output.status.success(), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stdout);
+    for method in ["affine", "knoll", "mitchell", "march"] {
+        let line = said.lines().find(|line| line.starts_with(method)).expect(method);
+        assert!(line.ends_with("; 0 false"), "{line}");
+    }
+    let read = |name: &str| {
+        let file = fs::File::open(directory.path().join(name)).expect(name);
+        zeroset_testkit::npy::read_f64(file).expect(name)
+    };
+    let (rays, hits, certain) = (read("rays.npy"), read("affine.npy"), read("certified.npy"));
+    assert_eq!((rays.shape, hits.shape), (vec![200, 6], vec![200, 4]));
+    // What a quadratic equation says of the unit sphere.
+    let mut seen = [0; 2];
+    for (ray, (hit, certain)) in rays
+        .data
+        .as_chunks::<6>()
+        .0
+        .iter()
+        .zip(hits.data.as_chunks::<4>().0.iter().zip(certain.data.as_chunks::<3>().0))
+    {
+        let (origin, way) =
+            (glam::DVec3::from_slice(&ray[..3]), glam::DVec3::from_slice(&ray[3..]));
+        let way = way.normalize();
+        let middle = -origin.dot(way);
+        let square = middle * middle - origin.length_squared() + 1.0;
+        seen[usize::from(square > 0.0)] += 1;
+        let expected = middle - square.sqrt();
+        if square > 1e-9 {
+            assert!(hit[0] == 1.0 && certain[0] == 1.0, "{ray:?}: {hit:?}, {certain:?}");
+            assert!(hit[1] <= expected + 1e-12 && expected - 1e-12 <= hit[2], "{hit:?} {expected}");
+            assert!((hit[3] - expected).abs() < 1e-5, "{hit:?} {expected}");
+        } else if square < -1e-9 {
+            assert_eq!((hit[0], certain[0]), (0.0, 0.0), "{ray:?}");
+        }
+    }
+    assert!(seen[0] > 20 && seen[1] > 20, "{seen:?}");
+
+    // The same rays, read back, give the same hits; what are no rays is refused.
+    let again = tempfile::tempdir().expect("a directory");
+    let (given, there) = (directory.path().join("rays.npy"), again.path());
+    let arguments = |file: &Path| {
+        let [file, there] = [file, there].map(|path| path.to_str().expect("UTF-8").to_owned());
+        chart(&["rays", "sphere", "--rays", &file, "--methods", "affine", "-o", &there])
+    };
+    assert!(arguments(&given).status.success());
+    let bytes = |directory: &Path| fs::read(directory.join("affine.npy")).expect("hits");
+    assert_eq!(bytes(there), bytes(directory.path()));
+    let refused = arguments(&directory.path().join("affine.npy"));
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(said.contains("200×4 numbers, where rays are rows of 6"), "{said}");
+}

@@ -1,5 +1,6 @@
 //! Arrays of truth and of pictures, as stored in the `.npy` format.
 
+use npyz::WriterBuilder;
 use std::io::{Error, ErrorKind, Read, Result};
 
 /// An array in C order: the last index moves fastest.
@@ -35,6 +36,24 @@ pub fn read_u8(source: impl Read) -> Result<Array<u8>> {
     read(source)
 }
 
+/// The file that holds these numbers, as many in a row as `columns`.
+///
+/// # Errors
+/// If the last row is not full.
+pub fn write_f64(columns: usize, data: &[f64]) -> Result<Vec<u8>> {
+    let rows = data.len() / columns.max(1);
+    if rows * columns != data.len() {
+        return Err(Error::new(ErrorKind::InvalidInput, "the last row is not full"));
+    }
+    let mut bytes = Vec::new();
+    let options = npyz::WriteOptions::new().default_dtype();
+    let options = options.shape(&[rows as u64, columns as u64]).writer(&mut bytes);
+    let mut writer = options.begin_nd()?;
+    writer.extend(data.iter().copied())?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
 fn read<T: npyz::Deserialize>(source: impl Read) -> Result<Array<T>> {
     let file = npyz::NpyFile::new(source)?;
     if file.order() != npyz::Order::C {
@@ -68,6 +87,15 @@ mod tests {
         let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1,), }";
         let array = read_f32(&*file(header, &0.5_f32.to_le_bytes())).expect("an array");
         assert_eq!(array.data, [0.5]);
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let data = [1.0, f64::NAN, f64::INFINITY, -0.0, 5e-324, 6.5];
+        let array = read_f64(&*write_f64(3, &data).expect("two rows")).expect("an array");
+        assert_eq!(array.shape, [2, 3]);
+        assert!(array.data.iter().zip(data).all(|(a, b)| a.to_bits() == b.to_bits()));
+        assert!(write_f64(4, &data).is_err() && write_f64(0, &data).is_err());
     }
 
     #[test]

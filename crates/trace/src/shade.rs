@@ -372,18 +372,18 @@ impl Band<'_> {
 }
 
 /// What it gives for x, y and z. Arrays' own `map` is not always compiled in place.
-#[inline(always)]
+#[inline]
 fn per_axis<T>(value: impl Fn(usize) -> T) -> [T; 3] {
     [value(0), value(1), value(2)]
 }
 
 /// The vectors of four lanes by their coordinates.
-#[inline(always)]
+#[inline]
 fn by_axis([a, b, c, d]: [[f32; 3]; 4]) -> [Vec4; 3] {
     per_axis(|axis| Vec4::new(a[axis], b[axis], c[axis], d[axis]))
 }
 
-#[inline(always)]
+#[inline]
 fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

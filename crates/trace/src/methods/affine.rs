@@ -65,9 +65,10 @@ struct Affine<'a, T: Scalar> {
 }
 
 /// How far, as a share of the region's extent, the real ray may be from what is computed of it.
-const FARTHEST: f64 = 1e-6;
+const FARTHEST: f64 = 1e-2;
 
-/// Where hits are wanted closer than so many of the shortest segments, `f32` would narrow each in vain before `f64` does.
+/// Where hits are wanted closer than so many of the shortest segments, or of what coordinates are rounded by, `f32` would
+/// narrow each in vain before `f64` does.
 const FINE: f64 = 16.0;
 
 impl<'a, T: Scalar> Affine<'a, T> {
@@ -122,7 +123,7 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             return by_squares(self, rays, band, work);
         }
         if self.options.precision == Precision::Auto
-            && self.tolerance * rays.footprint(frame.start) < FINE * T::GRAIN * frame.size()
+            && self.tolerance * rays.footprint(frame.start) < FINE * frame.resolution::<T>()
             && let Some(double) = self.double()
         {
             return double.band(rays, band, work);

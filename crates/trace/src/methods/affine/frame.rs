@@ -10,6 +10,9 @@ use crate::scalar::Scalar;
 use glam::DVec3;
 use zeroset_eval::{Lanes, Segments, Tiles};
 
+/// Forms lose a few times what their coordinates are rounded by.
+pub(super) const BLURS: f64 = 4.0;
+
 /// What the rays of a picture have in common.
 pub(super) struct Frame {
     /// t where s is 0.
@@ -62,6 +65,11 @@ impl Frame {
         self.span[0].abs().max(self.span[1].abs())
     }
 
+    /// What `T` tells apart along a ray: the length of the shortest segments, or some times what coordinates are rounded by.
+    pub fn resolution<T: Scalar>(&self) -> f64 {
+        (T::GRAIN * self.size()).max(BLURS * self.error_in::<T>(self.size()).max_element())
+    }
+
     /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within `most` of 0.
     ///
     /// Room is left for underflow, and a part is rounded to `T` first.
@@ -79,8 +87,7 @@ impl Frame {
     /// A batch in which the frame is set.
     pub fn tiles<T: Scalar>(&self) -> Tiles<T> {
         let mut tiles = Tiles::default();
-        let most = self.span[0].abs().max(self.span[1].abs());
-        let error = self.error_in::<T>(most);
+        let error = self.error_in::<T>(self.size());
         for axis in 0..3 {
             for part in 0..3 {
                 let splat = |vector: DVec3| Lanes::splat(T::nearest(vector[axis]));
@@ -94,8 +101,7 @@ impl Frame {
 
     /// A batch of rays of this picture, in which their error is set.
     pub fn segments<T: Scalar>(&self) -> Segments<T> {
-        let most = self.span[0].abs().max(self.span[1].abs());
-        let error = self.error_in::<T>(most);
+        let error = self.error_in::<T>(self.size());
         let error = [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)));
         Segments { error, ..Segments::default() }
     }

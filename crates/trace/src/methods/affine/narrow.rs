@@ -6,6 +6,7 @@ use crate::methods::way::{CUT, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
+use glam::DVec3;
 use zeroset_eval::{
     Boxes, ContractSegments, Contractions, Enclose, FindZeros, Kernel, KernelError, LANES,
     Segments, Surface, Zeros,
@@ -67,6 +68,8 @@ pub(super) const UNSTEADY: f64 = 1.0 / 16.0;
 const COARSE: f64 = 32.0;
 /// A segment that stays open at no more than so many times the shortest does so for lack of digits, not of effort.
 const SPENT: f64 = 1024.0;
+/// Of segments shorter than this share of what their coordinates are rounded by no more can be told.
+const BLURRED: f64 = 0.125;
 /// Segments looked at on one ray before the shortest get longer.
 const PATIENCE: u32 = 96;
 
@@ -236,7 +239,8 @@ fn begin<T: Scalar>(way: &Way, [near, far]: [f64; 2], stack: &mut Stack) -> f64 
     } else {
         stack.push([near, far]);
     }
-    T::GRAIN * near.abs().max(far.abs()).max(way.span[1] - way.span[0])
+    let blur = (rounding::<T>(way) + way.error).max_element() / way.direction.length();
+    (T::GRAIN * near.abs().max(far.abs()).max(way.span[1] - way.span[0])).max(BLURRED * blur)
 }
 
 /// How short the bracket of a hit is to be. Where segments got much shorter at once, the function is as good as linear, and its
@@ -255,14 +259,18 @@ pub(super) fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool 
 
 /// Writes a ray into a lane.
 fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &Way) {
-    let most = way.span[0].abs().max(way.span[1].abs());
+    let rounding = rounding::<T>(way);
     for axis in 0..3 {
-        let (origin, direction) = (way.origin[axis], way.direction[axis]);
-        batch.origin[axis][lane] = T::nearest(origin);
-        batch.direction[axis][lane] = T::nearest(direction);
-        let least: f64 = T::LEAST_NORMAL.into();
-        let rounding = (T::PATH_ERROR + T::UNIT) * (origin.abs() + most * direction.abs())
-            + 4.0 * least * (1.0 + most);
-        batch.error[axis][lane] = T::nearest(1.0001 * (way.error[axis] + rounding));
+        batch.origin[axis][lane] = T::nearest(way.origin[axis]);
+        batch.direction[axis][lane] = T::nearest(way.direction[axis]);
+        batch.error[axis][lane] = T::nearest(1.0001 * (way.error[axis] + rounding[axis]));
     }
+}
+
+/// What `T` rounds the coordinates of a ray by.
+pub(super) fn rounding<T: Scalar>(way: &Way) -> DVec3 {
+    let most = way.span[0].abs().max(way.span[1].abs());
+    let least: f64 = T::LEAST_NORMAL.into();
+    (T::PATH_ERROR + T::UNIT) * (way.origin.abs() + most * way.direction.abs())
+        + 4.0 * least * (1.0 + most)
 }

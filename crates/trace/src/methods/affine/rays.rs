@@ -1,6 +1,8 @@
 //! Single rays, sixteen at a time: from a segment to a proven hit, to nothing, or to what stays open.
 
-use super::narrow::{Narrower, Scratch, Step};
+use super::FINE;
+use super::frame::BLURS;
+use super::narrow::{Narrower, Scratch, Step, rounding};
 use crate::gbuffer::{Found, Reason};
 use crate::method::{Options, Precision, Segment, Start};
 use crate::methods::bridge::Bridge;
@@ -14,6 +16,11 @@ use zeroset_eval::{
     Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Surface, Zeros,
 };
 use zeroset_interval::Facts;
+
+/// Whether hits are wanted so close on a ray that `T` would narrow segments of it in vain.
+fn is_blurred<T: Scalar>(way: &Way) -> bool {
+    way.tolerance * way.direction.length() < FINE * BLURS * rounding::<T>(way).max_element()
+}
 
 /// Follows single rays.
 pub(super) struct Follower<'a, T: Scalar> {
@@ -66,10 +73,15 @@ impl<'a, T: Scalar> Follower<'a, T> {
         let mut stretch = [0.0; LANES];
         let mut pending: [Option<[f64; 2]>; LANES] =
             std::array::from_fn(|lane| ways.get(lane).map(|way| way.span));
+        let finer = ways.iter().any(is_blurred::<T>).then(|| self.double()).flatten();
         while pending.iter().any(Option::is_some) {
             let mut steps = [Step::Empty; LANES];
-            self.narrower.narrow(ways, &pending, scratch, &mut steps, work);
-            self.refine(ways, &mut steps, &mut stretch, work);
+            if let Some(double) = finer {
+                double.narrow(ways, &pending, &mut Scratch::default(), &mut steps, work);
+            } else {
+                self.narrower.narrow(ways, &pending, scratch, &mut steps, work);
+                self.refine(ways, &mut steps, &mut stretch, work);
+            }
             for (lane, way) in ways.iter().enumerate() {
                 if pending[lane].is_none() {
                     continue;
@@ -142,8 +154,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if open.iter().all(Option::is_none) {
             return;
         }
-        let make = || Narrower::<f64>::new(self.surface, self.region, self.options, false).ok();
-        let Some(double) = self.double.get_or_init(make) else { return };
+        let Some(double) = self.double() else { return };
         let mut refined = [Step::Empty; LANES];
         double.narrow(ways, &open, &mut Scratch::default(), &mut refined, work);
         for ((step, open), refined) in steps.iter_mut().zip(&open).zip(refined) {
@@ -151,6 +162,12 @@ impl<'a, T: Scalar> Follower<'a, T> {
                 *step = if let Step::Empty = refined { Step::Resumed(far) } else { refined };
             }
         }
+    }
+
+    /// The same in `f64`, where it may take the place of `T`.
+    fn double(&self) -> Option<&Narrower<'a, f64>> {
+        let make = || Narrower::new(self.surface, self.region, self.options, false).ok();
+        self.refines.then(|| self.double.get_or_init(make).as_ref()).flatten()
     }
 
     /// Why a part stays open, and whether it is likely a zero.

@@ -1,0 +1,74 @@
+//! Close views: what is drawn of a part far smaller than its distance from the origin.
+
+use glam::DVec3;
+use zeroset::model::Model;
+use zeroset::picture::{Picture, Settings};
+use zeroset::scene::{DomainChoice, region};
+use zeroset_syntax::{Document, Options, read};
+use zeroset_trace::{Camera, Projection, Region};
+
+const SURFACES: [&str; 5] = [
+    "domain 2\nx^2+y^2+z^2 = 1",
+    "domain 2\n(x^2+y^2+z^2+0.84)^2 = 4*(x^2+y^2)",
+    "domain 3\n4*(x^4+(y^2+z^2)^2)+17*x^2*(y^2+z^2)-20*(x^2+y^2+z^2)+17",
+    "domain 6\nsin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)",
+    "domain 3\nx^4-5*x^2+y^4-5*y^2+z^4-5*z^2+11.8",
+];
+
+/// A close view takes at most so many times the segments of the whole one.
+const MOST: u64 = 4;
+
+fn picture(document: &Document, region: &Region) -> (Model, Picture) {
+    let settings = Settings { width: 96, height: 96, ..Settings::default() };
+    let eye = region.centre() + DVec3::new(2.0, 1.5, 3.0) * region.half_extent();
+    let projection = Projection::Perspective { fov: 40.0 };
+    let camera = Camera::new(eye, region.centre(), DVec3::Y, projection).expect("a camera");
+    let model = Model::new(document, region, &settings).expect("a model");
+    let picture = model.trace(&camera, &settings, &|_| true).expect("a picture");
+    (model, picture)
+}
+
+fn segments(picture: &Picture) -> u64 {
+    picture.statistics.work.tiles.lanes + picture.statistics.work.segments.lanes
+}
+
+/// A zero of the first surface, as close as doubles allow.
+fn zero(model: &Model) -> DVec3 {
+    let half = model.region().half_extent();
+    let at =
+        |share: f64| (DVec3::new(0.9, 0.53, 0.77) - share * DVec3::new(1.0, 0.49, 0.61)) * half;
+    let value = |share: f64| model.sample(0, at(share)).0;
+    let parts = 1 << 12;
+    let share = |part: i32| 2.0 * f64::from(part) / f64::from(parts);
+    let part = (0..parts).find(|&part| value(share(part)) * value(share(part + 1)) < 0.0);
+    let [mut low, mut high] = part.map(|part| [share(part), share(part + 1)]).expect("a zero");
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if value(low) * value(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    at(low)
+}
+
+#[test]
+fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
+    for text in SURFACES {
+        let document = read(text, &Options::default()).expect(text);
+        let (whole, _) = region(&document, DomainChoice::Document, None).expect(text);
+        let (model, whole) = picture(&document, &whole);
+        let place = zero(&model);
+        for half in [1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12] {
+            let part = Region::new(place - half, place + half).expect("a region");
+            let (_, close) = picture(&document, &part);
+            let pixels = close.statistics.pixels;
+            println!("{text:?} {half:e}: {pixels:?}, {} of {}", segments(&close), segments(&whole));
+            // Within 2^-49 of the coordinates rays are not known themselves.
+            if half > 1e-11 {
+                assert!(segments(&close) <= MOST * segments(&whole), "{text:?} {half:e}");
+                assert!(pixels.hit > 1000, "{text:?} {half:e}: {pixels:?}");
+            }
+            if half > 1e-9 {
+                assert_eq!(pixels.undecided, 0, "{text:?} {half:e}");
+            }
+        }
+    }
+}
