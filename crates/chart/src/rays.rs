@@ -40,6 +40,8 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
     };
     let row = |ray: &Ray| [ray.origin.to_array(), ray.direction.to_array()].concat();
     save(output, "rays", COLUMNS, &rays.iter().flat_map(row).collect::<Vec<_>>())?;
+    let ends = surface.bounds();
+    save(output, "domain", 2, ends.as_flattened())?;
     let truths = certify(&surface, &rays, BUDGET)?;
     save(output, "certified", 3, &truths.iter().flat_map(certain).collect::<Vec<_>>())?;
 
