@@ -36,6 +36,7 @@ mod sequence;
 mod session;
 mod sheet;
 mod source;
+mod stage;
 mod subject;
 mod terminal;
 mod ticks;

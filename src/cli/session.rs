@@ -3,6 +3,7 @@
 use super::arguments::InteractiveArgs;
 use super::data::remember;
 use super::files::Origin;
+use super::gallery::listed;
 use super::output::{Output, check_png, write_png};
 use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
@@ -17,7 +18,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zeroset::live::{Live, Refusal, Reply, Request};
+use zeroset::gallery::examples;
+use zeroset::live::{Axes, Live, Refusal, Reply, Request};
 use zeroset::picture::Settings;
 
 /// What is shown when nothing is asked for.
@@ -90,6 +92,8 @@ pub struct Session {
     saving: Mutex<()>,
     /// Whether pictures are as large as the terminal, not as a window.
     in_terminal: AtomicBool,
+    /// Whether somebody asked for the gallery.
+    gallery: AtomicBool,
     ended: AtomicBool,
     /// What is wrong with requests up to this one is said in the window, and not in the terminal.
     hushed: AtomicU64,
@@ -121,6 +125,7 @@ impl Session {
             clip: arguments.camera.clip(),
             choice: arguments.camera.choice(),
             orbit: None,
+            axes: if arguments.preview { Axes::Off } else { Axes::Usual },
             settings: Settings { width, height, ..beautiful(&settings) },
         };
         if let Ok(document) = request.read() {
@@ -141,6 +146,7 @@ impl Session {
             history: Mutex::default(),
             saving: Mutex::default(),
             in_terminal: AtomicBool::new(arguments.preview),
+            gallery: AtomicBool::new(false),
             ended: AtomicBool::new(false),
             hushed: AtomicU64::new(0),
             welcome,
@@ -256,7 +262,7 @@ impl Session {
     }
 
     /// Enters a line, from prompt or window, and does what it asks for; `png` saves the picture,
-    /// under a name if one is given.
+    /// under a name if one is given. Returns what it said in the terminal.
     ///
     /// # Errors
     /// What to show if it is refused.
@@ -264,12 +270,21 @@ impl Session {
         self: &Arc<Self>,
         line: &str,
         png: impl FnOnce(Option<String>) -> Result<()>,
-    ) -> Result<(), Wrong> {
+    ) -> Result<Option<String>, Wrong> {
+        let mut said = None;
         let reply = self.live.enter(line)?;
         let done = match reply {
             Reply::Done => Ok(()),
             Reply::Say(text) => {
                 self.say(&text);
+                said = Some(text);
+                Ok(())
+            }
+            Reply::Gallery => {
+                if self.in_terminal.load(Ordering::Relaxed) {
+                    self.say(listed(&examples()).trim_end());
+                }
+                self.gallery.store(true, Ordering::Relaxed);
                 Ok(())
             }
             Reply::Load(from) => self.load(&from),
@@ -291,7 +306,13 @@ impl Session {
         })?;
         self.follow();
         remember(&self.live.text());
-        Ok(())
+        Ok(said)
+    }
+
+    /// Whether the gallery was asked for since this was last asked.
+    #[cfg(feature = "window")]
+    pub fn is_gallery_wanted(&self) -> bool {
+        self.gallery.swap(false, Ordering::Relaxed)
     }
 
     fn load(self: &Arc<Self>, from: &str) -> Result<()> {
@@ -375,6 +396,10 @@ impl Session {
     /// Asks for pictures that fit the terminal as it is now.
     pub fn fit_terminal(&self) {
         self.in_terminal.store(true, Ordering::Relaxed);
+        // There they would take more than they tell.
+        if self.live.request().axes != Axes::Off {
+            self.live.set_axes(Axes::Off);
+        }
         let (columns, rows) = preview::room();
         self.live.resize(columns, rows);
     }

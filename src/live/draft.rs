@@ -23,8 +23,8 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         let kept: Vec<&str> =
             base.lines().filter(|other| scene_word(other) != Some(word)).collect();
         let (kept, new) = (kept.join("\n"), line);
-        // Colour and opacity are those of the drawings below.
-        return if matches!(word, "color" | "opacity") {
+        // These are about the drawings below.
+        return if matches!(word, "color" | "opacity" | "hidden") {
             let (comment, rest) = kept.split_at(heading(&kept));
             format!("{comment}{new}\n{rest}")
         } else {
