@@ -333,7 +333,8 @@ mod tests {
         assert!(message(":hepl").ends_with("did you mean :help?"));
         assert!(message(":stauts").ends_with("did you mean :status?"));
         assert!(
-            message(":s").contains("did you mean :set or :shadows or :steps or :save or :status?")
+            message(":s")
+                .contains("did you mean :show or :set or :shadows or :steps or :save or :status?")
         );
         assert!(message(":xylophone").ends_with(":help lists them"));
         assert!(message(":").contains(":help"));

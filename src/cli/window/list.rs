@@ -16,6 +16,8 @@ const SHOWN: usize = 8;
 /// Letters of a formula, at most; where there is room for fewer than the least, colours are shown alone.
 const LETTERS: usize = 24;
 const LEAST_LETTERS: usize = 8;
+/// The list takes no more than this share of the window's width.
+const MOST: f64 = 0.55;
 /// Widths in dots of a letter: space around things, a colour, the track of an opacity, the sign that deletes.
 const SPACE: usize = 6;
 const SWATCH: usize = 18;
@@ -68,7 +70,9 @@ impl List {
         let shown = count.min(SHOWN).min(if count > SHOWN { room.saturating_sub(1) } else { room });
         let plain = (SWATCH + 2 * SPACE) * scale;
         let parts = (TRACK_WIDTH + DELETE + 3 * SPACE) * scale;
-        let free = width.saturating_sub(taken + plain + parts + 2 * SPACE * scale);
+        let most = (MOST * width as f64) as usize;
+        let free = most.min(width.saturating_sub(taken + 2 * SPACE * scale));
+        let free = free.saturating_sub(plain + parts);
         let letters =
             Some((free / letter).min(LETTERS)).filter(|letters| *letters >= LEAST_LETTERS);
         let own = letters.map_or(plain, |letters| plain + letters * letter + parts);

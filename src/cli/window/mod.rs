@@ -171,9 +171,9 @@ impl Window {
             self.follow_surfaces(&seen);
             self.mouse(&seen);
             self.play(&seen);
+            self.follow_motion();
             self.send_value(&seen);
             self.send_opacity(&seen);
-            self.follow_motion();
             self.show_tips();
             let is_idle = self.active.elapsed() > REST;
             let frame = if is_idle { IDLE_FRAME } else { FRAME };

@@ -77,15 +77,13 @@ impl Thumbnails {
         self.shared.version.load(Ordering::Relaxed)
     }
 
-    /// Makes those that are missing, these places first.
+    /// Makes those that are missing, these places first. To be asked for as long as they are looked at.
     pub fn want(&mut self, first: Vec<usize>, session: &Arc<Session>) {
-        let shared = &self.shared;
-        *lock(&shared.order) = first;
-        let is_working = self.thread.as_ref().is_some_and(|thread| !thread.is_finished());
-        if is_working && shared.wanted.load(Ordering::Relaxed) {
+        *lock(&self.shared.order) = first;
+        // One that was told to end does so soon, and then this is asked again.
+        if self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
             return;
         }
-        self.stop();
         if self.shared.next().is_some() {
             self.shared.wanted.store(true, Ordering::Relaxed);
             let (shared, session) = (Arc::clone(&self.shared), Arc::clone(session));
