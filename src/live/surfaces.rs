@@ -134,9 +134,9 @@ fn changed(
         let before = number.checked_sub(1).map(|before| &drawn[before]);
         let starts_line = text[..slot.start].trim_end_matches([' ', '\t']).ends_with('\n');
         let end = if slot.start == 0 || starts_line { "\n" } else { "; " };
-        let lines = one.lines(before, words);
-        let lines: String = lines.iter().map(|line| format!("{line}{end}")).collect();
-        edits.push((slot.clone(), lines + &one.body));
+        let mut pieces = one.lines(before, words);
+        pieces.push(one.body.clone());
+        edits.push((slot.clone(), pieces.join(end)));
     }
     edits.sort_by_key(|(range, _)| range.start);
     let mut new = text.to_owned();
@@ -185,7 +185,9 @@ impl Live {
     /// If the text cannot say so.
     pub(super) fn show_all(&self) -> Result<(), Refusal> {
         self.restyle(1, &["hidden"], None, |drawn| {
-            drawn.iter_mut().for_each(|one| one.hidden = false);
+            for one in drawn {
+                one.hidden = false;
+            }
         })
     }
 

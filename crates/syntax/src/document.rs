@@ -320,16 +320,7 @@ impl<'a> Reader<'a> {
             implied = statement;
             surfaces.push(surface(&mut lowering, &implied)?);
         }
-        let last = surfaces.last().map_or(0, |surface| surface.span.start);
-        for surface in &mut surfaces {
-            let place = surface.span.start;
-            let color = placed(&settings.colors, place, last);
-            surface.color = color.map(|(color, _)| values.color(color)).transpose()?.flatten();
-            let own = color.and_then(|(_, opacity)| *opacity);
-            let opacity = own.or_else(|| placed(&settings.opacities, place, last).copied());
-            surface.opacity = opacity.unwrap_or(1.0);
-            surface.hidden = placed(&settings.hidden, place, last) == Some(&true);
-        }
+        style(&mut surfaces, &settings, &values)?;
         let mut picture = settings.picture;
         if let Some((value, step)) = &settings.contours {
             let value = value.as_ref().map(|value| values.value(value)).transpose()?;
@@ -363,6 +354,25 @@ impl<'a> Reader<'a> {
             notes: self.notes,
         })
     }
+}
+
+/// Gives surfaces what lines say that hold for them.
+fn style<'a>(
+    surfaces: &mut [Surface],
+    settings: &'a Collected,
+    values: &PointValues<'a>,
+) -> Fallible<()> {
+    let last = surfaces.last().map_or(0, |surface| surface.span.start);
+    for surface in surfaces {
+        let place = surface.span.start;
+        let color = placed(&settings.colors, place, last);
+        surface.color = color.map(|(color, _)| values.color(color)).transpose()?.flatten();
+        let own = color.and_then(|(_, opacity)| *opacity);
+        let opacity = own.or_else(|| placed(&settings.opacities, place, last).copied());
+        surface.opacity = opacity.unwrap_or(1.0);
+        surface.hidden = placed(&settings.hidden, place, last) == Some(&true);
+    }
+    Ok(())
 }
 
 /// What is used of what a program's branches and loops have made, and everything else.

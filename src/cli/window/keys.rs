@@ -188,6 +188,7 @@ impl Window {
                     line.insert(':');
                 }
                 self.line = Some(line);
+                (self.help, self.page) = (false, None);
             }
             '+' | '=' => live.turn(|orbit| orbit.zoom(ZOOM, 0.0, 0.0, height)),
             '-' => live.turn(|orbit| orbit.zoom(1.0 / ZOOM, 0.0, 0.0, height)),

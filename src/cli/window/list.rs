@@ -228,7 +228,7 @@ mod tests {
             let list = List::new(3, 0, 270 * scale, size, &canvas(scale)).expect("room");
             assert!(list.left >= 270 * scale && list.left + list.width == size.0);
             let y = (list.top + list.row + list.row / 2) as f64;
-            let part = |x: usize| list.at((x as f64, y)).map(|(row, part)| (row, part));
+            let part = |x: usize| list.at((x as f64, y));
             assert_eq!(part(list.left + 8 * scale), Some((1, Part::Swatch)));
             assert_eq!(part(list.formula() + 8 * scale), Some((1, Part::Formula)));
             let half = list.track() + TRACK_WIDTH * scale / 2;

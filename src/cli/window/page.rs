@@ -110,8 +110,8 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_scrolled_to_its_end_and_not_beyond() {
-        let text: String = (0..40).map(|n| format!("{n}\n")).collect();
-        let mut page = Page::new(&text);
+        let lines: Vec<String> = (0..40).map(|n| n.to_string()).collect();
+        let mut page = Page::new(&lines.join("\n"));
         page.scroll(-3, (300, 200), 1);
         assert_eq!(page.scroll, 0);
         page.scroll(1000, (300, 200), 1);
