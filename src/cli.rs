@@ -18,6 +18,7 @@ mod gallery;
 mod graphics;
 #[cfg(feature = "window")]
 mod help;
+mod history;
 mod interactive;
 #[cfg(feature = "window")]
 mod line_edit;

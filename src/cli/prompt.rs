@@ -3,7 +3,8 @@
 
 use super::completion::{candidates, is_open};
 use super::data::data_directory;
-use super::session::{KEPT_LINES, Session};
+use super::history::KEPT_LINES;
+use super::session::Session;
 use super::{notes, preview};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;

@@ -4,6 +4,7 @@ use super::arguments::InteractiveArgs;
 use super::data::remember;
 use super::files::Origin;
 use super::gallery::listed;
+use super::history::History;
 use super::output::{Output, check_png, write_png};
 use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
@@ -11,7 +12,6 @@ use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
 use super::{explain, notes, preview, tips};
 use anyhow::{Context, Result};
-use std::collections::VecDeque;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -30,27 +30,6 @@ const SMALLEST: usize = 128;
 
 /// A picture to be saved or shown in the terminal is waited for so long.
 const PATIENCE: Duration = Duration::from_mins(5);
-
-/// So many lines are kept of those that were entered, here, in the prompt and in the history file.
-pub const KEPT_LINES: usize = 1000;
-
-/// The latest lines entered.
-#[derive(Default)]
-struct History {
-    lines: VecDeque<String>,
-    /// How many came before them.
-    dropped: usize,
-}
-
-impl History {
-    fn add(&mut self, line: String) {
-        if self.lines.len() == KEPT_LINES {
-            self.lines.pop_front();
-            self.dropped += 1;
-        }
-        self.lines.push_back(line);
-    }
-}
 
 /// Why a line was refused.
 pub struct Wrong {
@@ -231,9 +210,7 @@ impl Session {
 
     /// Of the lines entered after the first `known` ones those that are kept, the latest last.
     pub fn recalled(&self, known: usize) -> Vec<String> {
-        let history = lock(&self.history);
-        let kept = known.saturating_sub(history.dropped);
-        history.lines.iter().skip(kept).cloned().collect()
+        lock(&self.history).after(known)
     }
 
     /// Shows the picture of a file that was changed above the line that is being typed, unless something else is wanted before
@@ -419,18 +396,5 @@ impl Session {
             (None, None) => {}
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_latest_lines_are_kept_and_counted_from_the_first() {
-        let mut history = History::default();
-        (0..KEPT_LINES + 5).for_each(|line| history.add(line.to_string()));
-        assert_eq!((history.lines.len(), history.dropped), (KEPT_LINES, 5));
-        assert_eq!(history.lines.front().map(String::as_str), Some("5"));
     }
 }

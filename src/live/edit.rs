@@ -3,11 +3,12 @@
 
 use super::draft::{draws, entered, without_scenery};
 use super::pipeline::Request;
-use super::session::{Live, Reply, TYPED, gallery_text};
+use super::session::{Live, Reply, TYPED};
 use super::slider::TIME;
 use super::surfaces::{no_surface, without};
 use super::undo::Gesture;
 use super::values::defined;
+use crate::gallery;
 use crate::program::{Program, ProgramError};
 use crate::scene::is_idle;
 use std::borrow::Cow;
@@ -236,4 +237,9 @@ fn is_nothing_to_draw(error: &zeroset_syntax::Error) -> bool {
 
 fn nothing_drawn() -> Reply {
     Reply::Say("noted; there is nothing to draw yet".to_owned())
+}
+
+/// Whether a document is a surface of the gallery, and its text if so.
+fn gallery_text(name: &str) -> Option<&'static str> {
+    gallery::examples().into_iter().find(|example| example.slug == name).map(|example| example.text)
 }

@@ -6,7 +6,6 @@ use super::pipeline::{Axes, Pipeline, Rendering, Request, Snapshot, same_documen
 use super::slider::TIME;
 use super::undo::{Dragged, Gesture, Said, Undo};
 use super::values::{defined, right_side, with_value};
-use crate::gallery;
 use crate::picture::Settings;
 use crate::scene::CameraChoice;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -393,9 +392,4 @@ fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {
         };
         moved().unwrap_or(text)
     })
-}
-
-/// Whether a document is a surface of the gallery, and its text if so.
-pub(super) fn gallery_text(name: &str) -> Option<&'static str> {
-    gallery::examples().into_iter().find(|example| example.slug == name).map(|example| example.text)
 }

@@ -29,12 +29,14 @@ fn a_surface_is_chosen_by_its_picture() {
     let mut scene = Scene::start(CUBE);
     scene.point(5, 200);
     let start = scene.rest();
+    let threads = scene.terminal.threads();
     let title = |scene: &Scene| scene.display.tool(&["getwindowname", &scene.window]);
     scene.key("g");
     until("there are pictures", || has_pictures(&scene));
     scene.display.keep(&scene.window, "gallery");
     scene.key("Escape");
     until("it is closed", || scene.middle() == start);
+    until("nothing is made any more", || scene.terminal.threads() == threads);
     // What was made is kept.
     scene.key("g");
     until("they are there again", || has_pictures(&scene));

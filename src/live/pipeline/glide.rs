@@ -31,11 +31,11 @@ impl Glide {
         if share < 1.0 { between(&self.from, &self.to, eased) } else { None }
     }
 
-    /// Waits until another picture is due.
-    pub fn pause(&self) {
+    /// For how long no other picture is due.
+    pub fn pause(&self) -> Duration {
         let frame = FRAME.as_nanos();
         let into = self.since.elapsed().as_nanos() % frame;
-        std::thread::sleep(Duration::from_nanos((frame - into) as u64));
+        Duration::from_nanos((frame - into) as u64)
     }
 }
 
@@ -79,7 +79,7 @@ mod tests {
             let now = camera.eye().length();
             assert!(now >= far && now < to.eye().length(), "{now} after {far}");
             far = now;
-            glide.pause();
+            std::thread::sleep(glide.pause());
         }
         assert!(far > 2.0 * from.eye().length(), "it ended at {far}");
     }

@@ -70,7 +70,7 @@ impl Worker {
                 return Ok(false);
             }
             self.publish(Arc::new(shot.rendering(camera, picture, true)));
-            glide.pause();
+            self.rest(shot.job, glide.pause());
         }
         Ok(self.wanted(shot.job))
     }

@@ -257,6 +257,14 @@ impl Worker {
         }
     }
 
+    /// Waits for so long, or until something else is asked for.
+    pub fn rest(&self, job: &Job, time: Duration) {
+        let waiting = |state: &mut State| !state.stop && state.revision == job.revision;
+        let state = self.shared.lock();
+        // Whether the time is over or not, what comes next asks again what is wanted.
+        drop(self.shared.changed.wait_timeout_while(state, time, waiting));
+    }
+
     pub fn wanted(&self, job: &Job) -> bool {
         let state = self.shared.lock();
         !state.stop && state.revision == job.revision
