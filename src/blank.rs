@@ -10,6 +10,8 @@ use zeroset_trace::Region;
 /// Why nothing is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Blank {
+    /// The document says that no surface is to be seen.
+    Hidden,
     /// The function has no value anywhere in the domain.
     Undefined,
     /// The surface has no point in the region, nor anywhere else where it was looked for.
@@ -28,6 +30,9 @@ impl Blank {
         undefined: bool,
         searched: Option<AutoDomain>,
     ) -> Self {
+        if document.surfaces.iter().all(|surface| surface.hidden) {
+            return Self::Hidden;
+        }
         if undefined {
             return Self::Undefined;
         }
@@ -44,6 +49,7 @@ impl Blank {
     /// One phrase, with what to do if something helps: `domain` writes how bounds of x, y and z are asked for.
     pub fn describe(&self, domain: &dyn Fn(&str) -> String) -> String {
         match self {
+            Self::Hidden => "nothing is seen: every surface is hidden".to_owned(),
             Self::Undefined => {
                 "nothing is seen: the function has no value anywhere in the domain".to_owned()
             }
@@ -88,6 +94,7 @@ mod tests {
         let far = why("(x-300)^2+y^2+z^2=1", 2.0);
         assert!(far.contains("--domain 298.") && far.contains(",301."), "{far}");
         assert!(why("x^2+y^2+z^2=1e-8", 2.0).contains("--domain"));
+        assert!(why("hidden\nz=1", 2.0).contains("every surface is hidden"));
         assert!(why("z=5", 2.0).contains("4,6"), "{}", why("z=5", 2.0));
         assert!(why("z=12345.678", 2.0).contains("12344.68,12346.68"));
         assert!(why("x^2+y^2+z^2=-1", 2.0).contains("proven empty"));

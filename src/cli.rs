@@ -18,6 +18,7 @@ mod gallery;
 mod graphics;
 #[cfg(feature = "window")]
 mod help;
+mod history;
 mod interactive;
 #[cfg(feature = "window")]
 mod line_edit;
@@ -36,6 +37,7 @@ mod sequence;
 mod session;
 mod sheet;
 mod source;
+mod stage;
 mod subject;
 mod terminal;
 mod ticks;

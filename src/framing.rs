@@ -16,7 +16,7 @@ const SIDE: usize = 64;
 /// What is visible takes this share of the picture's shorter side.
 const FILLED: f64 = 0.86;
 
-/// The domain's box takes this share of it where there are numbers beside it.
+/// The domain's box takes this share of one of its sides where there are numbers beside it.
 const FILLED_BY_DOMAIN: f64 = 0.8;
 
 /// A painted pixel of the small picture stands for what lies so many pixels around its centre.
@@ -168,7 +168,9 @@ pub fn of_domain(
     let (usual, view) = usual(document, region, choice, settings)?;
     let Some(view) = view else { return Ok(usual) };
     let back = (usual.eye() - usual.target()).normalize();
-    Ok(view.fitted(back, &corners(region), FILLED_BY_DOMAIN).unwrap_or(usual))
+    let slope = FILLED_BY_DOMAIN * view.slope();
+    let fitted = view.fitted_within(back, &corners(region), [slope * view.aspect, slope]);
+    Ok(fitted.unwrap_or(usual))
 }
 
 /// Whether somebody said from where to look, at what, or how much is seen: another side than the usual one is that of the
@@ -306,8 +308,23 @@ impl View {
         Ok(Some(on_axis.unwrap_or(camera)))
     }
 
+    /// Half of the picture's height at a distance of 1.
+    fn slope(&self) -> f64 {
+        (self.fov.to_radians() / 2.0).tan()
+    }
+
     /// The nearest camera on the side of `back` that shows all spots within a share of the picture's shorter side.
     fn fitted(&self, back: DVec3, spots: &[Spot], share: f64) -> Result<Camera, CameraError> {
+        self.fitted_within(back, spots, [share * self.slope() * self.aspect.min(1.0); 2])
+    }
+
+    /// The nearest one that shows them within so much to each side of its middle and up and down, at a distance of 1.
+    fn fitted_within(
+        &self,
+        back: DVec3,
+        spots: &[Spot],
+        [broad, high]: [f64; 2],
+    ) -> Result<Camera, CameraError> {
         let projection = Projection::Perspective { fov: self.fov };
         let middle = spots.iter().map(|spot| spot.at).sum::<DVec3>() / spots.len() as f64;
         let size = spots.iter().map(|spot| (spot.at - middle).length()).fold(0.0, f64::max);
@@ -315,9 +332,8 @@ impl View {
             Camera::new(middle + back * size.max(f64::MIN_POSITIVE), middle, self.up, projection)?;
         let frame = trial.rays(1, 1);
         let (forward, right, up) = (frame.forward(), frame.right(), frame.up());
-        let slope = share * (self.fov.to_radians() / 2.0).tan() * self.aspect.min(1.0);
         // How far the planes through the eye and an edge of the picture have to lie outside.
-        let edge = |side: DVec3| {
+        let edge = |side: DVec3, slope: f64| {
             let room = (1.0 + slope * slope).sqrt();
             let outside = |spot: &Spot| {
                 let way = spot.at - middle;
@@ -325,8 +341,9 @@ impl View {
             };
             spots.iter().map(outside).fold(f64::NEG_INFINITY, f64::max)
         };
-        let [left, right_edge, bottom, top] = [edge(-right), edge(right), edge(-up), edge(up)];
-        let distance = (left + right_edge).max(bottom + top) / (2.0 * slope);
+        let [left, right_edge] = [edge(-right, broad), edge(right, broad)];
+        let [bottom, top] = [edge(-up, high), edge(up, high)];
+        let distance = ((left + right_edge) / (2.0 * broad)).max((bottom + top) / (2.0 * high));
         let across = right * ((right_edge - left) / 2.0) + up * ((top - bottom) / 2.0);
         let target = middle + across;
         Camera::new(target - forward * distance, target, self.up, projection)

@@ -32,8 +32,8 @@ pub struct Model {
     precision: Precision,
     /// Time to simplify and to compile; none if that was done for another model.
     times: Option<Times>,
-    /// Per surface, whether its negative side is the one seen from far away; found for the first picture.
-    turned: OnceLock<Vec<bool>>,
+    /// Per surface, whether its negative side is the one seen from far away; found for the first picture that shows it.
+    turned: Vec<OnceLock<bool>>,
 }
 
 /// What of a surface is not its function.
@@ -42,6 +42,8 @@ struct Style {
     color: Option<SurfaceColor>,
     /// Share of the light from behind that it stops, within [0, 1].
     opacity: f64,
+    /// Whether pictures leave it out.
+    hidden: bool,
 }
 
 /// What a document says of the picture.
@@ -126,7 +128,7 @@ impl Model {
         let (region, styles) = (*region, styles(document));
         let (remarks, times) = (program.remarks(document), Some(times));
         let setting = Setting::of(document);
-        let turned = OnceLock::new();
+        let turned = vec![OnceLock::new(); styles.len()];
         Ok(Some(Self { region, program, styles, setting, remarks, precision, times, turned }))
     }
 
@@ -152,7 +154,7 @@ impl Model {
         Some(program.map(|program| {
             let remarks = program.remarks(document);
             let setting = Setting::of(document);
-            let (times, turned) = (None, OnceLock::new());
+            let (times, turned) = (None, vec![OnceLock::new(); styles.len()]);
             Self { region, program, styles, setting, remarks, precision, times, turned }
         }))
     }
@@ -180,6 +182,11 @@ impl Model {
     /// How many surfaces there are.
     pub fn surfaces(&self) -> usize {
         self.styles.len()
+    }
+
+    /// Those that pictures show, by number.
+    fn seen(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.surfaces()).filter(|surface| !self.styles[*surface].hidden)
     }
 
     /// The floats that its kernels compute in unless a picture asks for others.
@@ -231,7 +238,7 @@ impl Model {
         let boxes = Boxes::<T>::around(&points.collect::<Vec<_>>());
         // So few points take less time than compiling would.
         let program = self.program.on(Evaluator::Reference);
-        for surface in 0..self.surfaces() {
+        for surface in self.seen() {
             let zeros = program.kernels::<T>(surface).zeros()?;
             let flat = zeros.ask_all(&boxes).iter().zip(&boxes).all(|(zeros, boxes)| {
                 let all = u16::MAX >> (u16::BITS - boxes.count);
@@ -254,7 +261,7 @@ impl Model {
         settings: &Settings,
         progress: Progress<'_>,
     ) -> Result<Picture, ProgramError> {
-        let pixels = settings.width * settings.height * self.surfaces();
+        let pixels = settings.width * settings.height * self.seen().count();
         let done = AtomicUsize::new(0);
         let advance = |pixels_done: usize| {
             if pixels_done > 0 {
@@ -309,7 +316,10 @@ fn make_kernels<T: KernelFloat>(
         let (traced, (other, bounds)) = rayon::join(traced, || rayon::join(other, bounds));
         traced.and(other).and(bounds)
     };
-    (0..document.surfaces.len()).into_par_iter().map(one).collect::<Result<(), _>>()?;
+    // That of a hidden surface is made when it is first shown.
+    let seen = |surface: &usize| !document.surfaces[*surface].hidden;
+    let surfaces = (0..document.surfaces.len()).into_par_iter().filter(seen);
+    surfaces.map(one).collect::<Result<(), _>>()?;
     Ok(wanted())
 }
 
@@ -323,6 +333,7 @@ fn styles(document: &Document) -> Vec<Style> {
         kind: surface.kind,
         color: surface.color.clone(),
         opacity: surface.opacity,
+        hidden: surface.hidden,
     };
     document.surfaces.iter().map(style).collect()
 }

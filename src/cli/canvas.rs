@@ -75,6 +75,16 @@ impl Canvas {
         }
     }
 
+    /// Puts rows of so many pixels where they belong, as far as there is room for them.
+    #[cfg(feature = "window")]
+    pub fn paste(&mut self, pixels: &[Rgb], width: usize, (left, top): (usize, usize)) {
+        let shown = width.min(self.width.saturating_sub(left));
+        let rows = self.pixels.chunks_exact_mut(self.width).skip(top);
+        for (row, new) in rows.zip(pixels.chunks_exact(width)).filter(|_| shown > 0) {
+            row[left..left + shown].copy_from_slice(&new[..shown]);
+        }
+    }
+
     /// A frame along the edge.
     #[cfg(feature = "window")]
     pub fn border(&mut self, thickness: usize, colour: Rgb) {

@@ -7,17 +7,14 @@ use super::output::{Output, print, write_png};
 use super::progress::Progress;
 use super::render::{beautiful, in_threads, method_settings};
 use super::sheet::Sheet;
-use anyhow::{Context, Result, anyhow};
+use super::stage::stage;
+use anyhow::{Context, Result};
 use image::RgbImage;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
-use zeroset::framing;
 use zeroset::gallery::{Example, examples};
-use zeroset::model::Model;
 use zeroset::picture::Settings;
-use zeroset::scene::{self, CameraChoice, DomainChoice};
-use zeroset_syntax::Options;
 
 /// The name of the contact sheet.
 const SHEET: &str = "contact-sheet.png";
@@ -42,12 +39,17 @@ pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
 }
 
 fn list(examples: &[Example]) -> Result<()> {
+    print(&listed(examples))
+}
+
+/// One line for each: its name, and what it is.
+pub fn listed(examples: &[Example]) -> String {
     let widest = examples.iter().map(|example| example.slug.len()).max().unwrap_or(0);
     let mut lines = String::new();
     for example in examples {
         let _ = writeln!(lines, "{:widest$}  {}", example.slug, example.summary());
     }
-    print(&lines)
+    lines
 }
 
 fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()> {
@@ -68,11 +70,7 @@ fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()
 }
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {
-    let document = zeroset_syntax::read(example.text, &Options::default())
-        .map_err(|errors| anyhow!("{errors}"))?;
-    let (region, _) = scene::region(&document, DomainChoice::Document, None)?;
-    let model = Model::new(&document, &region, settings)?;
-    let camera = framing::camera(&model, &document, &CameraChoice::default(), settings)?;
+    let (model, camera) = stage(example, settings, &|| true)?.context("wanted to the end")?;
     let picture = model.picture(&camera, settings, &|_, _| {})?;
     RgbImage::from_raw(settings.width as u32, settings.height as u32, picture.rgb)
         .context("a picture of the wrong size")

@@ -17,13 +17,16 @@ const ROWS: &[(&str, &str)] = &[
     ("Up, Down", "history"),
     ("Esc", "close"),
     ("Ctrl Z, Y", "undo, redo"),
-    ("F1", "this help"),
+    ("F1", "next help"),
+    ("G", "gallery"),
     ("arrows", "turn"),
     ("+ -", "zoom"),
     ("R", "reset view"),
     ("F", "fit"),
     ("P", "projection"),
-    ("X", "box, axes"),
+    ("X", "axes"),
+    ("L", "surfaces"),
+    ("1 to 9", "hide, show"),
     ("K", "cut open"),
     ("Ctrl wheel", "move cut"),
     ("T", "play time"),
@@ -112,10 +115,10 @@ mod tests {
     #[test]
     fn two_columns_fit_a_small_window() {
         let lines = layout(2);
-        assert_eq!(lines.len(), 11);
-        assert_eq!(lines[1], "right drag  move        R           reset view", "{lines:#?}");
+        assert_eq!(lines.len(), 13);
+        assert_eq!(lines[0], "drag        turn        R           reset view", "{lines:#?}");
         assert!(lines.iter().all(|line| line.len() <= 47), "{lines:#?}");
-        assert_eq!(layout(1)[21], "Q           quit");
+        assert_eq!(layout(1)[24], "Q           quit");
     }
 
     #[test]

@@ -120,6 +120,6 @@ mod tests {
         assert_eq!(line.text(), "smoothstep");
         let mut line = LineEdit::default();
         ":s".chars().for_each(|letter| line.insert(letter));
-        assert_eq!(line.complete(), ["set", "shadows", "steps", "save", "status"]);
+        assert_eq!(line.complete(), ["show", "set", "shadows", "steps", "save", "status"]);
     }
 }

@@ -92,24 +92,34 @@ impl<'a> Projector<'a> {
     }
 
     fn line(&self, cover: &mut Cover, from: DVec3, to: DVec3) {
-        let mut last: Option<DVec2> = None;
+        // Where the part begins that is seen alike, where it ends so far, and how it is seen.
+        let mut part: Option<(DVec2, DVec2, Option<u32>)> = None;
+        let mut draw = |part: Option<(DVec2, DVec2, Option<u32>)>| {
+            if let Some((from, to, Some(share))) = part {
+                cover.line(from, to, share);
+            }
+        };
         for piece in 0..=PIECES {
             let point = from.lerp(to, piece as f64 / PIECES as f64);
-            let Some((at, distance)) = self.project(point) else {
-                last = None;
+            // Far outside there is nothing to draw, and no end to it.
+            let near = |at: DVec2| at.abs().max_element() < 1e5;
+            let Some((at, distance)) = self.project(point).filter(|(at, _)| near(*at)) else {
+                draw(part.take());
                 continue;
             };
             let share = if self.is_seen(at, distance) { SEEN } else { HIDDEN };
-            // Far outside there is nothing to draw, and no end to it.
-            let near = |at: DVec2| at.abs().max_element() < 1e5;
-            if let Some(before) = last
-                && near(before)
-                && near(at)
-            {
-                cover.line(before, at, share);
-            }
-            last = Some(at);
+            part = Some(match part {
+                None => (at, at, None),
+                Some((from, _, before)) if before.is_none_or(|before| before == share) => {
+                    (from, at, Some(share))
+                }
+                Some(whole @ (_, last, _)) => {
+                    draw(Some(whole));
+                    (last, at, Some(share))
+                }
+            });
         }
+        draw(part);
     }
 }
 
@@ -138,8 +148,21 @@ impl Cover {
             low as usize..high as usize
         };
         let (way, rows) = (to - from, range(from.y, to.y, self.height));
+        // In a row no more than this lies beside where the line crosses it.
+        let beside = reach * way.length() / way.y.abs();
         for y in rows {
-            for x in range(from.x, to.x, self.width) {
+            let columns = if beside.is_finite() {
+                let crossed = |y: f64| (y - from.y) / way.y;
+                let [first, last] = [y as f64, y as f64 + 1.0].map(crossed);
+                let ends = [first, last].map(|share| from.x + share.clamp(0.0, 1.0) * way.x);
+                let (low, high) = (ends[0].min(ends[1]) - beside, ends[0].max(ends[1]) + beside);
+                let whole = range(from.x, to.x, self.width);
+                let part = range(low + reach, high - reach, self.width);
+                whole.start.max(part.start)..whole.end.min(part.end)
+            } else {
+                range(from.x, to.x, self.width)
+            };
+            for x in columns {
                 let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - from;
                 let along = (at.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
                 let covered = (reach - (at - along * way).length()).clamp(0.0, 1.0);
@@ -150,9 +173,15 @@ impl Cover {
     }
 
     fn blend(&self, canvas: &mut Canvas, ink: Rgb) {
-        for (n, share) in self.shares.iter().enumerate().filter(|(_, share)| **share > 0) {
-            let (x, y) = (n % self.width, n / self.width);
-            canvas.blend(x as i64, y as i64, ink, u32::from(*share));
+        // Most of it is empty.
+        for (part, shares) in self.shares.chunks(64).enumerate() {
+            if shares.iter().fold(0, |any, share| any | share) == 0 {
+                continue;
+            }
+            for (n, share) in (64 * part..).zip(shares).filter(|(_, share)| **share > 0) {
+                let (x, y) = (n % self.width, n / self.width);
+                canvas.blend(x as i64, y as i64, ink, u32::from(*share));
+            }
         }
     }
 }
@@ -334,5 +363,32 @@ mod tests {
             vec!["-1", "-1", "-1", "-2", "-2", "0", "0", "0", "1", "1", "1", "2", "2", "2"];
         expected.extend(["x", "y", "z"]);
         assert_eq!(texts, expected);
+    }
+
+    /// Only pixels near a line are asked; all others lie too far away from it.
+    #[test]
+    fn a_line_covers_what_is_near_it() {
+        let (width, height) = (120, 90);
+        let canvas = Canvas { width, height, pixels: Vec::new(), scale: 1 };
+        let mut random = fastrand::Rng::with_seed(20_070_005);
+        for case in 0..400 {
+            let mut place = || DVec2::new(160.0 * random.f64() - 20.0, 120.0 * random.f64() - 15.0);
+            let (from, mut to) = (place(), place());
+            match case % 4 {
+                0 => to.y = from.y,
+                1 => to.x = from.x,
+                2 => to = from.lerp(to, 0.02),
+                _ => {}
+            }
+            let mut cover = Cover::new(&canvas);
+            cover.line(from, to, SEEN);
+            for (n, share) in cover.shares.iter().enumerate() {
+                let at = DVec2::new((n % width) as f64 + 0.5, (n / width) as f64 + 0.5);
+                let along = (at - from).dot(to - from) / (to - from).length_squared().max(1e-12);
+                let off = (at - from.lerp(to, along.clamp(0.0, 1.0))).length();
+                let covered = (WIDTH / 2.0 + 0.5 - off).clamp(0.0, 1.0) * f64::from(SEEN);
+                assert!((covered - f64::from(*share)).abs() < 1.01, "{at} of {from} to {to}");
+            }
+        }
     }
 }

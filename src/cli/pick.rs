@@ -44,11 +44,20 @@ impl<'a> Pick<'a> {
         Some(Self { rendering, pixel, reach, point })
     }
 
-    /// One line with the coordinates.
+    /// One line with the coordinates, of which surface where there are several, and whether that is
+    /// undecided.
     pub fn coordinates(&self) -> Option<String> {
         let p = self.point?;
         let digits = digits(self.reach);
-        Some(format!("x {:.digits$}  y {:.digits$}  z {:.digits$}", p.x, p.y, p.z))
+        let buffer = &self.rendering.picture.buffer;
+        let surface = match self.rendering.document.surfaces.len() {
+            0 | 1 => String::new(),
+            _ => format!("surface {}  ", buffer.surface[self.pixel] + 1),
+        };
+        let is_open = buffer.status[self.pixel] == Status::Undecided
+            && buffer.reason[self.pixel] != Reason::Unproven;
+        let open = if is_open { "  undecided" } else { "" };
+        Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
     }
 
     /// Several lines: coordinates, value, normal, what is proven and why, and the command that asks

@@ -3,7 +3,8 @@
 
 use super::completion::{candidates, is_open};
 use super::data::data_directory;
-use super::session::{KEPT_LINES, Session};
+use super::history::KEPT_LINES;
+use super::session::Session;
 use super::{notes, preview};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
@@ -104,7 +105,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         }
         match session.enter(&line, |to| session.png(to.as_deref(), session.live.revision())) {
             // What a command says is not to scroll away behind a picture that was there already.
-            Ok(()) if preview && !line.trim().is_empty() && !session.has_ended() => {
+            Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
                 session.fit_terminal();
                 let shown = session.live.request();
                 if last.as_ref() != Some(&shown) {
@@ -112,7 +113,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                     last = Some(shown);
                 }
             }
-            Ok(()) => {}
+            Ok(_) => {}
             Err(wrong) => notes::say(&wrong.full),
         }
     }

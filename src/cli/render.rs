@@ -50,7 +50,8 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         } else {
             framing::camera(&model, document, &choice, &settings)?
         };
-        let pixels = settings.width * settings.height * document.surfaces.len();
+        let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
+        let pixels = settings.width * settings.height * seen;
         let bar = Progress::new(pixels as u64, "tracing");
         let mut picture = model.picture(&camera, &settings, &|done, _| bar.reach(done as u64))?;
         around.draw(&mut picture, &camera, &region);

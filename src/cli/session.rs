@@ -3,6 +3,8 @@
 use super::arguments::InteractiveArgs;
 use super::data::remember;
 use super::files::Origin;
+use super::gallery::listed;
+use super::history::History;
 use super::output::{Output, check_png, write_png};
 use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
@@ -10,14 +12,14 @@ use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
 use super::{explain, notes, preview, tips};
 use anyhow::{Context, Result};
-use std::collections::VecDeque;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zeroset::live::{Live, Refusal, Reply, Request};
+use zeroset::gallery::examples;
+use zeroset::live::{Axes, Live, Refusal, Reply, Request};
 use zeroset::picture::Settings;
 
 /// What is shown when nothing is asked for.
@@ -28,27 +30,6 @@ const SMALLEST: usize = 128;
 
 /// A picture to be saved or shown in the terminal is waited for so long.
 const PATIENCE: Duration = Duration::from_mins(5);
-
-/// So many lines are kept of those that were entered, here, in the prompt and in the history file.
-pub const KEPT_LINES: usize = 1000;
-
-/// The latest lines entered.
-#[derive(Default)]
-struct History {
-    lines: VecDeque<String>,
-    /// How many came before them.
-    dropped: usize,
-}
-
-impl History {
-    fn add(&mut self, line: String) {
-        if self.lines.len() == KEPT_LINES {
-            self.lines.pop_front();
-            self.dropped += 1;
-        }
-        self.lines.push_back(line);
-    }
-}
 
 /// Why a line was refused.
 pub struct Wrong {
@@ -90,6 +71,8 @@ pub struct Session {
     saving: Mutex<()>,
     /// Whether pictures are as large as the terminal, not as a window.
     in_terminal: AtomicBool,
+    /// Whether somebody asked for the gallery.
+    gallery: AtomicBool,
     ended: AtomicBool,
     /// What is wrong with requests up to this one is said in the window, and not in the terminal.
     hushed: AtomicU64,
@@ -121,6 +104,7 @@ impl Session {
             clip: arguments.camera.clip(),
             choice: arguments.camera.choice(),
             orbit: None,
+            axes: if arguments.preview { Axes::Off } else { Axes::Usual },
             settings: Settings { width, height, ..beautiful(&settings) },
         };
         if let Ok(document) = request.read() {
@@ -141,6 +125,7 @@ impl Session {
             history: Mutex::default(),
             saving: Mutex::default(),
             in_terminal: AtomicBool::new(arguments.preview),
+            gallery: AtomicBool::new(false),
             ended: AtomicBool::new(false),
             hushed: AtomicU64::new(0),
             welcome,
@@ -225,9 +210,7 @@ impl Session {
 
     /// Of the lines entered after the first `known` ones those that are kept, the latest last.
     pub fn recalled(&self, known: usize) -> Vec<String> {
-        let history = lock(&self.history);
-        let kept = known.saturating_sub(history.dropped);
-        history.lines.iter().skip(kept).cloned().collect()
+        lock(&self.history).after(known)
     }
 
     /// Shows the picture of a file that was changed above the line that is being typed, unless something else is wanted before
@@ -256,7 +239,7 @@ impl Session {
     }
 
     /// Enters a line, from prompt or window, and does what it asks for; `png` saves the picture,
-    /// under a name if one is given.
+    /// under a name if one is given. Returns what it said in the terminal.
     ///
     /// # Errors
     /// What to show if it is refused.
@@ -264,12 +247,21 @@ impl Session {
         self: &Arc<Self>,
         line: &str,
         png: impl FnOnce(Option<String>) -> Result<()>,
-    ) -> Result<(), Wrong> {
+    ) -> Result<Option<String>, Wrong> {
+        let mut said = None;
         let reply = self.live.enter(line)?;
         let done = match reply {
             Reply::Done => Ok(()),
             Reply::Say(text) => {
                 self.say(&text);
+                said = Some(text);
+                Ok(())
+            }
+            Reply::Gallery => {
+                if self.in_terminal.load(Ordering::Relaxed) {
+                    self.say(listed(&examples()).trim_end());
+                }
+                self.gallery.store(true, Ordering::Relaxed);
                 Ok(())
             }
             Reply::Load(from) => self.load(&from),
@@ -291,7 +283,13 @@ impl Session {
         })?;
         self.follow();
         remember(&self.live.text());
-        Ok(())
+        Ok(said)
+    }
+
+    /// Whether the gallery was asked for since this was last asked.
+    #[cfg(feature = "window")]
+    pub fn is_gallery_wanted(&self) -> bool {
+        self.gallery.swap(false, Ordering::Relaxed)
     }
 
     fn load(self: &Arc<Self>, from: &str) -> Result<()> {
@@ -375,6 +373,10 @@ impl Session {
     /// Asks for pictures that fit the terminal as it is now.
     pub fn fit_terminal(&self) {
         self.in_terminal.store(true, Ordering::Relaxed);
+        // There they would take more than they tell.
+        if self.live.request().axes != Axes::Off {
+            self.live.set_axes(Axes::Off);
+        }
         let (columns, rows) = preview::room();
         self.live.resize(columns, rows);
     }
@@ -394,18 +396,5 @@ impl Session {
             (None, None) => {}
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_latest_lines_are_kept_and_counted_from_the_first() {
-        let mut history = History::default();
-        (0..KEPT_LINES + 5).for_each(|line| history.add(line.to_string()));
-        assert_eq!((history.lines.len(), history.dropped), (KEPT_LINES, 5));
-        assert_eq!(history.lines.front().map(String::as_str), Some("5"));
     }
 }

@@ -49,6 +49,17 @@ pub const COMMANDS: &[CommandRow] = &[
         run: |live, formula| Some(live.commit(&given(formula)?, true)) },
     CommandRow { name: "delete", arguments: "[N]", doc: "take away the N-th surface; without a number, list them",
         run: |live, number| Some(delete(live, optional(number, |number| number.parse().ok())?)) },
+    CommandRow { name: "hide", arguments: "N", doc: "leave the N-th surface out of the picture",
+        run: |live, number| Some(done(live.hide(number.parse().ok()?, true))) },
+    CommandRow { name: "show", arguments: "[N]", doc: "show the N-th surface again; without a number, all",
+        run: |live, number| Some(done(match optional(number, |number| number.parse().ok())? {
+            Some(number) => live.hide(number, false),
+            None => live.show_all(),
+        })) },
+    CommandRow { name: "opacity", arguments: "N SHARE", doc: "how opaque the N-th surface is, as 50% or 0.5",
+        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, opacity(share.trim())?))) } },
+    CommandRow { name: "move", arguments: "N TO", doc: "give the N-th surface another place among the others",
+        run: |live, rest| { let (from, to) = rest.split_once(' ')?; Some(done(live.move_surface(from.parse().ok().filter(|from| *from > 0)?, to.trim().parse().ok().filter(|to| *to > 0)?))) } },
     CommandRow { name: "clear", arguments: "", doc: "take away the whole document",
         run: |live, rest| rest.is_empty().then(|| { live.clear(); Ok(Reply::Done) }) },
     CommandRow { name: "undo", arguments: "", doc: "take back the last step",
@@ -81,6 +92,8 @@ pub const COMMANDS: &[CommandRow] = &[
         run: |live, time| scene::number(time).map(|_| live.set(TIME, time)) },
     CommandRow { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
         run: |_, from| Some(Ok(Reply::Load(given(from)?))) },
+    CommandRow { name: "gallery", arguments: "", doc: "choose among the pictures of the gallery; without a window, list them",
+        run: |_, rest| rest.is_empty().then_some(Ok(Reply::Gallery)) },
     CommandRow { name: "save", arguments: "[FILE.zset]", doc: "write the document",
         run: |_, to| Some(Ok(Reply::Save(given(to)))) },
     CommandRow { name: "png", arguments: "[FILE.png]", doc: "write the picture, and show the command that reproduces it",
@@ -133,6 +146,19 @@ pub(super) fn say(text: String) -> Result<Reply, Refusal> {
 
 pub(super) fn refused<T>(message: String) -> Result<T, Refusal> {
     Err(Refusal::Command(message))
+}
+
+fn done(result: Result<(), Refusal>) -> Result<Reply, Refusal> {
+    result.map(|()| Reply::Done)
+}
+
+/// A share from 0 to 1, perhaps in hundredths.
+fn opacity(text: &str) -> Option<f64> {
+    let share = match text.strip_suffix('%') {
+        Some(hundredths) => scene::number(hundredths)? / 100.0,
+        None => scene::number(text)?,
+    };
+    (0.0..=1.0).contains(&share).then_some(share)
 }
 
 /// The text, if there is one.
@@ -307,7 +333,8 @@ mod tests {
         assert!(message(":hepl").ends_with("did you mean :help?"));
         assert!(message(":stauts").ends_with("did you mean :status?"));
         assert!(
-            message(":s").contains("did you mean :set or :shadows or :steps or :save or :status?")
+            message(":s")
+                .contains("did you mean :show or :set or :shadows or :steps or :save or :status?")
         );
         assert!(message(":xylophone").ends_with(":help lists them"));
         assert!(message(":").contains(":help"));

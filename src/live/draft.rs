@@ -8,9 +8,9 @@ use zeroset_syntax::{Limits, parse, setting_word};
 
 /// The text after `line` has been entered into it: a definition replaces the one with the same
 /// name, a single value where that stands; a drawing replaces all others, or joins them if
-/// `adding`; a `domain`, `view` or `color` line replaces the one before. A number for a value with a
-/// range keeps the range, which is extended to hold it. Text or line may be wrong; reading the
-/// result tells where. A text that is wrong itself is given up.
+/// `adding`, and is seen whatever was hidden; a `domain`, `view` or `color` line replaces the one
+/// before. A number for a value with a range keeps the range, which is extended to hold it. Text or
+/// line may be wrong; reading the result tells where. A text that is wrong itself is given up.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
@@ -20,11 +20,9 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     }
     let joined = format!("{base}\n{line}");
     if let Some(word) = scene_word(line) {
-        let kept: Vec<&str> =
-            base.lines().filter(|other| scene_word(other) != Some(word)).collect();
-        let (kept, new) = (kept.join("\n"), line);
-        // Colour and opacity are those of the drawings below.
-        return if matches!(word, "color" | "opacity") {
+        let (kept, new) = (without_lines(base, word), line);
+        // These are about the drawings below.
+        return if matches!(word, "color" | "opacity" | "hidden") {
             let (comment, rest) = kept.split_at(heading(&kept));
             format!("{comment}{new}\n{rest}")
         } else {
@@ -58,7 +56,26 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     if parse(&kept, &limits).is_err() {
         return joined;
     }
+    if draws && adding && is_hidden_below(base) {
+        kept.insert_str(kept.len() - line.len(), "hidden off\n");
+    } else if draws && !adding {
+        let typed = kept.split_off(kept.len() - line.len());
+        let before = without_lines(&kept, "hidden");
+        kept = if before.is_empty() { typed } else { format!("{}\n{typed}", before.trim_end()) };
+    }
     kept.trim_start_matches('\n').to_owned()
+}
+
+/// Whether what follows a text would not be seen.
+fn is_hidden_below(text: &str) -> bool {
+    let last = text.lines().rfind(|line| scene_word(line) == Some("hidden"));
+    last.is_some_and(|line| line.split_whitespace().nth(1) != Some("off"))
+}
+
+/// A text without the lines that begin with a word about the scene.
+fn without_lines(text: &str, word: &str) -> String {
+    let kept: Vec<&str> = text.lines().filter(|line| scene_word(line) != Some(word)).collect();
+    kept.join("\n")
 }
 
 /// The text without its `number`-th drawing, counted from 1, or how many drawings there are instead.
@@ -227,6 +244,16 @@ mod tests {
     fn a_drawing_may_join_the_others() {
         assert_eq!(entered("x = 1", "y = 1", true), "x = 1\ny = 1");
         assert_eq!(entered("r = 1\nx = r", "r = 2", true), "r = 2\nx = r");
+    }
+
+    #[test]
+    fn what_is_typed_is_seen_whatever_was_hidden() {
+        let text = "r = 1\nhidden\nx = r\nhidden off\ny = r\nhidden\nz = r";
+        assert_eq!(entered(text, "x = y", false), "r = 1\nx = y");
+        assert_eq!(entered(text, "x = y", true), format!("{text}\nhidden off\nx = y"));
+        let shown = "hidden\nx = 1\nhidden off\ny = 1";
+        assert_eq!(entered(shown, "z = 1", true), format!("{shown}\nz = 1"));
+        assert_eq!(entered("hidden\nx = r\nr = 2", "r = 1", false), "hidden\nx = r\nr = 1");
     }
 
     #[test]

@@ -1,11 +1,14 @@
 //! How a document is changed: lines entered, values set, surfaces taken away. What is wrong is
 //! refused before anything changes. Knows no commands.
 
-use super::draft::{draws, entered, without_drawing, without_scenery};
+use super::draft::{draws, entered, without_scenery};
 use super::pipeline::Request;
-use super::session::{Live, Reply, TYPED, gallery_text};
+use super::session::{Live, Reply, TYPED};
 use super::slider::TIME;
+use super::surfaces::{no_surface, without};
+use super::undo::Gesture;
 use super::values::defined;
+use crate::gallery;
 use crate::program::{Program, ProgramError};
 use crate::scene::is_idle;
 use std::borrow::Cow;
@@ -15,14 +18,16 @@ use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Document, ErrorKind, Errors, Limits, Options, parse};
 
 /// What an edit has made of a document.
-struct Edit {
+pub(super) struct Edit {
     text: Arc<str>,
     /// The names that it gave another meaning.
     defined: Vec<String>,
     /// Another name of the document.
     name: Option<&'static str>,
-    /// The document as read; `None` while it defines names only.
+    /// The document as read, if it was; `None` while it defines names only.
     document: Option<Document>,
+    /// Whether something is drawn.
+    is_drawn: bool,
 }
 
 /// Why a line was not entered. Nothing has changed then.
@@ -126,13 +131,8 @@ impl Live {
     /// Takes away the drawing with this number, counted from 1.
     pub(super) fn delete(&self, number: usize) -> Result<Reply, Refusal> {
         let document = self.edit(|request, readable| {
-            let text = without_drawing(&base(request, readable), number).map_err(|count| {
-                Refusal::Command(match count {
-                    0 => "nothing is drawn".to_owned(),
-                    1 => format!("there is no surface {number}; there is only surface 1"),
-                    _ => format!("there is no surface {number}; they are numbered 1 to {count}"),
-                })
-            })?;
+            let text = without(&base(request, readable), &request.options(), number)
+                .map_err(|count| no_surface(number, count))?;
             Edit::checked(request, text, Vec::new())
         })?;
         Ok(document.map_or_else(nothing_drawn, |_| Reply::Done))
@@ -144,7 +144,16 @@ impl Live {
         &self,
         work: impl Fn(&Request, &str) -> Result<Edit, Refusal>,
     ) -> Result<Option<Document>, Refusal> {
-        self.change_after(work, |state, Edit { text, defined, name, document }| {
+        self.edit_by(None, work)
+    }
+
+    /// The same as a part of a gesture.
+    pub(super) fn edit_by(
+        &self,
+        gesture: Option<Gesture>,
+        work: impl Fn(&Request, &str) -> Result<Edit, Refusal>,
+    ) -> Result<Option<Document>, Refusal> {
+        self.change_after(work, |state, Edit { text, defined, name, document, is_drawn }| {
             let (before, was) = (state.said(), Arc::clone(&state.request.text));
             state.forget_given(&defined);
             state.request.text = Arc::clone(&text);
@@ -153,9 +162,9 @@ impl Live {
             if let Some(name) = name {
                 name.clone_into(&mut state.request.name);
             }
-            state.shown = if document.is_some() { text } else { "".into() };
+            state.shown = if is_drawn { text } else { "".into() };
             state.typed.clear();
-            self.say(state, before, None);
+            self.say(state, before, gesture);
             document
         })
     }
@@ -181,7 +190,14 @@ impl Edit {
             Err(errors) if errors.iter().all(is_nothing_to_draw) => None,
             Err(errors) => return Err(Refusal::Text { text, errors }),
         };
-        Ok(Self { text: text.into(), defined, name: None, document })
+        let is_drawn = document.is_some();
+        Ok(Self { text: text.into(), defined, name: None, document, is_drawn })
+    }
+
+    /// A text that is known to draw what the one before did.
+    pub fn unchecked(text: String) -> Self {
+        let (defined, name, document) = (Vec::new(), None, None);
+        Self { text: text.into(), defined, name, document, is_drawn: true }
     }
 }
 
@@ -221,4 +237,9 @@ fn is_nothing_to_draw(error: &zeroset_syntax::Error) -> bool {
 
 fn nothing_drawn() -> Reply {
     Reply::Say("noted; there is nothing to draw yet".to_owned())
+}
+
+/// Whether a document is a surface of the gallery, and its text if so.
+fn gallery_text(name: &str) -> Option<&'static str> {
+    gallery::examples().into_iter().find(|example| example.slug == name).map(|example| example.text)
 }

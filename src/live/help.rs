@@ -5,12 +5,16 @@ use super::coming;
 use super::command::{COMMANDS, refused, say};
 use super::edit::Refusal;
 use super::session::Reply;
+use super::words;
 use std::collections::HashSet;
 use std::fmt::Write as _;
 use zeroset_syntax::language_names;
 
 /// The word for which there is the table of what is written elsewhere.
 const ELSEWHERE: &str = "coming";
+
+/// The command of which help tells what the words of the window mean.
+const STATUS: &str = "status";
 
 /// What a function or a command is, or what can be typed if no name is given.
 pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
@@ -22,7 +26,9 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     }
     let bare = name.trim_start_matches(':');
     if let Some(row) = COMMANDS.iter().find(|row| row.name == bare) {
-        return say(format!("{}: {}", row.usage(), row.doc));
+        let usage = format!("{}: {}", row.usage(), row.doc);
+        let is_status = row.name == STATUS;
+        return say(if is_status { format!("{usage}\n{}", words::explained()) } else { usage });
     }
     let native = zeroset_ops::natives(name).map(|row| {
         let aliases = match row.aliases {
@@ -66,6 +72,7 @@ fn everything() -> String {
     for row in COMMANDS {
         let _ = writeln!(text, "  {:width$}  {}", row.usage(), row.doc);
     }
+    text.push_str("What the window's status line says: :help status\n");
     text.push_str("Coming from Desmos, Mathematica, Surfer, GLSL or libfive? :help coming\n");
     text.push_str("Functions (:help NAME tells more):");
     let mut column = usize::MAX;

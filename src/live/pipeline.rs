@@ -5,8 +5,10 @@
 //! long as nothing that it depends on has changed. Pictures and what they were made with are shared
 //! by counting, so that the last of them to use a kernel frees it.
 
+mod glide;
 mod pace;
 mod rooms;
+mod view;
 mod worker;
 
 use self::worker::Worker;
@@ -22,6 +24,29 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use zeroset_syntax::{Document, Errors, Options};
 use zeroset_trace::{Camera, HalfSpace, Region};
+
+/// Whether the domain's box is shown with axes: a view that nobody chose then has it whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Axes {
+    /// They are not.
+    #[default]
+    Off,
+    /// They are.
+    On,
+    /// They are unless the document says otherwise.
+    Usual,
+}
+
+impl Axes {
+    /// Whether they are shown with this document.
+    pub fn are_shown(self, document: &Document) -> bool {
+        match self {
+            Self::Off => false,
+            Self::On => true,
+            Self::Usual => document.picture.axes != Some(false),
+        }
+    }
+}
 
 /// Everything that a picture depends on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,18 +67,24 @@ pub struct Request {
     pub choice: CameraChoice,
     /// From where to look, if somebody did.
     pub orbit: Option<Orbit>,
+    /// Whether there are axes around it.
+    pub axes: Axes,
     /// The size of the fine picture and how it is made.
     pub settings: Settings,
 }
 
 impl Request {
+    /// What reading the document depends on beside its text.
+    pub(super) fn options(&self) -> Options<'_> {
+        Options { overrides: &self.overrides, time: self.time, ..Options::default() }
+    }
+
     /// The document that is asked for.
     ///
     /// # Errors
     /// What is wrong with its text or values.
     pub fn read(&self) -> Result<Document, Errors> {
-        let Self { text, overrides, time, .. } = self;
-        zeroset_syntax::read(text, &Options { overrides, time: *time, ..Options::default() })
+        zeroset_syntax::read(&self.text, &self.options())
     }
 }
 
@@ -161,6 +192,10 @@ struct State {
     revision: u64,
     requested: Instant,
     snapshot: Snapshot,
+    /// Whether a hand or the clock moves a value, while which a view that nobody chose stays.
+    moving: bool,
+    /// Whether that view would be another by now.
+    outgrown: bool,
     stop: bool,
 }
 
@@ -179,6 +214,8 @@ impl Pipeline {
             revision: 0,
             requested: Instant::now(),
             snapshot: Snapshot::default(),
+            moving: false,
+            outgrown: false,
             stop: false,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
@@ -194,6 +231,13 @@ impl Pipeline {
         state.requested = Instant::now();
         self.shared.changed.notify_all();
         state.revision
+    }
+
+    /// Says whether a value is being moved, and tells whether another view is due now that none is.
+    pub fn set_moving(&self, moving: bool) -> bool {
+        let mut state = self.shared.lock();
+        state.moving = moving;
+        !moving && std::mem::take(&mut state.outgrown)
     }
 
     /// What can be seen now.

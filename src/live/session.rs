@@ -2,11 +2,10 @@
 
 use super::edit::{Refusal, after};
 use super::orbit::Orbit;
-use super::pipeline::{Pipeline, Rendering, Request, Snapshot, same_document};
+use super::pipeline::{Axes, Pipeline, Rendering, Request, Snapshot, same_document};
 use super::slider::TIME;
 use super::undo::{Dragged, Gesture, Said, Undo};
 use super::values::{defined, right_side, with_value};
-use crate::gallery;
 use crate::picture::Settings;
 use crate::scene::CameraChoice;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -85,6 +84,8 @@ pub enum Reply {
         /// Whether the code is asked for.
         code: bool,
     },
+    /// The caller is to show what is in the gallery.
+    Gallery,
     /// The caller is to end.
     Quit,
 }
@@ -143,6 +144,25 @@ impl Live {
             let rendering = seen.rendering.as_ref().map_or(0, |rendering| rendering.revision);
             rendering.max(seen.fault.as_ref().map_or(0, |fault| fault.revision)) > known
         })
+    }
+
+    /// Says that a hand or the clock moves values, until it no longer does: a view that nobody chose
+    /// stays meanwhile, and then glides to where what is seen fits.
+    pub fn set_moving(&self, moving: bool) {
+        if self.pipeline.set_moving(moving) {
+            self.refresh();
+        }
+    }
+
+    /// Shows axes, or no longer.
+    pub fn set_axes(&self, axes: Axes) {
+        self.change(|request| request.axes = axes);
+    }
+
+    /// Whether all pictures that were asked for are there.
+    pub fn is_settled(&self) -> bool {
+        let state = self.lock();
+        self.pipeline.snapshot().settled == state.revision
     }
 
     /// Number of the latest request for a picture.
@@ -236,6 +256,7 @@ impl Live {
                 name: name.to_owned(),
                 text: Arc::clone(&text),
                 clip: request.clip,
+                axes: request.axes,
                 settings: request.settings.clone(),
                 ..Request::default()
             };
@@ -371,9 +392,4 @@ fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {
         };
         moved().unwrap_or(text)
     })
-}
-
-/// Whether a document is a surface of the gallery, and its text if so.
-pub(super) fn gallery_text(name: &str) -> Option<&'static str> {
-    gallery::examples().into_iter().find(|example| example.slug == name).map(|example| example.text)
 }

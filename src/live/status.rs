@@ -95,7 +95,7 @@ fn options(settings: &Settings, say: impl Fn(MethodOption) -> Option<String>) ->
 }
 
 /// A time in milliseconds, to two digits or so.
-fn ms(time: Duration) -> String {
+pub(super) fn ms(time: Duration) -> String {
     let ms = time.as_secs_f64() * 1e3;
     if ms < 10.0 { format!("{ms:.1} ms") } else { format!("{ms:.0} ms") }
 }

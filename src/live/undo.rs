@@ -42,14 +42,16 @@ pub(super) struct Said {
 }
 
 impl Said {
-    /// Whether both say the same; how large a picture is nobody says.
+    /// Whether both say the same; how large a picture is, and whether there are axes around it, is no
+    /// step.
     fn is_same(&self, other: &Self) -> bool {
-        let mut sized = self.clone();
-        sized.take_size(other);
-        sized == *other
+        let mut framed = self.clone();
+        framed.take_frame(other);
+        framed == *other
     }
 
-    fn take_size(&mut self, other: &Self) {
+    fn take_frame(&mut self, other: &Self) {
+        self.request.axes = other.request.axes;
         let size = &other.request.settings;
         let settings = &mut self.request.settings;
         (settings.width, settings.height) = (size.width, size.height);
@@ -109,7 +111,7 @@ impl Undo {
         now: &Said,
     ) -> Option<Said> {
         let mut other = from.pop()?;
-        other.take_size(now);
+        other.take_frame(now);
         to.push(now.clone());
         *last = None;
         Some(other)

@@ -2,15 +2,13 @@
 //! centre was.
 
 use super::paint::Finish;
-use super::trace::Shot;
+use super::trace::{Shot, Tracers};
 use crate::picture::Settings;
 use crate::program::ProgramError;
 use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::KernelFloat;
-use zeroset_trace::{
-    GBuffer, Pattern, RayGrid, Status, Tracer, UndecidedStyle, edges, hand_back_colours,
-};
+use zeroset_trace::{GBuffer, Pattern, RayGrid, Status, UndecidedStyle, edges, hand_back_colours};
 
 /// Columns and rows of the finer picture that are traced at a time: as many tiles as a kernel takes, and few enough for the
 /// nearer caches.
@@ -80,7 +78,7 @@ impl<T: KernelFloat> Shot<'_, T> {
 
 struct Edges<'a, T> {
     shot: &'a Shot<'a, T>,
-    tracers: &'a [Box<dyn Tracer + 'a>],
+    tracers: &'a Tracers<'a>,
     rays: &'a RayGrid,
     finer: RayGrid,
     picture: &'a GBuffer,
@@ -115,12 +113,12 @@ impl<T: KernelFloat> Edges<'_, T> {
         let rays = self.finer.part(finer(&columns), finer(&rows));
         let (width, height) = (rays.width(), rays.height());
         let only = self.pattern.rays(&edges, across);
-        for (surface, tracer) in self.tracers.iter().enumerate() {
-            let target = if surface == 0 { &mut *all } else { &mut *layer };
+        for (place, &(surface, ref tracer)) in self.tracers.iter().enumerate() {
+            let target = if place == 0 { &mut *all } else { &mut *layer };
             target.reset(width, height, 0);
             self.shot.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
             self.shot.face(surface, &rays, target)?;
-            if surface > 0 {
+            if place > 0 {
                 all.merge(layer);
             }
         }

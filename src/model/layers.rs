@@ -3,12 +3,12 @@
 //! What is claimed of pixels is about the nearest point, and nothing here changes that.
 
 use super::paint::Finish;
-use super::trace::Shot;
+use super::trace::{Shot, Tracers};
 use crate::program::ProgramError;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
 use zeroset_trace::{
-    Driver, GBuffer, LinearRgb, RayGrid, Start, Status, Tracer, UndecidedStyle, hand_back_colours,
+    Driver, GBuffer, LinearRgb, RayGrid, Start, Status, UndecidedStyle, hand_back_colours,
     shade_painted,
 };
 
@@ -24,7 +24,7 @@ const PIXELS_BEHIND: f64 = 2.0;
 impl<T: KernelFloat> Shot<'_, T> {
     /// Whether anything shows what is behind it.
     pub fn is_translucent(&self) -> bool {
-        self.model.styles.iter().any(|style| style.opacity < 1.0)
+        self.model.seen().any(|surface| self.model.styles[surface].opacity < 1.0)
     }
 
     /// All that is seen along the rays for which `only` says so, all if that is empty: for each surface the nearest points,
@@ -33,7 +33,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         &self,
         rays: &RayGrid,
         only: &[bool],
-        tracers: &[Box<dyn Tracer + '_>],
+        tracers: &Tracers<'_>,
     ) -> Result<Vec<GBuffer>, ProgramError> {
         let mut layers: Vec<GBuffer> = Vec::new();
         if !self.is_translucent() {
@@ -41,7 +41,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         }
         let wanted = |_| (self.advance)(0);
         let new = || GBuffer::new(rays.width(), rays.height(), 0).with_brackets();
-        for (surface, tracer) in tracers.iter().enumerate() {
+        for &(surface, ref tracer) in tracers {
             let mut layer = new();
             self.find(surface, &**tracer, rays, only, &mut layer, &wanted)?;
             for point in 1.. {

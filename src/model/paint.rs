@@ -50,8 +50,8 @@ impl<'a> Painter<'a> {
     /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own colours.
     pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
         let mapped = |surface: usize| match &model.styles[surface].color {
-            Some(SurfaceColor::Mapped(mapped)) => Some(mapped),
-            Some(SurfaceColor::Plain(_)) | None => None,
+            Some(SurfaceColor::Mapped(mapped)) if !model.styles[surface].hidden => Some(mapped),
+            Some(SurfaceColor::Mapped(_) | SurfaceColor::Plain(_)) | None => None,
         };
         let surfaces = 0..model.surfaces();
         if model.setting.contours.is_none() && surfaces.clone().all(|one| mapped(one).is_none()) {

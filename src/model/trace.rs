@@ -93,6 +93,9 @@ struct Lit {
     work: Work,
 }
 
+/// Surfaces by number, each with what finds it.
+pub(super) type Tracers<'a> = Vec<(usize, Box<dyn Tracer + 'a>)>;
+
 /// What all parts of a picture share; colours come from kernels of `T`.
 pub(super) struct Shot<'a, T> {
     pub model: &'a Model,
@@ -165,7 +168,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let rays = camera.rays(width, height);
         let mut work = Work::default();
         let mut picture: Option<GBuffer> = None;
-        for surface in 0..model.surfaces() {
+        let last = model.seen().last();
+        for surface in model.seen() {
             let tracer = self.tracer(surface, settings.max_depth, settings.tolerance)?;
             let mut layer = GBuffer::new(width, height, 0);
             if settings.brackets {
@@ -184,7 +188,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             }
             times.shade += watch.lap();
             if !advance(0) {
-                if let Some(picture) = picture.as_mut().filter(|_| surface + 1 < model.surfaces()) {
+                if let Some(picture) = picture.as_mut().filter(|_| Some(surface) != last) {
                     picture.give_up();
                 }
                 break;
@@ -204,7 +208,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             kernels: made,
             nodes: model.program.nodes(),
         };
-        let undefined = (0..model.surfaces()).any(|surface| model.program.is_undefined(surface));
+        let undefined = model.seen().any(|surface| model.program.is_undefined(surface));
         let (method, precision) = (settings.method, settings.precision);
         let (hit, undecided) = (statistics.pixels.hit, statistics.pixels.undecided);
         // Where it is 0 everywhere no ray through the region is decided.
@@ -260,10 +264,11 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         Ok(Lit { rgb, legends, edge_rays, work })
     }
 
-    /// The method at work on each surface.
-    pub fn tracers(&self, tolerance: f64) -> Result<Vec<Box<dyn Tracer + 'a>>, ProgramError> {
+    /// The method at work on each surface that is seen, with its number.
+    pub fn tracers(&self, tolerance: f64) -> Result<Tracers<'a>, ProgramError> {
         let depth = self.settings.max_depth;
-        (0..self.model.surfaces()).map(|surface| self.tracer(surface, depth, tolerance)).collect()
+        let one = |surface| Ok((surface, self.tracer(surface, depth, tolerance)?));
+        self.model.seen().map(one).collect()
     }
 
     /// How often the way of a shadow ray is halved; `None` if there are no shadows.
@@ -317,7 +322,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let mut hidden = vec![0; buffer.drawn.len()];
         // Shadows are no pixels finished.
         let wanted = |_| (self.advance)(0);
-        for surface in 0..self.model.surfaces() {
+        for surface in self.model.seen() {
             let tracer = self.tracer(surface, depth, self.settings.tolerance)?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
             work += driver.shadows(buffer, &lights, offset);
@@ -334,9 +339,12 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let settings = self.settings;
         let plain = Appearance::new(self.model.look(settings), light);
         let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
-        let turned = self.model.turned.get_or_init(|| {
-            (0..self.model.surfaces()).map(|surface| self.is_negative_outside(surface)).collect()
-        });
+        // A hidden surface is not asked: there may be no code for it.
+        let turned = |surface: usize| {
+            let known = &self.model.turned[surface];
+            !self.model.styles[surface].hidden
+                && *known.get_or_init(|| self.is_negative_outside(surface))
+        };
         let surface = |(index, style): (usize, &Style)| {
             let colours = match &style.color {
                 Some(SurfaceColor::Plain(color)) => {
@@ -344,7 +352,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 }
                 Some(SurfaceColor::Mapped(_)) | None => SurfaceColours::default_for(index),
             };
-            if turned[index] { colours.turned() } else { colours }
+            if turned(index) { colours.turned() } else { colours }
         };
         Appearance {
             surfaces: self.model.styles.iter().enumerate().map(surface).collect(),

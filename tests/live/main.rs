@@ -5,4 +5,5 @@ mod live_support;
 mod parameters;
 mod session;
 mod sliders;
+mod surfaces;
 mod undo;

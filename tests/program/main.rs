@@ -14,6 +14,8 @@ mod readme;
 #[cfg(unix)]
 mod window_frame;
 #[cfg(unix)]
+mod window_gallery;
+#[cfg(unix)]
 mod window_prompt;
 #[cfg(unix)]
 mod window_session;
@@ -23,3 +25,5 @@ mod window_sliders;
 mod window_soak;
 #[cfg(unix)]
 mod window_support;
+#[cfg(unix)]
+mod window_surfaces;

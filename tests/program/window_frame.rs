@@ -72,7 +72,7 @@ fn letters_are_as_large_as_they_are_asked_to_be() {
     let picture = scene.picture();
     let dark = |y: u32| picture.get_pixel(1, y).0.iter().all(|c| *c < 80);
     assert!(dark(480 - status(2) + 1) && !dark(480 - status(2) - 2));
-    scene.changes("large axes", || scene.key("x"));
+    scene.changes("large without axes", || scene.key("x"));
     scene.changes("large help", || scene.key("F1"));
     scene.key("q");
     assert_eq!(scene.terminal.ends(), 0);
@@ -85,8 +85,9 @@ fn the_overlay_is_drawn_around_the_picture() {
         return;
     }
     let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
-    let plain = scene.rest();
-    let axes = scene.changes("axes", || scene.key("x"));
+    let axes = scene.rest();
+    let plain = scene.changes("no axes", || scene.key("x"));
+    scene.changes("axes", || scene.key("x"));
     scene.point(400, 260);
     std::thread::sleep(std::time::Duration::from_millis(300));
     scene.display.keep(&scene.window, "window");

@@ -36,6 +36,28 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
 }
 
 #[test]
+fn without_a_window_the_gallery_is_a_list() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z\nx = y"], None);
+    terminal.shows("undecided");
+    terminal.type_in(":gallery\r");
+    terminal.shows("heart-taubin");
+    // What a window does to surfaces is said by commands here.
+    for (line, shown) in [
+        (":hide 2\r", "hidden\r\nx = y"),
+        (":opacity 1 25%\r", "opacity 25%\r\nx+y+z"),
+        (":move 2 1\r", "opacity 25%\r\nhidden off\r\nx+y+z"),
+        (":hide 3\r", "there is no surface 3; they are numbered 1 to 2"),
+        (":help status\r", "every pixel proven"),
+    ] {
+        terminal.type_in(line);
+        terminal.type_in(":list\r");
+        terminal.shows(shown);
+    }
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
 fn what_is_wrong_is_said_after_a_pause_and_the_line_goes_on() {
     let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
     terminal.shows("undecided");

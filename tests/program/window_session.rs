@@ -28,8 +28,8 @@ fn the_picture_is_centred_and_follows_mouse_and_keys() {
     assert!(scene.changes("reset again", || scene.key("r")) == start);
     scene.changes("undecided", || scene.key("u"));
     assert!(scene.changes("decided", || scene.key("u")) == start);
-    scene.changes("axes", || scene.key("x"));
-    assert!(scene.changes("no axes", || scene.key("x")) == start);
+    scene.changes("no axes", || scene.key("x"));
+    assert!(scene.changes("axes", || scene.key("x")) == start);
     scene.changes("help", || scene.key("F1"));
     assert!(scene.changes("no help", || scene.key("Escape")) == start);
     scene.key("q");

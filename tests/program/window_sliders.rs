@@ -68,6 +68,42 @@ fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+/// While a hand holds a slider a surface is seen to grow, and then all of it is seen again.
+#[test]
+fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let ball = ["r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", "--size", "400x320"];
+    let scene = Scene::start(&ball);
+    // Columns with something orange below the slider.
+    let width = || {
+        let picture = scene.picture();
+        let is_orange = |x: u32, y: u32| {
+            let [r, _, b] = picture.get_pixel(x, y).0.map(i32::from);
+            r - b > 60
+        };
+        (0..400).filter(|x| (60..270).any(|y| is_orange(*x, y))).count()
+    };
+    let before = width();
+    scene.point(TRACK.0 + 11, ROWS[0]);
+    scene.display.tool(&["mousedown", "1"]);
+    for x in [40, 50, 60, 75, 90] {
+        scene.point(TRACK.0 + x, ROWS[0]);
+        wait(60);
+    }
+    until("it outgrows the view", || width() > 2 * before);
+    scene.display.keep(&scene.window, "outgrown");
+    scene.display.tool(&["mouseup", "1"]);
+    // Its domain has room to spare for what is to come.
+    let fits = |width: usize| 2 * width > before && width <= before;
+    until("it is fitted", || fits(width()));
+    scene.rest();
+    assert!(fits(width()), "{} columns, and {before} before", width());
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 #[test]
 fn time_is_played_paused_and_scrubbed() {
     if !have(PROGRAMS) {

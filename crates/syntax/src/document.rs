@@ -16,7 +16,7 @@ use crate::print::Drawing;
 use crate::program::program;
 use crate::scene::{DomainLine, SrgbColor, ViewLine};
 use crate::scope::{Meaning, Scope};
-use crate::setting::{Collected, PictureLines, placed};
+use crate::setting::{Collected, PictureLines, SettingLine, placed};
 use crate::span::Span;
 use crate::spelling::short_name;
 use crate::statement::{Built, build, lines, settle_heads};
@@ -53,6 +53,8 @@ pub struct Document {
     pub background: Option<SrgbColor>,
     /// What else is said of the picture.
     pub picture: PictureLines,
+    /// Where all of that is said, in the order of the text.
+    pub lines: Vec<SettingLine>,
     /// The first comment's first line, if the text starts with a comment.
     pub title: Option<String>,
     /// The rest of that comment, line breaks kept; empty if there is none.
@@ -78,6 +80,8 @@ pub struct Surface {
     /// How much of the light from behind it stops, within [0, 1]: what its `color` line says, or else the
     /// `opacity` line that is in the same place; else 1.
     pub opacity: f64,
+    /// Whether it is not to be seen: what the `hidden` line in the same place says.
+    pub hidden: bool,
 }
 
 /// What a surface is the surface of.
@@ -113,6 +117,17 @@ pub enum ParameterKind {
     Slider,
     /// The clock.
     Time,
+}
+
+impl Document {
+    /// The line with this first word that holds for a surface, by number, if there is one.
+    pub fn line_for(&self, word: &str, surface: usize) -> Option<&SettingLine> {
+        let place = self.surfaces.get(surface)?.span.start;
+        let last = self.surfaces.last()?.span.start;
+        let lines = self.lines.iter().filter(|line| line.word == word);
+        let lines: Vec<_> = lines.map(|line| (line.span.start, line)).collect();
+        placed(&lines, place, last).copied()
+    }
 }
 
 /// Reads a document: one line or a whole file.
@@ -305,15 +320,7 @@ impl<'a> Reader<'a> {
             implied = statement;
             surfaces.push(surface(&mut lowering, &implied)?);
         }
-        let last = surfaces.last().map_or(0, |surface| surface.span.start);
-        for surface in &mut surfaces {
-            let place = surface.span.start;
-            let color = placed(&settings.colors, place, last);
-            surface.color = color.map(|(color, _)| values.color(color)).transpose()?;
-            let own = color.and_then(|(_, opacity)| *opacity);
-            let opacity = own.or_else(|| placed(&settings.opacities, place, last).copied());
-            surface.opacity = opacity.unwrap_or(1.0);
-        }
+        style(&mut surfaces, &settings, &values)?;
         let mut picture = settings.picture;
         if let Some((value, step)) = &settings.contours {
             let value = value.as_ref().map(|value| values.value(value)).transpose()?;
@@ -341,11 +348,31 @@ impl<'a> Reader<'a> {
             look: settings.look,
             background: settings.background,
             picture,
+            lines: settings.lines,
             title,
             doc,
             notes: self.notes,
         })
     }
+}
+
+/// Gives surfaces what lines say that hold for them.
+fn style<'a>(
+    surfaces: &mut [Surface],
+    settings: &'a Collected,
+    values: &PointValues<'a>,
+) -> Fallible<()> {
+    let last = surfaces.last().map_or(0, |surface| surface.span.start);
+    for surface in surfaces {
+        let place = surface.span.start;
+        let color = placed(&settings.colors, place, last);
+        surface.color = color.map(|(color, _)| values.color(color)).transpose()?.flatten();
+        let own = color.and_then(|(_, opacity)| *opacity);
+        let opacity = own.or_else(|| placed(&settings.opacities, place, last).copied());
+        surface.opacity = opacity.unwrap_or(1.0);
+        surface.hidden = placed(&settings.hidden, place, last) == Some(&true);
+    }
+    Ok(())
 }
 
 /// What is used of what a program's branches and loops have made, and everything else.
@@ -430,6 +457,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
         echo: echo(expr, restrictions),
         color: None,
         opacity: 1.0,
+        hidden: false,
     })
 }
 

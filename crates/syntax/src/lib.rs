@@ -80,6 +80,6 @@ pub use note::{Note, NoteKind};
 pub use paint::{COLOR_MAPS, Contours, MappedColor, POINT_NAMES, PointValue, SurfaceColor};
 pub use scene::{ConstantRange, DomainLine, SrgbColor, ViewLine};
 pub use scope::language_names;
-pub use setting::{PictureLines, setting_word};
+pub use setting::{PictureLines, SettingLine, setting_word};
 pub use span::Span;
 pub use spelling::{LOOKS, PRESETS};

@@ -70,8 +70,14 @@ pub struct PointValue {
 /// A color before names have values.
 #[allow(clippy::large_enum_variant)] // likewise
 pub(crate) enum TypedColor {
+    /// The one that a surface has of itself.
+    Auto,
     Plain(SrgbColor),
-    Mapped { map: &'static str, value: Expr, range: Option<[Constant; 2]> },
+    Mapped {
+        map: &'static str,
+        value: Expr,
+        range: Option<[Constant; 2]>,
+    },
 }
 
 /// The same names, and those of a point's own.
@@ -114,14 +120,15 @@ impl<'a> PointValues<'a> {
     }
 
     /// A surface's color.
-    pub fn color(&self, typed: &'a TypedColor) -> Fallible<SurfaceColor> {
+    pub fn color(&self, typed: &'a TypedColor) -> Fallible<Option<SurfaceColor>> {
         Ok(match typed {
-            TypedColor::Plain(color) => SurfaceColor::Plain(*color),
-            TypedColor::Mapped { map, value, range } => SurfaceColor::Mapped(MappedColor {
+            TypedColor::Auto => None,
+            TypedColor::Plain(color) => Some(SurfaceColor::Plain(*color)),
+            TypedColor::Mapped { map, value, range } => Some(SurfaceColor::Mapped(MappedColor {
                 map,
                 value: self.value(value)?,
                 range: range.clone(),
-            }),
+            })),
         })
     }
 }
@@ -131,7 +138,11 @@ impl Builder<'_> {
         let (mut color, mut opacity) = (None, None);
         for part in line.into_inner() {
             match part.as_rule() {
-                Rule::opacity => opacity = Some(self.opacity(part)?),
+                Rule::opacity => {
+                    let place = self.span(&part);
+                    opacity = Some((self.opacity(part)?, place));
+                }
+                Rule::automatic => color = Some(TypedColor::Auto),
                 Rule::mapped => color = Some(self.mapped(part)?),
                 Rule::hex | Rule::name => color = Some(TypedColor::Plain(self.plain(&part)?)),
                 _ => {}

@@ -31,7 +31,7 @@ pub(crate) struct Setting {
 }
 
 /// Every such word.
-pub(crate) const SETTINGS: [Setting; 13] = {
+pub(crate) const SETTINGS: [Setting; 14] = {
     const PLAIN: Setting = Setting {
         word: "",
         symbol: 's',
@@ -103,6 +103,15 @@ pub(crate) const SETTINGS: [Setting; 13] = {
             ..PLAIN
         },
         Setting {
+            word: "hidden",
+            hint: "write `hidden` above what is not to be seen, and `hidden off` above what is",
+            read: |builder, line, span| {
+                let hidden = builder.switch(line, "hidden", span)?;
+                Ok(SceneSetting::Hidden(span.start, hidden))
+            },
+            ..PLAIN
+        },
+        Setting {
             word: "shadows",
             hint: "write `shadows on` or `shadows off`",
             read: |builder, line, span| {
@@ -154,9 +163,10 @@ pub fn setting_word(word: &str) -> Option<&'static str> {
 pub(crate) enum SceneSetting {
     Domain(DomainLine),
     View(ViewLine),
-    /// A color, and where its line stands; so also below.
-    Color(usize, TypedColor, Option<f64>),
+    /// A color, and where its line stands; so also below. Perhaps with an opacity, and where that stands.
+    Color(usize, TypedColor, Option<(f64, Span)>),
     Opacity(usize, f64),
+    Hidden(usize, bool),
     Look(&'static str),
     Background(SrgbColor),
     Clip([Constant; 4]),
@@ -184,6 +194,17 @@ pub struct PictureLines {
     pub contours: Option<Contours>,
 }
 
+/// Where a line stands that sets something about the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SettingLine {
+    /// Its first word, in its first spelling.
+    pub word: &'static str,
+    /// All of it, without its end and without a comment.
+    pub span: Span,
+    /// The opacity behind a color.
+    pub share: Option<Span>,
+}
+
 /// What the lines of a text say, before names have values.
 #[derive(Default)]
 pub(crate) struct Collected {
@@ -195,6 +216,9 @@ pub(crate) struct Collected {
     /// Each perhaps with an opacity of its own.
     pub colors: Vec<(usize, (TypedColor, Option<f64>))>,
     pub opacities: Vec<(usize, f64)>,
+    pub hidden: Vec<(usize, bool)>,
+    /// Where they stand.
+    pub lines: Vec<SettingLine>,
     pub contours: Option<(Option<Expr>, Option<Constant>)>,
     /// With the names of a point's own, once it was needed.
     scope: Option<Scope>,
@@ -223,13 +247,16 @@ impl Collected {
         let mut builder = Builder::new(text, line.piece, scope, &[], limits);
         let said = (setting.read)(&mut builder, line.pair, span)?;
         self.used.extend(builder.used);
+        let mut share = None;
         match said {
             SceneSetting::Domain(domain) => self.domain = Some(domain),
             SceneSetting::View(view) => self.view = Some(view),
             SceneSetting::Color(at, color, opacity) => {
-                self.colors.push((at, (color, opacity)));
+                share = opacity.map(|(_, span)| span);
+                self.colors.push((at, (color, opacity.map(|(opacity, _)| opacity))));
             }
             SceneSetting::Opacity(at, opacity) => self.opacities.push((at, opacity)),
+            SceneSetting::Hidden(at, hidden) => self.hidden.push((at, hidden)),
             SceneSetting::Look(look) => self.look = Some(look),
             SceneSetting::Background(color) => self.background = Some(color),
             SceneSetting::Clip(plane) => self.picture.clip = Some(plane),
@@ -239,6 +266,8 @@ impl Collected {
             SceneSetting::Legend(on) => self.picture.legend = Some(on),
             SceneSetting::Contours(contours) => self.contours = Some(contours),
         }
+        let word = setting_word(setting.word).unwrap_or(setting.word);
+        self.lines.push(SettingLine { word, span, share });
         Ok(())
     }
 }

@@ -1,9 +1,10 @@
-//! What the window shows: the picture, and over it the line that is typed, messages, sliders and
-//! the status. It is drawn again only when something of that changes.
+//! What the window shows: the picture, and over it the line that is typed, messages, sliders, the list
+//! of surfaces and the status; or the gallery. It is drawn again only when something of that changes.
 
 use super::enlarge::enlarge;
+use super::page::Page;
 use super::panel::Panel;
-use super::{MESSAGE, PAUSE, Window};
+use super::{MESSAGE, PAUSE, Window, browser, surfaces};
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::help;
 use crate::cli::overlay::draw_box;
@@ -21,11 +22,12 @@ const WRONG: Rgb = 0x00d0_3030;
 const WRONG_TEXT: Rgb = 0x00ff_9090;
 const GROUND: Rgb = 0x0020_2028;
 
-/// The picture at the window's size, kept while only what lies over it changes.
+/// The picture at the window's size, with its axes, kept while only what lies over it changes.
 #[derive(Default)]
 pub struct Backdrop {
     rendering: Option<Arc<Rendering>>,
     size: (usize, usize),
+    scale: usize,
     pixels: Vec<Rgb>,
 }
 
@@ -42,8 +44,10 @@ pub struct Content {
     candidates: Option<String>,
     message: Option<String>,
     sliders: Option<(Panel, Vec<Slider>, Option<usize>)>,
+    surfaces: Option<surfaces::Shown>,
+    gallery: Option<browser::Shown>,
     help: bool,
-    axes: bool,
+    page: Option<Page>,
 }
 
 /// Where lines of text go, in pixels.
@@ -70,7 +74,8 @@ impl Window {
         }
         self.entitle();
         self.active = self.compared;
-        self.backdrop.follow(seen.rendering.as_ref(), self.picture_size(), content.size);
+        let (picture, scale) = (self.picture_size(), self.scale_at(content.size.1));
+        self.backdrop.follow(seen.rendering.as_ref(), picture, content.size, scale);
         let canvas = self.compose(&content);
         self.native
             .update_with_buffer(&canvas.pixels, canvas.width, canvas.height)
@@ -79,7 +84,8 @@ impl Window {
         Ok(true)
     }
 
-    fn content(&self, seen: &Snapshot) -> Content {
+    fn content(&mut self, seen: &Snapshot) -> Content {
+        let gallery = self.browsed();
         let place = self.pointer(MouseMode::Discard);
         let pick = seen
             .rendering
@@ -99,8 +105,10 @@ impl Window {
             candidates: (!self.candidates.is_empty()).then(|| self.candidates.join("  ")),
             message: self.message.as_ref().map(|(text, _)| text.clone()),
             sliders: self.sliders.shown(),
+            surfaces: self.surfaces.shown(),
+            gallery,
             help: self.help,
-            axes: self.axes,
+            page: self.page.clone(),
         }
     }
 
@@ -108,26 +116,34 @@ impl Window {
         let (width, height) = content.size;
         let scale = self.scale_at(height);
         let mut canvas = Canvas { width, height, pixels: self.backdrop.pixels.clone(), scale };
-        let rendering = self.backdrop.rendering.as_ref();
-        if let Some(rendering) = rendering.filter(|_| content.axes) {
-            draw_box(&mut canvas, (&**rendering).into(), self.picture_size().1);
+        if let Some(gallery) = &content.gallery {
+            self.draw_gallery(&mut canvas, gallery);
+            return canvas;
         }
+        let rendering = self.backdrop.rendering.as_ref();
         if content.wrong {
             canvas.border(2 * scale, WRONG);
         }
         let (row, margin) = (canvas.line_height(), 6 * scale);
         let room = width.saturating_sub(2 * margin);
         let layout = Layout { margin, room, row, bottom: height as i64 - row as i64 };
-        if let Some(rendering) = rendering {
+        let are_listed = content.surfaces.as_ref().is_some_and(surfaces::Shown::has_formulas);
+        if let Some(rendering) = rendering.filter(|_| !are_listed) {
             canvas.label(&canvas.fitting(&echo(rendering), room), 0, 0, LIGHT);
         }
         if let Some((panel, sliders, hovered)) = &content.sliders {
             panel.draw(&mut canvas, sliders, *hovered);
         }
+        if let Some(surfaces) = &content.surfaces {
+            surfaces.draw(&mut canvas);
+        }
         draw_status(&mut canvas, &layout, content, rendering);
         draw_texts(&mut canvas, &layout, content);
         if content.help {
             help::draw(&mut canvas);
+        }
+        if let Some(page) = &content.page {
+            page.draw(&mut canvas);
         }
         canvas
     }
@@ -162,8 +178,7 @@ fn draw_status(
     let Layout { margin, room, row, bottom } = *layout;
     canvas.fill(0, bottom, canvas.width, row, GROUND, 255);
     let status = match rendering {
-        Some(rendering) if rendering.coarse => format!("{} · refining", rendering.summary()),
-        Some(rendering) => rendering.summary(),
+        Some(rendering) => rendering.in_words(),
         None => "no picture yet: type / and a formula".to_owned(),
     };
     let hover = content.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
@@ -206,24 +221,33 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
 }
 
 impl Backdrop {
-    /// Scales the rendering's picture to its part of the window, if either has changed.
+    /// Scales the rendering's picture to its part of the window and draws its axes, if something of that
+    /// has changed.
     fn follow(
         &mut self,
         rendering: Option<&Arc<Rendering>>,
         picture: (usize, usize),
         window: (usize, usize),
+        scale: usize,
     ) {
         let is_same = self.rendering.as_ref().map(Arc::as_ptr) == rendering.map(Arc::as_ptr);
-        if is_same && self.size == window && !self.pixels.is_empty() {
+        if is_same && (self.size, self.scale) == (window, scale) && !self.pixels.is_empty() {
             return;
         }
         self.rendering = rendering.cloned();
-        self.size = window;
+        (self.size, self.scale) = (window, scale);
         self.pixels.clear();
         self.pixels.resize(window.0 * window.1, PAPER);
         let Some(rendering) = rendering else { return };
         let buffer = &rendering.picture.buffer;
         let shown = &rendering.picture.rgb;
         enlarge(shown, [buffer.width, buffer.height], &mut self.pixels, [picture.0, picture.1]);
+        if rendering.request.axes.are_shown(&rendering.document) {
+            let (width, height) = window;
+            let pixels = std::mem::take(&mut self.pixels);
+            let mut canvas = Canvas { width, height, pixels, scale };
+            draw_box(&mut canvas, (&**rendering).into(), picture.1);
+            self.pixels = canvas.pixels;
+        }
     }
 }

@@ -2,14 +2,14 @@
 
 use super::Window;
 use super::input::Input;
+use super::page::Page;
 use super::tasks::save;
 use crate::cli::line_edit::LineEdit;
 use minifb::Key;
 use std::sync::Arc;
 use std::thread::spawn;
 use std::time::Instant;
-use zeroset::live::Request;
-use zeroset::scene::CameraChoice;
+use zeroset::live::{Axes, words};
 
 /// Pixels that an arrow key turns by, in a window this high.
 const ARROW: f64 = 20.0;
@@ -21,6 +21,15 @@ impl Window {
     pub(super) fn keys(&mut self) {
         for typed in self.typed_keys.take() {
             self.active = Instant::now();
+            if self.browser.is_open() {
+                match typed {
+                    Input::Letter(letter) => self.filter_gallery(letter),
+                    Input::Key(Key::Escape) => self.toggle_gallery(),
+                    Input::Key(key) => self.browse(key),
+                    Input::Control(_) => {}
+                }
+                continue;
+            }
             match (typed, &mut self.line) {
                 (Input::Letter(letter), Some(line)) => {
                     line.insert(letter);
@@ -30,7 +39,7 @@ impl Window {
                 (Input::Control(Key::Z), None) => self.step_back(true),
                 (Input::Control(Key::Y), None) => self.step_back(false),
                 (Input::Control(_), None) => {}
-                (Input::Key(Key::F1), _) => self.help = !self.help,
+                (Input::Key(Key::F1), _) => self.next_help(),
                 (Input::Key(Key::F2), _) => self.define_letter(),
                 (Input::Key(Key::Escape), _) => self.escape(),
                 (Input::Key(Key::Enter | Key::NumPadEnter), _) => match self.line.take() {
@@ -54,7 +63,23 @@ impl Window {
             self.session.live.type_line("");
             self.session.hush();
         } else {
-            self.help = false;
+            (self.help, self.page) = (false, None);
+        }
+    }
+
+    /// Shows the keys, then the words of the status line and what is written elsewhere, then neither.
+    fn next_help(&mut self) {
+        let was_closed = !self.help && self.page.is_none();
+        self.page = self.help.then(|| Page::new(&words()));
+        self.help = was_closed;
+    }
+
+    /// Scrolls the text that is shown by so many lines.
+    pub(super) fn turn_page(&mut self, lines: isize) {
+        let size = self.size();
+        let scale = self.scale_at(size.1);
+        if let Some(page) = &mut self.page {
+            page.scroll(lines, size, scale);
         }
     }
 
@@ -126,8 +151,20 @@ impl Window {
         }
     }
 
-    /// Moves the slider under the pointer by a step, or turns the view.
+    /// Scrolls the text that is shown, changes what is under the pointer, or turns the view.
     fn arrow(&mut self, key: Key) {
+        if self.page.is_some() {
+            return self.turn_page(match key {
+                Key::Up => -1,
+                Key::Down => 1,
+                Key::PageUp => -10,
+                Key::PageDown => 10,
+                _ => 0,
+            });
+        }
+        if self.change_surface(key) {
+            return;
+        }
         let (across, down) = match key {
             Key::Left => (ARROW, 0.0),
             Key::Right => (-ARROW, 0.0),
@@ -151,6 +188,7 @@ impl Window {
                     line.insert(':');
                 }
                 self.line = Some(line);
+                (self.help, self.page) = (false, None);
             }
             '+' | '=' => live.turn(|orbit| orbit.zoom(ZOOM, 0.0, 0.0, height)),
             '-' => live.turn(|orbit| orbit.zoom(1.0 / ZOOM, 0.0, 0.0, height)),
@@ -161,6 +199,9 @@ impl Window {
             'x' => self.toggle_axes(),
             't' => self.toggle_play(),
             'k' => self.toggle_cut(),
+            'g' => self.toggle_gallery(),
+            'l' => self.toggle_list(),
+            '1'..='9' => self.toggle_surface(letter as usize - '1' as usize),
             's' => {
                 let (session, tell) = (Arc::clone(&self.session), self.tell.clone());
                 let revision = live.revision();
@@ -178,19 +219,17 @@ impl Window {
         }
     }
 
-    /// Shows the box, or no longer. The view by default cuts corners off, and so is left for one
-    /// that shows them all, until the box is hidden again; a view that somebody chose stays.
-    fn toggle_axes(&mut self) {
+    /// Shows the domain's box and axes, or no longer.
+    fn toggle_axes(&self) {
         let live = &self.session.live;
-        self.axes = !self.axes;
-        let Request { orbit, choice, .. } = live.request();
-        let chosen = choice != CameraChoice::default()
-            || live.snapshot().rendering.is_some_and(|seen| seen.document.view.is_some());
-        if self.axes && orbit.is_none() && !chosen {
-            live.fit();
-            self.fitted = live.request().orbit;
-        } else if !self.axes && orbit.is_some() && orbit == self.fitted.take() {
-            live.reset_view();
-        }
+        let Some(seen) = live.snapshot().rendering else { return };
+        let are_shown = live.request().axes.are_shown(&seen.document);
+        let are_usual = Axes::Usual.are_shown(&seen.document);
+        live.set_axes(match (are_shown, are_usual) {
+            (true, true) => Axes::Off,
+            (false, false) => Axes::On,
+            // As it would be if nobody had said anything.
+            (true, false) | (false, true) => Axes::Usual,
+        });
     }
 }

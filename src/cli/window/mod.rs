@@ -1,15 +1,20 @@
 //! The window: pictures as they come, the mouse and the keys. It owns the main thread and knows
 //! nothing of how a picture is made.
 
+mod browser;
 mod clicks;
 mod draw;
 mod enlarge;
 mod input;
 mod keys;
+mod list;
 mod mouse;
+mod page;
 mod panel;
 mod sliders;
+mod surfaces;
 mod tasks;
+mod thumbnails;
 
 use super::canvas::Canvas;
 use super::line_edit::LineEdit;
@@ -17,18 +22,21 @@ use super::session::Session;
 use super::tips;
 use super::vector::Size;
 use anyhow::Result;
+use browser::Browser;
 use clicks::Clicks;
 use draw::{Backdrop, Content};
 use input::{Keyboard, Typed};
 use minifb::{Key, MouseMode, ScaleMode, WindowOptions};
 use mouse::Mouse;
+use page::Page;
 use sliders::Sliders;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
+use surfaces::Surfaces;
 use tasks::{Outcome, enter_all};
-use zeroset::live::{Orbit, Snapshot};
+use zeroset::live::Snapshot;
 
 /// A message in the window is shown for so long.
 const MESSAGE: Duration = Duration::from_secs(8);
@@ -66,6 +74,10 @@ pub struct Window {
     mouse: Mouse,
     clicks: Clicks,
     sliders: Sliders,
+    surfaces: Surfaces,
+    browser: Browser,
+    /// Whether values are being moved, as it was last told.
+    moving: bool,
     line: Option<LineEdit>,
     /// What the line's last word may be completed to.
     candidates: Vec<String>,
@@ -74,9 +86,8 @@ pub struct Window {
     /// When a tip was last shown.
     tip: Instant,
     help: bool,
-    axes: bool,
-    /// The view that shows the whole box, where it was taken for that.
-    fitted: Option<Orbit>,
+    /// A text that somebody asked for.
+    page: Option<Page>,
     backdrop: Backdrop,
     drawn: Option<Content>,
     /// When what is to be seen was last compared with that.
@@ -127,14 +138,16 @@ impl Window {
             scale,
             mouse: Mouse::default(),
             sliders: Sliders::default(),
+            surfaces: Surfaces::default(),
+            browser: Browser::default(),
+            moving: false,
             line: None,
             candidates: Vec::new(),
             typed: now,
             message: None,
             tip: now,
             help: false,
-            axes: false,
-            fitted: None,
+            page: None,
             backdrop: Backdrop::default(),
             drawn: None,
             compared: now,
@@ -155,9 +168,12 @@ impl Window {
             self.settle();
             let seen = self.session.live.snapshot();
             self.follow_sliders(&seen);
+            self.follow_surfaces(&seen);
             self.mouse(&seen);
             self.play(&seen);
+            self.follow_motion();
             self.send_value(&seen);
+            self.send_opacity(&seen);
             self.show_tips();
             let is_idle = self.active.elapsed() > REST;
             let frame = if is_idle { IDLE_FRAME } else { FRAME };
@@ -168,6 +184,7 @@ impl Window {
             }
             sleep(if is_idle { IDLE_LOOK } else { LOOK });
         }
+        self.browser.stop();
         // What was begun is finished, but no picture is waited for any more.
         self.session.end();
         drop(self.lines);
@@ -212,6 +229,14 @@ impl Window {
         self.native.is_key_down(Key::LeftCtrl) || self.native.is_key_down(Key::RightCtrl)
     }
 
+    /// Tells whether values are being moved, where that changes.
+    fn follow_motion(&mut self) {
+        let moving = self.sliders.is_in_motion();
+        if std::mem::replace(&mut self.moving, moving) != moving {
+            self.session.live.set_moving(moving);
+        }
+    }
+
     fn say(&mut self, text: &str) {
         let first = text.lines().next().unwrap_or_default();
         self.message = Some((first.to_owned(), Instant::now()));
@@ -233,8 +258,13 @@ impl Window {
         while let Ok(outcome) = self.outcomes.try_recv() {
             self.active = Instant::now();
             match outcome {
-                Outcome::Entered(_, Ok(())) => {
+                Outcome::Entered(_, Ok(said)) => {
                     self.sliders.pause();
+                    match said {
+                        Some(text) if text.contains('\n') => self.page = Some(Page::new(&text)),
+                        Some(text) => self.say(&text),
+                        None => {}
+                    }
                     // What is still being typed may need what was entered.
                     self.follow_line();
                 }
@@ -251,6 +281,9 @@ impl Window {
             }
         }
         self.threads.retain(|thread| !thread.is_finished());
+        if self.session.is_gallery_wanted() && !self.browser.is_open() {
+            self.toggle_gallery();
+        }
     }
 
     /// What is wrong, unless a hand is at work that will pass over it.

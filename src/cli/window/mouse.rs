@@ -1,4 +1,4 @@
-//! What the mouse does in the window: it turns, moves, zooms, clicks, and drags sliders.
+//! What the mouse does in the window: it turns, moves, zooms, clicks, and drags sliders and surfaces.
 
 use super::Window;
 use super::keys::ZOOM;
@@ -37,6 +37,8 @@ enum Dragged {
     Pan,
     /// A slider.
     Slider,
+    /// Something on the list of surfaces.
+    Surface,
 }
 
 impl Mouse {
@@ -54,12 +56,27 @@ impl Window {
         let (_, height) = self.picture_size();
         let inside = self.pointer(MouseMode::Discard).is_some_and(|(_, y)| y < height as f64);
         self.hover_slider(inside.then_some(at));
+        self.hover_surface(inside.then_some(at));
         self.wheel(at, inside);
         let left = self.native.get_mouse_down(MouseButton::Left);
         let right = self.native.get_mouse_down(MouseButton::Right);
         let held = left || right;
-        if self.mouse.last.replace((at, held)) != Some((at, held)) {
+        let has_changed = self.mouse.last.replace((at, held)) != Some((at, held));
+        if has_changed {
             self.active = Instant::now();
+        }
+        if self.browser.is_open() {
+            let clicked = self.clicks.was_missed(held);
+            let pressed = clicked || left && self.mouse.drag.is_none();
+            if left {
+                // What was begun there goes on nowhere else.
+                let (start, last, what) = (at, at, Dragged::Turn);
+                let drag = Drag { start, last, moves: true, what, cancelled: true };
+                self.mouse.drag.get_or_insert(drag);
+            } else {
+                self.mouse.drag = None;
+            }
+            return self.point_gallery(at, has_changed, pressed);
         }
         if self.clicks.was_missed(held) && inside && self.mouse.drag.is_none() {
             self.active = Instant::now();
@@ -67,14 +84,16 @@ impl Window {
         }
         match &mut self.mouse.drag {
             None if held && inside => {
+                self.session.live.hold(true);
                 let what = if left && self.press_slider(at) {
                     Dragged::Slider
+                } else if left && self.press_surface(at) {
+                    Dragged::Surface
                 } else if right || self.is_shifted() {
                     Dragged::Pan
                 } else {
                     Dragged::Turn
                 };
-                self.session.live.hold(true);
                 let drag = Drag { start: at, last: at, moves: false, what, cancelled: false };
                 self.mouse.drag = Some(drag);
             }
@@ -90,6 +109,7 @@ impl Window {
                         Dragged::Pan => live.turn(|orbit| orbit.pan(across, down, height)),
                         Dragged::Turn => live.turn(|orbit| orbit.turn(across, down, height)),
                         Dragged::Slider => self.drag_slider(across),
+                        Dragged::Surface => self.drag_surface(at),
                     }
                 }
             }
@@ -102,6 +122,9 @@ impl Window {
         if drag.what == Dragged::Slider {
             self.release_slider();
         }
+        if drag.what == Dragged::Surface {
+            self.release_surface(drag.cancelled);
+        }
         self.session.live.hold(false);
         if !drag.moves && drag.what == Dragged::Turn && !drag.cancelled {
             self.tell_point(drag.start, seen);
@@ -113,6 +136,8 @@ impl Window {
         if self.press_slider(at) {
             self.release_slider();
             self.session.live.hold(false);
+        } else if self.press_surface(at) {
+            self.release_surface(false);
         } else {
             self.tell_point(at, seen);
         }
@@ -130,7 +155,7 @@ impl Window {
         }
     }
 
-    /// Zooms, or moves the cut, or scrolls the sliders.
+    /// Zooms, or moves the cut, or scrolls what is listed.
     fn wheel(&mut self, at: (f64, f64), inside: bool) {
         let Some((_, steps)) = self.native.get_scroll_wheel() else { return };
         if steps == 0.0 || !inside {
@@ -138,10 +163,16 @@ impl Window {
         }
         self.active = Instant::now();
         let steps = f64::from(steps.clamp(-5.0, 5.0));
+        if self.browser.is_open() {
+            return self.scroll_gallery(steps);
+        }
+        if self.page.is_some() {
+            return self.turn_page(-3 * steps.signum() as isize);
+        }
         if self.has_control() {
             return self.session.live.move_cut(steps);
         }
-        if self.scroll_sliders(steps) {
+        if self.scroll_sliders(steps) || self.scroll_surfaces(steps) {
             return;
         }
         let (width, height) = self.picture_size();

@@ -25,7 +25,7 @@ const SPACE: usize = 6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Panel {
     top: usize,
-    width: usize,
+    pub width: usize,
     row: usize,
     /// The first slider that is shown, and how many are, of how many.
     pub first: usize,

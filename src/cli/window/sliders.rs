@@ -15,6 +15,8 @@ const DOUBLE: Duration = Duration::from_millis(400);
 const COARSE: Duration = Duration::from_millis(30);
 /// A picture of a value is waited for so long before the next value is asked for.
 const LATE: Duration = Duration::from_millis(250);
+/// Between keys that move a slider on there is no more than this.
+const NUDGE: Duration = Duration::from_millis(700);
 /// With Shift, a slider moves so many times less far.
 const FINE: f64 = 0.1;
 /// Steps of an arrow key from one end of a slider to the other.
@@ -40,6 +42,8 @@ pub struct Sliders {
     /// The last request, and when it was made.
     sent: Option<(u64, Instant)>,
     playing: Option<Playing>,
+    /// When a key last moved one.
+    nudged: Option<Instant>,
 }
 
 /// Time that passes.
@@ -61,6 +65,16 @@ impl Sliders {
     /// Whether a hand or the clock moves one.
     pub fn is_moving(&self) -> bool {
         self.held.is_some() || self.playing.is_some()
+    }
+
+    /// The same, where keys that follow each other are one movement.
+    pub fn is_in_motion(&self) -> bool {
+        self.is_moving() || self.nudged.is_some_and(|at| at.elapsed() < NUDGE)
+    }
+
+    /// What their panel takes of the window, in pixels.
+    pub fn width(&self) -> usize {
+        self.panel.map_or(0, |panel| panel.width)
     }
 
     /// The sliders as they are to be drawn, where, and which is under the pointer.
@@ -177,6 +191,7 @@ impl Window {
             sliders.pause();
         }
         let step = fine * (slider.high - slider.low) / STEPS;
+        sliders.nudged = Some(Instant::now());
         sliders.want(index, slider.rounded(slider.value + steps * step, step));
         true
     }
@@ -227,20 +242,9 @@ impl Window {
         sliders.want(index, value);
     }
 
-    /// Asks for the value that is wanted, if the picture of the one before is there: the full one, or
-    /// a coarse one that has been seen for a while.
+    /// Asks for the value that is wanted, if the picture of the one before is there.
     pub(super) fn send_value(&mut self, seen: &Snapshot) {
-        let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
-        let (latest, coarse) = match &seen.rendering {
-            Some(seen) if seen.revision > fault => (seen.revision, seen.coarse),
-            Some(_) | None => (fault, false),
-        };
-        let is_seen = |(sent, at): (u64, Instant)| {
-            let least = if coarse { COARSE } else { FRAME };
-            let passed = at.elapsed();
-            latest >= sent && passed >= least || passed > LATE
-        };
-        if self.sliders.sent.is_none_or(is_seen) {
+        if is_next_due(self.sliders.sent, seen) {
             self.ask_for_value();
         }
     }
@@ -256,4 +260,19 @@ impl Window {
         self.sliders.sent = Some((revision, Instant::now()));
         self.session.hush();
     }
+}
+
+/// Whether what was asked for last is seen: the full picture, or a coarse one that has been there for a
+/// while.
+pub fn is_next_due(sent: Option<(u64, Instant)>, seen: &Snapshot) -> bool {
+    let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
+    let (latest, coarse) = match &seen.rendering {
+        Some(seen) if seen.revision > fault => (seen.revision, seen.coarse),
+        Some(_) | None => (fault, false),
+    };
+    sent.is_none_or(|(sent, at)| {
+        let least = if coarse { COARSE } else { FRAME };
+        let passed = at.elapsed();
+        latest >= sent && passed >= least || passed > LATE
+    })
 }

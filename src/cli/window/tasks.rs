@@ -8,8 +8,8 @@ use std::thread::spawn;
 
 /// What has been done.
 pub enum Outcome {
-    /// A line was entered, or refused.
-    Entered(LineEdit, Result<(), Wrong>),
+    /// A line was entered, which said something or not; or it was refused.
+    Entered(LineEdit, Result<Option<String>, Wrong>),
     /// A picture was saved, or could not be.
     Saved(anyhow::Result<()>),
 }

@@ -2,16 +2,16 @@
 
 use super::pace::Pace;
 use super::rooms;
+use super::view::Framed;
 use super::{Fault, Reason, Rendering, Request, Shared, State, same_document};
 use crate::blank::Blank;
 use crate::domain::AutoDomain;
-use crate::framing;
 use crate::model::Model;
-use crate::picture::Settings;
-use crate::scene::{self, CameraChoice, SceneError, Search};
+use crate::picture::{Picture, Settings};
+use crate::scene::{self, SceneError, Search};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, PoisonError, Weak};
-use std::time::Instant;
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
 use zeroset_syntax::{Document, Errors};
 use zeroset_trace::{Camera, Region};
 
@@ -20,14 +20,16 @@ const LEAST_DEPTH: u32 = 6;
 
 /// What was made for earlier requests, as far as it may serve for the next.
 pub(super) struct Worker {
-    shared: Arc<Shared>,
+    pub shared: Arc<Shared>,
     read: Option<Read>,
     built: Option<Built>,
     /// The last search for a domain.
     search: Option<Search>,
-    framed: Option<Framed>,
+    pub framed: Option<Framed>,
+    /// How many formulas there were.
+    formulas: u64,
     /// What the present model's pictures cost.
-    pace: Pace,
+    pub pace: Pace,
     /// What the last picture was of that lacks nothing.
     finished: Option<Arc<Request>>,
 }
@@ -45,27 +47,54 @@ struct Built {
     made: Made,
 }
 
-/// A camera that was fitted, and to what.
-struct Framed {
-    /// It may be gone.
-    model: Weak<Model>,
-    region: Region,
-    choice: CameraChoice,
-    size: (usize, usize),
-    camera: Camera,
-}
-
 /// A model, what was found if its domain was searched for, and what views of it are relative to.
 #[derive(Clone)]
 struct Made {
     model: Arc<Model>,
     searched: Option<AutoDomain>,
     seat: Region,
+    /// Another for every other formula, whatever its values.
+    formula: u64,
+}
+
+/// What all pictures of a request share.
+pub(super) struct Shot<'a> {
+    pub job: &'a Job,
+    pub document: &'a Arc<Document>,
+    pub model: &'a Arc<Model>,
+    searched: Option<AutoDomain>,
+    pub seat: Region,
+    parse: Duration,
+}
+
+impl Shot<'_> {
+    pub fn rendering(&self, camera: Camera, picture: Picture, coarse: bool) -> Rendering {
+        let Self { job, searched, seat, parse, .. } = *self;
+        let pixels = picture.statistics.pixels;
+        let is_blank = !coarse && pixels.hit + pixels.undecided == 0;
+        let region = self.model.region();
+        let blank =
+            is_blank.then(|| Blank::find(self.document, region, picture.undefined, searched));
+        Rendering {
+            revision: job.revision,
+            request: Arc::clone(&job.request),
+            document: Arc::clone(self.document),
+            model: Arc::clone(self.model),
+            searched,
+            seat,
+            camera,
+            blank,
+            picture,
+            coarse,
+            parse,
+            latency: job.requested.elapsed(),
+        }
+    }
 }
 
 /// A request being worked on.
-struct Job {
-    request: Arc<Request>,
+pub(super) struct Job {
+    pub request: Arc<Request>,
     revision: u64,
     requested: Instant,
 }
@@ -73,7 +102,8 @@ struct Job {
 impl Worker {
     pub fn new(shared: Arc<Shared>) -> Self {
         let (read, built, search, framed, finished) = (None, None, None, None, None);
-        Self { shared, read, built, search, framed, pace: Pace::default(), finished }
+        let (pace, formulas) = (Pace::default(), 0);
+        Self { shared, read, built, search, framed, formulas, pace, finished }
     }
 
     pub fn run(mut self) {
@@ -145,13 +175,9 @@ impl Worker {
         }
         let scene = |error: SceneError| Reason::Scene(error);
         let made = self.model(job, &document).map_err(scene)?;
-        let Some(Made { model, searched, seat }) = made else { return Ok(()) };
-        let region = model.region();
-        let camera = match &job.request.orbit {
-            Some(orbit) => orbit.camera(&seat).map(Some).map_err(SceneError::from),
-            None => self.framed(job, &document, &model),
-        };
-        let Some(camera) = camera.map_err(scene)? else { return Ok(()) };
+        let Some(Made { model, searched, seat, formula }) = made else { return Ok(()) };
+        let shot = Shot { job, document: &document, model: &model, searched, seat, parse };
+        let Some(camera) = self.camera(&shot, formula)? else { return Ok(()) };
         let full = &job.request.settings;
         if let Some(seen) = self.seen_alike(&model, &camera, full) {
             return self.relight(job, &seen);
@@ -172,24 +198,7 @@ impl Worker {
                 return Ok(());
             }
             self.pace.learn(settings.width * settings.height, !coarse, started.elapsed());
-            let pixels = picture.statistics.pixels;
-            let blank = (!coarse && pixels.hit + pixels.undecided == 0)
-                .then(|| Blank::find(&document, region, picture.undefined, searched));
-            let rendering = Rendering {
-                revision: job.revision,
-                request: Arc::clone(&job.request),
-                document: Arc::clone(&document),
-                model: Arc::clone(&model),
-                searched,
-                seat,
-                camera,
-                blank,
-                picture,
-                coarse,
-                parse,
-                latency: job.requested.elapsed(),
-            };
-            let rendering = Arc::new(rendering);
+            let rendering = Arc::new(shot.rendering(camera, picture, coarse));
             self.publish(Arc::clone(&rendering));
             if !coarse {
                 if settings != plain {
@@ -200,36 +209,6 @@ impl Worker {
             }
             scale = self.pace.next(scale, size);
         }
-    }
-
-    /// The camera where nobody turned the view: fitted once for a model, and kept while only parameters move.
-    fn framed(
-        &mut self,
-        job: &Job,
-        document: &Document,
-        model: &Arc<Model>,
-    ) -> Result<Option<Camera>, SceneError> {
-        let Request { choice, settings, .. } = &*job.request;
-        let (width, height) = (settings.width, settings.height);
-        let kept = self.framed.as_ref().filter(|framed| {
-            framed.choice == *choice
-                && framed.size == (width, height)
-                && (std::ptr::eq(framed.model.as_ptr(), Arc::as_ptr(model))
-                    || model.is_rebound() && framed.region == *model.region())
-        });
-        if let Some(framed) = kept {
-            return Ok(Some(framed.camera));
-        }
-        let wanted = || self.wanted(job);
-        let camera = framing::camera_while(model, document, choice, settings, &wanted)?;
-        self.framed = camera.map(|camera| Framed {
-            model: Arc::downgrade(model),
-            region: *model.region(),
-            choice: *choice,
-            size: (width, height),
-            camera,
-        });
-        Ok(camera)
     }
 
     /// The full picture that is shown, if it differs from what is asked for in nothing but its light.
@@ -264,7 +243,7 @@ impl Worker {
         Ok(())
     }
 
-    fn publish(&self, rendering: Arc<Rendering>) {
+    pub fn publish(&self, rendering: Arc<Rendering>) {
         let mut state = self.shared.lock();
         let before = state.snapshot.rendering.replace(rendering);
         let revision = state.snapshot.rendering.as_ref().map(|rendering| rendering.revision);
@@ -278,7 +257,15 @@ impl Worker {
         }
     }
 
-    fn wanted(&self, job: &Job) -> bool {
+    /// Waits for so long, or until something else is asked for.
+    pub fn rest(&self, job: &Job, time: Duration) {
+        let waiting = |state: &mut State| !state.stop && state.revision == job.revision;
+        let state = self.shared.lock();
+        // Whether the time is over or not, what comes next asks again what is wanted.
+        drop(self.shared.changed.wait_timeout_while(state, time, waiting));
+    }
+
+    pub fn wanted(&self, job: &Job) -> bool {
         let state = self.shared.lock();
         !state.stop && state.revision == job.revision
     }
@@ -355,9 +342,11 @@ impl Worker {
             return Ok(None);
         };
         let old = old.map(|built| &built.made);
+        let known = old.filter(|made| made.model.program().serves(document));
+        let formula = known.map(|made| made.formula);
         let old = old.filter(|made| made.searched.is_some() && searched.is_some());
         // The same formula, so that it is seen to grow or to shrink.
-        let moved = old.filter(|made| made.model.program().serves(document));
+        let moved = old.filter(|_| formula.is_some());
         let region = moved.map_or(Ok(found), |made| rooms::for_next(made.model.region(), &found));
         let region = region?;
         let rebound = moved.and_then(|made| made.model.rebound(document, &region));
@@ -376,12 +365,16 @@ impl Worker {
             self.pace = Pace::default();
         }
         let seat = moved.map_or(region, |made| made.seat);
-        Ok(Some(Made { model: Arc::new(model), searched, seat }))
+        let formula = formula.unwrap_or_else(|| {
+            self.formulas += 1;
+            self.formulas
+        });
+        Ok(Some(Made { model: Arc::new(model), searched, seat, formula }))
     }
 }
 
 /// The same picture with so many times fewer columns and rows, and slabs coarser to match.
-fn coarser(full: &Settings, scale: f64) -> Settings {
+pub(super) fn coarser(full: &Settings, scale: f64) -> Settings {
     let depth = full.max_depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
     let fewer = |size: usize| ((size as f64 / scale).ceil() as usize).clamp(1, size);
     Settings {

@@ -101,6 +101,9 @@ fn describe(row: &Row, document: &Document) -> String {
             }
             None => {}
         }
+        if surface.hidden {
+            out.push_str("  [hidden]");
+        }
         if surface.opacity < 1.0 {
             write!(out, "  [opacity {}]", surface.opacity).unwrap();
         }

@@ -1,0 +1,44 @@
+//! The latest lines entered, in prompt and window. Knows no files.
+
+use std::collections::VecDeque;
+
+/// So many lines are kept of those that were entered, here, in the prompt and in the history file.
+pub const KEPT_LINES: usize = 1000;
+
+/// The latest lines entered.
+#[derive(Default)]
+pub struct History {
+    lines: VecDeque<String>,
+    /// How many came before them.
+    dropped: usize,
+}
+
+impl History {
+    pub fn add(&mut self, line: String) {
+        if self.lines.len() == KEPT_LINES {
+            self.lines.pop_front();
+            self.dropped += 1;
+        }
+        self.lines.push_back(line);
+    }
+
+    /// Of the lines after the first `known` ones those that are kept, the latest last.
+    pub fn after(&self, known: usize) -> Vec<String> {
+        let kept = known.saturating_sub(self.dropped);
+        self.lines.iter().skip(kept).cloned().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_latest_lines_are_kept_and_counted_from_the_first() {
+        let mut history = History::default();
+        (0..KEPT_LINES + 5).for_each(|line| history.add(line.to_string()));
+        assert_eq!((history.lines.len(), history.dropped), (KEPT_LINES, 5));
+        assert_eq!(history.after(0).first().map(String::as_str), Some("5"));
+        assert_eq!(history.after(KEPT_LINES + 4), [(KEPT_LINES + 4).to_string()]);
+    }
+}

@@ -1,0 +1,31 @@
+//! A surface of the gallery made ready for pictures, as the contact sheet and the window's browser
+//! show it.
+
+use anyhow::{Result, anyhow};
+use zeroset::framing;
+use zeroset::gallery::Example;
+use zeroset::model::Model;
+use zeroset::picture::Settings;
+use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_syntax::Options;
+use zeroset_trace::Camera;
+
+/// The model and the camera for pictures of the settings' size; `None` if they were no longer `wanted`.
+///
+/// # Errors
+/// If there is something wrong with it.
+pub fn stage(
+    example: &Example,
+    settings: &Settings,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<(Model, Camera)>> {
+    let document = zeroset_syntax::read(example.text, &Options::default())
+        .map_err(|errors| anyhow!("{errors}"))?;
+    let (region, _) = scene::region(&document, DomainChoice::Document, None)?;
+    let Some(model) = Model::new_while(&document, &region, &region, settings, wanted)? else {
+        return Ok(None);
+    };
+    let choice = CameraChoice::default();
+    let camera = framing::camera_while(&model, &document, &choice, settings, wanted)?;
+    Ok(camera.map(|camera| (model, camera)))
+}

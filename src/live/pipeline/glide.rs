@@ -1,0 +1,86 @@
+//! The way from one camera to another that shows the same from the same side: so that it is seen where what is seen went.
+
+use std::time::{Duration, Instant};
+use zeroset_trace::{Camera, Projection};
+
+/// It takes so long.
+const TAKES: Duration = Duration::from_millis(240);
+
+/// Pictures on it are at least so far apart.
+const FRAME: Duration = Duration::from_millis(16);
+
+/// A camera that moves.
+pub struct Glide {
+    from: Camera,
+    to: Camera,
+    since: Instant,
+}
+
+impl Glide {
+    /// The way from one camera to another; `None` if they are the same, or see in other ways.
+    pub fn new(from: Camera, to: Camera) -> Option<Self> {
+        let is_way = from != to && between(&from, &to, 0.5).is_some();
+        is_way.then(|| Self { from, to, since: Instant::now() })
+    }
+
+    /// Where it is now; `None` at the end.
+    pub fn camera(&self) -> Option<Camera> {
+        let share = self.since.elapsed().as_secs_f64() / TAKES.as_secs_f64();
+        // Slow at both ends.
+        let eased = share * share * (3.0 - 2.0 * share);
+        if share < 1.0 { between(&self.from, &self.to, eased) } else { None }
+    }
+
+    /// For how long no other picture is due.
+    pub fn pause(&self) -> Duration {
+        let frame = FRAME.as_nanos();
+        let into = self.since.elapsed().as_nanos() % frame;
+        Duration::from_nanos((frame - into) as u64)
+    }
+}
+
+/// A camera at this share of the way; `None` where there is none.
+fn between(from: &Camera, to: &Camera, share: f64) -> Option<Camera> {
+    let projection = match (from.projection(), to.projection()) {
+        (Projection::Perspective { fov: one }, Projection::Perspective { fov: other }) => {
+            Projection::Perspective { fov: one + share * (other - one) }
+        }
+        (Projection::Orthographic { height: one }, Projection::Orthographic { height: other }) => {
+            Projection::Orthographic { height: one + share * (other - one) }
+        }
+        (Projection::Perspective { .. }, Projection::Orthographic { .. })
+        | (Projection::Orthographic { .. }, Projection::Perspective { .. }) => return None,
+    };
+    let eye = from.eye().lerp(to.eye(), share);
+    let target = from.target().lerp(to.target(), share);
+    Camera::new(eye, target, from.up().lerp(to.up(), share), projection).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn it_begins_at_one_camera_and_ends_at_the_other() {
+        let projection = Projection::Perspective { fov: 40.0 };
+        let camera = |far: f64| {
+            let eye = far * DVec3::new(1.0, -2.0, 1.0);
+            Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid")
+        };
+        let (from, to) = (camera(1.0), camera(3.0));
+        assert!(Glide::new(from, from).is_none());
+        let flat = Projection::Orthographic { height: 2.0 };
+        let other = Camera::new(to.eye(), to.target(), to.up(), flat).expect("valid");
+        assert!(Glide::new(from, other).is_none());
+        let glide = Glide::new(from, to).expect("a way");
+        let mut far = 0.0;
+        while let Some(camera) = glide.camera() {
+            let now = camera.eye().length();
+            assert!(now >= far && now < to.eye().length(), "{now} after {far}");
+            far = now;
+            std::thread::sleep(glide.pause());
+        }
+        assert!(far > 2.0 * from.eye().length(), "it ended at {far}");
+    }
+}

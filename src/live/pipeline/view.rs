@@ -1,0 +1,107 @@
+//! From where a picture is taken: from where somebody looks, or else from where what is seen fits. A camera that was fitted
+//! stays while values are moved, and glides to the next one.
+
+use super::Reason;
+use super::Request;
+use super::glide::Glide;
+use super::worker::{Shot, Worker, coarser};
+use crate::framing;
+use crate::model::Model;
+use crate::scene::{CameraChoice, SceneError};
+use std::sync::{Arc, Weak};
+use zeroset_trace::{Camera, Region};
+
+/// A camera that was fitted, and to what.
+pub(super) struct Framed {
+    /// It may be gone.
+    model: Weak<Model>,
+    region: Region,
+    /// The number of the formula.
+    formula: u64,
+    asked: Asked,
+    camera: Camera,
+    /// Whether it is where it was fitted to, and not still on the way.
+    arrived: bool,
+}
+
+/// What a camera depends on beside what is seen.
+#[derive(Clone, Copy, PartialEq)]
+struct Asked {
+    choice: CameraChoice,
+    size: (usize, usize),
+    axes: bool,
+}
+
+impl Worker {
+    /// The camera for a request, after pictures on the way to it if there is one; `None` if it is no longer wanted. `formula`
+    /// is the number of what is drawn.
+    pub fn camera(&mut self, shot: &Shot<'_>, formula: u64) -> Result<Option<Camera>, Reason> {
+        let scene = |error: SceneError| Reason::Scene(error);
+        if let Some(orbit) = &shot.job.request.orbit {
+            return orbit.camera(&shot.seat).map(Some).map_err(|error| scene(error.into()));
+        }
+        let before = self.framed.as_ref().map(|one| (one.formula, one.asked, one.camera));
+        let Some(camera) = self.framed(shot, formula).map_err(scene)? else { return Ok(None) };
+        let same =
+            |framed: &Framed, formula, asked| (framed.formula, framed.asked) == (formula, asked);
+        if let (Some(framed), Some((formula, asked, from))) = (&self.framed, before)
+            && same(framed, formula, asked)
+            && let Some(glide) = Glide::new(from, camera)
+            && !self.glide(shot, &glide)?
+        {
+            return Ok(None);
+        }
+        Ok(Some(camera))
+    }
+
+    /// Coarse pictures on the way from one camera to another; returns whether the last is still wanted.
+    fn glide(&mut self, shot: &Shot<'_>, glide: &Glide) -> Result<bool, Reason> {
+        let full = &shot.job.request.settings;
+        let settings = coarser(full, self.pace.first(full.width * full.height)).plain();
+        let scene = |error: SceneError| Reason::Scene(error);
+        while let Some(camera) = glide.camera() {
+            let picture = shot.model.trace(&camera, &settings, &|_| self.wanted(shot.job));
+            let picture = picture.map_err(|error| scene(error.into()))?;
+            if !self.wanted(shot.job) {
+                // Whatever comes next goes on from where it is seen.
+                if let Some(framed) = &mut self.framed {
+                    (framed.camera, framed.arrived) = (camera, false);
+                }
+                return Ok(false);
+            }
+            self.publish(Arc::new(shot.rendering(camera, picture, true)));
+            self.rest(shot.job, glide.pause());
+        }
+        Ok(self.wanted(shot.job))
+    }
+
+    /// The camera where nobody turned the view: fitted once for a model, and kept while only parameters move.
+    fn framed(&mut self, shot: &Shot<'_>, formula: u64) -> Result<Option<Camera>, SceneError> {
+        let Shot { job, document, model, .. } = *shot;
+        let Request { choice, settings, axes, .. } = &*job.request;
+        let axes = axes.are_shown(document);
+        let asked = Asked { choice: *choice, size: (settings.width, settings.height), axes };
+        if let Some(framed) = self.framed.as_ref().filter(|framed| framed.asked == asked) {
+            let is_fitted = framed.arrived
+                && (std::ptr::eq(framed.model.as_ptr(), Arc::as_ptr(model))
+                    || model.is_rebound() && framed.region == *model.region());
+            let mut state = self.shared.lock();
+            let stays = state.moving && framed.formula == formula;
+            state.outgrown |= stays && !is_fitted;
+            if is_fitted || stays {
+                return Ok(Some(framed.camera));
+            }
+        }
+        let wanted = || self.wanted(job);
+        let region = model.region();
+        let camera = if axes {
+            Some(framing::of_domain(region, document, choice, settings)?)
+        } else {
+            framing::camera_while(model, document, choice, settings, &wanted)?
+        };
+        let (model, region) = (Arc::downgrade(model), *region);
+        let framed = |camera| Framed { model, region, formula, asked, camera, arrived: true };
+        self.framed = camera.map(framed);
+        Ok(camera)
+    }
+}

@@ -1,0 +1,135 @@
+//! What a picture shows in one line of plain words, and what these words mean.
+
+use super::coming;
+use super::pipeline::Rendering;
+use super::status::ms;
+use crate::picture::Settings;
+use zeroset_trace::{Proves, Reason};
+
+/// Words of the window's status line and what they say.
+const WORDS: [(&str, &str); 11] = [
+    (
+        "every pixel proven",
+        "of each pixel's ray it is proven that it meets the surface, or that it does not",
+    ),
+    (
+        "3 pixels undecided",
+        "of these neither is proven; they are drawn as what is most likely, and U marks them",
+    ),
+    ("touching", "there f comes as near to 0 as can be computed, and no change of sign is proven"),
+    ("perhaps undefined", "there f may have no value, as beyond the edge of sqrt(x)"),
+    ("perhaps a jump", "there f may jump past 0 without meeting it, as floor(x) does"),
+    ("out of time", "what was to be spent on a ray was spent"),
+    ("too steep", "no bound of f's slope is known there, which this method needs"),
+    ("only misses proven", "this method draws what it cannot prove: the method affine proves both"),
+    ("nothing proven", "this method samples and may miss thin parts: the method affine proves all"),
+    ("200x150 of 800x600 so far", "a coarse picture; the full one is being made"),
+    ("24 ms", "what it took to find the surface and to colour it"),
+];
+
+/// What a person asks who reads the status line, or comes from another program.
+pub fn words() -> String {
+    format!("{}\n\nComing from another program\n{}", explained(), coming::listed())
+}
+
+/// The words and what they say.
+pub(super) fn explained() -> String {
+    let line = |(word, says): &(&str, &str)| format!("{word}\n  {says}");
+    let lines: Vec<String> = WORDS.iter().map(line).collect();
+    format!("What the status line says\n{}", lines.join("\n"))
+}
+
+/// What is said of so many pixels, after "undecided".
+fn why(reason: Reason) -> &'static str {
+    match reason {
+        Reason::None => "no reason known",
+        Reason::Touching => "touching",
+        Reason::Undefined => "perhaps undefined",
+        Reason::Discontinuous => "perhaps a jump",
+        Reason::Budget => "out of time",
+        Reason::Unproven => "not proven",
+        Reason::Steep => "too steep",
+    }
+}
+
+impl Rendering {
+    /// One short line in plain words: why nothing is seen, or how far the picture is, what of it is
+    /// proven, how long it took, its size, and the method if it is not the usual one.
+    pub fn in_words(&self) -> String {
+        if let Some(why) = self.why_blank() {
+            return why;
+        }
+        let (buffer, full) = (&self.picture.buffer, &self.request.settings);
+        let statistics = &self.picture.statistics;
+        let size = format!("{}x{}", buffer.width, buffer.height);
+        let mut parts = Vec::new();
+        if self.coarse && (buffer.width, buffer.height) != (full.width, full.height) {
+            parts.push(format!("{size} of {}x{} so far", full.width, full.height));
+        } else {
+            parts.push(self.proven());
+            parts.push(ms(statistics.times.trace + statistics.times.shade));
+            parts.push(size);
+        }
+        if self.picture.flat {
+            parts.insert(0, "f may be 0 everywhere".to_owned());
+        }
+        if full.method != Settings::default().method {
+            parts.push(format!("method {}", full.method.name));
+        }
+        parts.join(" · ")
+    }
+
+    /// What of the picture is proven.
+    fn proven(&self) -> String {
+        let reasons = Reason::ALL.into_iter().zip(self.picture.buffer.reasons());
+        let open: Vec<(Reason, usize)> = reasons.filter(|(_, count)| *count > 0).collect();
+        let count = self.picture.statistics.pixels.undecided;
+        let plural = if count == 1 { "" } else { "s" };
+        match (&open[..], self.picture.method.proves) {
+            ([], _) => "every pixel proven".to_owned(),
+            ([(Reason::Unproven, _)], Proves::Nothing) => "nothing proven".to_owned(),
+            ([(Reason::Unproven, _)], Proves::Misses) => "only misses proven".to_owned(),
+            ([(reason, _)], _) => format!("{count} pixel{plural} undecided: {}", why(*reason)),
+            (several, _) => {
+                let part = |(reason, count): &(Reason, usize)| format!("{count} {}", why(*reason));
+                let parts: Vec<String> = several.iter().map(part).collect();
+                format!("{count} pixels undecided: {}", parts.join(", "))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::live::{Live, Request};
+    use std::time::Duration;
+
+    fn said(text: &str, method: &str) -> String {
+        let settings = Settings { width: 40, height: 30, ..Settings::default() };
+        let live = Live::new(Request { text: text.into(), settings, ..Request::default() });
+        live.enter(&format!(":method {method}")).expect("a method");
+        assert!(live.wait(Duration::from_mins(1)));
+        live.snapshot().rendering.expect("a picture").in_words()
+    }
+
+    #[test]
+    fn a_picture_is_told_in_words_that_are_explained() {
+        for (text, method, expected) in [
+            ("x^2+y^2+z^2 = 1", "affine", "every pixel proven"),
+            ("x^2+y^2+z^2 = 1", "knoll", "only misses proven"),
+            ("x^2+y^2+z^2 = 1", "march", "nothing proven"),
+            ("x^2+y^2+z^2 = 1\nmax(x+y, -x-y) = 0", "affine", "undecided: touching"),
+        ] {
+            let said = said(text, method);
+            assert!(said.contains(expected), "{text} by {method}: {said}");
+            assert!(said.contains(" ms · 40x30"), "{said}");
+        }
+        let all = explained();
+        for reason in Reason::ALL.into_iter().filter(|one| *one != Reason::None) {
+            assert!(all.contains(why(reason)) || reason == Reason::Unproven, "{reason:?}");
+        }
+        let hidden = said("hidden\nx^2+y^2+z^2 = 1", "affine");
+        assert_eq!(hidden, "nothing is seen: every surface is hidden");
+    }
+}

@@ -1,0 +1,196 @@
+//! Surfaces that are hidden, seen through, moved and taken away: edits of the text, for which no code
+//! is made; and what a hidden surface is where a document says so.
+
+use crate::live_support::{settled, start};
+use zeroset::live::{Axes, Live, Rendering};
+use zeroset::model::{Model, render};
+use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_syntax::{Document, Options};
+
+const THREE: &str = "domain 2\ncolor red\nx^2+y^2+z^2 = 1\ncolor green\nz = 1.2\ncolor blue\n\
+                     x^2+y^2 = 0.1";
+
+fn kernels(seen: &Rendering) -> Vec<String> {
+    seen.model.program().made().iter().map(|made| format!("{made:?}")).collect()
+}
+
+fn enter(live: &Live, line: &str) {
+    live.enter(line).unwrap_or_else(|refusal| panic!("{line}: {refusal}"));
+}
+
+#[test]
+fn hiding_and_showing_changes_the_picture_and_the_text_and_makes_no_kernel() {
+    let live = start(THREE, 48);
+    let first = settled(&live);
+    enter(&live, ":hide 2");
+    let hidden = settled(&live);
+    assert!(hidden.picture.rgb != first.picture.rgb && hidden.camera == first.camera);
+    assert!(hidden.model.is_rebound() && kernels(&hidden) == kernels(&first));
+    assert!(
+        live.text().contains("hidden\nz = 1.2\ncolor blue\nhidden off\nx^2"),
+        "{}",
+        live.text()
+    );
+    let listed = hidden.surfaces();
+    let hid: Vec<bool> = listed.iter().map(|surface| surface.hidden).collect();
+    assert_eq!(hid, [false, true, false]);
+    assert_eq!(listed[0].colours, [[255, 0, 0]]);
+    // The plane hides nothing and throws no light back.
+    assert!(
+        !hidden
+            .picture
+            .buffer
+            .surface
+            .iter()
+            .zip(&hidden.picture.buffer.drawn)
+            .any(|(surface, drawn)| *surface == 1 && drawn.is_finite())
+    );
+    enter(&live, ":show 2");
+    let shown = settled(&live);
+    assert!(shown.picture.rgb == first.picture.rgb && kernels(&shown) == kernels(&first));
+    assert_eq!(live.text(), THREE);
+    assert!(live.undo() && settled(&live).picture.rgb == hidden.picture.rgb);
+    for number in [1, 3] {
+        live.hide(number, true).expect("there is one");
+    }
+    let blank = settled(&live);
+    let why = blank.why_blank().expect("nothing is seen");
+    assert!(why.contains("every surface is hidden"), "{why}");
+    assert_eq!(blank.picture.statistics.pixels.undecided, 0);
+    enter(&live, ":show");
+    assert!(settled(&live).picture.rgb == first.picture.rgb);
+}
+
+#[test]
+fn code_for_what_is_hidden_is_made_when_it_is_shown_and_no_other() {
+    let live = start(&format!("{THREE}\nhidden\nx^4+y^4+z^4 = 3"), 48);
+    let first = settled(&live);
+    let before = kernels(&first);
+    enter(&live, ":show 4");
+    let shown = settled(&live);
+    let after = kernels(&shown);
+    assert!(shown.model.is_rebound(), "everything was compiled again");
+    assert!(after.len() > before.len() && after.starts_with(&before), "{after:#?}");
+}
+
+#[test]
+fn an_opacity_is_dragged_in_one_step() {
+    let live = start(THREE, 48);
+    let first = settled(&live);
+    live.hold(true);
+    for share in [0.9, 0.6, 0.3] {
+        live.set_opacity(2, share).expect("there is one");
+        settled(&live);
+    }
+    live.hold(false);
+    let dragged = settled(&live);
+    assert!(dragged.model.is_rebound() && kernels(&dragged) == kernels(&first));
+    assert_eq!(dragged.surfaces()[1].opacity, 0.3);
+    assert!(dragged.picture.rgb != first.picture.rgb);
+    assert!(live.undo());
+    assert_eq!(live.text(), THREE);
+    enter(&live, ":opacity 3 12.5%");
+    assert_eq!(settled(&live).surfaces()[2].opacity, 0.125);
+    assert!(live.enter(":opacity 1 150%").is_err() && live.enter(":opacity 9 0.5").is_err());
+    assert!(live.enter(":opacity 0 0.5").is_err() && live.enter(":move 0 1").is_err());
+}
+
+#[test]
+fn what_is_moved_or_left_looks_as_it_did() {
+    let live = start(THREE, 48);
+    let first = settled(&live);
+    let echoes = |seen: &Rendering| -> Vec<(String, Vec<[u8; 3]>)> {
+        seen.surfaces().into_iter().map(|one| (one.echo, one.colours)).collect()
+    };
+    let all = echoes(&first);
+    enter(&live, ":move 1 3");
+    let moved = settled(&live);
+    let mut expected = all.clone();
+    expected.rotate_left(1);
+    assert_eq!(echoes(&moved), expected);
+    assert!(moved.picture.rgb == first.picture.rgb, "it looks otherwise");
+    enter(&live, ":delete 3");
+    assert_eq!(echoes(&settled(&live)), expected[..2]);
+    let refusal = live.enter(":move 1 3").expect_err("there are two").to_string();
+    assert_eq!(refusal, "there is no surface 3; they are numbered 1 to 2");
+}
+
+fn document(text: &str) -> Document {
+    zeroset_syntax::read(text, &Options::default()).expect("reads")
+}
+
+/// In a file `hidden` means what leaving the formula away does, but for the domain.
+#[test]
+fn a_picture_of_a_file_lacks_what_is_hidden() {
+    let settings = start(THREE, 64).settings();
+    for extra in ["", "shadows\n", "opacity 40%\n", "color viridis(z)\n"] {
+        let hidden = format!("domain 2\n{extra}x^2+y^2+z^2 = 1\nhidden\nz = 1.2");
+        let (hidden, alone) =
+            (document(&hidden), document(&format!("domain 2\n{extra}x^2+y^2+z^2 = 1")));
+        let (region, _) = scene::region(&alone, DomainChoice::Document, None).expect("a region");
+        let camera = scene::camera(&alone, &region, &CameraChoice::default()).expect("a camera");
+        let picture = |document: &Document| {
+            render(document, &region, &camera, &settings, &|_, _| {}).expect("renders")
+        };
+        let (one, other) = (picture(&hidden), picture(&alone));
+        assert!(one.rgb == other.rgb, "{extra:?}");
+        assert!(one.buffer.status == other.buffer.status && one.legends == other.legends);
+        let model = Model::new(&hidden, &region, &settings).expect("a model");
+        assert_eq!(model.surfaces(), 2);
+    }
+}
+
+#[test]
+fn axes_have_room_unless_the_document_wants_none() {
+    let live = start("x^2+y^2+z^2 = 1", 64);
+    let plain = settled(&live);
+    live.set_axes(Axes::Usual);
+    let around = settled(&live);
+    assert!(around.camera != plain.camera);
+    enter(&live, "axes off");
+    assert!(settled(&live).camera == plain.camera);
+    live.set_axes(Axes::On);
+    assert!(settled(&live).camera == around.camera);
+    // What is seen around the picture is no step.
+    assert!(live.undo());
+    assert_eq!(live.text(), "x^2+y^2+z^2 = 1");
+}
+
+/// A view that nobody chose stays while a hand moves a value, and then glides to where all is seen.
+#[test]
+fn a_view_does_not_jump_while_a_value_moves() {
+    let live = start("r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", 64);
+    let first = settled(&live);
+    let slider = first.sliders().remove(0);
+    live.set_moving(true);
+    for value in [1.5, 3.0, 7.0] {
+        live.drag(&slider, value);
+        let seen = settled(&live);
+        assert!(seen.camera == first.camera, "the view jumped at {value}");
+        assert!(value < 3.0 || seen.model.region() != first.model.region());
+    }
+    let far = |seen: &Rendering| (seen.camera.eye() - seen.camera.target()).length();
+    live.set_moving(false);
+    let mut way = vec![far(&first)];
+    while !live.is_settled() {
+        let seen = live.snapshot().rendering.expect("a picture");
+        if Some(&far(&seen)) != way.last() {
+            way.push(far(&seen));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let last = settled(&live);
+    assert!(far(&last) > 3.0 * far(&first), "{} is not farther away", far(&last));
+    assert!(way.len() > 4 && way.is_sorted(), "it jumped: {way:?}");
+    // As it would be seen if it had been so from the beginning.
+    let fresh = settled(&start(&live.text(), 64));
+    let share = |seen: &Rendering| {
+        seen.picture.statistics.pixels.hit as f64 / seen.picture.buffer.drawn.len() as f64
+    };
+    let larger = (share(&last) / share(&fresh)).sqrt();
+    assert!((0.95..1.05).contains(&larger), "{larger} times as large");
+    // A value that is set at once is glided to, too.
+    live.enter(":set r = 1").expect("a value");
+    let near = settled(&live);
+    assert!(far(&near) < 0.5 * far(&last));
+}

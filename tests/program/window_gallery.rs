@@ -1,0 +1,93 @@
+//! The gallery in a real window, and texts over the picture.
+
+use crate::window_support::scene::{CUBE, PROGRAMS, Scene};
+use crate::window_support::{have, until};
+
+/// Whether the gallery is open, and its second picture is there.
+fn has_pictures(scene: &Scene) -> bool {
+    scene.picture().get_pixel(3, 150).0 == [0x18, 0x18, 0x20] && colours(scene, SECOND) > 50
+}
+
+/// Colours in a part of the window.
+fn colours(scene: &Scene, [x, y, width, height]: [u32; 4]) -> usize {
+    let picture = scene.picture();
+    let part = image::imageops::crop_imm(&picture, x, y, width, height).to_image();
+    let mut all: Vec<_> = part.pixels().map(|pixel| pixel.0).collect();
+    all.sort_unstable();
+    all.dedup();
+    all.len()
+}
+
+/// Where the second picture is in a window 400 pixels wide, whose pictures are 96 wide with 8 between.
+const SECOND: [u32; 4] = [152, 28, 96, 96];
+
+#[test]
+fn a_surface_is_chosen_by_its_picture() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(CUBE);
+    scene.point(5, 200);
+    let start = scene.rest();
+    let threads = scene.terminal.threads();
+    let title = |scene: &Scene| scene.display.tool(&["getwindowname", &scene.window]);
+    scene.key("g");
+    until("there are pictures", || has_pictures(&scene));
+    scene.display.keep(&scene.window, "gallery");
+    scene.key("Escape");
+    until("it is closed", || scene.middle() == start);
+    until("nothing is made any more", || scene.terminal.threads() == threads);
+    // What was made is kept.
+    scene.key("g");
+    until("they are there again", || has_pictures(&scene));
+    // By letters.
+    scene.display.tool(&["type", "--delay", "30", "heart"]);
+    scene.key("Return");
+    until("the heart is there", || title(&scene) == "heart-taubin - zeroset");
+    scene.rest();
+    // By arrows, asked for at the prompt.
+    scene.terminal.type_in(":gallery\r");
+    until("it is open", || has_pictures(&scene));
+    scene.key("Right");
+    scene.key("Return");
+    until("another is there", || title(&scene) == "barth-decic - zeroset");
+    scene.rest();
+    // By the mouse, of which the view knows nothing.
+    scene.key("g");
+    until("it is open once more", || has_pictures(&scene));
+    scene.point(60, 200);
+    let known = scene.terminal.shown().matches("| zeroset eval").count();
+    scene.display.tool(&["mousedown", "1"]);
+    std::thread::sleep(std::time::Duration::from_millis(60));
+    scene.display.tool(&["mouseup", "1"]);
+    let shown = |scene: &Scene| title(scene);
+    until("a third is there", || !shown(&scene).starts_with("barth-decic"));
+    scene.rest();
+    assert_eq!(scene.terminal.shown().matches("| zeroset eval").count(), known);
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn help_is_read_in_the_window() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let scene = Scene::start(CUBE);
+    let start = scene.rest();
+    let keys = scene.changes("keys", || scene.key("F1"));
+    let words = scene.changes("words", || scene.key("F1"));
+    assert!(keys != words);
+    let below = scene.changes("words below", || scene.key("Down"));
+    assert!(scene.changes("words again", || scene.key("Up")) == words && below != words);
+    assert!(scene.changes("closed", || scene.key("F1")) == start);
+    scene.key("slash");
+    scene.changes("coming", || {
+        scene.display.tool(&["type", "--delay", "30", ":help coming"]);
+        scene.key("Return");
+    });
+    scene.terminal.shows("Mathematica");
+    assert!(scene.changes("read", || scene.key("Escape")) == start);
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}

@@ -1,0 +1,117 @@
+//! The list of surfaces in a real window, by mouse and by keys; and axes.
+
+use crate::window_support::scene::{PROGRAMS, Scene};
+use crate::window_support::{have, until};
+use image::RgbImage;
+
+const TWO: &[&str] =
+    &["domain 2\ncolor red\nx^2+y^2+z^2 = 1\ncolor blue\nz = 1.2", "--size", "400x320"];
+
+/// Where the parts of the list's rows are: letters are 8 pixels wide, rows 20 high.
+const SWATCH: i32 = 194;
+const FORMULA: i32 = 250;
+const TRACK: (i32, i32) = (336, 376);
+const DELETE: i32 = 388;
+const ROWS: [i32; 2] = [36, 56];
+
+fn click(scene: &Scene, x: i32, y: i32) {
+    scene.point(x, y);
+    scene.display.tool(&["click", "1"]);
+    // Where nothing is brighter than it was.
+    scene.point(30, 250);
+}
+
+/// Pixels that are rather red, or rather blue.
+fn coloured(picture: &RgbImage) -> [usize; 2] {
+    let picture = image::imageops::crop_imm(picture, 0, 90, 400, 160).to_image();
+    let count = |one: usize, other: usize| {
+        picture
+            .pixels()
+            .filter(|pixel| i32::from(pixel.0[one]) - i32::from(pixel.0[other]) > 80)
+            .count()
+    };
+    [count(0, 2), count(2, 0)]
+}
+
+fn listed(scene: &mut Scene, expected: &str) {
+    scene.terminal.type_in(":list\r");
+    scene.terminal.shows(expected);
+}
+
+#[test]
+fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(TWO);
+    scene.point(30, 250);
+    let start = scene.rest();
+    let seen = coloured(&scene.picture());
+    assert!(seen[0] > 500 && seen[1] > 500, "{seen:?}");
+    let hidden = scene.changes("hidden", || click(&scene, SWATCH, ROWS[1]));
+    assert_eq!(coloured(&scene.picture())[1], 0, "it is still there");
+    listed(&mut scene, "hidden\r\nz = 1.2");
+    scene.terminal.type_in(":status\r");
+    scene.terminal.shows("not compiled again");
+    assert!(scene.changes("shown", || click(&scene, SWATCH, ROWS[1])) == start);
+    // The same by a key, and taken back.
+    assert!(scene.changes("by key", || scene.key("2")) == hidden);
+    assert!(scene.changes("undo hiding", || scene.key("ctrl+z")) == start);
+    // Half way along the track, as one step.
+    scene.changes("half", || {
+        scene.drag("1", (TRACK.1, ROWS[1]), (i32::midpoint(TRACK.0, TRACK.1), ROWS[1]));
+        scene.point(30, 250);
+    });
+    listed(&mut scene, "opacity 50%\r\nz = 1.2");
+    assert!(scene.changes("undo opacity", || scene.key("ctrl+z")) == start);
+    scene.changes("arrow opacity", || {
+        scene.point(FORMULA, ROWS[1]);
+        std::thread::sleep(std::time::Duration::from_millis(100));
+        scene.key("Left");
+    });
+    listed(&mut scene, "opacity 95%\r\nz = 1.2");
+    scene.point(30, 250);
+    assert!(scene.changes("undo arrow", || scene.key("ctrl+z")) == start);
+    scene.changes("moved", || {
+        scene.drag("1", (FORMULA, ROWS[0]), (FORMULA, ROWS[1]));
+        scene.point(30, 250);
+    });
+    listed(&mut scene, "z = 1.2\r\ncolor red\r\nx^2+y^2+z^2 = 1");
+    // It looks as it did, below the list.
+    assert_eq!(coloured(&scene.picture()), seen);
+    assert!(scene.changes("undo move", || scene.key("ctrl+z")) == start);
+    scene.changes("deleted", || click(&scene, DELETE, ROWS[0]));
+    assert_eq!(coloured(&scene.picture())[0], 0);
+    assert!(scene.changes("undo deletion", || scene.key("ctrl+z")) == start);
+    // Without the list, the picture turns where it was.
+    let without = scene.changes("no list", || scene.key("l"));
+    scene.changes("turned", || scene.drag("1", (FORMULA, ROWS[0]), (FORMULA + 40, ROWS[0])));
+    scene.point(30, 250);
+    assert!(scene.changes("reset", || scene.key("r")) == without);
+    assert!(scene.changes("list", || scene.key("l")) == start);
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+#[test]
+fn axes_are_there_unless_somebody_wants_none() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(&["domain 2\nx^2+y^2+z^2 = 1", "--size", "400x320"]);
+    scene.point(30, 250);
+    // Lines and letters are dark, and nothing else is.
+    let dark = |picture: &RgbImage| {
+        picture.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
+    };
+    let start = scene.rest();
+    assert!(dark(&start) > 500, "{}", dark(&start));
+    let without = scene.changes("without axes", || scene.key("x"));
+    assert!(8 * dark(&without) < dark(&start), "{} of {}", dark(&without), dark(&start));
+    assert!(scene.changes("with axes", || scene.key("x")) == start);
+    scene.terminal.type_in("axes off\r");
+    until("there are none", || scene.middle() == without);
+    assert!(scene.changes("axes all the same", || scene.key("x")) == start);
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
