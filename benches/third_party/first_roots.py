@@ -1,30 +1,31 @@
-"""Holds what `zeroset-chart rays` wrote against sympy and mpmath.
+"""Holds what `zeroset-chart rays` wrote against flint (its isolation of polynomials' roots) and mpmath.
 
     zeroset-chart rays barth-sextic-suse-95 --methods affine -o rays/barth-sextic-suse-95
     python3 first_roots.py ../../examples rays
 
 For each directory of rays that is called like a function file, the function is read by Python and put on each ray.
-If it is a polynomial there, its roots are counted exactly: between where the ray enters the domain and the first root
-that is claimed there must be none, in the piece that is claimed at least one. Irrational constants are taken to 80
+If it is a polynomial there, its roots are isolated exactly: between where the ray enters the domain and the first root
+that is claimed there must be none, in the piece that is claimed at least one. Irrational constants are taken to 40
 digits. Any other function is sampled with 40 digits: its sign must change over the piece, and not before.
 
 Prints a line for each surface, and ends with status 1 if a claim is wrong.
 """
 
 import ast
+import math
 import operator
 import re
 import sys
 from fractions import Fraction
 from pathlib import Path
 
+import flint
 import mpmath
 import numpy
-import sympy
 
-mpmath.mp.dps = 80
-SAMPLES = 300
-T = sympy.Symbol("t")
+mpmath.mp.dps = 40
+flint.ctx.prec = 200
+SAMPLES = 120
 
 
 class Polynomial:
@@ -71,7 +72,7 @@ class NotPolynomial(Exception):
 
 
 def rational(number):
-    return Fraction(str(mpmath.nstr(number, 75)))
+    return Fraction(str(mpmath.nstr(number, 40)))
 
 
 class Exact:
@@ -150,7 +151,7 @@ def statements(text):
     for line in lines:
         name, found, formula = line.partition("=")
         formula = re.sub(r"\bin\b.*", "", formula) if found else line
-        yield name.strip() if found else None, ast.parse(formula.replace("^", "**"), mode="eval").body
+        yield name.strip() if found else None, ast.parse(formula.strip().replace("^", "**"), mode="eval").body
 
 
 def function(parts, at, kind):
@@ -175,14 +176,20 @@ def span(origin, way, domain):
     return (near, far) if near <= far else None
 
 
-def polynomial_verdict(p, inside, claim):
-    p = sympy.Poly([sympy.Rational(c.numerator, c.denominator) for c in reversed(p.c)], T, domain="QQ")
-    roots = lambda a, b: p.count_roots(*(sympy.Rational(e.numerator, e.denominator) for e in (a, b)))
-    if claim is None:
-        return roots(*inside) == 0
-    near, far = claim
-    before = inside[0] >= near or roots(inside[0], near) == 0
-    return before and roots(max(near, inside[0]), far) > 0
+def real_roots(p):
+    """Balls that hold one each, all there are."""
+    scale = math.lcm(*(Fraction(c).denominator for c in p.c))
+    roots = flint.fmpz_poly([int(c * scale) for c in p.c]).complex_roots()
+    return [root.real for root, _ in roots if root.imag == 0]
+
+
+def polynomial_verdict(roots, inside, claim):
+    ball = lambda number: flint.arb(flint.fmpq(number.numerator, number.denominator))
+    within = lambda root, ends: root >= ball(ends[0]) and root <= ball(ends[1])
+    end = inside[1] if claim is None else claim[0]
+    if any(within(root, (inside[0], end)) for root in roots):
+        return False
+    return claim is None or any(within(root, claim) for root in roots)
 
 
 def sampled_verdict(value, inside, claim):
@@ -230,10 +237,17 @@ def main():
         certified, affine = (numpy.load(rays.parent / f"{f}.npy") for f in ("certified", "affine"))
         counts = {"agree": 0, "open": 0, "wrong": 0}
         is_exact = True
+        roots = None
         for row, c, a in zip(numpy.load(rays), certified, affine):
             origin, way = ([Fraction(float(v)) for v in row[i : i + 3]] for i in (0, 3))
             inside = span(origin, way, domain)
             length = float(numpy.linalg.norm(row[3:]))
+            if is_exact:
+                try:
+                    at = [Polynomial(o, d) for o, d in zip(origin, way)]
+                    roots = real_roots(function(parts, at, Exact))
+                except NotPolynomial:
+                    is_exact = False
             for status, near, far in ((c[0], c[1], c[2]), (a[0], a[1], a[2])):
                 if status == 2 or inside is None:
                     counts["open" if status == 2 else "agree" if status == 0 else "wrong"] += 1
@@ -242,14 +256,9 @@ def main():
                 if status == 1:
                     slack = 1e-14 * (1 + abs(far))
                     claim = [Fraction(e) for e in ((near - slack) / length, (far + slack) / length)]
-                verdict = None
                 if is_exact:
-                    try:
-                        at = [Polynomial(o, d) for o, d in zip(origin, way)]
-                        verdict = polynomial_verdict(function(parts, at, Exact), inside, claim)
-                    except NotPolynomial:
-                        is_exact = False
-                if verdict is None:
+                    verdict = polynomial_verdict(roots, inside, claim)
+                else:
                     mp = lambda f: mpmath.mpf(f.numerator) / f.denominator
                     o, d = ([mp(v) for v in part] for part in (origin, way))
                     value = lambda t: function(parts, [a + t * b for a, b in zip(o, d)], Sampled)
@@ -259,7 +268,7 @@ def main():
                 counts["agree" if verdict else "wrong"] += 1
                 if not verdict:
                     print(f"  {name}: {row.tolist()} is said to be {status, near, far}")
-        kind = "counted" if is_exact else "sampled"
+        kind = "isolated" if is_exact else "sampled"
         print(f"{name:34}{kind}  {counts}", flush=True)
         wrong += counts["wrong"]
         total += counts["agree"]
