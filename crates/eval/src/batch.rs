@@ -307,6 +307,7 @@ pub const PATH_UNITS: f64 = 8.0;
 
 /// `error` and what a kernel rounds a coordinate by: its terms have magnitudes of this sum, what is met on the way to it is at
 /// most `met`, and what underflows is multiplied by up to `scale`.
+#[inline]
 fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
     let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);
     if met.max(magnitude) >= largest / 2.0 {
@@ -333,18 +334,20 @@ impl<T: Real> Segments<T> {
 impl<T: Real> Tiles<T> {
     /// Adds to the errors what kernels round.
     pub fn allow_rounding(&mut self) {
-        for lane in 0..LANES {
+        for lane in 0..(self.count as usize).min(LANES) {
             let t = size(self.near[lane]).max(size(self.far[lane]));
-            let [a, b] =
-                [0, 1].map(|axis| size(self.centre[axis][lane]) + size(self.half[axis][lane]));
+            let reach = |axis: usize| size(self.centre[axis][lane]) + size(self.half[axis][lane]);
+            let (a, b) = (reach(0), reach(1));
             for axis in 0..3 {
-                let mut met = 0.0_f64;
-                let [origin, direction] = [&self.origin, &self.direction].map(|parts| {
-                    let [base, across, upward] =
-                        [0, 3, 6].map(|part| size(parts[part + axis][lane]));
-                    met = met.max(base).max(across).max(upward);
-                    base + a * across + b * upward
-                });
+                let sum = |parts: &[Lanes<T>; 9]| {
+                    let base = size(parts[axis][lane]);
+                    let across = size(parts[3 + axis][lane]);
+                    let upward = size(parts[6 + axis][lane]);
+                    (base + a * across + b * upward, base.max(across).max(upward))
+                };
+                let (origin, most) = sum(&self.origin);
+                let (direction, more) = sum(&self.direction);
+                let met = most.max(more);
                 let scale = (1.0 + t) * (1.0 + a + b);
                 let error = &mut self.error[axis][lane];
                 *error = with_rounding(*error, origin + t * direction, scale * met, scale);
@@ -353,6 +356,7 @@ impl<T: Real> Tiles<T> {
     }
 }
 
+#[inline]
 fn size<T: Real>(number: T) -> f64 {
     let number: f64 = number.into();
     number.abs()
