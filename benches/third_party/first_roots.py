@@ -6,7 +6,7 @@
 For each directory of rays that is called like a function file, the function is read by Python and put on each ray.
 If it is a polynomial there, its roots are isolated exactly: between where the ray enters the domain and the first root
 that is claimed there must be none, in the piece that is claimed at least one. Irrational constants are taken to 40
-digits. Any other function is sampled with 40 digits: its sign must change over the piece, and not before.
+digits. Any other function is sampled with 40 digits: its sign must change in the piece, and not before.
 
 Prints a line for each surface, and ends with status 1 if a claim is wrong.
 """
@@ -224,7 +224,11 @@ def sampled_verdict(value, inside, claim):
         return True
     s, r = (sign(t) for t in claim)
     # Where a piece ends outside the domain, or touches where the function has no value, signs say nothing.
-    return True if s is None or r is None else s != r
+    if s is None or r is None or s != r:
+        return True
+    # Behind a zero the function may have jumped back.
+    inner = (claim[0] + (claim[1] - claim[0]) * k / SAMPLES for k in range(SAMPLES))
+    return any(sign(t) not in (s, None) for t in inner)
 
 
 def main():
