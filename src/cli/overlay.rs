@@ -302,7 +302,11 @@ mod tests {
         }
         let rendering = live.snapshot().rendering.expect("a picture");
         let pixels = vec![0x00ff_ffff; width * height];
-        draw_box(&mut Canvas { width, height, pixels, scale }, (&*rendering).into(), height)
+        draw_box(
+            &mut Canvas { width, height, pixels, scale, marks: Vec::new() },
+            (&*rendering).into(),
+            height,
+        )
     }
 
     #[test]

@@ -28,8 +28,8 @@ pub struct Size {
     pub height: usize,
 }
 
-/// More pixels than this would need gigabytes of memory.
-const MOST_PIXELS: usize = 1 << 26;
+/// A picture is made strip by strip, but more pixels than these few programs can show.
+const MOST_PIXELS: usize = 1 << 28;
 
 impl FromStr for Size {
     type Err = String;

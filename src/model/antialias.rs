@@ -45,7 +45,11 @@ impl<T: KernelFloat> Shot<'_, T> {
         // What is marked stays marked.
         let marks = finish.appearance.undecided != UndecidedStyle::Shade;
         let is_marked = |pixel: usize| marks && picture.status[pixel] == Status::Undecided;
-        let wanted = (0..wanted.len()).filter(|&pixel| wanted[pixel] && !is_marked(pixel));
+        let is_own = |pixel: usize| {
+            self.own.as_ref().is_none_or(|own| own.contains(&(pixel / rays.width())))
+        };
+        let wanted =
+            (0..wanted.len()).filter(|&pixel| wanted[pixel] && is_own(pixel) && !is_marked(pixel));
         let wanted: Vec<usize> = wanted.collect();
         let edge = Edges {
             shot: self,

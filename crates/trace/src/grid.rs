@@ -28,6 +28,8 @@ pub struct RayGrid {
     height: usize,
     /// Where the centre of the first pixel is, to the right of the picture's middle and above it, in halves of a pixel.
     first: [i64; 2],
+    /// Columns and rows of the picture before this part of it.
+    corner: [usize; 2],
     /// Half the width and height of the whole picture that this is a part of.
     reach: [f64; 2],
     eye: DVec3,
@@ -55,7 +57,7 @@ impl RayGrid {
         let (eye, basis) = (camera.eye(), camera.basis);
         let reach = [width as f64 * unit, height as f64 * unit];
         let (first, patches) = (first(width, height), None);
-        Self { width, height, first, reach, eye, basis, unit, parallel, patches }
+        Self { width, height, first, corner: [0; 2], reach, eye, basis, unit, parallel, patches }
     }
 
     /// The rays of some columns and rows of the picture, counted from its left edge and its top: those of `self`, bit for
@@ -68,19 +70,19 @@ impl RayGrid {
         assert!(columns.end <= self.width && rows.end <= self.height, "outside of the picture");
         let [across, upward] = self.first;
         let first = [across + 2 * columns.start as i64, upward - 2 * rows.start as i64];
-        Self { width: columns.len(), height: rows.len(), first, ..self.clone() }
+        let corner = [self.corner[0] + columns.start, self.corner[1] + rows.start];
+        Self { width: columns.len(), height: rows.len(), first, corner, ..self.clone() }
     }
 
-    /// The rays of the same picture with each pixel cut into `times` columns and rows.
-    ///
-    /// # Panics
-    /// If this is a [part](Self::part) of a picture.
+    /// The rays of the same picture, or part of one, with each pixel cut into `times` columns and rows.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
-        assert_eq!(self.first, first(self.width, self.height), "a part of a picture");
         let (width, height) = (self.width * times, self.height * times);
         let unit = self.unit / times as f64;
-        Self { width, height, first: first(width, height), unit, ..self.clone() }
+        let [across, upward] = self.first;
+        let first = [(across - 1) * times as i64 + 1, (upward + 1) * times as i64 - 1];
+        let corner = self.corner.map(|place| place * times);
+        Self { width, height, first, corner, unit, ..self.clone() }
     }
 
     /// The rays of some patches of the picture, one in each row: its sixteen pixels row by row. What is found for them may
@@ -192,6 +194,12 @@ impl RayGrid {
     #[inline]
     pub(crate) fn reach(&self) -> [f64; 2] {
         self.reach
+    }
+
+    /// Columns and rows of the picture before this part of it.
+    #[inline]
+    pub(crate) fn corner(&self) -> [usize; 2] {
+        self.corner
     }
 
     /// Half the distance of neighbouring pixels' screen coordinates.

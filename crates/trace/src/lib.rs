@@ -7,6 +7,7 @@
 
 mod band;
 mod camera;
+mod coarse;
 mod colour;
 mod colour_map;
 mod driver;
@@ -32,6 +33,7 @@ mod work;
 
 pub use band::Band;
 pub use camera::{Camera, CameraError, Projection, Ray};
+pub use coarse::borrow_occlusion;
 pub use colour::LinearRgb;
 pub use colour_map::{COLOUR_MAPS, ColourMap};
 pub use driver::Driver;

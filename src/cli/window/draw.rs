@@ -107,7 +107,13 @@ impl Window {
     fn compose(&self, content: &Content) -> Canvas {
         let (width, height) = content.size;
         let scale = self.scale_at(height);
-        let mut canvas = Canvas { width, height, pixels: self.backdrop.pixels.clone(), scale };
+        let mut canvas = Canvas {
+            width,
+            height,
+            pixels: self.backdrop.pixels.clone(),
+            scale,
+            marks: Vec::new(),
+        };
         let rendering = self.backdrop.rendering.as_ref();
         if let Some(rendering) = rendering.filter(|_| content.axes) {
             draw_box(&mut canvas, (&**rendering).into(), self.picture_size().1);

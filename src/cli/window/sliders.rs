@@ -100,7 +100,7 @@ impl Window {
             }
             sliders.all = all;
         }
-        let letters = Canvas { width, height, pixels: Vec::new(), scale };
+        let letters = Canvas { width, height, pixels: Vec::new(), scale, marks: Vec::new() };
         sliders.panel = Panel::new(&sliders.all, sliders.scroll, (width, height), &letters);
     }
 

@@ -268,6 +268,12 @@ fn rays_of_a_part_are_those_of_the_picture() {
         let finer = rays.finer(2);
         assert_eq!((finer.width(), finer.height()), (122, 80));
         assert_eq!(finer.screen(2 * 7 * 2 + 1, 2 * 16 * 2 + 1), rays.screen(2 * 7, 2 * 16));
+        // The parts of a part are the finer picture's.
+        let (finer, parts) = (rays.finer(4), part.finer(4));
+        assert_eq!((parts.width(), parts.height()), (132, 60));
+        for (i, j) in [(0, 0), (131, 59), (17, 40)] {
+            assert_eq!(parts.ray(i, j), finer.ray(28 + i, 64 + j));
+        }
     }
 }
 
