@@ -18,8 +18,11 @@ pub struct ArrayRow {
     /// Whether brackets of hits have to be kept for it.
     pub needs_brackets: bool,
     /// Makes ready to write so many rows and columns, of a picture that was computed in these floats.
-    pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> io::Result<Box<dyn Rows>>,
+    pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> Begun,
 }
+
+/// What writes rows to a file, if that could be begun.
+pub type Begun = io::Result<Box<dyn Rows>>;
 
 /// A file that is written row by row.
 pub trait Rows {
@@ -137,7 +140,7 @@ impl Args for Arrays {
 type Writer<T> = NpyWriter<T, Box<dyn Write>>;
 
 /// Makes ready to write values in C order under `shape`, given how those of some rows are added.
-fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> io::Result<Box<dyn Rows>>
+fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> Begun
 where
     T: AutoSerialize + Copy + 'static,
     F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()> + 'static,

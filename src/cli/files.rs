@@ -1,7 +1,7 @@
 //! What one picture is written to: files opened before the work, and where they came from.
 
 use super::arguments::OutputArgs;
-use super::array::{ARRAYS, ArrayRow, Arrays, Rows};
+use super::array::{ARRAYS, ArrayRow, Arrays, Begun, Rows};
 use super::output::{Open, Output, check_png, png_encoder};
 use anyhow::{Context, Result, bail, ensure};
 use png::StreamWriter;
@@ -98,7 +98,7 @@ impl Files {
         origin: &Origin,
     ) -> Result<OpenFiles> {
         let [width, height] = size;
-        let png = |out: Box<dyn Write>| -> io::Result<Box<dyn Rows>> {
+        let png = |out: Box<dyn Write>| -> Begun {
             let writer = png_encoder(out, size, origin)?.write_header()?;
             Ok(Box::new(Png(writer.into_stream_writer()?)))
         };
@@ -137,10 +137,7 @@ struct OpenFile {
 }
 
 impl OpenFile {
-    fn begin(
-        file: Output,
-        rows: impl FnOnce(Box<dyn Write>) -> io::Result<Box<dyn Rows>>,
-    ) -> Result<Self> {
+    fn begin(file: Output, rows: impl FnOnce(Box<dyn Write>) -> Begun) -> Result<Self> {
         let file = Shared(Rc::new(RefCell::new(file.begin()?)));
         let begun = rows(Box::new(file.clone()));
         let rows = begun.map_err(|error| file.0.borrow().failed(error))?;

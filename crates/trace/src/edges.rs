@@ -162,6 +162,9 @@ pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
 
 /// Whether all of a patch shows one smooth part of one surface, of which the patch's pixel of a coarser picture has this
 /// normal: nothing of it needs to be lit anew. `row` is the patch's in `buffer` and `rays`.
+///
+/// # Panics
+/// If there is no such row of a patch.
 pub fn is_smooth(buffer: &GBuffer, rays: &RayGrid, row: usize, normal: [f32; 3]) -> bool {
     let first = row * LANES;
     let drawn: &[f64; LANES] = buffer.drawn[first..].first_chunk().expect("a row");
