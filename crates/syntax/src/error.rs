@@ -99,6 +99,8 @@ pub enum ErrorKind {
     TooManySurfaces { limit: usize },
     #[error("this is nested more than {limit} levels deep")]
     TooDeep { limit: usize },
+    #[error("what is nested here takes more stack than this thread has left")]
+    NoStack,
     #[error("with its definitions expanded, the formula has more than {limit} operations")]
     TooLarge { limit: usize },
     #[error("the text is not valid UTF-8: byte {offset} cannot be read")]

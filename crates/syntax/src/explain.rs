@@ -14,7 +14,7 @@ impl Error {
             ErrorKind::UnclosedBar => "this bar",
             ErrorKind::MissingAfter { .. } => "expected a value after this",
             ErrorKind::MissingBefore { .. } => "expected a value before this",
-            ErrorKind::TooDeep { .. } => "nesting limit exceeded here",
+            ErrorKind::TooDeep { .. } | ErrorKind::NoStack => "nesting limit exceeded here",
             ErrorKind::UnknownName { .. } => "no value has this name",
             ErrorKind::UnknownFunction { .. } => "no function has this name",
             ErrorKind::SeveralEquals => "the second one",
