@@ -61,7 +61,7 @@ impl Builder<'_> {
         })
     }
 
-    /// The second pair of brackets in `root(3)(x)` of AsciiMath.
+    /// The second pair of brackets in `root(3)(x)` of `AsciiMath`.
     #[inline(never)] // keeps the stack frames of nested calls small
     fn with_radicand(
         &mut self,

@@ -211,6 +211,12 @@ pub enum ErrorKind {
     Degree { limit: u32 },
     #[error("there are no parametric surfaces")]
     Parametric,
+    #[error("this plots in coordinates of its own")]
+    PlotCoordinates,
+    #[error("this is no equation but the name of a solid")]
+    Solid { formula: &'static str },
+    #[error("this is a formula in words")]
+    InWords,
     #[error("the step of a sum must be 1 or more")]
     SeriesStep,
     #[error("there are at most {limit} terms or repetitions")]

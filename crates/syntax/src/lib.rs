@@ -49,6 +49,7 @@ mod merge;
 mod note;
 mod paint;
 mod parameters;
+mod plots;
 mod prelude;
 mod print;
 mod program;

@@ -116,12 +116,14 @@ impl Builder<'_> {
             items.push_back(Item::Leaf(Expr::new(lifted, span)));
             return Ok(());
         }
-        if self.text[span.end..].trim_start_matches(BLANKS).starts_with(['(', '[']) {
+        let behind = self.text[span.end..].trim_start_matches(BLANKS);
+        let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
+        if behind.starts_with(['(', '[']) {
             if let Some(form) = self.scope.form(&name, &self.locals) {
                 items.push_back(Item::Form(form, span));
                 return Ok(());
             }
-            let square = self.text[span.end..].trim_start_matches(BLANKS).starts_with('[');
+            let square = behind.starts_with('[');
             if let (Some(kind), false) = (arithmetic(&name, square), self.scope.is_defined(&name)) {
                 items.push_back(Item::Arithmetic(kind, span));
                 return Ok(());
@@ -161,6 +163,10 @@ impl Builder<'_> {
                     let name = typed.to_owned();
                     self.note(span, NoteKind::TimeOfShaders { name });
                     items.push_back(self.leaf(NamedValue::Time, span));
+                    return Ok(());
+                }
+                if typed == "°" {
+                    items.push_back(Item::Leaf(degree(span)));
                     return Ok(());
                 }
                 // What makes a number of a number.
@@ -269,7 +275,7 @@ impl Builder<'_> {
     #[inline(never)] // keeps the stack frames of nested factors without it small
     fn behind(&mut self, mut base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
         while let Some(Item::Component(..)) = items.front() {
-            base = self.component(base, items)?;
+            base = Self::component(base, items)?;
             self.room(base.span, 1)?;
         }
         while let Some(Item::Method(..)) = items.front() {
@@ -282,7 +288,7 @@ impl Builder<'_> {
     }
 
     #[inline(never)]
-    fn component(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+    fn component(base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
         let Some(Item::Component(letters, span)) = items.pop_front() else { return Ok(base) };
         let span = base.span.to(span);
         if is_coordinate(&base) {
@@ -321,7 +327,7 @@ impl Builder<'_> {
                 Some(Item::Caret(signs, span)) => {
                     let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
                     while let Some(Item::Component(..)) = items.front() {
-                        exponent = self.component(exponent, items)?;
+                        exponent = Self::component(exponent, items)?;
                     }
                     (signs, exponent)
                 }
@@ -489,6 +495,13 @@ impl Builder<'_> {
         }
         Ok(expr)
     }
+}
+
+/// What a degree is.
+fn degree(span: Span) -> Expr {
+    let pi = Expr::new(ExprKind::Name(NamedValue::Constant(NamedConstant::Pi)), span);
+    let rest = vec![(ProductSign::Over, number("180".to_owned(), span))];
+    Expr::new(ExprKind::Product(Box::new(pi), rest), span)
 }
 
 /// Whether a dot behind this is no component: behind a coordinate without brackets.

@@ -212,8 +212,13 @@ impl Collected {
         limits: &Limits,
     ) -> Fallible<()> {
         let span = line.piece.span;
-        let setting =
-            line.piece.tokens.first().and_then(|token| setting(&text[token.span.range()]));
+        let first = line.piece.tokens[0];
+        // The ranges of a plot have no word; a `domain` line counts more.
+        let is_made = first.span.start == first.span.end;
+        let setting = match setting(&text[first.span.range()]) {
+            None => const { &SETTINGS }.iter().find(|setting| setting.symbol == first.symbol),
+            found => found,
+        };
         let setting = setting.ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
         let scope = if setting.is_of_points {
             self.scope.get_or_insert_with(|| with_point_names(scope))
@@ -224,6 +229,7 @@ impl Collected {
         let said = (setting.read)(&mut builder, line.pair, span)?;
         self.used.extend(builder.used);
         match said {
+            SceneSetting::Domain(_) if is_made && self.domain.is_some() => {}
             SceneSetting::Domain(domain) => self.domain = Some(domain),
             SceneSetting::View(view) => self.view = Some(view),
             SceneSetting::Color(at, color, opacity) => {
