@@ -1,6 +1,7 @@
 //! Why something is an error and what to do about it, in words.
 
 use crate::error::{Error, ErrorKind, Suggestion};
+use crate::setting::setting;
 use crate::spelling::PRESETS;
 
 /// Longest piece of corrected text that is quoted.
@@ -329,17 +330,14 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
 /// The same, on lines about the picture.
 fn line_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
-        ErrorKind::BadDomain => {
-            "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
-             `domain x in [-2, 2], y in [-1, 1]` or six numbers"
-        }
-        ErrorKind::BadColor => "write a name of CSS such as `orange`, or `#ff8800`",
+        ErrorKind::BadDomain => setting("domain")?.hint,
+        ErrorKind::BadColor => setting("background")?.hint,
         ErrorKind::BadColorMap => {
             "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, `spectral`, \
              `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
         }
         ErrorKind::BadSetting { hint, .. } => hint,
-        ErrorKind::BadLook => "there are `studio`, `flat`, `paper` and `night`",
+        ErrorKind::BadLook => setting("look")?.hint,
         _ => return None,
     })
 }

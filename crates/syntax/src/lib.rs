@@ -69,6 +69,7 @@ mod statement;
 mod steps;
 mod unknown;
 mod value;
+mod words;
 mod wrappers;
 
 pub use constant::constant;
@@ -84,3 +85,4 @@ pub use scope::language_names;
 pub use setting::{PictureLines, setting_word};
 pub use span::Span;
 pub use spelling::{LOOKS, PRESETS};
+pub use words::{WordKind, word_help, words};

@@ -54,6 +54,8 @@ pub(crate) const SETTINGS: [Setting; 13] = {
             word: "domain",
             symbol: 'd',
             rule: Rule::domain_line,
+            hint: "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
+                   `domain x in [-2, 2], y in [-1, 1]` or six numbers",
             read: |builder, line, _| builder.domain(line).map(SceneSetting::Domain),
             ..PLAIN
         },
@@ -61,6 +63,7 @@ pub(crate) const SETTINGS: [Setting; 13] = {
             word: "view",
             symbol: 'v',
             rule: Rule::view_line,
+            hint: "write a side such as `view front`, or `view eye (4, 3, 6) target (0, 0, 0) fov 40`",
             read: |builder, line, _| builder.view(line).map(SceneSetting::View),
             ..PLAIN
         },
@@ -70,6 +73,7 @@ pub(crate) const SETTINGS: [Setting; 13] = {
             word: "look",
             symbol: 'l',
             rule: Rule::look_line,
+            hint: "there are `studio`, `flat`, `paper` and `night`",
             read: |builder, line, _| builder.look(line).map(SceneSetting::Look),
             ..PLAIN
         },
@@ -77,6 +81,7 @@ pub(crate) const SETTINGS: [Setting; 13] = {
             word: "background",
             symbol: 'b',
             rule: Rule::background_line,
+            hint: "write a name of CSS such as `orange`, or `#ff8800`",
             read: |builder, line, _| builder.color(line).map(SceneSetting::Background),
             ..PLAIN
         },
