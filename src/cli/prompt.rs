@@ -193,7 +193,7 @@ impl Highlighter for PromptHelper {
             let colour = match class {
                 Class::Number => "36",
                 // A letter by itself is seen well enough.
-                Class::Word(_) if place.len() == 1 => "0",
+                Class::Word(_) if place.len() == 1 => continue,
                 Class::Word(WordKind::Function | WordKind::Value) => "34",
                 Class::Word(WordKind::Setting | WordKind::InSetting) => "35",
                 Class::Word(WordKind::Joint | WordKind::Program) => "33",

@@ -44,6 +44,10 @@ impl Builder<'_> {
 
     /// The error where a statement is in words rather than in signs.
     fn in_words(&self) -> Option<Box<Error>> {
+        // `domain ball`
+        if self.piece.tokens.first().is_some_and(|first| is_setting(first.symbol)) {
+            return None;
+        }
         let statement = self.piece.span;
         let text = crate::scan::start(&self.text[statement.range()], LONGEST);
         let mut words = text.split(|c: char| !c.is_alphabetic());
