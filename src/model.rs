@@ -3,7 +3,10 @@
 mod antialias;
 mod layers;
 mod paint;
+mod strips;
 mod trace;
+
+pub use strips::Strip;
 
 use crate::kernels::Evaluator;
 use crate::picture::{Normals, Picture, Precision, Settings, Times};

@@ -3,11 +3,11 @@
 use crate::kernels::Made;
 use crate::legend::Legend;
 use glam::DVec3;
-use std::ops::RangeInclusive;
+use std::ops::{AddAssign, RangeInclusive};
 use std::time::Duration;
 use zeroset_trace::{
-    GBuffer, Ideas, LinearRgb, Look, Method, Pattern, PixelCounts, Proves, Reason, UndecidedStyle,
-    Work, hand_back_colours,
+    GBuffer, Ideas, LinearRgb, Look, Method, Pattern, PixelCounts, Proves, Reason, Status,
+    UndecidedStyle, Work, hand_back_colours,
 };
 
 pub use zeroset_trace::Precision;
@@ -174,6 +174,32 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// The same without its rows.
+    pub(crate) fn without_rows(mut self) -> Self {
+        let buffer = GBuffer::new(self.buffer.width, 0, 0);
+        std::mem::replace(&mut self.buffer, buffer).hand_back();
+        hand_back_colours(std::mem::take(&mut self.rgb));
+        self
+    }
+
+    /// Counts what another part of the same picture took.
+    pub(crate) fn add(&mut self, other: &Self) {
+        let (all, part) = (&mut self.statistics, &other.statistics);
+        all.times += part.times;
+        let Statistics { pixels, open, .. } = part;
+        all.pixels.miss += pixels.miss;
+        all.pixels.hit += pixels.hit;
+        all.pixels.undecided += pixels.undecided;
+        all.open.reasons.iter_mut().zip(open.reasons).for_each(|(all, part)| *all += part);
+        all.open.blank += open.blank;
+        all.open.unreached += open.unreached;
+        all.work += part.work;
+        all.edge_rays += part.edge_rays;
+        // A later part may have asked for more of them.
+        (all.code_bytes, all.kernels) = (part.code_bytes, part.kernels.clone());
+        self.flat |= other.flat;
+    }
+
     /// Leaves the memory to the next pictures, which then are made faster. Up to two pictures' is kept, until the end of the
     /// process.
     pub fn hand_back(self) {
@@ -183,7 +209,7 @@ impl Picture {
 
     /// Why pixels are undecided, and how many for each reason, in one line; `None` if none are.
     pub fn why_undecided(&self) -> Option<String> {
-        let counts = self.buffer.reasons();
+        let counts = self.statistics.open.reasons;
         let parts: Vec<(Reason, usize)> =
             Reason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
         if let [(Reason::Unproven, _)] = parts[..] {
@@ -213,6 +239,8 @@ pub struct Statistics {
     pub times: Times,
     /// Pixels by what is proven.
     pub pixels: PixelCounts,
+    /// What is known of undecided pixels.
+    pub open: Open,
     /// Calls of kernels and lanes they computed, but for edges.
     pub work: Work,
     /// Further rays that were followed for the colours of pixels with edges.
@@ -223,6 +251,36 @@ pub struct Statistics {
     pub kernels: Vec<Made>,
     /// Nodes of the graph as typed, and after simplification.
     pub nodes: (usize, usize),
+}
+
+/// What is known of undecided pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Open {
+    /// How many there are for each of [`Reason::ALL`].
+    pub reasons: [usize; Reason::ALL.len()],
+    /// How many are not painted, but for those of which that is said otherwise: rays of a method that proves nothing, or
+    /// along which no bound of the slope is known.
+    pub blank: usize,
+    /// How many of these were not reached in time.
+    pub unreached: usize,
+}
+
+impl Open {
+    pub(crate) fn of(buffer: &GBuffer, proves: Proves) -> Self {
+        let blank = |pixel: &usize| {
+            let is_said = match buffer.reason[*pixel] {
+                Reason::Unproven => proves == Proves::Nothing,
+                reason => reason == Reason::Steep,
+            };
+            buffer.status[*pixel] == Status::Undecided && !buffer.is_drawn(*pixel) && !is_said
+        };
+        let is_unreached = |pixel: &usize| {
+            buffer.reason[*pixel] == Reason::Budget && buffer.distance[*pixel] == 0.0
+        };
+        let blank: Vec<usize> = (0..buffer.status.len()).filter(blank).collect();
+        let unreached = blank.iter().filter(|pixel| is_unreached(pixel)).count();
+        Self { reasons: buffer.reasons(), blank: blank.len(), unreached }
+    }
 }
 
 /// Wall-clock times of the stages.
@@ -240,4 +298,14 @@ pub struct Times {
     pub occlude: Duration,
     /// Further rays where there are edges.
     pub antialias: Duration,
+}
+
+impl AddAssign for Times {
+    /// Adds the times that parts of one picture take; kernels are made once.
+    fn add_assign(&mut self, part: Self) {
+        self.trace += part.trace;
+        self.shade += part.shade;
+        self.occlude += part.occlude;
+        self.antialias += part.antialias;
+    }
 }

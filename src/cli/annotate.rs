@@ -1,9 +1,10 @@
 //! What is written over a picture that goes to a file: axes, and which value has which color.
 
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Mark, mixed};
 use super::overlay::{Shown, draw_box};
 use super::ticks::ticks;
 use zeroset::legend::Legend;
+use zeroset::picture::Picture;
 
 /// Rows of a picture for each pixel of a letter's dots, about.
 const ROWS: usize = 640;
@@ -19,19 +20,55 @@ pub fn annotated(shown: Shown<'_>, axes: bool, legend: bool) -> Vec<u8> {
     let (width, height) = (shown.picture.buffer.width, shown.picture.buffer.height);
     let rgb = shown.picture.rgb.as_chunks::<3>().0;
     let pixel = |[red, green, blue]: &[u8; 3]| u32::from_be_bytes([0, *red, *green, *blue]);
-    let scale = ((height + ROWS / 2) / ROWS).max(1);
-    let mut canvas = Canvas { width, height, pixels: rgb.iter().map(pixel).collect(), scale };
-    if axes {
-        draw_box(&mut canvas, shown, height);
-    }
-    if legend {
-        draw_legends(&mut canvas, shown);
-    }
+    let pixels = rgb.iter().map(pixel).collect();
+    let mut canvas = Canvas::new(width, height, pixels, scale(height));
+    draw(&mut canvas, shown, axes, legend);
     let bytes = canvas.pixels.iter().flat_map(|pixel| {
         let [_, red, green, blue] = pixel.to_be_bytes();
         [red, green, blue]
     });
     bytes.collect()
+}
+
+/// Pixels on the side of a letter's dot in a picture of so many rows.
+fn scale(height: usize) -> usize {
+    ((height + ROWS / 2) / ROWS).max(1)
+}
+
+fn draw(canvas: &mut Canvas, shown: Shown<'_>, axes: bool, legend: bool) {
+    if axes {
+        draw_box(canvas, shown, canvas.height);
+    }
+    if legend {
+        draw_legends(canvas, shown);
+    }
+}
+
+/// What is written over a picture that is made strip by strip.
+pub struct Marks(Vec<Mark>);
+
+impl Marks {
+    /// That over a picture of this width and height, of which a smaller one is `shown`.
+    pub fn new(shown: Shown<'_>, [width, height]: [usize; 2], axes: bool, legend: bool) -> Self {
+        let (pixels, marks) = (Vec::new(), Vec::new());
+        let mut canvas = Canvas { width, height, pixels, scale: scale(height), marks };
+        if !shown.picture.rgb.is_empty() {
+            draw(&mut canvas, shown, axes, legend);
+        }
+        Self(canvas.marks)
+    }
+
+    /// Draws it over the rows of `picture`, of which the first is the whole picture's row `top`.
+    pub fn draw(&self, picture: &mut Picture, top: usize) {
+        let first = top * picture.buffer.width;
+        let pixels = picture.rgb.as_chunks_mut::<3>().0;
+        for Mark { pixel, colour, share } in &self.0 {
+            if let Some(pixel) = pixel.checked_sub(first).and_then(|there| pixels.get_mut(there)) {
+                let [_, parts @ ..] = colour.to_be_bytes();
+                *pixel = mixed(*pixel, parts, u32::from(*share));
+            }
+        }
+    }
 }
 
 /// Draws what tells colors along the right edge, one below the other.
@@ -87,7 +124,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
     use zeroset::model::Model;
-    use zeroset::picture::{Picture, Settings};
+    use zeroset::picture::Settings;
     use zeroset_trace::{Camera, Projection, Region};
 
     fn picture(text: &str) -> (Picture, Camera, Region) {

@@ -2,7 +2,7 @@
 //! flag, help and file are made.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
-use npyz::{AutoSerialize, WriterBuilder};
+use npyz::{AutoSerialize, NpyWriter, WriterBuilder};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use zeroset::picture::{Picture, Precision};
@@ -17,7 +17,26 @@ pub struct ArrayRow {
     pub needs_normals: bool,
     /// Whether brackets of hits have to be kept for it.
     pub needs_brackets: bool,
-    pub write: fn(&Picture, &mut dyn Write) -> io::Result<()>,
+    /// Makes ready to write so many rows and columns, of a picture that was computed in these floats.
+    pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> Begun,
+}
+
+/// What writes rows to a file, if that could be begun.
+pub type Begun = io::Result<Box<dyn Rows>>;
+
+/// A file that is written row by row.
+pub trait Rows {
+    /// Writes the next rows of a picture.
+    ///
+    /// # Errors
+    /// If the sink fails.
+    fn add(&mut self, picture: &Picture) -> io::Result<()>;
+
+    /// Writes what comes behind the last row.
+    ///
+    /// # Errors
+    /// If the sink fails.
+    fn end(self: Box<Self>) -> io::Result<()>;
 }
 
 /// Every array, in the order of the help.
@@ -27,13 +46,14 @@ pub const ARRAYS: &[ArrayRow] = &[
         help: "Distance from the eye as a float64 array (float32 with --precision f32), inf for a miss",
         needs_normals: false,
         needs_brackets: false,
-        write: |picture, out| {
-            let distance = picture.buffer.distance.iter().copied();
-            match picture.precision {
-                // Exact, as these kernels know no more.
-                Precision::F32 => write(out, &shape(picture), distance.map(|d| d as f32)),
-                Precision::Auto | Precision::F64 => write(out, &shape(picture), distance),
-            }
+        begin: |out, [rows, columns], precision| match precision {
+            // Exact, as these kernels know no more.
+            Precision::F32 => array(out, &[rows, columns], |picture, array| {
+                array.extend(picture.buffer.distance.iter().map(|distance| *distance as f32))
+            }),
+            Precision::Auto | Precision::F64 => array(out, &[rows, columns], |picture, array| {
+                array.extend(picture.buffer.distance.iter().copied())
+            }),
         },
     },
     ArrayRow {
@@ -41,9 +61,10 @@ pub const ARRAYS: &[ArrayRow] = &[
         help: "Of hits, the distances between which the first zero is proven to lie, as a float64 array of two values per pixel, NaN elsewhere",
         needs_normals: false,
         needs_brackets: true,
-        write: |picture, out| {
-            let [rows, columns] = shape(picture);
-            write(out, &[rows, columns, 2], picture.buffer.bracket.iter().flatten().copied())
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns, 2], |picture, array| {
+                array.extend(picture.buffer.bracket.iter().flatten().copied())
+            })
         },
     },
     ArrayRow {
@@ -51,8 +72,10 @@ pub const ARRAYS: &[ArrayRow] = &[
         help: "What is proven of each pixel as a uint8 array: 0 miss, 1 hit, 2 undecided",
         needs_normals: false,
         needs_brackets: false,
-        write: |picture, out| {
-            write(out, &shape(picture), picture.buffer.status.iter().map(|&status| status as u8))
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns], |picture, array| {
+                array.extend(picture.buffer.status.iter().map(|&status| status as u8))
+            })
         },
     },
     ArrayRow {
@@ -60,9 +83,10 @@ pub const ARRAYS: &[ArrayRow] = &[
         help: "Unit normals towards f > 0 as a float32 array, 0 where nothing is drawn",
         needs_normals: true,
         needs_brackets: false,
-        write: |picture, out| {
-            let [rows, columns] = shape(picture);
-            write(out, &[rows, columns, 3], picture.buffer.normal.iter().flatten().copied())
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns, 3], |picture, array| {
+                array.extend(picture.buffer.normal.iter().flatten().copied())
+            })
         },
     },
     ArrayRow {
@@ -70,19 +94,17 @@ pub const ARRAYS: &[ArrayRow] = &[
         help: "Which surface is drawn as an int16 array: 0 for the first of the text, and so on; -1 for none",
         needs_normals: false,
         needs_brackets: false,
-        write: |picture, out| {
-            let buffer = &picture.buffer;
-            let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
-            // A text has at most a thousand surfaces.
-            let number = |pixel| drawn(pixel).map_or(-1, |surface| surface as i16);
-            write(out, &shape(picture), (0..buffer.surface.len()).map(number))
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns], |picture, array| {
+                let buffer = &picture.buffer;
+                let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
+                // A text has at most a thousand surfaces.
+                let number = |pixel| drawn(pixel).map_or(-1, |surface| surface as i16);
+                array.extend((0..buffer.surface.len()).map(number))
+            })
         },
     },
 ];
-
-fn shape(picture: &Picture) -> [usize; 2] {
-    [picture.buffer.height, picture.buffer.width]
-}
 
 /// The arrays asked for, and the files they go to.
 #[derive(Debug)]
@@ -115,20 +137,36 @@ impl Args for Arrays {
     }
 }
 
-/// Writes `values` in C order under `shape`.
-///
-/// # Errors
-/// If the sink fails.
-fn write<T: AutoSerialize + Copy>(
-    out: &mut dyn Write,
-    shape: &[usize],
-    values: impl IntoIterator<Item = T>,
-) -> io::Result<()> {
+type Writer<T> = NpyWriter<T, Box<dyn Write>>;
+
+/// Makes ready to write values in C order under `shape`, given how those of some rows are added.
+fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> Begun
+where
+    T: AutoSerialize + Copy + 'static,
+    F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()> + 'static,
+{
     let shape: Vec<u64> = shape.iter().map(|&side| side as u64).collect();
-    let mut writer =
-        npyz::WriteOptions::new().default_dtype().shape(&shape).writer(out).begin_nd()?;
-    writer.extend(values)?;
-    writer.finish()
+    let options = npyz::WriteOptions::<T>::new().default_dtype().shape(&shape);
+    Ok(Box::new(Array { writer: options.writer(out).begin_nd()?, add }))
+}
+
+struct Array<T: AutoSerialize, F> {
+    writer: Writer<T>,
+    add: F,
+}
+
+impl<T, F> Rows for Array<T, F>
+where
+    T: AutoSerialize,
+    F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()>,
+{
+    fn add(&mut self, picture: &Picture) -> io::Result<()> {
+        (self.add)(picture, &mut self.writer)
+    }
+
+    fn end(self: Box<Self>) -> io::Result<()> {
+        self.writer.finish()
+    }
 }
 
 #[cfg(test)]
@@ -137,10 +175,15 @@ mod tests {
 
     #[test]
     fn arrays_are_read_back() {
-        let mut bytes = Vec::new();
+        let mut file = tempfile::NamedTempFile::new().expect("a file");
         let values = [1.5_f32, f32::INFINITY, 0.0, -0.0, 3.0, 4.0];
-        write(&mut bytes, &[2, 3], values).expect("memory takes all");
-        let array = npyz::NpyFile::new(&bytes[..]).expect("valid");
+        let out = Box::new(file.reopen().expect("the same file"));
+        let options = npyz::WriteOptions::<f32>::new().default_dtype().shape(&[2, 3]);
+        let mut writer: Writer<f32> =
+            options.writer(out as Box<dyn Write>).begin_nd().expect("written");
+        writer.extend(values).expect("written");
+        writer.finish().expect("written");
+        let array = npyz::NpyFile::new(file.as_file_mut()).expect("valid");
         assert_eq!(array.shape(), [2, 3]);
         assert_eq!(array.dtype().descr(), "'<f4'");
         assert_eq!(array.into_vec::<f32>().expect("f32"), values);

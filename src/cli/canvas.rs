@@ -22,6 +22,12 @@ const PI: [[u8; 7]; 16] = {
 /// A colour as 0xRRGGBB.
 pub type Rgb = u32;
 
+/// A colour into which so much of 255 of another is mixed.
+pub fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
+    let part = |n: usize| (u32::from(old[n]) * (255 - share) + u32::from(new[n]) * share) / 255;
+    [0, 1, 2].map(|n| part(n) as u8)
+}
+
 /// An image as a window takes it: one number per pixel, row by row from the top.
 pub struct Canvas {
     pub width: usize,
@@ -29,9 +35,24 @@ pub struct Canvas {
     pub pixels: Vec<Rgb>,
     /// Pixels on the side of one dot of a letter.
     pub scale: usize,
+    /// If there are no pixels: what would be mixed into them.
+    pub marks: Vec<Mark>,
+}
+
+/// A colour that is mixed into the pixel of this index, and its share.
+#[derive(Clone, Copy)]
+pub struct Mark {
+    pub pixel: usize,
+    pub colour: Rgb,
+    pub share: u8,
 }
 
 impl Canvas {
+    /// The size of each dot of a letter, and a pixel each or none.
+    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, scale: usize) -> Self {
+        Self { width, height, pixels, scale, marks: Vec::new() }
+    }
+
     /// Width of a letter in pixels.
     pub fn advance(&self) -> usize {
         get_raster_width(WEIGHT, HEIGHT) * self.scale
@@ -58,12 +79,15 @@ impl Canvas {
         if !(inside(x, self.width) && inside(y, self.height)) {
             return;
         }
-        let pixel = &mut self.pixels[y as usize * self.width + x as usize];
-        let channel = |shift: u32| {
-            let (old, new) = (*pixel >> shift & 255, colour >> shift & 255);
-            ((old * (255 - share) + new * share) / 255) << shift
+        let place = y as usize * self.width + x as usize;
+        let Some(pixel) = self.pixels.get_mut(place) else {
+            self.marks.push(Mark { pixel: place, colour, share: share as u8 });
+            return;
         };
-        *pixel = channel(16) | channel(8) | channel(0);
+        let [_, old @ ..] = pixel.to_be_bytes();
+        let [_, new @ ..] = colour.to_be_bytes();
+        let [red, green, blue] = mixed(old, new, share);
+        *pixel = u32::from_be_bytes([0, red, green, blue]);
     }
 
     /// Mixes `colour` into a rectangle.

@@ -1,12 +1,16 @@
 //! What one picture is written to: files opened before the work, and where they came from.
 
 use super::arguments::OutputArgs;
-use super::array::{ARRAYS, ArrayRow, Arrays};
-use super::output::{Output, check_png, write_png};
-use anyhow::{Result, bail, ensure};
+use super::array::{ARRAYS, ArrayRow, Arrays, Begun, Rows};
+use super::output::{Open, Output, check_png, png_encoder};
+use anyhow::{Context, Result, bail, ensure};
+use png::StreamWriter;
+use std::cell::RefCell;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use zeroset::live::quote;
-use zeroset::picture::Picture;
+use zeroset::picture::{Picture, Precision};
 
 /// What is to be written of a picture, and where.
 #[derive(Clone)]
@@ -72,16 +76,110 @@ impl Files {
         Ok(Self { picture, arrays: arrays.iter().map(|(row, _)| *row).zip(outputs).collect() })
     }
 
+    /// Writes a whole picture.
+    ///
     /// # Errors
     /// If a file cannot be written.
     pub fn finish(self, picture: &Picture, origin: &Origin) -> Result<()> {
-        if let Some(file) = self.picture {
-            let size = [picture.buffer.width, picture.buffer.height];
-            file.finish(|out| write_png(out, &picture.rgb, size, origin))?;
-        }
-        self.arrays
-            .into_iter()
-            .try_for_each(|(row, file)| file.finish(|out| (row.write)(picture, out)))
+        let size = [picture.buffer.width, picture.buffer.height];
+        let mut files = self.begin(size, picture.precision, origin)?;
+        files.add(picture)?;
+        files.finish()
+    }
+
+    /// Makes ready for rows of a picture of this size that is computed in these floats.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn begin(
+        self,
+        size: [usize; 2],
+        precision: Precision,
+        origin: &Origin,
+    ) -> Result<OpenFiles> {
+        let [width, height] = size;
+        let png = |out: Box<dyn Write>| -> Begun {
+            let writer = png_encoder(out, size, origin)?.write_header()?;
+            Ok(Box::new(Png(writer.into_stream_writer()?)))
+        };
+        let picture = self.picture.map(|file| OpenFile::begin(file, png));
+        let arrays = self.arrays.into_iter().map(|(row, file)| {
+            OpenFile::begin(file, |out| (row.begin)(out, [height, width], precision))
+        });
+        Ok(OpenFiles(picture.into_iter().chain(arrays).collect::<Result<_>>()?))
+    }
+}
+
+/// Files to which the rows of a picture are written, and which appear at the end.
+pub struct OpenFiles(Vec<OpenFile>);
+
+impl OpenFiles {
+    /// Writes the next rows.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn add(&mut self, picture: &Picture) -> Result<()> {
+        self.0.iter_mut().try_for_each(|file| file.check(|rows| rows.add(picture)))
+    }
+
+    /// Makes the files appear.
+    ///
+    /// # Errors
+    /// If one cannot be written.
+    pub fn finish(self) -> Result<()> {
+        self.0.into_iter().try_for_each(OpenFile::finish)
+    }
+}
+
+struct OpenFile {
+    file: Shared,
+    rows: Box<dyn Rows>,
+}
+
+impl OpenFile {
+    fn begin(file: Output, rows: impl FnOnce(Box<dyn Write>) -> Begun) -> Result<Self> {
+        let file = Shared(Rc::new(RefCell::new(file.begin()?)));
+        let begun = rows(Box::new(file.clone()));
+        let rows = begun.map_err(|error| file.0.borrow().failed(error))?;
+        Ok(Self { file, rows })
+    }
+
+    fn check(&mut self, write: impl FnOnce(&mut dyn Rows) -> io::Result<()>) -> Result<()> {
+        write(&mut *self.rows).map_err(|error| self.file.0.borrow().failed(error))
+    }
+
+    fn finish(self) -> Result<()> {
+        let Self { file, rows } = self;
+        rows.end().map_err(|error| file.0.borrow().failed(error))?;
+        // Whoever wrote rows is gone.
+        let file = Rc::into_inner(file.0).context("a file is still being written")?;
+        file.into_inner().finish()
+    }
+}
+
+/// A file together with what writes rows to it.
+#[derive(Clone)]
+struct Shared(Rc<RefCell<Open>>);
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().sink().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.borrow_mut().sink().flush()
+    }
+}
+
+struct Png(StreamWriter<'static, Box<dyn Write>>);
+
+impl Rows for Png {
+    fn add(&mut self, picture: &Picture) -> io::Result<()> {
+        self.0.write_all(&picture.rgb)
+    }
+
+    fn end(self: Box<Self>) -> io::Result<()> {
+        Ok(self.0.finish()?)
     }
 }
 

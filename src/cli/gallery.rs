@@ -25,6 +25,7 @@ pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
         list(&examples)?;
         return Ok(ExitCode::SUCCESS);
     }
+    arguments.size.held_whole()?;
     let directory = arguments.output.as_deref().context("no directory to write to: add -o DIR")?;
     let settings = beautiful(&method_settings(&arguments.tracing, arguments.size)?);
     std::fs::create_dir_all(directory)

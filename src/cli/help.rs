@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn every_key_is_there_in_a_window_300_pixels_wide() {
-        let canvas = Canvas { width: 300, height: 220, pixels: vec![0; 300 * 220], scale: 1 };
+        let canvas = Canvas::new(300, 220, vec![0; 300 * 220], 1);
         let lines = flow((canvas.width - 2 * LITTLE_PAD) / canvas.advance());
         assert!(lines.len() * canvas.line_height() + 2 * LITTLE_PAD <= canvas.height, "{lines:#?}");
         for line in &lines {

@@ -58,17 +58,83 @@ impl Output {
     /// # Errors
     /// If writing or renaming fails; the target is then as it was.
     pub fn finish(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
-        let written = match self.sink {
-            Sink::Renamed(target) => replace(&target, content),
-            Sink::Direct(file) => {
-                let mut writer = BufWriter::new(file);
-                content(&mut writer).and_then(|()| writer.flush())
+        let mut open = self.begin()?;
+        open.write(content)?;
+        open.finish()
+    }
+
+    /// Makes ready for content that comes in parts.
+    ///
+    /// # Errors
+    /// If there can be no file.
+    pub fn begin(self) -> Result<Open> {
+        let Self { path, sink } = self;
+        let open = match sink {
+            Sink::Renamed(target) => {
+                let directory = target.parent().unwrap_or(Path::new("."));
+                temporary(directory).map(|file| Opened::Renamed(BufWriter::new(file), target))
             }
-            Sink::Standard => {
-                let mut whole = Vec::new();
-                content(&mut whole)?;
-                return print_bytes(&whole);
-            }
+            Sink::Direct(file) => Ok(Opened::Direct(BufWriter::new(file))),
+            Sink::Standard => Ok(Opened::Standard(Vec::new())),
+        };
+        let opened = open.with_context(|| format!("cannot write '{}'", path.display()))?;
+        Ok(Open { path, opened })
+    }
+}
+
+/// A file that is being written, and appears at the end.
+pub struct Open {
+    path: PathBuf,
+    opened: Opened,
+}
+
+enum Opened {
+    /// To be renamed to this place.
+    Renamed(BufWriter<NamedTempFile>, PathBuf),
+    Direct(BufWriter<File>),
+    /// Printed at the end.
+    Standard(Vec<u8>),
+}
+
+impl Open {
+    /// Writes some content.
+    ///
+    /// # Errors
+    /// If writing fails.
+    pub fn write(
+        &mut self,
+        content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> Result<()> {
+        content(self.sink()).map_err(|error| self.failed(error))
+    }
+
+    /// What is said of a failure to write it.
+    pub fn failed(&self, error: std::io::Error) -> anyhow::Error {
+        anyhow::Error::new(error).context(format!("cannot write '{}'", self.path.display()))
+    }
+
+    /// Where content goes.
+    pub fn sink(&mut self) -> &mut dyn Write {
+        match &mut self.opened {
+            Opened::Renamed(writer, _) => writer,
+            Opened::Direct(writer) => writer,
+            Opened::Standard(whole) => whole,
+        }
+    }
+
+    /// Makes what was written appear.
+    ///
+    /// # Errors
+    /// If writing or renaming fails; the target is then as it was.
+    pub fn finish(self) -> Result<()> {
+        let written = match self.opened {
+            Opened::Renamed(writer, target) => writer
+                .into_inner()
+                .map_err(|error| error.into_error())
+                .and_then(|file| file.persist(target).map_err(|error| error.error))
+                .map(drop),
+            Opened::Direct(mut writer) => writer.flush(),
+            Opened::Standard(whole) => return print_bytes(&whole),
         };
         written.with_context(|| format!("cannot write '{}'", self.path.display()))
     }
@@ -103,18 +169,6 @@ fn sink(path: &Path) -> Result<Sink> {
     temporary(directory)?;
     // In full, so that a file is known by whatever path it is given.
     Ok(Sink::Renamed(directory.canonicalize()?.join(name)))
-}
-
-/// Writes a file beside `target` and renames it.
-fn replace(
-    target: &Path,
-    content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
-) -> std::io::Result<()> {
-    let mut writer = BufWriter::new(temporary(target.parent().unwrap_or(Path::new(".")))?);
-    content(&mut writer)?;
-    let file = writer.into_inner().map_err(|error| error.into_error())?;
-    file.persist(target).map_err(|error| error.error)?;
-    Ok(())
 }
 
 /// Where a path leads through symbolic links, which a rename would replace; the last of them may

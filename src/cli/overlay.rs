@@ -331,7 +331,7 @@ mod tests {
         }
         let rendering = live.snapshot().rendering.expect("a picture");
         let pixels = vec![0x00ff_ffff; width * height];
-        draw_box(&mut Canvas { width, height, pixels, scale }, (&*rendering).into(), height)
+        draw_box(&mut Canvas::new(width, height, pixels, scale), (&*rendering).into(), height)
     }
 
     #[test]
@@ -369,7 +369,7 @@ mod tests {
     #[test]
     fn a_line_covers_what_is_near_it() {
         let (width, height) = (120, 90);
-        let canvas = Canvas { width, height, pixels: Vec::new(), scale: 1 };
+        let canvas = Canvas::new(width, height, Vec::new(), 1);
         let mut random = fastrand::Rng::with_seed(20_070_005);
         for case in 0..400 {
             let mut place = || DVec2::new(160.0 * random.f64() - 20.0, 120.0 * random.f64() - 15.0);

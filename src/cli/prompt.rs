@@ -1,7 +1,7 @@
 //! The prompt: a line that is typed, with history, completion and colours. What a line means is
 //! decided elsewhere.
 
-use super::completion::{candidates, is_open};
+use super::completion::{Class, candidates, classes, is_open};
 use super::data::data_directory;
 use super::history::KEPT_LINES;
 use super::session::Session;
@@ -19,6 +19,7 @@ use std::io::IsTerminal;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zeroset::live::COMMANDS;
+use zeroset_syntax::WordKind;
 
 /// What is wrong with a line is said when nothing has been typed for so long.
 const PAUSE: Duration = Duration::from_millis(300);
@@ -188,30 +189,23 @@ impl Highlighter for PromptHelper {
             return Cow::Borrowed(line);
         }
         let mut text = String::new();
-        let mut rest = line;
-        while let Some(first) = rest.chars().next() {
-            let kind = |c: char| {
-                if c.is_ascii_digit() || c == '.' {
-                    "36"
-                } else if c.is_alphabetic() || c == '_' {
-                    "0"
-                } else {
-                    "2"
-                }
+        let mut end = 0;
+        for (place, class) in classes(line) {
+            let colour = match class {
+                Class::Number => "36",
+                // A letter by itself is seen well enough.
+                Class::Word(_) if place.len() == 1 => continue,
+                Class::Word(WordKind::Function | WordKind::Value) => "34",
+                Class::Word(WordKind::Setting | WordKind::InSetting) => "35",
+                Class::Word(WordKind::Joint | WordKind::Program) => "33",
+                Class::Comment => "2",
             };
-            let same = kind(first);
-            let end = rest.find(|c| kind(c) != same).unwrap_or(rest.len());
-            let (part, after) = rest.split_at(end);
-            let known = same == "0" && part.len() > 1;
-            let known = known && zeroset_syntax::language_names().any(|name| name == part);
-            let colour = if known { "34" } else { same };
+            text.push_str(&line[end..place.start]);
             // Writing to a string cannot fail.
-            let _ = match colour {
-                "36" | "34" => write!(text, "\x1b[{colour}m{part}\x1b[0m"),
-                _ => text.write_str(part),
-            };
-            rest = after;
+            let _ = write!(text, "\x1b[{colour}m{}\x1b[0m", &line[place.clone()]);
+            end = place.end;
         }
+        text.push_str(&line[end..]);
         Cow::Owned(text)
     }
 

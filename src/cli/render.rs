@@ -1,6 +1,6 @@
 //! `zeroset render`.
 
-use super::annotate::annotated;
+use super::annotate::{Marks, annotated};
 use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
 use super::files::{Files, Origin};
 use super::output::print;
@@ -16,11 +16,11 @@ use std::process::ExitCode;
 use std::time::Duration;
 use zeroset::domain::AutoDomain;
 use zeroset::framing;
-use zeroset::model::Model;
-use zeroset::picture::{Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
+use zeroset::model::{Model, Strip};
+use zeroset::picture::{Open, Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use zeroset::scene::{self, Cut};
 use zeroset_syntax::{Document, SrgbColor};
-use zeroset_trace::{Camera, LinearRgb, MethodOption, Pattern, Proves, Reason, Region, Status};
+use zeroset_trace::{Camera, LinearRgb, MethodOption, Pattern, Region};
 
 /// The exit code for undecided pixels under `--strict`.
 pub const UNDECIDED: u8 = 1;
@@ -53,8 +53,23 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
         let pixels = settings.width * settings.height * seen;
         let bar = Progress::new(pixels as u64, "tracing");
-        let mut picture = model.picture(&camera, &settings, &|done, _| bar.reach(done as u64))?;
-        around.draw(&mut picture, &camera, &region);
+        let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
+        let origin = Origin::typed(&subject.source.text);
+        let mut files =
+            files.begin([settings.width, settings.height], settings.precision, &origin)?;
+        let mut marks = None;
+        let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
+            if let Some(overview) = overview {
+                let shown = Shown { camera: &camera, region: &region, picture: overview };
+                let size = [settings.width, settings.height];
+                marks.get_or_insert_with(|| around.marks(shown, size)).draw(picture, top);
+            } else {
+                around.draw(picture, &camera, &region);
+            }
+            files.add(picture)
+        };
+        let picture = model.strips(&camera, &settings, &advance, &mut write)?;
+        files.finish()?;
         Ok((region, searched, camera, picture))
     };
     let (region, searched, camera, picture) = in_threads(arguments.tracing.threads, render)?;
@@ -63,7 +78,6 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         notes::note(&subject::describe_domain(&found));
     }
     remark(&subject, &region, &settings, &picture, searched);
-    files.finish(&picture, &Origin::typed(&subject.source.text))?;
     if arguments.outputs.json {
         let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
         print(&format!("{object}\n"))?;
@@ -98,6 +112,11 @@ impl Around {
         if (self.axes || self.legend) && !picture.rgb.is_empty() {
             picture.rgb = annotated(Shown { camera, region, picture }, self.axes, self.legend);
         }
+    }
+
+    /// What it draws over a picture of this size, of which a smaller one is `shown`.
+    fn marks(self, shown: Shown<'_>, size: [usize; 2]) -> Marks {
+        Marks::new(shown, size, self.axes, self.legend)
     }
 }
 
@@ -243,18 +262,7 @@ fn remark(
         let all = pixels.miss + seen;
         notes::note(&format!("{} of {all} pixels are undecided: {why}", pixels.undecided));
     }
-    let buffer = &picture.buffer;
-    // Where nothing is proven nothing was passed over, and where no bound of the slope is known that was said.
-    let proves_nothing = picture.method.proves == Proves::Nothing;
-    let blank = |pixel: &usize| {
-        let is_said = proves_nothing && buffer.reason[*pixel] == Reason::Unproven
-            || buffer.reason[*pixel] == Reason::Steep;
-        buffer.status[*pixel] == Status::Undecided && !buffer.is_drawn(*pixel) && !is_said
-    };
-    let is_unreached =
-        |pixel: &usize| buffer.reason[*pixel] == Reason::Budget && buffer.distance[*pixel] == 0.0;
-    let blank: Vec<usize> = (0..buffer.status.len()).filter(blank).collect();
-    let unreached = blank.iter().filter(|pixel| is_unreached(pixel)).count();
+    let Open { blank, unreached, .. } = picture.statistics.open;
     if let Some(budget) = settings.budget.filter(|_| unreached > 0) {
         notes::note(&format!(
             "{unreached} of these were not reached within {} s and are not drawn: a larger --budget \
@@ -263,7 +271,7 @@ fn remark(
         ));
     }
     let deepens = picture.method.reads.contains(&MethodOption::Depth);
-    let passed_over = blank.len() - unreached;
+    let passed_over = blank - unreached;
     if deepens && picture.statistics.work.given_up > 0 {
         notes::note(&format!(
             "some rays were given up after {} steps and stay undecided: a smaller --max-depth takes \

@@ -40,7 +40,7 @@ pub fn object(
         .collect();
     let reasons: Map<String, Value> = Reason::ALL
         .iter()
-        .zip(picture.buffer.reasons())
+        .zip(statistics.open.reasons)
         .map(|(reason, count)| (reason.name().to_owned(), count.into()))
         .collect();
     let mut camera_object = json!({

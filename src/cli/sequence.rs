@@ -113,6 +113,7 @@ pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result
     let wanted = arguments.outputs.wanted();
     wanted.check()?;
     let target = Target::of(&wanted, arguments)?;
+    arguments.outputs.size.held_whole()?;
     let sequence = &asked.sequence;
     ensure!(
         matches!(target, Target::Files) || asked.shard == (0, 1) && !arguments.sequence.resume,

@@ -87,6 +87,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Session {
     pub fn new(arguments: &InteractiveArgs) -> Result<Self> {
+        arguments.size.held_whole()?;
         let settings = kernel_settings(&arguments.kernels)?;
         let given = arguments.source.as_deref();
         let Source { name, text } = source::find(given.unwrap_or(OsStr::new(FIRST)))?;

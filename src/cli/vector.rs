@@ -1,5 +1,6 @@
 //! Lists of numbers on the command line: points, planes and sizes.
 
+use anyhow::{Result, ensure};
 use std::str::FromStr;
 use zeroset::scene::numbers;
 
@@ -28,8 +29,26 @@ pub struct Size {
     pub height: usize,
 }
 
-/// More pixels than this would need gigabytes of memory.
-const MOST_PIXELS: usize = 1 << 26;
+/// A picture is made strip by strip, but more pixels than these few programs can show.
+const MOST_PIXELS: usize = 1 << 28;
+
+/// The same for pictures that are not: each takes some hundred bytes.
+const MOST_PIXELS_HELD: usize = 1 << 26;
+
+impl Size {
+    /// # Errors
+    /// If a picture of this size is not to be held whole.
+    pub fn held_whole(self) -> Result<()> {
+        ensure!(
+            self.width * self.height <= MOST_PIXELS_HELD,
+            "--size {}x{}: such pictures are held whole and may have at most {MOST_PIXELS_HELD} \
+             pixels; only a single one that goes to a file may be larger",
+            self.width,
+            self.height
+        );
+        Ok(())
+    }
+}
 
 impl FromStr for Size {
     type Err = String;

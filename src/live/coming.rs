@@ -6,7 +6,7 @@ pub const COMING: &[(&str, &str, &str)] = &[
     (
         "Mathematica",
         "ContourPlot3D[x^2 + y^2 + z^2 == 1, …]",
-        "x^2+y^2+z^2 = 1, with `domain 2` for the ranges",
+        "the same; its ranges are the domain, `domain 2`",
     ),
     ("Surfer", "x^3 + y^2 - a*z", "the same, with `a = 0.5 in [0, 1]` on a line of its own"),
     (

@@ -8,7 +8,7 @@ use super::session::Reply;
 use super::words;
 use std::collections::HashSet;
 use std::fmt::Write as _;
-use zeroset_syntax::language_names;
+use zeroset_syntax::{WordKind, language_names, word_help, words};
 
 /// The word for which there is the table of what is written elsewhere.
 const ELSEWHERE: &str = "coming";
@@ -45,6 +45,9 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     }
     if found.is_empty() {
         found.extend(zeroset_ops::form(name).map(|form| format!("{}: {}", form.usage, form.doc)));
+    }
+    if found.is_empty() {
+        found.extend(word_help(name).map(|help| format!("{name}: {help}")));
     }
     if !found.is_empty() {
         return say(found.join("\n"));
@@ -85,6 +88,15 @@ fn everything() -> String {
         column += name.len() + 1;
         let _ = write!(text, " {name}");
     }
+    for (kind, title) in [
+        (WordKind::Setting, "Lines about the picture:"),
+        (WordKind::Joint, "Between conditions and ranges:"),
+        (WordKind::Program, "Of programs:"),
+    ] {
+        let all: Vec<&str> =
+            words().filter(|(_, other)| *other == kind).map(|(name, _)| name).collect();
+        let _ = write!(text, "\n{title} {}", all.join(" "));
+    }
     text
 }
 
@@ -96,11 +108,16 @@ mod tests {
     fn every_name_that_completes_has_help_and_is_listed_once() {
         let list = everything();
         let (_, listed) = list.split_once("tells more):").expect("a list of functions");
+        let (listed, _) = listed.split_once("\nLines").expect("lists of other words");
         let listed: Vec<&str> = listed.split_whitespace().collect();
         for name in zeroset_ops::names() {
             let Ok(Reply::Say(text)) = help(name) else { panic!("no help on {name}") };
             assert!(!text.is_empty(), "{name}");
             assert_eq!(listed.iter().filter(|other| **other == name).count(), 1, "{name}");
+        }
+        for (word, kind) in words() {
+            let Ok(Reply::Say(text)) = help(word) else { panic!("no help on {word}, {kind:?}") };
+            assert!(text.len() > word.len(), "{word}");
         }
     }
 }

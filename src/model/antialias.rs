@@ -7,14 +7,21 @@ use crate::picture::Settings;
 use crate::program::ProgramError;
 use rayon::prelude::*;
 use std::ops::Range;
-use zeroset_eval::KernelFloat;
-use zeroset_trace::{GBuffer, Pattern, RayGrid, Status, UndecidedStyle, edges, hand_back_colours};
+use zeroset_eval::{KernelFloat, LANES};
+use zeroset_trace::{
+    GBuffer, Patch, Pattern, RayGrid, Status, UndecidedStyle, edges, hand_back_colours, is_creased,
+    is_smooth, slope,
+};
 
-/// Columns and rows of the finer picture that are traced at a time: as many tiles as a kernel takes, and few enough for the
-/// nearer caches.
-const BLOCK: [usize; 2] = [256, 16];
+/// Pixels that are cut up at a time: few enough for the nearer caches.
+const PART: usize = 64;
 
-/// Room for a block.
+/// What is seen by a pixel's rays may be so many pixels' widths nearer than what is known of it and of those around it, and so
+/// many times as far as slopes there explain.
+const NEARER: f64 = 4.0;
+const STEEPER: f64 = 2.0;
+
+/// Room for a part, and for one surface of it.
 type Buffers = [GBuffer; 2];
 
 impl<T: KernelFloat> Shot<'_, T> {
@@ -28,51 +35,43 @@ impl<T: KernelFloat> Shot<'_, T> {
         rgb: &mut [u8],
     ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, tolerance, .. } = *self.settings;
-        let side = pattern.side;
         // Pixels of the finer picture are so much smaller.
-        let tolerance = tolerance * side as f64;
-        let tracers = &self.tracers(tolerance)?;
+        let tolerance = tolerance * pattern.side as f64;
         let mut wanted = edges(picture, rays);
         for layer in layers {
             // What is seen through a surface has edges, too.
             wanted.iter_mut().zip(edges(layer, rays)).for_each(|(all, edge)| *all |= edge);
         }
-        if finish.appearance.undecided != UndecidedStyle::Shade {
-            // What is marked stays marked.
-            wanted.iter_mut().zip(&picture.status).for_each(|(edge, status)| {
-                *edge &= *status != Status::Undecided;
-            });
-        }
+        // What is marked stays marked.
+        let marks = finish.appearance.undecided != UndecidedStyle::Shade;
+        let is_marked = |pixel: usize| marks && picture.status[pixel] == Status::Undecided;
+        let is_own = |pixel: usize| {
+            self.own.as_ref().is_none_or(|own| own.contains(&(pixel / rays.width())))
+        };
+        let wanted =
+            (0..wanted.len()).filter(|&pixel| wanted[pixel] && is_own(pixel) && !is_marked(pixel));
+        let wanted: Vec<usize> = wanted.collect();
+        let tracers = self.tracers(tolerance)?;
         let edge = Edges {
             shot: self,
-            tracers,
+            tracers: &tracers,
             rays,
-            finer: rays.finer(side),
+            finer: rays.finer(pattern.side),
             picture,
-            wanted,
             pattern,
             finish,
             is_hidden: picture.shadow.iter().chain(&picture.occlusion).any(|hidden| *hidden > 0),
+            has_one: tracers.len() == 1 && layers.is_empty(),
         };
-        let (width, height) = (rays.width(), rays.height());
-        let [across, down] = BLOCK.map(|size| (size / side).max(1));
-        let columns = (0..width).step_by(across).map(|first| first..width.min(first + across));
-        let rows = (0..height).step_by(down).map(|first| first..height.min(first + down));
-        let columns: Vec<_> = columns.collect();
-        let blocks: Vec<_> = rows
-            .flat_map(|rows| columns.iter().map(move |columns| (columns.clone(), rows.clone())))
-            .collect();
         let new = || [0; 2].map(|size| GBuffer::new(size, size, 0));
-        let smooth = |buffers: &mut Buffers, (columns, rows)| edge.smooth(buffers, columns, rows);
+        let smooth = |buffers: &mut Buffers, pixels: &[usize]| edge.smooth(buffers, pixels);
         let found: Result<Vec<_>, ProgramError> =
-            blocks.into_par_iter().map_init(new, smooth).collect();
+            wanted.par_chunks(PART).map_init(new, smooth).collect();
         let pixels = rgb.as_chunks_mut::<3>().0;
-        let mut count = 0;
         for (pixel, colour) in found?.into_iter().flatten() {
             pixels[pixel] = colour;
-            count += pattern.count();
         }
-        Ok(count)
+        Ok(wanted.len() * pattern.count())
     }
 }
 
@@ -82,79 +81,126 @@ struct Edges<'a, T> {
     rays: &'a RayGrid,
     finer: RayGrid,
     picture: &'a GBuffer,
-    wanted: Vec<bool>,
     pattern: Pattern,
     finish: &'a Finish<'a>,
     /// Whether light is hidden from any point.
     is_hidden: bool,
+    /// Whether there is one surface, which hides what is behind it.
+    has_one: bool,
 }
 
 impl<T: KernelFloat> Edges<'_, T> {
-    /// The colours of a block's pixels with edges.
+    /// The colours of some pixels, but of those that have the right one.
     fn smooth(
         &self,
         [all, layer]: &mut Buffers,
-        columns: Range<usize>,
-        rows: Range<usize>,
+        pixels: &[usize],
     ) -> Result<Vec<(usize, [u8; 3])>, ProgramError> {
-        let (side, across) = (self.pattern.side, columns.len());
-        let pixel = |square: usize| {
-            (rows.start + square / across) * self.rays.width() + columns.start + square % across
-        };
-        let row = |row: usize| {
-            let first = row * self.rays.width();
-            &self.wanted[first + columns.start..first + columns.end]
-        };
-        let edges: Vec<bool> = rows.clone().flat_map(row).copied().collect();
-        if !edges.contains(&true) || !(self.shot.advance)(0) {
+        if !(self.shot.advance)(0) {
             return Ok(Vec::new());
         }
-        let finer = |range: &Range<usize>| range.start * side..range.end * side;
-        let rays = self.finer.part(finer(&columns), finer(&rows));
-        let (width, height) = (rays.width(), rays.height());
-        let only = self.pattern.rays(&edges, across);
+        let rays =
+            self.finer.patches(pixels.iter().flat_map(|pixel| self.patches(*pixel)).collect());
+        let mut only = Vec::new();
+        if !self.pattern.is_full() {
+            only = self.pattern.rays().repeat(pixels.len());
+        }
+        let mut is_smooth = vec![false; pixels.len()];
         for (place, &(surface, ref tracer)) in self.tracers.iter().enumerate() {
             let target = if place == 0 { &mut *all } else { &mut *layer };
-            target.reset(width, height, 0);
+            target.reset(rays.width(), rays.height(), 0);
             self.shot.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
+            if self.has_one && self.pattern.is_full() {
+                is_smooth = self.leave_smooth(pixels, &rays, target);
+            }
             self.shot.face(surface, &rays, target)?;
             if place > 0 {
                 all.merge(layer);
             }
         }
+        let places = self.pattern.side * self.pattern.side;
         if self.is_hidden {
-            for n in (0..only.len()).filter(|&n| only[n]) {
-                let square = n / width / side * across + n % width / side;
-                self.borrow(all, n, pixel(square));
+            for (n, &pixel) in pixels.iter().enumerate().filter(|(n, _)| !is_smooth[*n]) {
+                self.borrow(all, n * places..(n + 1) * places, pixel);
             }
         }
         let layers = self.shot.layers(&rays, &only, self.tracers)?;
-        let bytes = self.shot.coloured(&rays, all, &layers, self.finish, side);
-        let squares = (0..edges.len()).filter(|&square| edges[square]);
-        let colour = |square| (pixel(square), self.pattern.mean(&bytes, square, across));
-        let found = squares.map(colour).collect();
+        let bytes = self.shot.coloured(&rays, all, &layers, self.finish, self.pattern.side);
+        let samples = bytes.as_chunks().0.chunks(places);
+        let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
+        let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();
         hand_back_colours(bytes);
         Ok(found)
     }
 
-    /// How much light is hidden from a point of the finer picture: as much as from the nearest one of the same surface that
-    /// is known, in the pixel that it belongs to or beside it.
-    fn borrow(&self, finer: &mut GBuffer, n: usize, pixel: usize) {
-        if !finer.is_drawn(n) {
-            return;
+    /// Takes back what was found for pixels all of whose rays meet what the one through the centre did, which has been lit:
+    /// those beside an edge that does not go through them. Tells which these are.
+    fn leave_smooth(&self, pixels: &[usize], rays: &RayGrid, finer: &mut GBuffer) -> Vec<bool> {
+        let patches = rays.height() / pixels.len();
+        let leave = |(n, &pixel): (usize, &usize)| {
+            let rows = n * patches..(n + 1) * patches;
+            let normal = self.picture.normal[pixel];
+            let is_smooth = self.picture.is_drawn(pixel)
+                && !is_creased(self.picture, self.rays, pixel)
+                && rows.clone().all(|row| is_smooth(finer, rays, row, normal));
+            if is_smooth {
+                finer.drawn[rows.start * LANES..rows.end * LANES].fill(f64::INFINITY);
+            }
+            is_smooth
+        };
+        pixels.iter().enumerate().map(leave).collect()
+    }
+
+    /// What a pixel is cut into.
+    fn patches(&self, pixel: usize) -> impl Iterator<Item = Patch> {
+        let (column, row) = (pixel % self.rays.width(), pixel / self.rays.width());
+        let picture = self.picture;
+        let nearest = |there: usize| {
+            let steep = slope(picture.normal[there], self.rays, there);
+            picture.drawn[there]
+                - (NEARER + STEEPER * steep) * self.rays.footprint(picture.drawn[there])
+        };
+        let drawn = around(self.rays, pixel).filter(|there| picture.is_drawn(*there));
+        let from = drawn.map(nearest).fold(f64::INFINITY, f64::min);
+        let from = self.rays.ray(column, row).parameter(from);
+        let [first, top] = [column, row].map(|place| place * self.pattern.side);
+        self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, from })
+    }
+
+    /// How much light is hidden from the points of some places of the finer picture: as much as from the nearest one of the
+    /// same surface that is known, in the pixel that they belong to or beside it.
+    fn borrow(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
+        let picture = self.picture;
+        let (mut known, mut count) = ([0; 9], 0);
+        for there in around(self.rays, pixel).filter(|there| picture.is_drawn(*there)) {
+            known[count] = there;
+            count += 1;
         }
-        let (width, height) = (self.rays.width(), self.rays.height());
-        let (column, row) = (pixel % width, pixel / width);
-        let columns = column.saturating_sub(1)..(column + 2).min(width);
-        let rows = row.saturating_sub(1)..(row + 2).min(height);
-        let beside = rows.flat_map(|row| columns.clone().map(move |column| row * width + column));
-        let known = beside.filter(|&there| {
-            self.picture.is_drawn(there) && self.picture.surface[there] == finer.surface[n]
-        });
-        let off = |there: &usize| (self.picture.drawn[*there] - finer.drawn[n]).abs();
-        if let Some(nearest) = known.min_by(|a, b| off(a).total_cmp(&off(b))) {
-            finer.shadow[n] = self.picture.shadow[nearest];
-            finer.occlusion[n] = self.picture.occlusion[nearest];
+        for n in places {
+            let (drawn, surface) = (finer.drawn[n], finer.surface[n]);
+            if !drawn.is_finite() {
+                continue;
+            }
+            let (mut nearest, mut least) = (None, f64::INFINITY);
+            for &there in &known[..count] {
+                let off = (picture.drawn[there] - drawn).abs();
+                if off < least && picture.surface[there] == surface {
+                    (nearest, least) = (Some(there), off);
+                }
+            }
+            if let Some(nearest) = nearest {
+                finer.shadow[n] = picture.shadow[nearest];
+                finer.occlusion[n] = picture.occlusion[nearest];
+            }
         }
     }
+}
+
+/// A pixel and those around it.
+fn around(rays: &RayGrid, pixel: usize) -> impl Iterator<Item = usize> {
+    let (width, height) = (rays.width(), rays.height());
+    let (column, row) = (pixel % width, pixel / width);
+    let columns = column.saturating_sub(1)..(column + 2).min(width);
+    let rows = row.saturating_sub(1)..(row + 2).min(height);
+    rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
 }

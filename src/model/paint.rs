@@ -137,11 +137,11 @@ impl<'a> Painter<'a> {
                 Some((echo, values)) if echo == value.echo => values,
                 _ => self.values(value, &points, picture, rays),
             };
-            let lines = Lines { width: picture.width, step: *step, side: side as f64 };
+            let lines = Lines { step: *step, side: side as f64 };
             let mut field = vec![f64::NAN; picture.drawn.len()];
             points.iter().zip(&values).for_each(|(&pixel, value)| field[pixel] = *value);
             for &pixel in &points {
-                paint[pixel].ink = lines.ink(&field, pixel) as f32;
+                paint[pixel].ink = lines.ink(&field, pixel, rays.beside(pixel)) as f32;
             }
         }
         paint
@@ -216,8 +216,6 @@ fn exponent(node: &Node) -> Exponent {
 
 /// Where lines of equal value are in a picture.
 struct Lines {
-    /// Pixels in a row.
-    width: usize,
     /// How far their values are apart.
     step: f64,
     /// How many pixels are as wide as one of the whole picture.
@@ -225,18 +223,13 @@ struct Lines {
 }
 
 impl Lines {
-    /// How much of a pixel lines cover, given the value at each.
-    fn ink(&self, field: &[f64], pixel: usize) -> f64 {
+    /// How much of a pixel lines cover, given the value at each and those [beside](RayGrid::beside) it.
+    fn ink(&self, field: &[f64], pixel: usize, beside: [Option<usize>; 4]) -> f64 {
         let value = field[pixel];
-        let column = pixel % self.width;
-        let off = |there: Option<usize>| {
-            let there = there.and_then(|there| field.get(there).copied()).unwrap_or(f64::NAN);
-            (there - value).abs()
-        };
         // The lesser change to the one or the other side: across an edge of what is seen values jump.
-        let across = off((column > 0).then(|| pixel - 1))
-            .min(off((column + 1 < self.width).then_some(pixel + 1)));
-        let down = off(pixel.checked_sub(self.width)).min(off(Some(pixel + self.width)));
+        let [left, right, above, below] =
+            beside.map(|there| (there.map_or(f64::NAN, |there| field[there]) - value).abs());
+        let (across, down) = (left.min(right), above.min(below));
         let slope = across.hypot(down);
         let away = (value / self.step - (value / self.step).round()).abs() * self.step / slope;
         let width = WIDTH * self.side;
@@ -252,6 +245,8 @@ impl Lines {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
+    use zeroset_trace::{Camera, Projection};
 
     #[test]
     fn lines_are_as_wide_whatever_the_slope() {
@@ -259,17 +254,24 @@ mod tests {
             let (width, height) = (400, 3);
             let field: Vec<f64> =
                 (0..width * height).map(|n| slope * (n % width) as f64 + 0.01).collect();
-            let lines = Lines { width, step: 1.0, side: 1.0 };
+            let (rays, lines) = (rays(width, height), Lines { step: 1.0, side: 1.0 });
             let row = width..2 * width;
-            let ink: f64 = row.clone().map(|pixel| lines.ink(&field, pixel)).sum();
+            let ink: f64 = row.map(|pixel| lines.ink(&field, pixel, rays.beside(pixel))).sum();
             // One for each whole number among the values, and a part of that below the first.
             let crossed = (slope * 399.0 + 0.01).floor();
             assert!((ink / crossed / WIDTH - 1.0).abs() < 0.1, "{slope}: {ink} of {crossed}");
         }
         // Far too many fade into grey, and where nothing changes there is none.
         let field: Vec<f64> = (0..300).map(|n| 7.3 * f64::from(n % 100)).collect();
-        let lines = Lines { width: 100, step: 1.0, side: 1.0 };
-        assert!((100..200).all(|pixel| (lines.ink(&field, pixel) - 0.5).abs() < 1e-9));
-        assert!((100..200).all(|pixel| lines.ink(&[0.3; 300], pixel) == 0.0));
+        let (rays, lines) = (rays(100, 3), Lines { step: 1.0, side: 1.0 });
+        let ink = |field: &[f64], pixel: usize| lines.ink(field, pixel, rays.beside(pixel));
+        assert!((100..200).all(|pixel| (ink(&field, pixel) - 0.5).abs() < 1e-9));
+        assert!((100..200).all(|pixel| ink(&[0.3; 300], pixel) == 0.0));
+    }
+
+    fn rays(width: usize, height: usize) -> RayGrid {
+        let projection = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::new(DVec3::NEG_Y, DVec3::ZERO, DVec3::Z, projection);
+        camera.expect("valid").rays(width, height)
     }
 }

@@ -1,18 +1,20 @@
 //! One picture of a model: surfaces are found one after another, then lit.
 
 use super::paint::{Finish, Painter};
+use super::strips::Overview;
 use super::{Model, Stopwatch, Style, options};
 use crate::legend::Legend;
-use crate::picture::{Normals, Picture, Precision, Settings, Statistics, Times};
+use crate::picture::{Normals, Open, Picture, Precision, Settings, Statistics, Times};
 use crate::program::ProgramError;
 use glam::DVec3;
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::time::Instant;
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
 use zeroset_trace::{
     Appearance, Ball, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource, Pattern,
-    RayGrid, SurfaceColours, Tracer, Work, cap, normals,
+    RayGrid, SurfaceColours, Tracer, Work, borrow_occlusion, cap, normals,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -42,11 +44,12 @@ impl Model {
     ) -> Result<Picture, ProgramError> {
         let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
         let advance = |done| advance(done) && end.is_none_or(|end| Instant::now() < end);
+        let rays = camera.rays(settings.width, settings.height);
         match settings.precision {
             Precision::Auto | Precision::F32 => {
-                Shot::<f32>::new(self, settings, &advance).take(camera)
+                Shot::<f32>::new(self, settings, &advance).take(&rays)
             }
-            Precision::F64 => Shot::<f64>::new(self, settings, &advance).take(camera),
+            Precision::F64 => Shot::<f64>::new(self, settings, &advance).take(&rays),
         }
     }
 }
@@ -101,12 +104,21 @@ pub(super) struct Shot<'a, T> {
     pub model: &'a Model,
     pub settings: &'a Settings,
     pub advance: Advance<'a>,
+    /// What is known of the whole, if this is a strip.
+    overview: Option<&'a Overview>,
+    /// The rows that are kept of a strip; `None` if all are.
+    pub own: Option<Range<usize>>,
     floats: PhantomData<fn() -> T>,
 }
 
 impl<'a, T: KernelFloat> Shot<'a, T> {
-    fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
-        Self { model, settings, advance, floats: PhantomData }
+    pub fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
+        Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
+    }
+
+    /// The same for some rows of a strip.
+    pub fn of_strip(self, overview: Option<&'a Overview>, own: Range<usize>) -> Self {
+        Self { overview, own: Some(own), ..self }
     }
 
     /// The method at work on a surface.
@@ -160,12 +172,12 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         2.0 * self.model.region.half_extent()
     }
 
-    fn take(&self, camera: &Camera) -> Result<Picture, ProgramError> {
+    /// The picture of these rays, of which only some rows may be kept.
+    pub fn take(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let Self { model, settings, advance, .. } = *self;
         let mut watch = Stopwatch::start();
         let mut times = model.times.unwrap_or_default();
-        let (width, height) = (settings.width, settings.height);
-        let rays = camera.rays(width, height);
+        let (width, height) = (rays.width(), rays.height());
         let mut work = Work::default();
         let mut picture: Option<GBuffer> = None;
         let last = model.seen().last();
@@ -175,9 +187,9 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             if settings.brackets {
                 layer = layer.with_brackets();
             }
-            work += self.find(surface, &*tracer, &rays, &[], &mut layer, advance)?;
+            work += self.find(surface, &*tracer, rays, &[], &mut layer, advance)?;
             times.trace += watch.lap();
-            work += self.face(surface, &rays, &mut layer)?;
+            work += self.face(surface, rays, &mut layer)?;
             // One layer at a time, so that many surfaces take no more memory than one.
             match &mut picture {
                 None => picture = Some(layer),
@@ -196,12 +208,23 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         }
 
         let mut buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
-        let lit = self.light(&rays, &mut buffer, &mut times)?;
+        let mut lit = self.light(rays, &mut buffer, &mut times)?;
+        if let Some(own) = &self.own {
+            buffer.crop(own.clone());
+            lit.rgb.truncate(3 * width * own.end);
+            lit.rgb.drain(..(3 * width * own.start).min(lit.rgb.len()));
+        }
         work += lit.work;
         let made = model.program.made();
+        let pixels = buffer.counts();
         let statistics = Statistics {
             times,
-            pixels: buffer.counts(),
+            pixels,
+            open: if pixels.undecided > 0 {
+                Open::of(&buffer, settings.method.proves)
+            } else {
+                Open::default()
+            },
             work,
             edge_rays: lit.edge_rays,
             code_bytes: made.iter().map(|made| made.bytes).sum(),
@@ -246,7 +269,10 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         times.occlude += watch.lap();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
         if settings.normals.is_some() {
-            let painter = Painter::new(self.model, buffer, rays);
+            let painter = match self.overview {
+                Some(whole) => Painter::new(self.model, &whole.picture.buffer, &whole.rays),
+                None => Painter::new(self.model, buffer, rays),
+            };
             let finish = Finish { appearance: self.appearance(light), painter };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let mut layers = Vec::new();
@@ -296,12 +322,16 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         if !occludes && shadow_depth.is_none() || !advance(0) {
             return Ok(work);
         }
-        let near = Near::new(buffer, rays, model.region.centre());
-        if shadow_depth.is_some() {
+        let near = || Near::new(buffer, rays, model.region.centre());
+        let overview = self.overview.filter(|_| occludes);
+        let near = (shadow_depth.is_some() || overview.is_none()).then(near);
+        if let Some(near) = near.as_ref().filter(|_| shadow_depth.is_some()) {
             // Twice, since beside an edge a square is not whole.
             (0..2).for_each(|_| near.mean(&mut buffer.shadow));
         }
-        if occludes {
+        if let Some(whole) = overview {
+            borrow_occlusion(buffer, rays, &whole.picture.buffer, &whole.rays);
+        } else if let Some(near) = near.filter(|_| occludes) {
             near.occlusion(buffer, NEAR * self.extent());
             near.mean(&mut buffer.occlusion);
         }

@@ -15,6 +15,7 @@ mod soundness;
 mod stability;
 mod stability_proofs;
 mod stability_solids;
+mod strips;
 mod truth;
 mod truth_support;
 mod words;

@@ -44,17 +44,8 @@ impl Builder<'_> {
         let (arguments, place) = if let Some(pair) = brackets {
             items.pop_front();
             let place = self.span(&pair);
-            let mut arguments = self.arguments(pair, place)?;
-            // `root(3)(x)` of AsciiMath.
-            if let (Callee::BuiltIn(name), 1, Some(Item::Group(radicand))) =
-                (&callee, arguments.len(), items.front())
-                && name == "root"
-            {
-                let radicand = radicand.clone();
-                items.pop_front();
-                arguments.insert(0, self.group(radicand)?);
-            }
-            (arguments, place)
+            let arguments = self.arguments(pair, place)?;
+            (self.with_radicand(&callee, arguments, items)?, place)
         } else {
             let argument = self.bare_argument(&callee, span, items)?;
             let place = argument.span;
@@ -70,7 +61,27 @@ impl Builder<'_> {
         })
     }
 
+    /// The second pair of brackets in `root(3)(x)` of `AsciiMath`.
+    #[inline(never)] // keeps the stack frames of nested calls small
+    fn with_radicand(
+        &mut self,
+        callee: &Callee,
+        mut arguments: Vec<Expr>,
+        items: &mut Items<'_>,
+    ) -> Fallible<Vec<Expr>> {
+        if let (Callee::BuiltIn(name), 1, Some(Item::Group(radicand))) =
+            (callee, arguments.len(), items.front())
+            && name == "root"
+        {
+            let radicand = radicand.clone();
+            items.pop_front();
+            arguments.insert(0, self.group(radicand)?);
+        }
+        Ok(arguments)
+    }
+
     /// The arguments in brackets, or the only one in braces.
+    #[inline(never)]
     fn arguments(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
         if pair.as_rule() == Rule::group {
             return pair.into_inner().map(|argument| self.argument(argument)).collect();
@@ -79,6 +90,7 @@ impl Builder<'_> {
     }
 
     /// The exponent between a function and its argument, `sin^2 x`.
+    #[inline(never)]
     fn function_exponent(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
         let signs = match items.pop_front() {
             Some(Item::Superscript(number)) => return Ok(number),
@@ -90,6 +102,7 @@ impl Builder<'_> {
         self.signed(&signs, |_| Ok(exponent))
     }
 
+    #[inline(never)]
     fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
         let name = callee.name().to_owned();
         let inverse = match (callee, name.as_str()) {
@@ -112,6 +125,7 @@ impl Builder<'_> {
     }
 
     /// The argument of a function without brackets.
+    #[inline(never)]
     fn bare_argument(
         &mut self,
         callee: &Callee,
@@ -163,6 +177,7 @@ impl Builder<'_> {
     }
 
     /// A call with its arguments counted.
+    #[inline(never)]
     pub(crate) fn call(
         &mut self,
         callee: &Callee,

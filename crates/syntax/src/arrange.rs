@@ -47,6 +47,7 @@ pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallib
     let mut tokens = tokens;
     if !is_setting {
         trim(text, &mut tokens);
+        spreadsheet(text, &mut tokens);
     }
     let series = tokens.iter().filter(|token| matches!(token.symbol, 'Σ' | 'Π'));
     if let Some(token) = series.clone().nth(limits.depth / 4) {
@@ -77,12 +78,41 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
     {
         tokens.pop();
     }
+    // What marks a quotation or bold letters, in quotation marks, or quoted in a letter.
+    if let [first, .., last] = tokens.as_slice()
+        && [("**", "**"), ("‘", "’"), ("'", "'")].contains(&(typed(first), typed(last)))
+    {
+        tokens.pop();
+        tokens.remove(0);
+    }
+    while tokens.len() > 1 && typed(&tokens[0]) == ">" {
+        tokens.remove(0);
+    }
     if let [label, colon, _, ..] = tokens.as_slice()
         && label.symbol == 'a'
         && colon.symbol == ':'
         && !tokens.iter().any(|token| token.symbol == '⸮')
     {
         tokens.drain(..2);
+    }
+}
+
+/// Takes away the sign that a cell begins with, and what only cells have: semicolons in brackets, `PI()`.
+fn spreadsheet(text: &str, tokens: &mut Vec<Token>) {
+    if tokens.len() < 2 || tokens[0].symbol != '=' {
+        return;
+    }
+    tokens.remove(0);
+    for token in tokens.iter_mut().filter(|token| token.symbol == ';') {
+        token.symbol = ',';
+    }
+    let mut index = 0;
+    while index + 2 < tokens.len() {
+        let is_pi = text[tokens[index].span.range()].eq_ignore_ascii_case("pi");
+        if is_pi && tokens[index + 1].symbol == '(' && tokens[index + 2].symbol == ')' {
+            tokens.drain(index + 1..=index + 2);
+        }
+        index += 1;
     }
 }
 
@@ -156,6 +186,18 @@ impl Arranger<'_> {
         {
             // A comma behind the last argument.
             segments.pop();
+            if let Some((_, comma)) = segments.last_mut() {
+                *comma = None;
+            }
+        }
+        if open.is_some_and(|open| open.symbol == '(') {
+            // Arguments of numpy and SymPy that leave a value as it is.
+            let is_option = |(segment, _): &(Vec<Node>, Option<Token>)| {
+                segment.len() > 2
+                    && segment[1].is('=')
+                    && ["axis", "keepdims", "evaluate"].iter().any(|w| self.is_word(&segment[0], w))
+            };
+            segments.retain(|segment| !is_option(segment));
             if let Some((_, comma)) = segments.last_mut() {
                 *comma = None;
             }
@@ -262,6 +304,9 @@ impl Arranger<'_> {
                 token.symbol = '∧';
             }
         }
+        if open.is_none() {
+            self.condition_behind(&mut nodes, out.is_empty());
+        }
         if let Some(at) = nodes.iter().position(|node| node.is('÷')) {
             over(nodes, at, out);
             return Ok(());
@@ -285,6 +330,25 @@ impl Arranger<'_> {
         }
         flatten(nodes, out);
         Ok(())
+    }
+
+    /// `x + y = z where z > 0` as `x + y = z {z > 0}`.
+    fn condition_behind(&self, nodes: &mut Vec<Node>, is_first: bool) {
+        let is_lead =
+            |node: &Node| ["where", "when", "for"].iter().any(|word| self.is_word(node, word));
+        let Some(at) = nodes.iter().position(is_lead).filter(|at| *at > 0 && is_first) else {
+            return;
+        };
+        let compares = |node: &Node| "<≤>≥".chars().any(|sign| node.is(sign));
+        if !nodes[at + 1..].iter().any(compares) {
+            return;
+        }
+        let mut inner = Vec::new();
+        flatten(nodes.split_off(at + 1), &mut inner);
+        let Some(word) = nodes.pop() else { return };
+        let end = inner.last().map_or(word.span().end, |last| last.span.end);
+        let open = Token::new('{', Span::at(word.span().end));
+        nodes.push(Node::Group(open, inner, Token::new('}', Span::at(end))));
     }
 
     /// `if c then a else b` as `c ? a : b`.

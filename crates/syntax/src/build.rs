@@ -144,36 +144,48 @@ impl<'a> Builder<'a> {
             let found = crate::spelling::short_name(self.typed(&pair));
             return Err(Error::new(span, ErrorKind::Unexpected { found }));
         }
-        let mut parts = pair.into_inner();
-        match (parts.next(), parts.peek()) {
-            // Most are no more than a sum: brackets inside brackets then take less of the stack.
-            (Some(sum), None) => self.deeper(span, 1, |b| b.sum(sum)),
-            (first, _) => {
-                let parts: Vec<Pair<'_>> = first.into_iter().chain(parts).collect();
-                self.deeper(span, 1, |b| b.condition(&parts))
-            }
-        }
+        let mut parts = parts_of(pair);
+        self.deeper(span, 1, |b| match parts.as_slice() {
+            [_] => b.sum(parts.remove(0)),
+            _ => b.condition(&parts),
+        })
     }
 
+    // What nests does so through the functions from here on to those that read brackets: of each, what is not on that
+    // way is a function by itself, or the stack would have room for it at every level.
+
+    #[inline(never)]
     fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
         let mut any = Vec::new();
         for parts in parts.split(|part| part.as_str() == "∨") {
             let mut all = Vec::new();
             for parts in parts.split(|part| part.as_str() == "∧") {
-                all.push(self.negation(parts)?);
+                let expr = match parts {
+                    [only] => self.sum(only.clone()),
+                    _ => self.negation(parts),
+                };
+                push(&mut all, expr)?;
             }
-            any.push(joined(all, "and")?);
+            push(&mut any, joined(all, "and"))?;
         }
         joined(any, "or")
     }
 
+    #[inline(never)]
     fn negation(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
         let count = parts.iter().take_while(|part| part.as_rule() == Rule::not).count();
         let (words, chain) = parts.split_at(count);
         if let Some(first) = words.first() {
             self.room(self.span(first), count)?;
         }
-        let mut expr = self.chain(chain)?;
+        let sides = self.chain(chain)?;
+        self.denied(sides, words)
+    }
+
+    /// A chain of comparisons, with each `not` before it.
+    #[inline(never)]
+    fn denied(&self, sides: Sides, words: &[Pair<'_>]) -> Fallible<Expr> {
+        let mut expr = compared(sides)?;
         for word in words.iter().rev() {
             condition_only(&expr, "not")?;
             let span = self.span(word).to(expr.span);
@@ -182,52 +194,47 @@ impl<'a> Builder<'a> {
         Ok(expr)
     }
 
-    fn chain(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
-        let first = self.sum(parts[0].clone())?;
-        let mut rest = Vec::new();
-        let mut equals: Option<Span> = None;
-        for side in parts[1..].chunks(2) {
-            let place = self.span(&side[0]);
-            let relation = relation(&side[0]);
-            if relation == Relation::Equal && equals.replace(place).is_some() {
-                return Err(Error::new(place, ErrorKind::SeveralEquals));
+    /// What is compared, with the relation before each side, and where that is.
+    fn chain(&mut self, parts: &[Pair<'_>]) -> Fallible<Sides> {
+        let mut sides = Vec::new();
+        let mut place = Span::at(0);
+        let mut relation_before = Relation::Equal;
+        for (index, part) in parts.iter().enumerate() {
+            if index % 2 == 0 {
+                sides.push((relation_before, place, self.sum(part.clone())?));
+            } else {
+                (relation_before, place) = (relation(part), self.span(part));
             }
-            rest.push((relation, self.sum(side[1].clone())?));
         }
-        let Some((_, last)) = rest.last() else {
-            return Ok(first);
-        };
-        if let (Some(place), true) = (equals, rest.len() > 1) {
-            return Err(Error::new(place, ErrorKind::MixedChain));
-        }
-        let span = first.span.to(last.span);
-        numbers_only(std::iter::once(&first).chain(rest.iter().map(|(_, side)| side)))?;
-        Ok(Expr::new(ExprKind::Compare(Box::new(first), rest), span))
+        Ok(sides)
     }
 
+    #[inline(never)]
     pub(crate) fn sum(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let span = self.span(&pair);
         let mut pairs = pair.into_inner();
-        let first = self.term(&mut pairs)?;
-        let mut rest = Vec::new();
-        // A term ends before a plus or a minus.
-        while let Some(operator) = pairs.next() {
-            rest.push((sign(&operator), self.term(&mut pairs)?));
+        let mut before = SumSign::Plus;
+        let mut terms = Vec::new();
+        loop {
+            terms.push((before, self.term(&mut pairs)?));
+            // A term ends before a plus or a minus.
+            match pairs.next() {
+                Some(operator) => before = sign(&operator),
+                None => return sum_of_terms(terms),
+            }
         }
-        if rest.is_empty() {
-            return Ok(first);
-        }
-        numbers_only(std::iter::once(&first).chain(rest.iter().map(|(_, term)| term)))?;
-        Ok(sum_of(first, rest, span))
     }
 
     /// A product with the signs before it.
     pub(crate) fn term(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let signs = self.signs(pairs);
+        if signs.is_empty() {
+            return self.product(pairs);
+        }
         self.signed(&signs, |b| b.product(pairs))
     }
 
     /// Takes the signs that stand next.
+    #[inline(never)]
     pub(crate) fn signs(&self, pairs: &mut Pairs<'_>) -> Signs {
         let mut signs = Signs::new();
         while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() == Rule::sign) {
@@ -247,62 +254,76 @@ impl<'a> Builder<'a> {
             return build(self);
         };
         let minus = signs.iter().filter(|(sign, _)| *sign == SumSign::Minus);
-        let mut expr = self.deeper(*first, minus.clone().count(), build)?;
-        number_only(&expr)?;
-        for (_, span) in minus.rev() {
-            let span = span.to(expr.span);
-            expr = expr.negated(span);
-        }
-        Ok(expr)
+        negated(self.deeper(*first, minus.count(), build)?, signs)
     }
 
+    #[inline(never)]
     fn product(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
-        let mut joint = ProductSign::Times;
-        let mut function = None;
+        let mut joint = Joint { sign: ProductSign::Times, function: None };
         let mut factors: Vec<(ProductSign, Expr)> = Vec::new();
         loop {
             let signs = self.signs(pairs);
-            let mut run = self.run(pairs)?.into_iter();
-            let first = run.next().expect("a run has a first factor");
-            let first = self.signed(&signs, |_| Ok(first))?;
-            let others: Vec<Expr> = run.collect();
-            let first = match (factors.pop(), function.take()) {
-                (Some((sign, left)), Some(function)) => {
-                    joint = sign;
-                    let span = left.span.to(first.span);
-                    Expr::new(ExprKind::Call(function, vec![left, first]), span)
-                }
-                (before, _) => {
-                    factors.extend(before);
-                    first
-                }
-            };
-            if joint == ProductSign::Over {
-                self.note_division(&factors, &first, &others);
+            let run = self.run(pairs)?;
+            self.join(&mut factors, joint, &signs, run)?;
+            match self.joint(pairs) {
+                Some(next) => joint = next,
+                None => return product_of(factors),
             }
-            factors.push((joint, first));
-            factors.extend(others.into_iter().map(|f| (ProductSign::Times, f)));
-            joint = match pairs.peek().map(|operator| operator.as_str()) {
-                Some("*" | "⊙" | "٪") => ProductSign::Times,
-                Some("/") => ProductSign::Over,
-                _ => break,
-            };
-            let Some(operator) = pairs.next() else { break };
-            function = match operator.as_str() {
-                "⊙" => Some(Function::OfVectors(VectorFunction::Dot)),
-                "٪" => {
-                    let span = self.span(&operator);
-                    self.note(span, NoteKind::Remainder);
-                    self.scope.forms(&Callee::BuiltIn("mod".to_owned())).function(2)
-                }
-                _ => None,
-            };
         }
-        product_of(factors)
+    }
+
+    /// Takes the operator that joins a further run to a product.
+    #[inline(never)]
+    fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<Joint> {
+        let operator = pairs.peek()?;
+        let (sign, function) = match operator.as_str() {
+            "*" => (ProductSign::Times, None),
+            "/" => (ProductSign::Over, None),
+            "⊙" => (ProductSign::Times, Some(Function::OfVectors(VectorFunction::Dot))),
+            "٪" => {
+                self.note(self.span(&operator), NoteKind::Remainder);
+                let remainder = self.scope.forms(&Callee::BuiltIn("mod".to_owned()));
+                (ProductSign::Times, remainder.function(2))
+            }
+            _ => return None,
+        };
+        pairs.next();
+        Some(Joint { sign, function })
+    }
+
+    /// Joins a run to the factors before it.
+    #[inline(never)]
+    fn join(
+        &mut self,
+        factors: &mut Vec<(ProductSign, Expr)>,
+        mut joint: Joint,
+        signs: &Signs,
+        run: Vec<Expr>,
+    ) -> Fallible<()> {
+        let mut run = run.into_iter();
+        let first = run.next().expect("a run has a first factor");
+        let first = self.signed(signs, |_| Ok(first))?;
+        let others: Vec<Expr> = run.collect();
+        let first = match (factors.pop(), joint.function) {
+            (Some((sign, left)), Some(function)) => {
+                joint.sign = sign;
+                let span = left.span.to(first.span);
+                Expr::new(ExprKind::Call(function, vec![left, first]), span)
+            }
+            (before, _) => {
+                factors.extend(before);
+                first
+            }
+        };
+        if joint.sign == ProductSign::Over {
+            self.note_division(factors, &first, &others);
+        }
+        factors.push((joint.sign, first));
+        factors.extend(others.into_iter().map(|f| (ProductSign::Times, f)));
+        Ok(())
     }
 
     /// Notes a division that may be meant to end elsewhere.
-    #[inline(never)] // keeps its text out of the stack frames of nested products
     fn note_division(&mut self, before: &[(ProductSign, Expr)], divisor: &Expr, others: &[Expr]) {
         let Some((_, numerator)) = before.last() else {
             return;
@@ -315,6 +336,57 @@ impl<'a> Builder<'a> {
             self.note(numerator.span.to(end), kind);
         }
     }
+}
+
+/// How a run is joined to the factors before it.
+struct Joint {
+    sign: ProductSign,
+    /// What is made of the last factor and the next.
+    function: Option<Function>,
+}
+
+/// What is compared: the relation before each side, and where that is.
+type Sides = Vec<(Relation, Span, Expr)>;
+
+#[inline(never)]
+fn parts_of(pair: Pair<'_>) -> Vec<Pair<'_>> {
+    pair.into_inner().collect()
+}
+
+#[inline(never)]
+fn push(all: &mut Vec<Expr>, expr: Fallible<Expr>) -> Fallible<()> {
+    all.push(expr?);
+    Ok(())
+}
+
+/// A chain of comparisons; a side alone is itself.
+fn compared(mut sides: Sides) -> Fallible<Expr> {
+    let (_, _, first) = sides.remove(0);
+    let Some((_, _, last)) = sides.last() else { return Ok(first) };
+    let span = first.span.to(last.span);
+    let mut equals = sides.iter().filter(|(relation, ..)| *relation == Relation::Equal);
+    if let Some((_, place, _)) = equals.next() {
+        if let Some((_, place, _)) = equals.next() {
+            return Err(Error::new(*place, ErrorKind::SeveralEquals));
+        }
+        if sides.len() > 1 {
+            return Err(Error::new(*place, ErrorKind::MixedChain));
+        }
+    }
+    numbers_only(std::iter::once(&first).chain(sides.iter().map(|(.., side)| side)))?;
+    let rest = sides.into_iter().map(|(relation, _, side)| (relation, side)).collect();
+    Ok(Expr::new(ExprKind::Compare(Box::new(first), rest), span))
+}
+
+/// The opposite of a number for each minus sign.
+#[inline(never)]
+fn negated(mut expr: Expr, signs: &[(SumSign, Span)]) -> Fallible<Expr> {
+    number_only(&expr)?;
+    for (_, span) in signs.iter().rev().filter(|(sign, _)| *sign == SumSign::Minus) {
+        let span = span.to(expr.span);
+        expr = expr.negated(span);
+    }
+    Ok(expr)
 }
 
 /// The note on `1/2x`: the divisor may be meant to be the whole product.
@@ -355,8 +427,21 @@ pub(crate) fn root_text(radicand: &Expr, index: u32) -> String {
     }
 }
 
+/// A sum of terms with their signs, the first a plus; a term alone is itself.
+#[inline(never)]
+fn sum_of_terms(mut terms: Vec<(SumSign, Expr)>) -> Fallible<Expr> {
+    if terms.len() > 1 {
+        numbers_only(terms.iter().map(|(_, term)| term))?;
+    }
+    let (_, first) = terms.remove(0);
+    let Some((_, last)) = terms.last() else { return Ok(first) };
+    let span = first.span.to(last.span);
+    Ok(sum_of(first, terms, span))
+}
+
 /// A product of one or more factors, which must be numbers; one inside its first factor is opened,
 /// since it means the same.
+#[inline(never)]
 pub(crate) fn product_of(mut factors: Vec<(ProductSign, Expr)>) -> Fallible<Expr> {
     let (_, first) = factors.remove(0);
     let Some((_, last)) = factors.last() else {
@@ -386,6 +471,7 @@ pub(crate) fn sum_of(first: Expr, mut more: Vec<(SumSign, Expr)>, span: Span) ->
     Expr::new(ExprKind::Sum(first, rest), span)
 }
 
+#[inline(never)]
 pub(crate) fn sign(pair: &Pair<'_>) -> SumSign {
     if pair.as_str() == "+" { SumSign::Plus } else { SumSign::Minus }
 }
@@ -403,6 +489,7 @@ pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
 }
 
 /// One operand, or several joined by `word`.
+#[inline(never)]
 pub(crate) fn joined(mut operands: Vec<Expr>, word: &str) -> Fallible<Expr> {
     if operands.len() == 1 {
         return Ok(operands.remove(0));

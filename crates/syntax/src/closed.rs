@@ -13,82 +13,122 @@ impl Builder<'_> {
     /// Round or square brackets around one expression.
     pub(crate) fn group(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
-        let is_square = pair.as_str().starts_with('[');
-        let whole = pair.clone();
-        let mut inner = pair.into_inner();
-        let kind = match (inner.next(), inner.next()) {
-            (Some(only), None) => {
-                return self.expression(only).map(|expr| Expr::new(expr.kind, span));
+        match only_part(&pair) {
+            Some(only) => {
+                let mut expr = self.expression(only)?;
+                expr.span = span;
+                Ok(expr)
             }
-            (None, _) => ErrorKind::EmptyBrackets,
-            _ if is_square => return self.deeper(span, 1, |b| b.list(whole, span)),
-            _ => ErrorKind::Tuple,
-        };
-        Err(Error::new(span, kind))
+            None => self.several(pair, span),
+        }
+    }
+
+    /// Brackets around nothing, or around more than one expression.
+    #[inline(never)] // keeps the stack frames of nested brackets small
+    fn several(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        if pair.clone().into_inner().next().is_none() {
+            return Err(Error::new(span, ErrorKind::EmptyBrackets));
+        }
+        if pair.as_str().starts_with('[') {
+            return self.deeper(span, 1, |b| b.list(pair, span));
+        }
+        Err(Error::new(span, ErrorKind::Tuple))
     }
 
     /// Braces, bars, brackets that round, a fraction or a root.
     pub(crate) fn closed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        let rule = pair.as_rule();
-        let first = pair.as_str().chars().next();
-        let typed = self.typed(&pair);
-        let whole = pair.clone();
-        let mut inner = pair.into_inner();
-        match rule {
-            Rule::enclosed => {
-                let op = match first {
-                    Some('⌊') => Op::Floor,
-                    Some('⌈') => Op::Ceil,
-                    _ => Op::Abs,
-                };
-                let inner = self.argument(inner.next().expect("bars hold an expression"))?;
-                if op == Op::Abs && is_vector(&inner) {
-                    let length = self.scope.forms(&Callee::BuiltIn("length".to_owned()));
-                    let length = length.function(1).expect("a function of one value");
-                    return Ok(Expr::new(ExprKind::Call(length, vec![inner]), span));
-                }
-                Ok(native(op, inner, span))
-            }
-            Rule::choice => self.choice(whole, span),
-            Rule::list => self.list(whole, span),
-            Rule::series => self.big_series(whole, span),
-            Rule::fraction => {
-                let parts: Fallible<_> = inner.map(|part| self.part(part)).collect();
-                product_of(parts?).map(|quotient| Expr::new(quotient.kind, span))
-            }
-            Rule::vulgar => {
-                let digits = typed.chars().next().and_then(vulgar);
-                let digits = digits.expect("the scanner knows no others");
-                let part = |digit: char| (ProductSign::Over, number(digit.to_string(), span));
-                product_of(digits.map(part).to_vec())
-            }
-            Rule::root => {
-                let first = inner.next().expect("a root has braces");
-                let Some(radicand) = inner.next() else {
-                    let (_, radicand) = self.part(first)?;
-                    return Ok(native(Op::Sqrt, radicand, span));
-                };
-                let index = self.value(first.into_inner().next().expect("an index"))?;
-                let (_, radicand) = self.part(radicand)?;
-                Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
-            }
+        // Each is a function by itself, so that what nests in one does not take the stack of all.
+        match pair.as_rule() {
+            Rule::enclosed => self.enclosed(pair, span),
+            Rule::choice => self.choice(pair, span),
+            Rule::list => self.list(pair, span),
+            Rule::series => self.big_series(pair, span),
+            Rule::fraction => self.fraction(pair, span),
+            Rule::vulgar => vulgar_fraction(self.typed(&pair), span),
+            Rule::root => self.root(pair, span),
             _ => {
-                let expr = self.sum(inner.next().expect("braces hold a sum"))?;
+                let expr = self.sum(first_part(pair))?;
                 number_only(&expr)?;
                 Ok(expr)
             }
         }
     }
 
-    /// A part of a fraction, or what is below a root: one digit, or braces.
-    fn part(&mut self, pair: Pair<'_>) -> Fallible<(ProductSign, Expr)> {
-        let span = self.span(&pair);
-        let part = match pair.as_rule() {
-            Rule::digit => number(self.typed(&pair).to_owned(), span),
-            _ => self.deeper(span, 1, |b| b.closed(pair, span))?,
+    #[inline(never)]
+    fn enclosed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        let op = match pair.as_str().chars().next() {
+            Some('⌊') => Op::Floor,
+            Some('⌈') => Op::Ceil,
+            _ => Op::Abs,
         };
-        Ok((ProductSign::Over, part))
+        let inner = self.argument(first_part(pair))?;
+        if op == Op::Abs && is_vector(&inner) {
+            return Ok(self.length_of(inner, span));
+        }
+        Ok(native(op, inner, span))
     }
+
+    #[inline(never)]
+    fn length_of(&self, vector: Expr, span: Span) -> Expr {
+        let length = self.scope.forms(&Callee::BuiltIn("length".to_owned()));
+        let length = length.function(1).expect("a function of one value");
+        Expr::new(ExprKind::Call(length, vec![vector]), span)
+    }
+
+    #[inline(never)]
+    fn fraction(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        let mut parts = Vec::with_capacity(2);
+        for part in pair.into_inner() {
+            parts.push((ProductSign::Over, self.part(part)?));
+        }
+        let mut quotient = product_of(parts)?;
+        quotient.span = span;
+        Ok(quotient)
+    }
+
+    #[inline(never)]
+    fn root(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        let mut inner = pair.into_inner();
+        let first = inner.next().expect("a root has braces");
+        let Some(radicand) = inner.next() else {
+            return self.part(first).map(|radicand| native(Op::Sqrt, radicand, span));
+        };
+        let index = self.value(first_part(first))?;
+        let radicand = self.part(radicand)?;
+        Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
+    }
+
+    /// A part of a fraction, or what is below a root: one digit, or braces.
+    #[inline(never)]
+    fn part(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let span = self.span(&pair);
+        match pair.as_rule() {
+            Rule::digit => Ok(number(self.typed(&pair).to_owned(), span)),
+            _ => self.deeper(span, 1, |b| b.closed(pair, span)),
+        }
+    }
+}
+
+/// The only part of what stands in brackets.
+#[inline(never)]
+fn only_part<'i>(pair: &Pair<'i>) -> Option<Pair<'i>> {
+    let mut inner = pair.clone().into_inner();
+    inner.next().filter(|_| inner.next().is_none())
+}
+
+/// The first part of what always has one.
+#[inline(never)]
+fn first_part(pair: Pair<'_>) -> Pair<'_> {
+    pair.into_inner().next().expect("the grammar has something in brackets")
+}
+
+/// A fraction in one character.
+#[inline(never)]
+fn vulgar_fraction(typed: &str, span: Span) -> Fallible<Expr> {
+    let digits = typed.chars().next().and_then(vulgar);
+    let digits = digits.expect("the scanner knows no others");
+    let part = |digit: char| (ProductSign::Over, number(digit.to_string(), span));
+    product_of(digits.map(part).to_vec())
 }
 
 /// Whether an expression is a vector by its form alone.

@@ -7,6 +7,7 @@
 use crate::arrange::statements;
 use crate::ast::{Definition, Expr, ExprKind, Name, NamedValue, Statement};
 use crate::build::Builder;
+use crate::grammar::Rule;
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::program::Wrap;
@@ -98,7 +99,15 @@ pub(crate) fn settle(text: &str, lines: &mut [Line<'_>], scope: &Scope) {
                 .is_some_and(|all| all.binary_search_by_key(&index, |(at, _)| *at).is_ok());
             other != own && here && !has(other)
         });
-        if in_terms_of_others && !used_elsewhere {
+        // `theta = z/2`; with x or y it may be how the name is defined.
+        let is_here = |axis: &str| {
+            uses.get(axis)
+                .is_some_and(|all| all.binary_search_by_key(&index, |(at, _)| *at).is_ok())
+        };
+        let is_restricted =
+            line.pair.clone().into_inner().any(|part| part.as_rule() == Rule::restriction);
+        let in_terms_of_z = is_here("z") && !is_restricted && !is_here("x") && !is_here("y");
+        if (in_terms_of_others || in_terms_of_z) && !used_elsewhere {
             line.head = None;
         }
     }

@@ -99,6 +99,8 @@ pub enum ErrorKind {
     TooManySurfaces { limit: usize },
     #[error("this is nested more than {limit} levels deep")]
     TooDeep { limit: usize },
+    #[error("what is nested here takes more stack than this thread has left")]
+    NoStack,
     #[error("with its definitions expanded, the formula has more than {limit} operations")]
     TooLarge { limit: usize },
     #[error("the text is not valid UTF-8: byte {offset} cannot be read")]
@@ -209,6 +211,12 @@ pub enum ErrorKind {
     Degree { limit: u32 },
     #[error("there are no parametric surfaces")]
     Parametric,
+    #[error("this plots in coordinates of its own")]
+    PlotCoordinates,
+    #[error("this is no equation but the name of a solid")]
+    Solid { formula: &'static str },
+    #[error("this is a formula in words")]
+    InWords,
     #[error("the step of a sum must be 1 or more")]
     SeriesStep,
     #[error("there are at most {limit} terms or repetitions")]

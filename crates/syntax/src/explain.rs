@@ -1,6 +1,7 @@
 //! Why something is an error and what to do about it, in words.
 
 use crate::error::{Error, ErrorKind, Suggestion};
+use crate::setting::setting;
 use crate::spelling::PRESETS;
 
 /// Longest piece of corrected text that is quoted.
@@ -14,7 +15,7 @@ impl Error {
             ErrorKind::UnclosedBar => "this bar",
             ErrorKind::MissingAfter { .. } => "expected a value after this",
             ErrorKind::MissingBefore { .. } => "expected a value before this",
-            ErrorKind::TooDeep { .. } => "nesting limit exceeded here",
+            ErrorKind::TooDeep { .. } | ErrorKind::NoStack => "nesting limit exceeded here",
             ErrorKind::UnknownName { .. } => "no value has this name",
             ErrorKind::UnknownFunction { .. } => "no function has this name",
             ErrorKind::SeveralEquals => "the second one",
@@ -233,6 +234,7 @@ fn is_clause(word: &str) -> bool {
 fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
+        ErrorKind::Unclosed { .. } => "write the bracket that closes it where it should end",
         ErrorKind::Unopened { .. } => "remove it, or open a bracket before it",
         ErrorKind::NestedBars | ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => {
             "write `abs(…)` in place of bars"
@@ -282,6 +284,14 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
         }
+        ErrorKind::PlotCoordinates => {
+            "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
+             or with `r`, `theta` and `z`"
+        }
+        ErrorKind::Solid { formula } => formula,
+        ErrorKind::InWords => {
+            "write signs: `x^2` for x squared, `sqrt(x)` for a square root, `+`, `-`, `*`, `/`, and `=` for equals"
+        }
         ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
         ErrorKind::TooManyTerms { .. } => "end the range earlier",
         ErrorKind::Complex => "rewrite the formula with real and imaginary parts",
@@ -313,17 +323,21 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::OverrideCoordinate { .. } => "to crop the picture, set a domain",
         ErrorKind::UnknownOverride { .. } => "use it in the formula, or drop the setting",
         ErrorKind::OverrideFunction { .. } => "change its definition in the text instead",
-        ErrorKind::BadDomain => {
-            "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
-             `domain x in [-2, 2], y in [-1, 1]` or six numbers"
-        }
-        ErrorKind::BadColor => "write a name of CSS such as `orange`, or `#ff8800`",
+        _ => return line_advice(kind),
+    })
+}
+
+/// The same, on lines about the picture.
+fn line_advice(kind: &ErrorKind) -> Option<&'static str> {
+    Some(match kind {
+        ErrorKind::BadDomain => setting("domain")?.hint,
+        ErrorKind::BadColor => setting("background")?.hint,
         ErrorKind::BadColorMap => {
             "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, `spectral`, \
              `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
         }
         ErrorKind::BadSetting { hint, .. } => hint,
-        ErrorKind::BadLook => "there are `studio`, `flat`, `paper` and `night`",
+        ErrorKind::BadLook => setting("look")?.hint,
         _ => return None,
     })
 }
@@ -353,10 +367,11 @@ fn character_help(character: char) -> Option<&'static str> {
         '?' => "a choice is written `c ? a : b` or `{c: a, b}`",
         '%' => "the remainder is written `mod(a, b)`",
         '~' => "write `not`, or `=`",
+        '_' => "a subscript is a part of a name, `x_1`; a norm is `length((x, y, z))`",
         '°' => "write `30*pi/180` for 30 degrees",
         '±' => "write two formulas, one a line, or square both sides",
         '\\' => "a LaTeX command has a name, such as `\\sin`",
-        '.' => "a product is written `*`",
+        '.' => "a product is written `*`, a method as a function: `dot(a, b)`",
         _ => return None,
     })
 }

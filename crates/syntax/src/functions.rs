@@ -6,7 +6,7 @@ use crate::calls::{Given, Procedure};
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::note::{Note, NoteKind};
-use crate::program_words::{Words, bracketed, closing, split};
+use crate::program_words::{SCENES, Words, bracketed, closing, size_of, split};
 use crate::reader::{Frame, Reader, Statements};
 use crate::scan::Token;
 use crate::span::Span;
@@ -70,7 +70,12 @@ impl Reader<'_> {
         if tail.is_some() {
             steps.pop();
         }
+        let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
+        if before.is_some() && types.iter().any(|token| size_of(self.words.word(*token)) > 1) {
+            // A normal or a colour is not drawn.
+            self.program.last_function = before;
+        }
         self.run(&steps, &mut frame)?;
         if let Some(tail) = tail {
             self.result(tail, &frame)?;
@@ -172,7 +177,15 @@ impl Reader<'_> {
                 let mut frame = self.enter(self.words.name(name), parameters)?;
                 self.bindings(bindings, &mut frame)?;
             }
-            None => self.plain(tokens, frame, false)?,
+            None => {
+                if let Some((parameters, rest)) = tokens.get(1..).and_then(bracketed)
+                    && !parameters.iter().any(|token| token.symbol == ',')
+                    && self.words.is_point(&parameters, &[rest])
+                {
+                    self.draws(&self.words.name(tokens[0]));
+                }
+                self.plain(tokens, frame, false)?;
+            }
         }
         if let Some(unit) = self.program.units.last_mut() {
             unit.piece.notes.extend(note);
@@ -215,7 +228,7 @@ impl Reader<'_> {
         let steps = self.words.lines(&lines, 0)?;
         let mut frame = self.enter(self.words.name(name), parameters)?;
         if is_point {
-            self.program.last_function = Some(self.words.name(name));
+            self.draws(&self.words.name(name));
         }
         self.run(&steps, &mut frame)?;
         self.leave_function(&frame)
@@ -224,6 +237,16 @@ impl Reader<'_> {
     /// Whether the last line returns.
     fn ends(&self, lines: &[Vec<Token>]) -> bool {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
+    }
+
+    /// Remembers a function of a point as what is drawn, unless one that is called like a scene's is before it: what
+    /// follows that asks for light or shadow.
+    fn draws(&mut self, name: &Name) {
+        let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
+        let known = self.program.last_function.as_ref();
+        if is_scene(name) || !known.is_some_and(is_scene) {
+            self.program.last_function = Some(name.clone());
+        }
     }
 
     /// The frame of a function; parameters with values become names that are set.
@@ -244,7 +267,7 @@ impl Reader<'_> {
             }
         }
         if let [(_, 3)] = names.as_slice() {
-            self.program.last_function = Some(name.clone());
+            self.draws(&name);
         }
         for (parameter, value) in given {
             let text = self.fresh(&format!("{}_{}", name.text, parameter.text));
@@ -268,10 +291,16 @@ impl Reader<'_> {
     ) -> Fallible<()> {
         let braces = closing(&value).filter(|end| value[0].symbol == '{' && end + 1 == value.len());
         let body = braces.map(|end| value[1..end].to_vec());
-        let Some(name) = name else {
-            return self.plain(body.unwrap_or(value), frame, false);
+        let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, std::slice::from_ref(&value)));
+        let name = match name {
+            Some(name) => self.words.name(name),
+            None if is_point => Name { text: self.fresh("f"), span: Span::at(value[0].span.start) },
+            None => return self.plain(body.unwrap_or(value), frame, false),
         };
-        let mut frame = self.enter(self.words.name(name), parameters)?;
+        if is_point {
+            self.draws(&name);
+        }
+        let mut frame = self.enter(name, parameters)?;
         let Some(body) = body else { return self.result(value, &frame) };
         if !body.iter().any(|token| self.words.word(*token) == "return") {
             return self.result(body, &frame);

@@ -1,10 +1,10 @@
 //! The grammar, compiled in.
 
 use crate::diagnose::diagnose;
-use crate::error::Fallible;
+use crate::error::{Error, ErrorKind, Fallible};
 use crate::scan::Piece;
 use pest::Parser as _;
-use pest::error::InputLocation;
+use pest::error::{ErrorVariant, InputLocation};
 pub(crate) use rules::Rule;
 
 /// A recognised part of a statement.
@@ -16,6 +16,10 @@ pub(crate) type Pairs<'i> = pest::iterators::Pairs<'i, Rule>;
 /// Recognises a statement of `text`.
 pub(crate) fn recognise<'i>(text: &str, piece: &'i Piece, rule: Rule) -> Fallible<Pair<'i>> {
     let mut pairs = rules::Zeroset::parse(rule, &piece.symbols).map_err(|refusal| {
+        // Where a thread has little of its stack left, pest stops.
+        if matches!(&refusal.variant, ErrorVariant::CustomError { .. }) {
+            return Error::new(piece.span, ErrorKind::NoStack);
+        }
         let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = refusal.location;
         diagnose(text, piece, rule, piece.index(at))
     })?;

@@ -121,6 +121,8 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
         }
         _ if vulgar(character).is_some() => ('½', length),
         'ℯ' => ('a', length),
+        // Degrees, behind a number.
+        '°' if context.last.is_some_and(ends_operand) => ('a', length),
         _ if character.is_alphabetic() => {
             // A subscript of print ends a name.
             let is_below = |c: char| ('₀'..='₉').contains(&c);
@@ -156,6 +158,20 @@ fn comment(rest: &str, context: Context) -> Option<usize> {
         if let Some(inner) = rest.strip_prefix(open) {
             let length = start(inner, LONGEST_COMMENT).find(close);
             return length.map(|length| open.len() + length + close.len());
+        }
+    }
+    // A fence of Markdown, and its bullets.
+    if context.starts_line && rest.starts_with("```") {
+        return Some(line_length(rest));
+    }
+    if context.starts_line && context.last.is_none() && rest.starts_with('•') {
+        return Some('•'.len_utf8());
+    }
+    // A line that goes on below.
+    if let Some(blank) = rest.strip_prefix('\\') {
+        let blank = blank.strip_prefix('\r').unwrap_or(blank);
+        if blank.starts_with('\n') {
+            return Some(rest.len() - blank.len() + 1);
         }
     }
     (context.starts_line && rest.starts_with('%')).then(|| line_length(rest))

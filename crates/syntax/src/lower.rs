@@ -1,7 +1,7 @@
 //! From trees to the expression graph: definitions expanded, nothing simplified.
 //!
 //! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose
-//! sum is bounded here. Every expansion is remembered by its arguments, so repeated use costs
+//! sum is bounded here, and which take a further piece of stack where little is left. Every expansion is remembered by its arguments, so repeated use costs
 //! nothing.
 
 use crate::ast::{
@@ -22,6 +22,12 @@ use zeroset_ops::Op;
 const LEVELS: usize = 5;
 /// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
 const VISITS: usize = 16;
+
+/// Stack that must be left at each level, in bytes: a level itself takes a kilobyte, and the choices between numbers in it
+/// a hundred.
+const RED_ZONE: usize = 1 << 18;
+/// The stack that is added where less is left: definitions nest deeper than brackets, by a thousand levels.
+const SEGMENT: usize = 1 << 21;
 
 /// What a defined name lowers to.
 #[derive(Clone, Debug)]
@@ -144,60 +150,40 @@ impl<'a> Lowering<'a> {
     }
 
     /// The value of an expression: a number or a vector.
+    #[inline(never)]
     pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
         self.enter(expr.span)?;
         self.levels += 1;
-        let node = self.lower(expr, locals);
+        let node = match stacker::remaining_stack() {
+            Some(..RED_ZONE) => self.lower_on_more_stack(expr, locals),
+            _ => self.lower(expr, locals),
+        };
         self.levels -= 1;
         node
     }
 
+    #[inline(never)]
+    fn lower_on_more_stack(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
+        stacker::grow(SEGMENT, || self.lower(expr, locals))
+    }
+
+    /// Each kind in a function by itself, so that what nests in one does not take the stack of all.
+    #[inline(never)]
     fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
         match &expr.kind {
-            ExprKind::Number(text) => {
-                let constant =
-                    Constant::decimal(text).expect("the grammar lets only decimals through");
-                Ok(Value::Number(self.graph.constant(constant)))
-            }
+            ExprKind::Number(text) => Ok(self.decimal(text)),
             ExprKind::Name(value) => self.named(value, expr.span, locals),
-            ExprKind::Negate(inner) => {
-                let inner = self.value_of(inner, locals)?;
-                Ok(self.each(inner, Self::opposite))
-            }
-            ExprKind::Sum(first, rest) => {
-                let mut sum = self.value_of(first, locals)?;
-                for (sign, term) in rest {
-                    let term_value = self.value_of(term, locals)?;
-                    let op = match sign {
-                        SumSign::Plus => Op::Add,
-                        SumSign::Minus => Op::Sub,
-                    };
-                    sum = self.native(op, &[sum, term_value], term.span)?;
-                }
-                Ok(sum)
-            }
-            ExprKind::Product(first, rest) => {
-                let mut product = self.value_of(first, locals)?;
-                for (sign, factor) in rest {
-                    let value = self.value_of(factor, locals)?;
-                    let op = match sign {
-                        ProductSign::Times => Op::Mul,
-                        ProductSign::Over => Op::Div,
-                    };
-                    self.note_product(op, &product, &value, first.span.to(factor.span));
-                    product = self.native(op, &[product, value], factor.span)?;
-                }
-                Ok(product)
-            }
+            ExprKind::Negate(inner) => self.negated(inner, locals),
+            ExprKind::Sum(first, rest) => self.sum(first, rest, locals),
+            ExprKind::Product(first, rest) => self.product(first, rest, locals),
             ExprKind::Power(base, exponent) => {
-                let base = self.value_of(base, locals)?;
-                let exponent = self.value_of(exponent, locals)?;
-                self.native(Op::Pow, &[base, exponent], expr.span)
+                let operands = [base.as_ref(), exponent.as_ref()];
+                let operands = self.values_of(operands.into_iter(), locals)?;
+                self.native(Op::Pow, &operands, expr.span)
             }
             ExprKind::Call(function, arguments) => {
-                let values: Fallible<Vec<Value>> =
-                    arguments.iter().map(|a| self.value_of(a, locals)).collect();
-                self.call(function, values?, expr.span)
+                let values = self.values_of(arguments.iter(), locals)?;
+                self.call(function, values, expr.span)
             }
             ExprKind::Choice(pieces, otherwise) => {
                 self.choice(pieces, otherwise.as_deref(), locals)
@@ -213,6 +199,70 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    #[inline(never)]
+    fn decimal(&mut self, text: &str) -> Value {
+        let constant = Constant::decimal(text).expect("the grammar lets only decimals through");
+        Value::Number(self.graph.constant(constant))
+    }
+
+    #[inline(never)]
+    fn negated(&mut self, inner: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
+        let inner = self.value_of(inner, locals)?;
+        Ok(self.each(inner, Self::opposite))
+    }
+
+    #[inline(never)]
+    fn values_of(
+        &mut self,
+        exprs: impl Iterator<Item = &'a Expr>,
+        locals: &Locals<'a>,
+    ) -> Fallible<Vec<Value>> {
+        let mut values = Vec::with_capacity(exprs.size_hint().0);
+        for expr in exprs {
+            values.push(self.value_of(expr, locals)?);
+        }
+        Ok(values)
+    }
+
+    #[inline(never)]
+    fn sum(
+        &mut self,
+        first: &'a Expr,
+        rest: &'a [(SumSign, Expr)],
+        locals: &Locals<'a>,
+    ) -> Fallible<Value> {
+        let mut sum = self.value_of(first, locals)?;
+        for (sign, term) in rest {
+            let op = match sign {
+                SumSign::Plus => Op::Add,
+                SumSign::Minus => Op::Sub,
+            };
+            let operands = [sum, self.value_of(term, locals)?];
+            sum = self.native(op, &operands, term.span)?;
+        }
+        Ok(sum)
+    }
+
+    #[inline(never)]
+    fn product(
+        &mut self,
+        first: &'a Expr,
+        rest: &'a [(ProductSign, Expr)],
+        locals: &Locals<'a>,
+    ) -> Fallible<Value> {
+        let mut product = self.value_of(first, locals)?;
+        for (sign, factor) in rest {
+            let op = match sign {
+                ProductSign::Times => Op::Mul,
+                ProductSign::Over => Op::Div,
+            };
+            let operands = [product, self.value_of(factor, locals)?];
+            self.note_product(op, &operands[0], &operands[1], first.span.to(factor.span));
+            product = self.native(op, &operands, factor.span)?;
+        }
+        Ok(product)
+    }
+
     /// The opposite of a number; that of a negative number is a number, so that `x^-2` has one for
     /// its exponent.
     fn opposite(&mut self, inner: NodeId) -> NodeId {
@@ -226,6 +276,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    #[inline(never)]
     fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<Value> {
         let varies = || {
             let name = value.name().to_owned();
@@ -269,6 +320,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// A function of values.
+    #[inline(never)]
     pub(crate) fn call(
         &mut self,
         function: &'a Function,
@@ -335,6 +387,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// The body of a function with `names` replaced by its arguments.
+    #[inline(never)]
     fn expand(
         &mut self,
         function: &Function,
@@ -354,6 +407,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// The n-th root of `radicand`: of negative numbers too where n is odd.
+    #[inline(never)]
     fn root(&mut self, radicand: NodeId, index: NodeId, span: Span) -> Fallible<NodeId> {
         let whole = match self.graph.node(index) {
             Node::Constant(constant) => constant.as_integer(),

@@ -94,6 +94,16 @@ pub enum NoteKind {
     NaturalLogarithm,
     #[error("`{name}` is left out: what is drawn is the distance function")]
     MainLeftOut { name: String },
+    #[error("`{name}` is defined above, so this is drawn: where it has that value")]
+    LevelOf { name: String },
+    #[error(
+        "the ranges of the plot are the domain: `domain {domain}`; such a line below gives another"
+    )]
+    PlotDomain { domain: String },
+    #[error(
+        "the ranges of the plot are not read; write them as `domain x in [-2, 2], y in [-1, 1]`"
+    )]
+    PlotWithoutRanges,
     #[error("further notes omitted")]
     More,
 }

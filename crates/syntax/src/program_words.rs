@@ -75,6 +75,12 @@ const TYPES: &[&str] = &[
     "global",
 ];
 
+/// What functions are called that tell the distance of a scene.
+pub(crate) const SCENES: &[&str] = &[
+    "map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "de", "dist", "getDist",
+    "GetDist", "world",
+];
+
 /// Whether a type counts in whole numbers.
 pub(crate) fn is_whole_type(word: &str) -> bool {
     matches!(word, "int" | "uint" | "long" | "unsigned")
@@ -148,6 +154,13 @@ impl<'a> Words<'a> {
         let first = self.word(tokens[0]);
         let types = self.types(tokens);
         let is_open = !matches!(first, "function" | "let" | "var" | "const");
+        let is_import = matches!(first, "import" | "from") && begins_name(tokens.get(1));
+        let is_grid = |token: &Token| {
+            matches!(self.word(*token), "meshgrid" | "mgrid" | "symbols" | "ndgrid" | "ogrid")
+        };
+        if is_import || tokens.iter().any(is_grid) && tokens.iter().any(|t| t.symbol == '=') {
+            return true;
+        }
         if types > 0 && is_open || first == "return" && tokens.len() > 1 || first == "#define" {
             return true;
         }
@@ -364,7 +377,9 @@ impl<'a> Words<'a> {
             let unpacks = Self::unpacked(line).is_some_and(
                 |(_, value)| matches!(value.as_slice(), [only] if self.word(*only) == name),
             );
-            takes || unpacks
+            // `norm(p)`
+            let measures = line.iter().any(|t| matches!(self.word(*t), "norm" | "length"));
+            takes || unpacks || measures
         })
     }
 

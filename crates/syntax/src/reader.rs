@@ -7,8 +7,9 @@ use crate::calls::{Macro, Procedure};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
 use crate::made::Made;
+use crate::plots::Plot;
 use crate::program::{Program, Unit, Wrap};
-use crate::program_words::{Words, begins_name, is_whole_type, size_of};
+use crate::program_words::{Words, begins_name, closing, is_whole_type, size_of};
 use crate::scan::Token;
 use crate::spelling::is_setting;
 use crate::statement::Head;
@@ -115,6 +116,14 @@ impl Reader<'_> {
                 tokens.remove(0);
                 return self.openscad(tokens, frame);
             }
+            "difference" | "union" | "intersection" | "translate" | "rotate" | "hull"
+                if tokens.get(1..).and_then(closing).is_some_and(|end| {
+                    tokens.get(end + 2).is_some_and(|next| next.symbol == '{')
+                }) =>
+            {
+                let formula = "write equations for its parts, and `subtract(a, b)`, `union(a, b)` or `intersect(a, b)` of them";
+                return Err(Error::new(first.span, ErrorKind::Solid { formula }));
+            }
             "let" if tokens.get(1).is_some_and(|token| token.symbol == '(') => {
                 return self.bindings(tokens, frame);
             }
@@ -162,9 +171,16 @@ impl Reader<'_> {
         {
             self.constants.insert(self.words.word(*name).to_owned(), value);
         }
-        let is_height = plots && self.words.plot(&mut tokens);
-        self.words.patterns(&mut tokens);
-        self.push(tokens, None, None, &frame.aliases, is_height)
+        let plot = if plots { self.words.plot(&tokens)? } else { None };
+        let Some(Plot { formulas, is_height, domain, note }) = plot else {
+            self.words.patterns(&mut tokens);
+            return self.push(tokens, None, None, &frame.aliases, false);
+        };
+        self.program.notes.extend(note);
+        for formula in formulas {
+            self.push(formula, None, None, &frame.aliases, is_height)?;
+        }
+        domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
     }
 
     pub(crate) fn push(
@@ -247,6 +263,10 @@ impl Reader<'_> {
             let is_steps = is_set || self.words.is_step(&tokens);
             if is_steps || value.iter().any(|t| self.words.word(*t) == name.text) {
                 return self.set(name, size, value, letters, frame).map(|()| None);
+            }
+            let is_number = matches!(value.as_slice(), [only] if only.symbol == '0');
+            if frame.function.is_none() && !is_number && self.words.lambda(&tokens).is_none() {
+                self.program.last_value = Some(name.clone());
             }
             frame.set.push((name.text, size));
         }

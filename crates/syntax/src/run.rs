@@ -53,11 +53,7 @@ pub(crate) type Items<'i> = VecDeque<Item<'i>>;
 impl Builder<'_> {
     /// The factors of the run that comes next.
     pub(crate) fn run(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Vec<Expr>> {
-        let mut items = Items::new();
-        while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() != Rule::operator) {
-            pairs.next();
-            self.item(pair, &mut items)?;
-        }
+        let mut items = self.items(pairs)?;
         let mut factors = Vec::new();
         while !items.is_empty() {
             self.factor(&mut items, &mut factors)?;
@@ -66,6 +62,15 @@ impl Builder<'_> {
     }
 
     #[inline(never)] // not a part of the recursion, so not of its stack frames
+    fn items<'i>(&mut self, pairs: &mut Pairs<'i>) -> Fallible<Items<'i>> {
+        let mut items = Items::new();
+        while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() != Rule::operator) {
+            pairs.next();
+            self.item(pair, &mut items)?;
+        }
+        Ok(items)
+    }
+
     pub(crate) fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
         let span = self.span(&pair);
         let typed = self.typed(&pair);
@@ -111,12 +116,14 @@ impl Builder<'_> {
             items.push_back(Item::Leaf(Expr::new(lifted, span)));
             return Ok(());
         }
-        if self.text[span.end..].trim_start_matches(BLANKS).starts_with(['(', '[']) {
+        let behind = self.text[span.end..].trim_start_matches(BLANKS);
+        let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
+        if behind.starts_with(['(', '[']) {
             if let Some(form) = self.scope.form(&name, &self.locals) {
                 items.push_back(Item::Form(form, span));
                 return Ok(());
             }
-            let square = self.text[span.end..].trim_start_matches(BLANKS).starts_with('[');
+            let square = behind.starts_with('[');
             if let (Some(kind), false) = (arithmetic(&name, square), self.scope.is_defined(&name)) {
                 items.push_back(Item::Arithmetic(kind, span));
                 return Ok(());
@@ -156,6 +163,10 @@ impl Builder<'_> {
                     let name = typed.to_owned();
                     self.note(span, NoteKind::TimeOfShaders { name });
                     items.push_back(self.leaf(NamedValue::Time, span));
+                    return Ok(());
+                }
+                if typed == "°" {
+                    items.push_back(Item::Leaf(degree(span)));
                     return Ok(());
                 }
                 // What makes a number of a number.
@@ -218,44 +229,54 @@ impl Builder<'_> {
         items: &mut Items<'_>,
         factors: &mut Vec<Expr>,
     ) -> Fallible<()> {
-        if let (Some(Item::Leaf(next)), Some(before)) = (items.front(), factors.last())
-            && next.number().is_some()
-        {
-            let (kind, sign) = match before.kind {
-                ExprKind::Number(_) => (ErrorKind::NumberAfterNumber, "*"),
-                // It has its exponent already.
-                ExprKind::Power(..) => (ErrorKind::NumberAfterFactor, "*"),
-                _ => (ErrorKind::NumberAfterFactor, "^"),
-            };
-            let between = Span::new(before.span.end, next.span.start);
-            return Err(Error::new(before.span.to(next.span), kind).suggest(between, sign));
-        }
-        // Braces after a factor look like a restriction; read as a product they would hide a
-        // mistake.
-        if let Some(Item::Closed(pair)) = items.front()
-            && pair.as_rule() == Rule::braces
-            && !factors.is_empty()
-        {
-            return Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition));
+        if let (Some(next), Some(before)) = (items.front(), factors.last()) {
+            self.may_follow(next, before)?;
         }
         factors.push(self.power(items)?);
         Ok(())
     }
 
+    /// Fails where a factor cannot stand behind another without a sign.
+    #[inline(never)]
+    fn may_follow(&self, next: &Item<'_>, before: &Expr) -> Fallible<()> {
+        match next {
+            Item::Leaf(next) if next.number().is_some() => {
+                let (kind, sign) = match before.kind {
+                    ExprKind::Number(_) => (ErrorKind::NumberAfterNumber, "*"),
+                    // It has its exponent already.
+                    ExprKind::Power(..) => (ErrorKind::NumberAfterFactor, "*"),
+                    _ => (ErrorKind::NumberAfterFactor, "^"),
+                };
+                let between = Span::new(before.span.end, next.span.start);
+                Err(Error::new(before.span.to(next.span), kind).suggest(between, sign))
+            }
+            // Braces after a factor look like a restriction; read as a product they would hide a
+            // mistake.
+            Item::Closed(pair) if pair.as_rule() == Rule::braces => {
+                Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is
     /// above it.
     pub(crate) fn power(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
-        let mut base = self.primary(items)?;
-        while let Some(Item::Component(letters, span)) = items.front() {
-            let (letters, span) = (letters.clone(), base.span.to(*span));
-            if is_coordinate(&base) {
-                let dot = Span::new(span.end - letters.len() - 1, span.end - letters.len());
-                let kind = ErrorKind::UnexpectedCharacter { character: '.' };
-                return Err(Error::new(dot, kind));
-            }
-            items.pop_front();
-            self.room(span, 1)?;
-            base = Expr::new(ExprKind::Component(Box::new(base), letters), span);
+        let base = self.primary(items)?;
+        match items.front() {
+            Some(
+                Item::Component(..) | Item::Method(..) | Item::Caret(..) | Item::Superscript(_),
+            ) => self.behind(base, items),
+            _ => Ok(base),
+        }
+    }
+
+    /// What stands behind a factor and belongs to it.
+    #[inline(never)] // keeps the stack frames of nested factors without it small
+    fn behind(&mut self, mut base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+        while let Some(Item::Component(..)) = items.front() {
+            base = Self::component(base, items)?;
+            self.room(base.span, 1)?;
         }
         while let Some(Item::Method(..)) = items.front() {
             base = self.method(base, items)?;
@@ -264,6 +285,18 @@ impl Builder<'_> {
             Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
             _ => Ok(base),
         }
+    }
+
+    #[inline(never)]
+    fn component(base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+        let Some(Item::Component(letters, span)) = items.pop_front() else { return Ok(base) };
+        let span = base.span.to(span);
+        if is_coordinate(&base) {
+            let dot = Span::new(span.end - letters.len() - 1, span.end - letters.len());
+            let kind = ErrorKind::UnexpectedCharacter { character: '.' };
+            return Err(Error::new(dot, kind));
+        }
+        Ok(Expr::new(ExprKind::Component(Box::new(base), letters), span))
     }
 
     /// `a.pow(2)` as `pow(a, 2)`.
@@ -293,15 +326,8 @@ impl Builder<'_> {
             chain.push(match items.pop_front() {
                 Some(Item::Caret(signs, span)) => {
                     let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
-                    while let Some(Item::Component(letters, span)) = items.front() {
-                        let (letters, span) = (letters.clone(), exponent.span.to(*span));
-                        if is_coordinate(&exponent) {
-                            let kind = ErrorKind::UnexpectedCharacter { character: '.' };
-                            return Err(Error::new(span, kind));
-                        }
-                        items.pop_front();
-                        let kind = ExprKind::Component(Box::new(exponent), letters);
-                        exponent = Expr::new(kind, span);
+                    while let Some(Item::Component(..)) = items.front() {
+                        exponent = Self::component(exponent, items)?;
                     }
                     (signs, exponent)
                 }
@@ -312,6 +338,12 @@ impl Builder<'_> {
                 _ => break,
             });
         }
+        self.raised(chain)
+    }
+
+    /// Powers from bases with their exponents, which go together from the right.
+    #[inline(never)]
+    fn raised(&mut self, mut chain: Vec<(Signs, Expr)>) -> Fallible<Expr> {
         let (mut signs, mut expr) = chain.pop().expect("a chain starts with its base");
         while let Some((signs_below, base)) = chain.pop() {
             let exponent = self.signed(&signs, |_| Ok(expr))?;
@@ -345,21 +377,22 @@ impl Builder<'_> {
         self.note(exponent.span, kind);
     }
 
+    #[inline(never)]
     pub(crate) fn primary(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
         match items.pop_front().expect("the grammar ends no run with a sign") {
-            Item::Leaf(expr) => {
-                if let Some((letter, span)) = self.index(&expr, items.front()) {
-                    items.pop_front();
-                    let span = expr.span.to(span);
-                    let kind = ExprKind::Component(Box::new(expr), letter.to_string());
-                    return Ok(Expr::new(kind, span));
-                }
-                self.not_a_call(expr, items.front())
-            }
+            Item::Group(pair) => self.group(pair),
+            item => self.worded(item, items),
+        }
+    }
+
+    /// What a factor is that does not stand in brackets.
+    #[inline(never)] // keeps the stack frames of nested brackets small
+    fn worded(&mut self, item: Item<'_>, items: &mut Items<'_>) -> Fallible<Expr> {
+        match item {
+            Item::Leaf(expr) => self.leaf_factor(expr, items),
             Item::Function(callee, span) => {
                 self.deeper(span, 1, |b| b.application(&callee, span, items))
             }
-            Item::Group(pair) => self.group(pair),
             Item::Form(form, span) => {
                 let group = self.brackets(items, span)?;
                 self.deeper(span, 1, |b| b.form(form, span, group))
@@ -372,39 +405,57 @@ impl Builder<'_> {
                 let group = self.brackets(items, span)?;
                 self.deeper(span, 1, |b| b.arithmetic(kind, span, group))
             }
-            Item::Method(name, span, _) => {
-                Err(Error::new(span, ErrorKind::MissingBefore { sign: format!(".{name}") }))
-            }
             Item::Closed(pair) => {
                 let span = self.span(&pair);
                 self.deeper(span, 1, |b| b.closed(pair, span))
             }
-            Item::Radical(radical, span) => self.deeper(span, 1, |b| {
-                let inner = b.power(items)?;
-                number_only(&inner)?;
-                let place = span.to(inner.span);
-                if let Some(
-                    Item::Leaf(_)
-                    | Item::Group(_)
-                    | Item::Function(..)
-                    | Item::Form(..)
-                    | Item::Closed(_),
-                ) = items.front()
-                {
-                    b.note(place, NoteKind::RadicalScope { radical });
-                }
-                let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };
-                Ok(native(op, inner, place))
-            }),
+            Item::Radical(radical, span) => {
+                self.deeper(span, 1, |b| b.radical(radical, span, items))
+            }
+            item => Err(self.misplaced(&item)),
+        }
+    }
+
+    /// The error for what must stand behind a factor.
+    #[inline(never)] // keeps the stack frames of nested factors small, as below
+    fn misplaced(&self, item: &Item<'_>) -> Box<Error> {
+        let (span, sign) = match item {
             Item::Component(_, span) => {
                 let found = self.text[span.range()].to_owned();
-                Err(Error::new(span, ErrorKind::Unexpected { found }))
+                return Error::new(*span, ErrorKind::Unexpected { found });
             }
-            Item::Caret(_, span) | Item::Superscript(Expr { span, .. }) => {
-                let sign = "^".to_owned();
-                Err(Error::new(span, ErrorKind::MissingBefore { sign }))
-            }
+            Item::Method(name, span, _) => (*span, format!(".{name}")),
+            Item::Caret(_, span) | Item::Superscript(Expr { span, .. }) => (*span, "^".to_owned()),
+            _ => unreachable!("all others begin a factor"),
+        };
+        Error::new(span, ErrorKind::MissingBefore { sign })
+    }
+
+    #[inline(never)]
+    fn radical(&mut self, radical: char, span: Span, items: &mut Items<'_>) -> Fallible<Expr> {
+        let inner = self.power(items)?;
+        number_only(&inner)?;
+        let place = span.to(inner.span);
+        if let Some(
+            Item::Leaf(_) | Item::Group(_) | Item::Function(..) | Item::Form(..) | Item::Closed(_),
+        ) = items.front()
+        {
+            self.note(place, NoteKind::RadicalScope { radical });
         }
+        let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };
+        Ok(native(op, inner, place))
+    }
+
+    /// A number or a value as a factor.
+    #[inline(never)]
+    fn leaf_factor(&mut self, expr: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+        if let Some((letter, span)) = self.index(&expr, items.front()) {
+            items.pop_front();
+            let span = expr.span.to(span);
+            let kind = ExprKind::Component(Box::new(expr), letter.to_string());
+            return Ok(Expr::new(kind, span));
+        }
+        self.not_a_call(expr, items.front())
     }
 
     /// The component that `p[0]` takes of a name: no product, which nobody writes so.
@@ -444,6 +495,13 @@ impl Builder<'_> {
         }
         Ok(expr)
     }
+}
+
+/// What a degree is.
+fn degree(span: Span) -> Expr {
+    let pi = Expr::new(ExprKind::Name(NamedValue::Constant(NamedConstant::Pi)), span);
+    let rest = vec![(ProductSign::Over, number("180".to_owned(), span))];
+    Expr::new(ExprKind::Product(Box::new(pi), rest), span)
 }
 
 /// Whether a dot behind this is no component: behind a coordinate without brackets.

@@ -101,6 +101,8 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             '⇤' => aligned = aligned.saturating_sub(1),
             '&' if in_pieces => symbol = '¿',
             '&' if aligned > 0 => symbol = ' ',
+            // Windows ends lines with two characters.
+            '\n' if text[end - length..].starts_with("\r\n") => symbol = ' ',
             // A line that starts with an operator goes on with the one before.
             '␤' if !in_pieces => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
             _ => {}

@@ -2,6 +2,7 @@
 //! language's own.
 
 use crate::ast::{Function, Name, NamedConstant, NamedValue};
+use crate::words::{WordKind, words};
 use rustc_hash::FxHashMap;
 use zeroset_ir::Axis;
 use zeroset_ops::{COMPOSED, Form, Notation, Op, TABLE, form, names, natives};
@@ -21,17 +22,14 @@ pub(crate) struct Scope {
 /// Longest name, in bytes, that is looked at letter by letter.
 const LONGEST_PRODUCT: usize = 64;
 
-/// Every name of the language, for completion: functions and forms with their aliases, constants,
-/// coordinates and time.
+/// Every function, constant and coordinate of the language, aliases included.
 ///
 /// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
 /// written as a whole number and odd, negative numbers have roots too; any other n is read as
 /// `a^(1/n)`, for a ≥ 0.
 pub fn language_names() -> impl Iterator<Item = &'static str> {
-    names()
-        .chain(ROOT_NAMES.iter().copied())
-        .chain(NamedConstant::ALL.iter().map(|constant| constant.name()))
-        .chain(["x", "y", "z", "t", "rho", "theta"])
+    let is_name = |kind| matches!(kind, WordKind::Function | WordKind::Value);
+    words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
 }
 
 /// What a name stands for.

@@ -40,6 +40,13 @@ impl Builder<'_> {
             }
             _ => return Ok(None),
         };
+        let (index, ends) = self.counted(range, place)?;
+        self.series_over(is_product, body, &index, ends, place)
+    }
+
+    /// What counts, and the ends between which it does.
+    #[inline(never)] // not on the way of what nests in a sum, so not in its stack frames
+    fn counted<'i>(&mut self, range: Pair<'i>, place: Span) -> Fallible<(Pair<'i>, Vec<Expr>)> {
         let is_generator = range.as_rule() == Rule::generator;
         let mut ends = range.into_inner();
         let index = ends.next().expect("a range has an index");
@@ -49,7 +56,7 @@ impl Builder<'_> {
         };
         if !is_generator {
             let built: Fallible<Vec<Expr>> = rest.into_iter().map(|end| self.sum(end)).collect();
-            return self.series_over(is_product, body, &index, built?, place);
+            return built.map(|built| (index, built));
         }
         // `range(n)` counts from 0, and the end is not reached.
         let built: Fallible<Vec<Expr>> = rest.into_iter().map(|end| self.value(end)).collect();
@@ -63,10 +70,11 @@ impl Builder<'_> {
             let past = std::mem::replace(end, number("0"));
             *end = sum_of(past, vec![(SumSign::Minus, number("1"))], span);
         }
-        self.series_over(is_product, body, &index, built, place)
+        Ok((index, built))
     }
 
     /// A sum whose range is a list: index, first and last number, step.
+    #[inline(never)]
     fn series_of(
         &mut self,
         is_product: bool,
@@ -84,6 +92,7 @@ impl Builder<'_> {
         self.series_over(is_product, body, &index, built, place)
     }
 
+    #[inline(never)]
     fn series_over(
         &mut self,
         is_product: bool,
@@ -96,19 +105,11 @@ impl Builder<'_> {
         self.locals.push(index.clone());
         let built = self.argument(body.clone());
         self.locals.pop();
-        let body = built?;
-        let mut ends = ends.into_iter();
-        let (Some(low), Some(high), step, None) =
-            (ends.next(), ends.next(), ends.next(), ends.next())
-        else {
-            return Ok(None);
-        };
-        numbers_only([&low, &high])?;
-        let series = Series { is_product, index, low, high, step, body };
-        Ok(Some(Expr::new(ExprKind::Series(Box::new(series)), place)))
+        series(is_product, index, ends, built?, place)
     }
 
     /// `\sum_{k=1}^{5}` and the term behind it.
+    #[inline(never)]
     pub(crate) fn big_series(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let is_product = pair.as_str().starts_with('Π');
         let (mut from, mut to, mut term) = (None, None, None);
@@ -153,4 +154,23 @@ impl Builder<'_> {
         let series = Series { is_product, index, low, high, step: None, body };
         Ok(Expr::new(ExprKind::Series(Box::new(series)), span))
     }
+}
+
+/// A sum or a product; nothing if it has too few ends or too many.
+#[inline(never)]
+fn series(
+    is_product: bool,
+    index: Name,
+    ends: Vec<Expr>,
+    body: Expr,
+    place: Span,
+) -> Fallible<Option<Expr>> {
+    let mut ends = ends.into_iter();
+    let (Some(low), Some(high), step, None) = (ends.next(), ends.next(), ends.next(), ends.next())
+    else {
+        return Ok(None);
+    };
+    numbers_only([&low, &high])?;
+    let series = Series { is_product, index, low, high, step, body };
+    Ok(Some(Expr::new(ExprKind::Series(Box::new(series)), place)))
 }

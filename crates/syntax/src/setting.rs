@@ -54,6 +54,8 @@ pub(crate) const SETTINGS: [Setting; 14] = {
             word: "domain",
             symbol: 'd',
             rule: Rule::domain_line,
+            hint: "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
+                   `domain x in [-2, 2], y in [-1, 1]` or six numbers",
             read: |builder, line, _| builder.domain(line).map(SceneSetting::Domain),
             ..PLAIN
         },
@@ -61,6 +63,7 @@ pub(crate) const SETTINGS: [Setting; 14] = {
             word: "view",
             symbol: 'v',
             rule: Rule::view_line,
+            hint: "write a side such as `view front`, or `view eye (4, 3, 6) target (0, 0, 0) fov 40`",
             read: |builder, line, _| builder.view(line).map(SceneSetting::View),
             ..PLAIN
         },
@@ -70,6 +73,7 @@ pub(crate) const SETTINGS: [Setting; 14] = {
             word: "look",
             symbol: 'l',
             rule: Rule::look_line,
+            hint: "there are `studio`, `flat`, `paper` and `night`",
             read: |builder, line, _| builder.look(line).map(SceneSetting::Look),
             ..PLAIN
         },
@@ -77,6 +81,7 @@ pub(crate) const SETTINGS: [Setting; 14] = {
             word: "background",
             symbol: 'b',
             rule: Rule::background_line,
+            hint: "write a name of CSS such as `orange`, or `#ff8800`",
             read: |builder, line, _| builder.color(line).map(SceneSetting::Background),
             ..PLAIN
         },
@@ -236,8 +241,13 @@ impl Collected {
         limits: &Limits,
     ) -> Fallible<()> {
         let span = line.piece.span;
-        let setting =
-            line.piece.tokens.first().and_then(|token| setting(&text[token.span.range()]));
+        let first = line.piece.tokens[0];
+        // The ranges of a plot have no word; a `domain` line counts more.
+        let is_made = first.span.start == first.span.end;
+        let setting = match setting(&text[first.span.range()]) {
+            None => const { &SETTINGS }.iter().find(|setting| setting.symbol == first.symbol),
+            found => found,
+        };
         let setting = setting.ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
         let scope = if setting.is_of_points {
             self.scope.get_or_insert_with(|| with_point_names(scope))
@@ -249,6 +259,7 @@ impl Collected {
         self.used.extend(builder.used);
         let mut share = None;
         match said {
+            SceneSetting::Domain(_) if is_made && self.domain.is_some() => {}
             SceneSetting::Domain(domain) => self.domain = Some(domain),
             SceneSetting::View(view) => self.view = Some(view),
             SceneSetting::Color(at, color, opacity) => {

@@ -107,6 +107,7 @@ impl Builder<'_> {
     }
 
     /// A function of values, of which there are `count` unless any number will do.
+    #[inline(never)]
     fn of_values(
         &mut self,
         function: Function,
@@ -134,6 +135,7 @@ impl Builder<'_> {
     }
 
     /// A matrix; elsewhere than in shaders of OpenGL its elements are given row by row.
+    #[inline(never)]
     fn matrix(
         &mut self,
         size: u8,
@@ -155,6 +157,7 @@ impl Builder<'_> {
     }
 
     /// `mul(m, p)`, as shaders of Direct3D have it.
+    #[inline(never)]
     fn multiply(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
         let [left, right] = parts else { return Ok(None) };
         let (left, right) = (self.argument(left.clone())?, self.argument(right.clone())?);
@@ -179,6 +182,7 @@ impl Builder<'_> {
     }
 
     /// A list as a vector, one of lists as a matrix.
+    #[inline(never)]
     pub(crate) fn list(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let inner: Vec<Pair<'_>> = pair.clone().into_inner().collect();
         if let Some(matrix) = self.rows(&inner, span)? {
@@ -207,6 +211,7 @@ impl Builder<'_> {
     }
 
     /// Condition and value in turn, then a value.
+    #[inline(never)]
     fn choose(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
         if parts.len() < 2 {
             return Ok(None);
@@ -231,6 +236,7 @@ impl Builder<'_> {
     }
 
     /// Pieces in brackets of their own, the value first.
+    #[inline(never)]
     fn pieces(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let Some(first) = parts.first() else {
             return Ok(None);
@@ -270,6 +276,7 @@ impl Builder<'_> {
     }
 
     /// A choice as the grammar knows it.
+    #[inline(never)]
     pub(crate) fn choice(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let mut pieces = Vec::new();
         let mut last = None;
@@ -310,6 +317,7 @@ impl Builder<'_> {
     }
 
     /// A condition that is written as a function.
+    #[inline(never)]
     pub(crate) fn logic(&mut self, logic: Logic, span: Span, group: Pair<'_>) -> Fallible<Expr> {
         let place = span.to(self.span(&group));
         let parts: Vec<Pair<'_>> = group.into_inner().collect();
@@ -343,6 +351,7 @@ impl Builder<'_> {
     }
 
     /// A function applied again and again: its name, how often, to what, and what stays.
+    #[inline(never)]
     fn iterate(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let [name, rest @ ..] = parts else { return Ok(None) };
         let Some(name) = sole(name, Rule::name) else { return Ok(None) };

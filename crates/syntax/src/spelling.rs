@@ -17,7 +17,7 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
     Some(match spelling {
         " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
         | "\u{AD}" | "\u{200A}" | "\u{200B}" | "\u{200C}" | "\u{200D}" | "\u{2002}" | "\u{2003}" | "\u{2060}"
-        | "\u{2061}"
+        | "\u{2061}" | "\u{200E}" | "\u{200F}" | "\u{202A}" | "\u{202C}" | "\u{202D}" | "\u{2066}" | "\u{2069}"
         // In print these set spaces and the sizes of brackets; they mean nothing here.
         | r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle"
         | r"\left" | r"\right" | r"\bigl" | r"\bigr" | r"\big"
@@ -31,7 +31,8 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         // Behind a share of an opacity; a formula has no remainder.
         "%" => '%',
         "+" => '+',
-        "-" | "−" => '-',
+        // A dash between values can only be meant as a minus.
+        "-" | "−" | "–" | "—" | "‒" | "﹣" => '-',
         "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times" => '*',
         "/" | "÷" | "∕" | "⁄" | r"\div" => '/',
         "^" | "**" | "ˆ" => '^',
@@ -40,9 +41,9 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "=" | "==" | ":=" => '=',
         "!=" | "≠" | "<>" | r"\ne" | r"\neq" => '≠',
         "<" | r"\lt" => '<',
-        "<=" | "≤" | "⩽" | r"\le" | r"\leq" | r"\leqslant" => '≤',
+        "<=" | "≤" | "⩽" | "≦" | r"\le" | r"\leq" | r"\leqslant" => '≤',
         ">" | r"\gt" => '>',
-        ">=" | "≥" | "⩾" | r"\ge" | r"\geq" | r"\geqslant" => '≥',
+        ">=" | "≥" | "⩾" | "≧" | r"\ge" | r"\geq" | r"\geqslant" => '≥',
         "and" | "&&" | "∧" | r"\land" | r"\wedge" => '∧',
         "or" | "∨" | r"\lor" | r"\vee" => '∨',
         "not" | "¬" | r"\lnot" | r"\neg" => '¬',
@@ -58,7 +59,7 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "⌈" | r"\lceil" => '⌈',
         "⌉" | r"\rceil" => '⌉',
         "|" => '|',
-        r"\frac" | r"\dfrac" | r"\tfrac" => 'F',
+        r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => 'F',
         r"\sqrt" => 'R',
         // A name in upright letters follows in braces.
         r"\operatorname" | r"\mathrm" | r"\mathit" | r"\text" | r"\textrm" | r"\textnormal" => 'T',

@@ -136,6 +136,7 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
             line.head = None;
         }
     }
+    settle_levels(lines, notes);
     // Whether `hypot(a, b) = 2` draws depends on whether a and b have values, so values come first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
@@ -158,6 +159,32 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
             line.head = None;
         } else {
             scope.define(&head.name.text, Some(parameters.len()));
+        }
+    }
+}
+
+/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels.
+fn settle_levels(lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
+    let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
+    for line in lines.iter_mut() {
+        let Some(head) = &line.head else { continue };
+        let parameters = head.parameters.iter().flatten().map(|name| name.text.as_str());
+        if !parameters
+            .clone()
+            .eq(["x", "y", "z"].into_iter().take(parameters.clone().count().max(2)))
+        {
+            continue;
+        }
+        let key = (head.name.text.clone(), parameters.count());
+        let is_number = matches!(
+            line.piece.tokens.as_slice(),
+            [.., sign, number] if sign.symbol == '=' && number.symbol == '0'
+        );
+        if is_number && line.unit.head.is_none() && defined.contains(&key) {
+            notes.push(Note { span: head.name.span, kind: NoteKind::LevelOf { name: key.0 } });
+            line.head = None;
+        } else {
+            defined.insert(key);
         }
     }
 }

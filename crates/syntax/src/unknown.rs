@@ -11,19 +11,74 @@ use crate::spelling::{is_setting, short_name, symbol};
 /// Longest name, in bytes, whose parts are looked up: a bound keeps hostile names cheap.
 const LONGEST: usize = 64;
 
+/// Solids by name, and how each is written.
+const SOLIDS: &[(&str, &str)] = &[
+    ("sphere", "a sphere of radius 2 is `x^2 + y^2 + z^2 = 4`"),
+    ("ball", "a ball of radius 2 is `x^2 + y^2 + z^2 <= 4`"),
+    ("torus", "a torus is `(sqrt(x^2 + y^2) - 2)^2 + z^2 = 0.25`"),
+    ("cube", "a cube is `max(abs(x), abs(y), abs(z)) <= 1`"),
+    ("box", "a box is `max(abs(x)/2, abs(y), abs(z)) <= 1`"),
+    ("cylinder", "a cylinder is `x^2 + y^2 <= 1 and abs(z) <= 2`"),
+    ("cone", "a cone is `x^2 + y^2 = z^2`"),
+    ("ellipsoid", "an ellipsoid is `x^2/4 + y^2 + z^2/9 = 1`"),
+    ("octahedron", "an octahedron is `abs(x) + abs(y) + abs(z) = 1`"),
+    ("gyroid", "a gyroid is `sin x cos y + sin y cos z + sin z cos x = 0`"),
+];
+
+/// Words for signs.
+const IN_WORDS: &[&str] =
+    &["squared", "cubed", "plus", "minus", "times", "equals", "divided", "squareroot", "the"];
+
 impl Builder<'_> {
     /// The error for a function without a meaning.
     pub(crate) fn unknown_function(&self, name: &str, span: Span) -> Box<Error> {
         if let Some(kind) = elsewhere(name) {
             return Error::new(span, kind);
         }
+        if let Some(error) = self.in_words() {
+            return error;
+        }
         let kind = ErrorKind::UnknownFunction { name: short_name(name) };
         Error::new(span, kind).suggest_any(span, self.scope.likely(name, &self.locals, true))
     }
 
+    /// The error where a statement is in words rather than in signs.
+    fn in_words(&self) -> Option<Box<Error>> {
+        // `domain ball`
+        if self.piece.tokens.first().is_some_and(|first| is_setting(first.symbol)) {
+            return None;
+        }
+        let statement = self.piece.span;
+        let text = crate::scan::start(&self.text[statement.range()], LONGEST);
+        let mut words = text.split(|c: char| !c.is_alphabetic());
+        let has_signs = self.piece.tokens.iter().any(|token| "+-*/^²=<≤>≥".contains(token.symbol));
+        let found = |word: &str| SOLIDS.iter().find(|(name, _)| word.eq_ignore_ascii_case(name));
+        if let Some((_, formula)) = words.clone().find_map(found).filter(|_| !has_signs) {
+            return Some(Error::new(statement, ErrorKind::Solid { formula }));
+        }
+        words
+            .any(|word| IN_WORDS.contains(&word))
+            .then(|| Error::new(statement, ErrorKind::InWords))
+    }
+
+    /// `f x y z` before an equals sign, which other languages write so.
+    fn juxtaposed(&self, span: Span) -> Option<Span> {
+        let is_first = self.piece.span.start == span.start;
+        let symbols: String = self.piece.tokens.iter().map(|token| token.symbol).take(5).collect();
+        (is_first && symbols == "axyz=").then(|| span.to(self.piece.tokens[3].span))
+    }
+
     /// The error for a name without a meaning.
     pub(crate) fn unknown(&self, name: &str, typed: &str, span: Span) -> Box<Error> {
+        if let Some(error) = self.in_words() {
+            return error;
+        }
         let (scope, locals) = (self.scope, self.locals.as_slice());
+        if let Some(left) = self.juxtaposed(span) {
+            let kind = ErrorKind::UnknownFunction { name: short_name(name) };
+            let meant = format!("{name}(x, y, z)");
+            return Error::new(span, kind).suggest(left, meant);
+        }
         // `i` alone, or next to values as in `iy`.
         let rest = name.strip_prefix('i').or_else(|| name.strip_suffix('i'));
         if rest.is_some_and(|rest| rest.is_empty() || scope.is_product(rest, locals)) {
@@ -81,6 +136,9 @@ fn elsewhere(name: &str) -> Option<ErrorKind> {
     Some(match name {
         "D" | "diff" | "Diff" | "Derivative" | "integrate" | "Integrate" | "Dt" | "limit"
         | "Limit" | "grad" | "Grad" => ErrorKind::Calculus,
+        "SphericalPlot3D" | "RevolutionPlot3D" | "sphereplot" | "spherical_plot3d" => {
+            ErrorKind::PlotCoordinates
+        }
         "Surface" | "ParametricPlot3D" | "parametric_plot3d" | "Curve" | "fsurf" => {
             ErrorKind::Parametric
         }

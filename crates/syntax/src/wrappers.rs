@@ -2,6 +2,7 @@
 //! looked into.
 
 use crate::lexer::begins_operand;
+use crate::plots::less;
 use crate::program_words::{Words, bracketed, closing, split};
 use crate::scan::Token;
 use crate::span::Span;
@@ -36,33 +37,21 @@ const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "res
 /// What makes symbols of names.
 const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
 
-/// Commands that plot their first argument.
-const PLOTS: &[&str] = &[
-    "ContourPlot3D",
-    "RegionPlot3D",
-    "ImplicitRegion",
-    "implicit_plot3d",
-    "implicitplot3d",
-    "ImplicitPlot3D",
-    "fimplicit3",
-    "ezimplot3",
-    "isosurface",
-    "implicit",
-    "plot_implicit",
-    "Plot3D",
-    "plot3d",
-    "draw3d",
-    "fsurf",
-    "ezsurf",
-    "surf",
+/// What means nothing around a formula.
+const AROUND: &[&str] = &[
+    "Simplify",
+    "FullSimplify",
+    "Evaluate",
+    "N",
+    "Expand",
+    "Factor",
+    "simplify",
+    "expand",
+    "patch",
 ];
 
-/// Those among them of which it is a height.
-const HEIGHTS: &[&str] = &["Plot3D", "plot3d", "fsurf", "ezsurf", "surf"];
-
-/// What means nothing around a formula.
-const AROUND: &[&str] =
-    &["Simplify", "FullSimplify", "Evaluate", "N", "Expand", "Factor", "simplify", "expand"];
+/// What makes grids of coordinates.
+const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
 /// Words before a formula that ask for its picture.
 const ASKS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
@@ -98,10 +87,19 @@ impl Words<'_> {
         }
         if let Some(equals) = tokens.iter().position(|token| token.symbol == '=')
             && let [made, open, ..] = &tokens[equals + 1..]
-            && SYMBOLS.contains(&self.word(*made))
-            && open.symbol == '('
+            && (SYMBOLS.contains(&self.word(*made)) && open.symbol == '('
+                || GRIDS.contains(&self.word(*made)))
         {
             return statements(Vec::new());
+        }
+        if let Some(rest) = self.behind_mark(tokens) {
+            return statements(vec![rest]);
+        }
+        if let Some(found) = self.with_rules(tokens) {
+            return statements(found);
+        }
+        if let Some(found) = self.of_surfer(tokens) {
+            return statements(found);
         }
         if first.symbol == '{' {
             return self.in_braces(tokens).map(|inner| Unwrapped::Statements(vec![inner]));
@@ -114,6 +112,12 @@ impl Words<'_> {
             _ if AROUND.contains(&word) && opens && Self::is_whole_call(tokens) => {
                 let (inner, _) = bracketed(&tokens[1..])?;
                 return statements(vec![inner]);
+            }
+            _ if ASKS.contains(&word)
+                && tokens.get(2).is_some()
+                && next.is_some_and(|next| self.word(*next) == "of") =>
+            {
+                return statements(vec![tokens[2..].to_vec()]);
             }
             _ if ASKS.contains(&word)
                 && next.is_some_and(|next| next.symbol != '(' && begins_operand(next.symbol)) =>
@@ -132,6 +136,84 @@ impl Words<'_> {
             return statements(vec![all]);
         }
         self.of_maple(tokens).and_then(statements)
+    }
+
+    /// What stands behind a command that sets up, `with(plots):`, or behind the mark of a session, `In[1]:=`, `(%i1)`,
+    /// `>>>`.
+    fn behind_mark(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let rest = match tokens {
+            [first, open, ..]
+                if matches!(self.word(*first), "In" | "Out") && open.symbol == '[' =>
+            {
+                let (_, rest) = bracketed(&tokens[1..])?;
+                rest.first().filter(|sign| sign.symbol == '=')?;
+                rest[1..].to_vec()
+            }
+            [open, percent, mark, close, ..]
+                if open.symbol == '('
+                    && &self.text[percent.span.range()] == "%"
+                    && self.word(*mark).starts_with(['i', 'o'])
+                    && close.symbol == ')' =>
+            {
+                tokens[4..].to_vec()
+            }
+            [a, b, c, ..] if [a, b, c].iter().all(|sign| sign.symbol == '>') => {
+                tokens[3..].to_vec()
+            }
+            [first, ..] if SETUP_CALLS.contains(&self.word(*first)) => {
+                let (_, rest) = bracketed(&tokens[1..])?;
+                rest.first().filter(|colon| colon.symbol == ':')?;
+                rest[1..].to_vec()
+            }
+            _ => return None,
+        };
+        (!rest.is_empty()).then_some(rest)
+    }
+
+    /// `formula /. {a -> 2, b -> 3}` of Mathematica, as the formula and its values.
+    fn with_rules(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let is_sign = |pair: &[Token]| {
+            pair[0].symbol == '/' && &self.text[pair[0].span.to(pair[1].span).range()] == "/."
+        };
+        let at = tokens.windows(2).position(is_sign)?;
+        let rules = &tokens[at + 2..];
+        let rules = bracketed(rules).map_or(rules.to_vec(), |(inner, _)| inner);
+        let mut all = vec![tokens[..at].to_vec()];
+        for rule in split(rules, ',') {
+            let [name, minus, arrow, value @ ..] = rule.as_slice() else { return None };
+            if minus.symbol != '-' || arrow.symbol != '>' || !is_name(name.symbol) {
+                return None;
+            }
+            let mut line = vec![*name, Token::new('=', minus.span)];
+            line.extend(value);
+            all.push(line);
+        }
+        (at > 0).then_some(all)
+    }
+
+    /// A line of a file of Surfer: its formula, a parameter, or what is about its picture.
+    fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        const PARAMETER: &str = "surface_parameter_";
+        if !self.text.contains("surface_equation") {
+            return None;
+        }
+        let (first, rest) = tokens.split_first()?;
+        let equals = rest.first().filter(|equals| equals.symbol == '=')?;
+        let word = self.word(*first);
+        if word == "surface_equation" {
+            return Some(vec![rest[1..].to_vec()]);
+        }
+        if let Some(name) = word.strip_prefix(PARAMETER).filter(|name| !name.is_empty()) {
+            let end = first.span.end;
+            let mut all = vec![Token::new('a', Span::new(end - name.len(), end)), *equals];
+            all.extend(&rest[1..]);
+            return Some(vec![all]);
+        }
+        let is_look =
+            ["camera_", "light_", "background_", "surface_", "rotation_", "scale_", "transform_"]
+                .iter()
+                .any(|begin| word.starts_with(begin));
+        is_look.then(Vec::new)
     }
 
     /// Whether a statement is one call and nothing else.
@@ -212,68 +294,4 @@ impl Words<'_> {
         let is_choice = outside(tokens, '⸮').is_some();
         (!is_choice).then(|| vec![tokens[..colon].to_vec(), tokens[colon + 1..].to_vec()])
     }
-
-    /// Leaves of a command that plots its first argument only that; whether that is a height.
-    pub(crate) fn plot(self, tokens: &mut Vec<Token>) -> bool {
-        let word = self.word(tokens[0]);
-        if !PLOTS.contains(&word) {
-            return false;
-        }
-        let Some((inner, rest)) = bracketed(&tokens[1..]) else { return false };
-        let is_ended = rest.iter().all(|token| matches!(token.symbol, ':' | '?'));
-        let arguments = split(inner, ',');
-        let is_inner = |part: &&Vec<Token>| self.word(part[0]) == "implicit";
-        let Some(formula) = arguments.iter().find(is_inner).or(arguments.first()) else {
-            return false;
-        };
-        if !is_ended {
-            return false;
-        }
-        let mut formula = formula.clone();
-        if self.word(formula[0]) == "implicit" {
-            self.plot(&mut formula);
-        }
-        if formula.first().is_some_and(|first| first.symbol == '@')
-            && let Some((_, body)) = bracketed(&formula[1..])
-        {
-            formula = body;
-        }
-        // `Contours -> {1}`
-        let level = arguments.iter().find_map(|part| match part.as_slice() {
-            [name, minus, arrow, value @ ..]
-                if self.word(*name) == "Contours" && minus.symbol == '-' && arrow.symbol == '>' =>
-            {
-                let inner = bracketed(value).map_or(value.to_vec(), |(inner, _)| inner);
-                (!inner.iter().any(|token| token.symbol == ',')).then_some(inner)
-            }
-            _ => None,
-        });
-        if let Some(level) = level.filter(|_| outside(&formula, '=').is_none()) {
-            formula = less(formula, level);
-        }
-        // A function by its name alone is drawn where nothing else is.
-        if let [name] = formula.as_slice()
-            && name.symbol == 'a'
-        {
-            formula.clear();
-        }
-        *tokens = formula;
-        HEIGHTS.contains(&word)
-    }
-}
-
-/// `(formula) - (level)`
-fn less(formula: Vec<Token>, level: Vec<Token>) -> Vec<Token> {
-    let at = |tokens: &[Token]| Span::at(tokens.last().map_or(0, |last| last.span.end));
-    let start = |tokens: &[Token]| Span::at(tokens.first().map_or(0, |first| first.span.start));
-    let mut all = vec![Token::new('(', start(&formula))];
-    let end = at(&formula);
-    all.extend(formula);
-    all.push(Token::new(')', end));
-    all.push(Token::new('-', end));
-    all.push(Token::new('(', start(&level)));
-    let end = at(&level);
-    all.extend(level);
-    all.push(Token::new(')', end));
-    all
 }

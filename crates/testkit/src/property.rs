@@ -14,6 +14,7 @@ mod picturing;
 mod reading;
 mod rewriting;
 mod scene;
+mod spelled;
 mod tile;
 mod vanishing;
 
@@ -26,6 +27,7 @@ pub use picturing::{Claimed, Pixel, picture};
 pub use reading::read_and_print;
 pub use rewriting::keep;
 pub use scene::{Formula, Scene};
+pub use spelled::spelled;
 pub use vanishing::{MakeZeros, vanish};
 
 use crate::suite::{Failure, Tally};

@@ -5,13 +5,14 @@
 use crate::band::Band;
 use crate::camera::Ray;
 use crate::gbuffer::{Found, GBuffer};
-use crate::grid::RayGrid;
+use crate::grid::{RayGrid, SIDE};
 use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
 use crate::near::{TURNS, turn};
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
+use zeroset_eval::LANES;
 
 /// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the side of its squares.
 const ROWS: usize = 16;
@@ -95,7 +96,7 @@ impl Driver<'_> {
 
     /// The rays through the pixels' centres.
     fn primary(&self) -> impl Fn(Pixel) -> Segment + Sync {
-        let rays = *self.rays;
+        let rays = self.rays;
         move |[column, row]| Segment {
             ray: rays.ray(column as usize, row as usize),
             to: f64::INFINITY,
@@ -257,6 +258,15 @@ pub(crate) fn squares(width: usize, height: usize) -> impl Iterator<Item = Vec<[
         let inside = ORDER.iter().map(place).filter(reaches);
         inside.map(|[x, y]| [x.min(width - 1), y.min(height - 1)]).collect()
     })
+}
+
+/// The pixels of a band of patches, a few of these at a time.
+pub(crate) fn patches(height: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
+    let at_once = RAYS / LANES;
+    let of_patch = |row: usize| ORDER[..LANES].iter().map(move |[x, y]| [x + SIDE * y, row]);
+    let some =
+        move |first: usize| (first..height.min(first + at_once)).flat_map(of_patch).collect();
+    (0..height).step_by(at_once).map(some)
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! Where one ray does not tell what a pixel shows: along the edges of what is seen.
 
 use crate::gbuffer::GBuffer;
-use crate::grid::RayGrid;
+use crate::grid::{RayGrid, SIDE};
 use crate::painted::BAND;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
+use zeroset_eval::LANES;
 
 /// Normals that differ by more than this cosine make an edge: 20 degrees.
 const SAME_WAY: f32 = 0.94;
@@ -23,29 +24,26 @@ pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
         let top = band * BAND;
         let rows = top..top + edges.len() / width;
         for row in rows.clone() {
-            for column in pairs.painted(row) {
-                let here = row * width + column;
-                if pairs.differ(here, here + 1, true) {
-                    let edge = here - top * width;
-                    edges[edge..=edge + 1].fill(true);
-                }
-            }
+            let (columns, here) = (pairs.painted(row), row * width);
+            let edge = here - top * width;
+            pairs.each(here..here + 1, columns, true, |column| {
+                edges[edge + column..=edge + column + 1].fill(true);
+            });
         }
         // Pairs of rows, the one above the band and the one below it among them.
         for row in top.max(1)..=rows.end.min(height - 1) {
             let (above, below) = (pairs.painted(row - 1), pairs.painted(row));
-            for column in above.start.min(below.start)..=above.end.max(below.end) {
-                let here = row * width + column;
-                if pairs.differ(here - width, here, false) {
-                    for pixel in [here - width, here] {
-                        if let Some(edge) = pixel.checked_sub(top * width)
-                            && let Some(edge) = edges.get_mut(edge)
-                        {
-                            *edge = true;
-                        }
+            let here = row * width;
+            let columns = above.start.min(below.start)..above.end.max(below.end) + 1;
+            pairs.each(here - width..here, columns, false, |column| {
+                for pixel in [here - width + column, here + column] {
+                    if let Some(edge) = pixel.checked_sub(top * width)
+                        && let Some(edge) = edges.get_mut(edge)
+                    {
+                        *edge = true;
                     }
                 }
-            }
+            });
         }
     });
     edges
@@ -56,9 +54,29 @@ struct Pairs<'a> {
     rays: &'a RayGrid,
 }
 
+/// What is compared of some pixels in a row: as many of each.
+struct Side<'a> {
+    drawn: &'a [f64],
+    surface: &'a [u16],
+    cap: &'a [bool],
+    normal: &'a [[f32; 3]],
+}
+
+impl<'a> Side<'a> {
+    #[inline]
+    fn new(buffer: &'a GBuffer, first: usize, count: usize) -> Self {
+        Self {
+            drawn: &buffer.drawn[first..][..count],
+            surface: &buffer.surface[first..][..count],
+            cap: &buffer.cap[first..][..count],
+            normal: &buffer.normal[first..][..count],
+        }
+    }
+}
+
 impl Pairs<'_> {
     /// The columns of a row from the one before the first that is painted to the last, but no farther than the last but one
-    /// of the picture; none if none is painted.
+    /// of the picture; if none is painted, none.
     fn painted(&self, row: usize) -> Range<usize> {
         let width = self.rays.width();
         let drawn = &self.buffer.drawn[row * width..][..width];
@@ -68,37 +86,99 @@ impl Pairs<'_> {
         first.saturating_sub(1)..(last + 1).min(width - 1)
     }
 
-    /// Whether there is an edge between two pixels, the first left of the second, or above it.
+    /// Tells the columns of a range in which there is an edge between two pixels: that of index `pair.start` and the column
+    /// together, which is left of the other or above it, and that of `pair.end`.
     #[inline]
-    fn differ(&self, one: usize, other: usize, is_row: bool) -> bool {
-        let GBuffer { drawn, surface, cap, normal, .. } = self.buffer;
-        let step = (drawn[one] - drawn[other]).abs();
-        if !step.is_finite() {
-            // Two that are infinite have no difference.
-            return !step.is_nan();
+    fn each(
+        &self,
+        pair: Range<usize>,
+        columns: Range<usize>,
+        is_row: bool,
+        mut edge: impl FnMut(usize),
+    ) {
+        let (start, count) = (columns.start, columns.len());
+        let side = |first: usize| Side::new(self.buffer, first + start, count);
+        let (one, other) = (side(pair.start), side(pair.end));
+        let [at_eye, growth] = self.rays.pixel().map(|part| STEEPER * part);
+        for k in 0..count {
+            let (a, b) = (one.drawn[k], other.drawn[k]);
+            let step = (a - b).abs();
+            let is_same = one.surface[k] == other.surface[k] && one.cap[k] == other.cap[k];
+            let (n, m) = (one.normal[k], other.normal[k]);
+            // Towards the other side, too, if the other side is seen.
+            let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= SAME_WAY;
+            let nearer = if a < b { a } else { b };
+            // Most pairs are told by these few comparisons.
+            if step <= at_eye + growth * nearer && is_same && is_even {
+                continue;
+            }
+            if !step.is_finite() {
+                // Two that are infinite have no difference.
+                if !step.is_nan() {
+                    edge(start + k);
+                }
+                continue;
+            }
+            let pixels = [pair.start, pair.end].map(|first| first + start + k);
+            let steep = STEEPER * self.rays.footprint(nearer) * self.slope(pixels, is_row);
+            if !is_same || !is_even || step > steep {
+                edge(start + k);
+            }
         }
-        if surface[one] != surface[other] || cap[one] != cap[other] {
-            return true;
-        }
-        let [a, b] = [one, other].map(|pixel| Vec3::from_array(normal[pixel]));
-        // Towards the other side, too, if the other side is seen.
-        if a.dot(b) < SAME_WAY {
-            return true;
-        }
-        let footprint = self.rays.footprint(drawn[one].min(drawn[other]));
-        step > STEEPER * footprint && step > STEEPER * self.slope([one, other], is_row) * footprint
     }
 
     /// How far depth changes from pixel to pixel at the steeper of two, in pixels' widths.
     fn slope(&self, pixels: [usize; 2], is_row: bool) -> f64 {
         let axis = if is_row { self.rays.right() } else { self.rays.up() };
-        let slope = |pixel: usize| {
-            let normal = DVec3::from_array(self.buffer.normal[pixel].map(f64::from));
-            let along = self.rays.ray_of(pixel).direction.normalize();
-            (normal.dot(axis) / normal.dot(along)).abs()
-        };
+        let slope = |pixel: usize| slope_along(self.buffer.normal[pixel], self.rays, pixel, axis);
         slope(pixels[0]).max(slope(pixels[1]))
     }
+}
+
+/// How far depth changes along an axis of the picture where a surface has this normal, in pixels' widths.
+fn slope_along(normal: [f32; 3], rays: &RayGrid, pixel: usize, axis: DVec3) -> f64 {
+    let normal = DVec3::from_array(normal.map(f64::from));
+    let along = rays.ray_of(pixel).direction.normalize();
+    (normal.dot(axis) / normal.dot(along)).abs()
+}
+
+/// How far depth changes at most along the picture where a surface has this normal, in pixels' widths.
+pub fn slope(normal: [f32; 3], rays: &RayGrid, pixel: usize) -> f64 {
+    let axes = [rays.right(), rays.up()];
+    let [across, down] = axes.map(|axis| slope_along(normal, rays, pixel, axis));
+    across.hypot(down)
+}
+
+/// Whether a pixel of one surface shows a crease: its normal differs from that of one of the four pixels beside it.
+pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
+    let normal = |pixel: usize| Vec3::from_array(buffer.normal[pixel]);
+    let differs = |other: usize| {
+        buffer.is_drawn(other)
+            && (normal(pixel).dot(normal(other)) < SAME_WAY
+                || buffer.cap[pixel] != buffer.cap[other])
+    };
+    rays.beside(pixel).into_iter().flatten().any(differs)
+}
+
+/// Whether all of a patch shows one smooth part of one surface, of which the patch's pixel of a coarser picture has this
+/// normal: nothing of it needs to be lit anew. `row` is the patch's in `buffer` and `rays`.
+///
+/// # Panics
+/// If there is no such row of a patch.
+pub fn is_smooth(buffer: &GBuffer, rays: &RayGrid, row: usize, normal: [f32; 3]) -> bool {
+    let first = row * LANES;
+    let drawn: &[f64; LANES] = buffer.drawn[first..].first_chunk().expect("a row");
+    if !drawn.iter().all(|distance| distance.is_finite()) {
+        return false;
+    }
+    let most = STEEPER * rays.footprint(drawn[0]);
+    let [across, down] = [rays.right(), rays.up()]
+        .map(|axis| most * slope_along(normal, rays, first + LANES / 2, axis).max(1.0));
+    let caps = &buffer.cap[first..first + LANES];
+    let is_below = |n: usize, next: usize, step: f64| (drawn[n + next] - drawn[n]).abs() <= step;
+    caps.iter().all(|cap| *cap == caps[0])
+        && (0..LANES).filter(|n| n % SIDE < SIDE - 1).all(|n| is_below(n, 1, across))
+        && (0..LANES - SIDE).all(|n| is_below(n, SIDE, down))
 }
 
 #[cfg(test)]
@@ -154,5 +234,35 @@ mod tests {
         assert!(!edges(&buffer, &rays).contains(&true));
         buffer.drawn.fill(f64::INFINITY);
         assert!(!edges(&buffer, &rays).contains(&true));
+    }
+
+    #[test]
+    fn what_is_smooth_is_not_lit_anew() {
+        let whole = rays(40, 32);
+        let patch = crate::grid::Patch { column: 8, row: 8, from: 0.0 };
+        let rays = whole.patches([patch; 2].into());
+        let normal = [0.0, -1.0, 0.0];
+        let is_smooth = |change: &dyn Fn(&mut GBuffer)| {
+            let mut buffer = wall(16, 2);
+            change(&mut buffer);
+            [0, 1].map(|row| super::is_smooth(&buffer, &rays, row, normal))
+        };
+        assert_eq!(is_smooth(&|_| {}), [true; 2]);
+        assert_eq!(is_smooth(&|buffer| buffer.drawn[3] = f64::INFINITY), [false, true]);
+        assert_eq!(is_smooth(&|buffer| buffer.drawn[31] = 3.0), [true, false]);
+        assert_eq!(is_smooth(&|buffer| buffer.cap[20] = true), [true, false]);
+        // From row to row of a patch depth may change as it does along it, and no patch is the next one's neighbour.
+        assert_eq!(is_smooth(&|buffer| buffer.drawn[16..].fill(1.0)), [true; 2]);
+    }
+
+    #[test]
+    fn a_crease_is_seen_on_both_sides() {
+        let rays = rays(9, 9);
+        let mut buffer = wall(9, 9);
+        for pixel in (0..81).filter(|pixel| pixel % 9 > 4) {
+            buffer.normal[pixel] = [0.6, -0.8, 0.0];
+        }
+        let creased: Vec<usize> = (0..9).filter(|n| is_creased(&buffer, &rays, 36 + n)).collect();
+        assert_eq!(creased, [4, 5]);
     }
 }

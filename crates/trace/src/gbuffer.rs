@@ -1,6 +1,7 @@
 //! What is known of each pixel before it has a colour.
 
 use crate::spare::Spares;
+use std::ops::Range;
 
 /// What is proven of the ray through a pixel's centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -255,6 +256,30 @@ impl GBuffer {
         self.bracket.clear();
         self.bracket.resize(self.status.len(), [f64::NAN; 2]);
         self
+    }
+
+    /// Keeps only some of the rows.
+    ///
+    /// # Panics
+    /// If there are no such rows.
+    pub fn crop(&mut self, rows: Range<usize>) {
+        fn keep<T>(all: &mut Vec<T>, pixels: &Range<usize>) {
+            all.truncate(pixels.end);
+            all.drain(..pixels.start.min(all.len()));
+        }
+        assert!(rows.start <= rows.end && rows.end <= self.height, "rows of the picture");
+        let pixels = &(rows.start * self.width..rows.end * self.width);
+        self.height = rows.len();
+        keep(&mut self.status, pixels);
+        keep(&mut self.reason, pixels);
+        keep(&mut self.bracket, pixels);
+        keep(&mut self.distance, pixels);
+        keep(&mut self.drawn, pixels);
+        keep(&mut self.surface, pixels);
+        keep(&mut self.normal, pixels);
+        keep(&mut self.cap, pixels);
+        keep(&mut self.shadow, pixels);
+        keep(&mut self.occlusion, pixels);
     }
 
     /// Calls every pixel undecided from the eye on, for lack of time: one more surface was not looked for. What is painted

@@ -4,15 +4,32 @@ use crate::camera::{Basis, Camera, Projection, Ray};
 use crate::painted::Window;
 use glam::{DVec3, Vec4};
 use std::ops::Range;
+use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
 
-/// The rays of a picture, one through each pixel's centre.
-#[derive(Clone, Copy, Debug)]
+/// Pixels on the side of a [`Patch`].
+pub(crate) const SIDE: usize = LANES.isqrt();
+
+/// A square of 4×4 pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// The first column.
+    pub column: usize,
+    /// The first row.
+    pub row: usize,
+    /// What lies before this t is not looked for, if a method can tell.
+    pub from: f64,
+}
+
+/// The rays of a picture, one through each pixel's centre; or of [patches](Self::patches) of it.
+#[derive(Clone, Debug)]
 pub struct RayGrid {
     width: usize,
     height: usize,
     /// Where the centre of the first pixel is, to the right of the picture's middle and above it, in halves of a pixel.
     first: [i64; 2],
+    /// Columns and rows of the picture before this part of it.
+    corner: [usize; 2],
     /// Half the width and height of the whole picture that this is a part of.
     reach: [f64; 2],
     eye: DVec3,
@@ -20,6 +37,7 @@ pub struct RayGrid {
     /// Half a pixel's height: on the plane at distance 1, or in world units if parallel.
     unit: f64,
     parallel: bool,
+    patches: Option<Arc<[Patch]>>,
 }
 
 impl Camera {
@@ -38,7 +56,8 @@ impl RayGrid {
         let unit = scale / height as f64;
         let (eye, basis) = (camera.eye(), camera.basis);
         let reach = [width as f64 * unit, height as f64 * unit];
-        Self { width, height, first: first(width, height), reach, eye, basis, unit, parallel }
+        let (first, patches) = (first(width, height), None);
+        Self { width, height, first, corner: [0; 2], reach, eye, basis, unit, parallel, patches }
     }
 
     /// The rays of some columns and rows of the picture, counted from its left edge and its top: those of `self`, bit for
@@ -51,19 +70,56 @@ impl RayGrid {
         assert!(columns.end <= self.width && rows.end <= self.height, "outside of the picture");
         let [across, upward] = self.first;
         let first = [across + 2 * columns.start as i64, upward - 2 * rows.start as i64];
-        Self { width: columns.len(), height: rows.len(), first, ..*self }
+        let corner = [self.corner[0] + columns.start, self.corner[1] + rows.start];
+        Self { width: columns.len(), height: rows.len(), first, corner, ..self.clone() }
     }
 
-    /// The rays of the same picture with each pixel cut into `times` columns and rows.
-    ///
-    /// # Panics
-    /// If this is a [part](Self::part) of a picture.
+    /// The rays of the same picture, or part of one, with each pixel cut into `times` columns and rows.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
-        assert_eq!(self.first, first(self.width, self.height), "a part of a picture");
         let (width, height) = (self.width * times, self.height * times);
         let unit = self.unit / times as f64;
-        Self { width, height, first: first(width, height), unit, ..*self }
+        let [across, upward] = self.first;
+        let first = [(across - 1) * times as i64 + 1, (upward + 1) * times as i64 - 1];
+        let corner = self.corner.map(|place| place * times);
+        Self { width, height, first, corner, unit, ..self.clone() }
+    }
+
+    /// The rays of some patches of the picture, one in each row: its sixteen pixels row by row. What is found for them may
+    /// be drawn, but is no claim, since nothing is looked for before [`Patch::from`].
+    #[must_use]
+    pub fn patches(&self, patches: Arc<[Patch]>) -> Self {
+        Self { width: LANES, height: patches.len(), patches: Some(patches), ..self.clone() }
+    }
+
+    /// The patch in this row, if these are the rays of patches.
+    #[inline]
+    pub(crate) fn patch(&self, row: usize) -> Option<Patch> {
+        self.patches.as_ref().map(|patches| patches[row])
+    }
+
+    /// Whether these are the rays of patches.
+    #[inline]
+    pub(crate) fn is_patched(&self) -> bool {
+        self.patches.is_some()
+    }
+
+    /// The pixels left of one, right of it, above and below it, by their indices, as far as there are any.
+    pub fn beside(&self, pixel: usize) -> [Option<usize>; 4] {
+        let width = if self.is_patched() { SIDE } else { self.width };
+        let (column, rows) = (pixel % width, self.width * self.height / width);
+        let mut row = pixel / width;
+        let mut last = rows - 1;
+        if self.is_patched() {
+            // Patches are no neighbours.
+            (row, last) = (row % SIDE, SIDE - 1);
+        }
+        [
+            (column > 0).then(|| pixel - 1),
+            (column + 1 < width).then_some(pixel + 1),
+            (row > 0).then(|| pixel - width),
+            (row < last).then_some(pixel + width),
+        ]
     }
 
     /// Pixels in a row.
@@ -115,7 +171,7 @@ impl RayGrid {
     }
 
     /// Screen coordinates of the point half way between the centres of two pixels, by the sum of their columns and the sum of
-    /// their rows: a ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin is moved so.
+    /// their rows, in the picture that there may be patches of: a ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin is moved so.
     #[inline]
     pub(crate) fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
         let [across, upward] = self.first;
@@ -140,6 +196,12 @@ impl RayGrid {
         self.reach
     }
 
+    /// Columns and rows of the picture before this part of it.
+    #[inline]
+    pub(crate) fn corner(&self) -> [usize; 2] {
+        self.corner
+    }
+
     /// Half the distance of neighbouring pixels' screen coordinates.
     #[inline]
     pub(crate) fn unit(&self) -> f64 {
@@ -155,9 +217,19 @@ impl RayGrid {
     /// Where a pixel is, to the right of the picture's middle and above it, in halves of a pixel.
     #[inline]
     fn offset(&self, i: usize, j: usize) -> [f64; 2] {
+        let (i, j) = self.place(i, j);
         // Integers until the last step.
         let [across, upward] = self.first;
         [(across + 2 * i as i64) as f64, (upward - 2 * j as i64) as f64]
+    }
+
+    /// The column and the row of a pixel in the picture that there may be patches of. A window may stick out.
+    #[inline]
+    fn place(&self, i: usize, j: usize) -> (usize, usize) {
+        match self.patch(j) {
+            Some(patch) => (patch.column + i % SIDE, patch.row + i / SIDE),
+            None => (i, j),
+        }
     }
 
     /// The ray of the pixel with this index, counted row by row from the top.
@@ -170,10 +242,14 @@ impl RayGrid {
         let Basis { forward, right, up } = self.basis;
         let [first, upward] = self.offset(window.column, window.row);
         let upward = upward * self.unit * up;
+        let is_patched = self.is_patched();
         let mut points = [Lanes::splat(0.0); 3];
         for lane in 0..LANES {
-            let across = (first + (2 * lane) as f64) * self.unit;
-            let offset = across * right + upward;
+            let mut offset = (first + (2 * lane) as f64) * self.unit * right + upward;
+            if is_patched {
+                let [across, upward] = self.offset(window.column + lane, window.row);
+                offset = across * self.unit * right + upward * self.unit * up;
+            }
             let ray = if self.parallel {
                 Ray { origin: self.eye + offset, direction: forward }
             } else {
@@ -195,6 +271,20 @@ impl RayGrid {
         let [across, upward] = self.offset(window.column, window.row);
         let first = -(forward + unit * across * right + unit * upward * up).as_vec3();
         let step = -(2.0 * unit * right).as_vec3();
+        if self.is_patched() {
+            let down = (2.0 * unit * up).as_vec3();
+            let lanes = std::array::from_fn(|lane| {
+                let (column, row) = ((window.column + lane) % SIDE, (window.column + lane) / SIDE);
+                let (column, row) = (
+                    column as f32 - (window.column % SIDE) as f32,
+                    row as f32 - (window.column / SIDE) as f32,
+                );
+                let way = first + column * step + row * down;
+                (way / way.length()).to_array()
+            });
+            let lanes: [[f32; 3]; LANES] = lanes;
+            return [0, 1, 2].map(|axis| Lanes(lanes.map(|way| way[axis])));
+        }
         let mut ways = [Lanes::splat(0.0); 3];
         for at in (0..LANES).step_by(4) {
             let lane = at as f32 + Vec4::new(0.0, 1.0, 2.0, 3.0);

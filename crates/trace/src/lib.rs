@@ -7,6 +7,7 @@
 
 mod band;
 mod camera;
+mod coarse;
 mod colour;
 mod colour_map;
 mod driver;
@@ -32,12 +33,13 @@ mod work;
 
 pub use band::Band;
 pub use camera::{Camera, CameraError, Projection, Ray};
+pub use coarse::borrow_occlusion;
 pub use colour::LinearRgb;
 pub use colour_map::{COLOUR_MAPS, ColourMap};
 pub use driver::Driver;
-pub use edges::edges;
+pub use edges::{edges, is_creased, is_smooth, slope};
 pub use gbuffer::{Found, GBuffer, PixelCounts, Reason, Status};
-pub use grid::RayGrid;
+pub use grid::{Patch, RayGrid};
 pub use light::Light;
 pub use look::{LOOKS, Look};
 pub use method::{Ideas, Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};

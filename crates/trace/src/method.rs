@@ -5,7 +5,7 @@
 
 use crate::band::Band;
 use crate::camera::Ray;
-use crate::driver::{RAYS, squares};
+use crate::driver::{RAYS, patches, squares};
 use crate::gbuffer::Found;
 use crate::grid::RayGrid;
 use crate::region::Region;
@@ -178,7 +178,12 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
     let unset = Segment { ray: rays.ray(0, band.top), to, pixel };
     let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
     let mut wanted = true;
-    for mut square in squares(band.width, band.height) {
+    let (of_patches, of_picture) = if rays.is_patched() {
+        (Some(patches(band.height)), None)
+    } else {
+        (None, Some(squares(band.width, band.height)))
+    };
+    for mut square in of_patches.into_iter().flatten().chain(of_picture.into_iter().flatten()) {
         if !band.is_all_asked() {
             square.retain(|&[column, row]| band.is_asked(column, row));
             if square.is_empty() {

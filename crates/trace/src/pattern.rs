@@ -1,6 +1,7 @@
 //! Several rays through a pixel, and the mean of what they show.
 
 use crate::colour::LinearRgb;
+use crate::grid::SIDE;
 use glam::Vec3;
 
 /// Where rays go through a pixel that is cut into columns and rows.
@@ -45,31 +46,43 @@ impl Pattern {
         (0..self.count()).map(move |n| self.places.map_or_else(|| all(n), |places| places[n]))
     }
 
-    /// For each row of pixels, of which `only` tells which are wanted, `across` of them in a row: which places of the finer
-    /// picture have a ray.
-    pub fn rays(&self, only: &[bool], across: usize) -> Vec<bool> {
-        let width = across * self.side;
-        let mut rays = vec![false; only.len() * self.side * self.side];
-        for pixel in (0..only.len()).filter(|&pixel| only[pixel]) {
-            let first = self.first(pixel, across);
-            self.places().for_each(|[column, row]| rays[first + row * width + column] = true);
+    /// Whether there is a ray in every place.
+    pub fn is_full(&self) -> bool {
+        self.places.is_none()
+    }
+
+    /// The patches of a finer picture that a pixel consists of, by the columns and rows that lie before them.
+    ///
+    /// # Panics
+    /// Unless there are several rays.
+    pub fn patches(&self) -> impl Iterator<Item = [usize; 2]> {
+        assert!(self.side >= SIDE, "a pixel is a patch or several");
+        let across = self.side / SIDE;
+        (0..across * across).map(move |n| [n % across, n / across].map(|place| SIDE * place))
+    }
+
+    /// Which places of a pixel have a ray: patch by patch, and row by row in each.
+    pub fn rays(&self) -> Vec<bool> {
+        let mut rays = vec![self.is_full(); self.side * self.side];
+        for [column, row] in self.places.unwrap_or_default() {
+            rays[row * SIDE + column] = true;
         }
         rays
     }
 
-    /// The index of a pixel's first place in the finer picture.
-    fn first(&self, pixel: usize, across: usize) -> usize {
-        (pixel / across * across * self.side + pixel % across) * self.side
-    }
-
-    /// The mean light of a pixel's rays, as sRGB bytes, in the finer picture `bytes`.
-    pub fn mean(&self, bytes: &[u8], pixel: usize, across: usize) -> [u8; 3] {
-        let (bytes, first, width) =
-            (bytes.as_chunks().0, self.first(pixel, across), across * self.side);
-        let light = |[column, row]: [usize; 2]| {
-            Vec3::from_array(LinearRgb::from_srgb(bytes[first + row * width + column]).0)
+    /// The mean light of a pixel's rays as sRGB bytes, given those of its places as [`Pattern::rays`] tells of them.
+    ///
+    /// # Panics
+    /// If there are not as many places.
+    pub fn mean(&self, bytes: &[[u8; 3]]) -> [u8; 3] {
+        assert_eq!(bytes.len(), self.side * self.side, "all places of one pixel");
+        let light = |bytes: [u8; 3]| Vec3::from_array(LinearRgb::from_srgb(bytes).0);
+        let sum: Vec3 = match self.places {
+            None => bytes.iter().copied().map(light).sum(),
+            Some(places) => {
+                places.iter().map(|[column, row]| light(bytes[row * SIDE + column])).sum()
+            }
         };
-        let sum: Vec3 = self.places().map(light).sum();
         LinearRgb((sum / self.count() as f32).to_array()).to_srgb()
     }
 }
@@ -77,6 +90,7 @@ impl Pattern {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_eval::LANES;
 
     #[test]
     fn rays_are_spread_over_columns_and_rows() {
@@ -94,30 +108,32 @@ mod tests {
                     "{count}: {seen:?}"
                 );
             }
-            assert_eq!(pattern.rays(&[true], 1).iter().filter(|ray| **ray).count(), count);
+            if count > 1 {
+                assert_eq!(pattern.rays().iter().filter(|ray| **ray).count(), count);
+            }
         }
         assert_eq!(Pattern::of(3), None);
     }
 
     #[test]
     fn means_are_of_light() {
-        // Three pixels in a row: white, black, half of the rays white.
         for count in Pattern::COUNTS.into_iter().skip(1) {
             let pattern = Pattern::of(count).expect("listed");
-            let (side, width) = (pattern.side, 3 * pattern.side);
-            let is_white = |n: usize| match n % width / side {
-                0 => true,
-                1 => false,
-                // What a ray in every row and column sees of the left half is half.
-                _ => n % side < side / 2,
+            let corners: Vec<[usize; 2]> = pattern.patches().collect();
+            let mean = |is_white: &dyn Fn([usize; 2]) -> bool| {
+                let of_patch = |[x, y]: &[usize; 2]| {
+                    let place = |n: usize| [x + n % SIDE, y + n / SIDE];
+                    let bytes =
+                        (0..LANES).map(place).map(|at| [if is_white(at) { 255 } else { 0 }; 3]);
+                    bytes.collect::<Vec<_>>()
+                };
+                pattern.mean(&corners.iter().flat_map(of_patch).collect::<Vec<_>>())
             };
-            let bytes: Vec<u8> =
-                (0..width * side).flat_map(|n| [if is_white(n) { 255 } else { 0 }; 3]).collect();
-            let mean = |pixel| pattern.mean(&bytes, pixel, 3);
-            // Half of the light is code 188.
-            assert_eq!([mean(0), mean(1), mean(2)], [[255; 3], [0; 3], [188; 3]], "{count}");
-            let rays = pattern.rays(&[false, true, false], 3);
-            assert!((0..rays.len()).all(|n| !rays[n] || n % width / side == 1));
+            let half = pattern.side / 2;
+            let found = [mean(&|_| true), mean(&|_| false), mean(&|[x, _]| x < half)];
+            // What a ray in every row and column sees of the left half is half, which is code 188.
+            assert_eq!(found, [[255; 3], [0; 3], [188; 3]], "{count}");
+            assert_eq!(mean(&|[_, y]| y < half), [188; 3]);
         }
     }
 }

@@ -115,7 +115,7 @@ impl Window {
     fn compose(&self, content: &Content) -> Canvas {
         let (width, height) = content.size;
         let scale = self.scale_at(height);
-        let mut canvas = Canvas { width, height, pixels: self.backdrop.pixels.clone(), scale };
+        let mut canvas = Canvas::new(width, height, self.backdrop.pixels.clone(), scale);
         if let Some(gallery) = &content.gallery {
             self.draw_gallery(&mut canvas, gallery);
             return canvas;
@@ -245,7 +245,7 @@ impl Backdrop {
         if rendering.request.axes.are_shown(&rendering.document) {
             let (width, height) = window;
             let pixels = std::mem::take(&mut self.pixels);
-            let mut canvas = Canvas { width, height, pixels, scale };
+            let mut canvas = Canvas::new(width, height, pixels, scale);
             draw_box(&mut canvas, (&**rendering).into(), picture.1);
             self.pixels = canvas.pixels;
         }

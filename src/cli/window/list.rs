@@ -219,7 +219,7 @@ mod tests {
     use super::*;
 
     fn canvas(scale: usize) -> Canvas {
-        Canvas { width: 0, height: 0, pixels: Vec::new(), scale }
+        Canvas::new(0, 0, Vec::new(), scale)
     }
 
     #[test]

@@ -26,7 +26,7 @@ impl Page {
     /// Goes so many lines down, or up if negative, in a window of so many pixels with letters of this
     /// scale.
     pub fn scroll(&mut self, lines: isize, size: (usize, usize), scale: usize) {
-        let canvas = Canvas { width: size.0, height: size.1, pixels: Vec::new(), scale };
+        let canvas = Canvas::new(size.0, size.1, Vec::new(), scale);
         let (all, shown) = (wrapped(&self.text, letters(&canvas)).len(), rows(&canvas));
         let most = all.saturating_sub(shown);
         self.scroll = self.scroll.min(most).saturating_add_signed(lines).min(most);

@@ -149,7 +149,7 @@ mod tests {
     }
 
     fn canvas(width: usize, height: usize, scale: usize) -> Canvas {
-        Canvas { width, height, pixels: vec![0; width * height], scale }
+        Canvas::new(width, height, vec![0; width * height], scale)
     }
 
     #[test]

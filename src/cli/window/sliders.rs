@@ -114,7 +114,7 @@ impl Window {
             }
             sliders.all = all;
         }
-        let letters = Canvas { width, height, pixels: Vec::new(), scale };
+        let letters = Canvas::new(width, height, Vec::new(), scale);
         sliders.panel = Panel::new(&sliders.all, sliders.scroll, (width, height), &letters);
     }
 

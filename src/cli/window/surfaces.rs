@@ -101,7 +101,7 @@ impl Window {
         }
         let count = surfaces.all.len();
         let is_wanted = surfaces.wanted.unwrap_or(count > 1);
-        let letters = Canvas { width, height, pixels: Vec::new(), scale };
+        let letters = Canvas::new(width, height, Vec::new(), scale);
         surfaces.list = is_wanted
             .then(|| List::new(count, surfaces.scroll, taken, (width, height), &letters))
             .flatten();

@@ -4,8 +4,9 @@
 use std::fmt::Write as _;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
 
-/// Half of what threads usually have.
-const STACK: usize = 1 << 20;
+/// Less than a third of what threads usually have, so that what a compiler makes of a function elsewhere has room: brackets
+/// take up to 460 KiB of it, in tests and as released, and pest wants 64 more to be left.
+const STACK: usize = 5 << 17;
 
 fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {
     let thread = std::thread::Builder::new().stack_size(STACK).spawn(run);
@@ -85,6 +86,23 @@ fn allowed_nesting_fits_the_stack() {
     accepted(format!("{}x < 1{}", "(x < 1 or ".repeat(depth), ")".repeat(depth)));
     accepted(format!("x{}", "^x".repeat(depth)));
     accepted(format!("{}x", "-".repeat(depth)));
+}
+
+/// Definitions nest deeper than brackets.
+#[test]
+fn allowed_definitions_fit_the_stack() {
+    let chain = |count: usize, line: &dyn Fn(usize) -> String, last: &str| {
+        let lines: Vec<String> = (1..count).map(line).collect();
+        format!("a0 = x*x\nf0(v) = v*x\n{}\n{last}", lines.join("\n"))
+    };
+    accepted(chain(330, &|i| format!("a{i} = 1 - sin(a{})", i - 1), "a329"));
+    accepted(chain(330, &|i| format!("f{i}(v) = 1 - sin(f{}(v + 1))", i - 1), "f329(y)"));
+    accepted(chain(490, &|i| format!("a{i} = {{a{} < 1: 2, y}}", i - 1), "a489"));
+    accepted(chain(330, &|i| format!("a{i} = sum(k = 1..2, a{} + k)", i - 1), "a329"));
+    let vectors = |i: usize| format!("b{i} = cross(b{}, vec3(1, 2, 3))", i - 1);
+    accepted("b0 = vec3(x, y, z)\n".to_owned() + &chain(330, &vectors, "length(b329)"));
+    let step = "if (p.x < d) { d += 1.; } else { d = min(d, p.y); }\n".repeat(240);
+    accepted(format!("float map(vec3 p) {{ float d = 0.;\n{step}return d; }}"));
 }
 
 #[test]

@@ -9,9 +9,9 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
 
-/// The corpus that the reading was made with, and the one that was written down before anyone looked at how texts are
+/// The corpus that the reading was made with, and two that were written down before anyone looked at how texts are
 /// read.
-const CORPORA: [&str; 2] = ["words.txt", "words_held_out.txt"];
+const CORPORA: [&str; 3] = ["words.txt", "words_held_out.txt", "words_third.txt"];
 
 /// Points at which readings are compared.
 const POINTS: usize = 60;
@@ -26,6 +26,7 @@ struct Row {
     meant: String,
     message: Option<String>,
     notes: Vec<String>,
+    domain: Option<String>,
 }
 
 fn rows(corpus: &str) -> Vec<Row> {
@@ -54,13 +55,14 @@ fn rows(corpus: &str) -> Vec<Row> {
             if !to.is_empty() {
                 to.push('\n');
             }
-            to.push_str(rest);
+            to.push_str(&rest.replace('␍', "\r"));
         };
         match sign {
             ">" => add(&mut row.text),
             "=" => add(&mut row.meant),
             "!" => row.message = Some(rest.to_owned()),
             "~" => row.notes.push(rest.to_owned()),
+            "@" => row.domain = Some(rest.to_owned()),
             _ => panic!("{corpus}:{}: {line}", index + 1),
         }
     }
@@ -138,6 +140,20 @@ fn agree(left: Option<&Constant>, right: Option<&Constant>) -> bool {
     }
 }
 
+/// What is wrong with the domain that a text gives, if a row says what it must be.
+fn wrong_domain(row: &Row, document: &Document) -> Option<String> {
+    let wanted = row.domain.as_ref()?;
+    let line: Vec<String> = ["x", "y", "z"]
+        .iter()
+        .zip(wanted.replace("] ", "]\n").lines())
+        .filter(|(_, range)| *range != "-")
+        .map(|(axis, range)| format!("{axis} in {range}"))
+        .collect();
+    let meant = read(&format!("domain {}\nx", line.join(", ")), &Options::default());
+    let meant = meant.expect("a domain").domain;
+    (document.domain != meant).then(|| format!("domain {:?}", document.domain))
+}
+
 /// What is wrong with how a row is read.
 fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     let document = read(&row.text, &Options::default());
@@ -159,6 +175,9 @@ fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
         row.notes.iter().find(|wanted| !notes.iter().any(|note| note.contains(wanted.as_str())))
     {
         return Some(format!("no note with {missing:?} in {notes:?}"));
+    }
+    if let Some(what) = wrong_domain(row, &document) {
+        return Some(what);
     }
     let meant = match read(&row.meant, &Options::default()) {
         Ok(meant) => meant,

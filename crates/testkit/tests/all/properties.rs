@@ -5,7 +5,7 @@
 //! `ZEROSET_CASES=100000 cargo test --release -p zeroset-testkit --test all simplif`.
 
 use std::path::{Path, PathBuf};
-use zeroset_testkit::property::{forms, jit_vs_oracle, jit_vs_reference, parse, simplify};
+use zeroset_testkit::property::{forms, jit_vs_oracle, jit_vs_reference, parse, simplify, spelled};
 use zeroset_testkit::suite::{Failure, Tally};
 use zeroset_testkit::{Effort, attack};
 
@@ -46,6 +46,11 @@ fn native_code_gives_the_bits_of_the_reference() {
 #[test]
 fn native_code_encloses_what_the_oracle_knows() {
     hold(jit_vs_oracle, "jit_vs_oracle", 0x5eed_0720, 3000);
+}
+
+#[test]
+fn what_is_spelled_by_forms_holds_as_what_is_written_out() {
+    hold(spelled, "spelled", 0x5eed_0750, 1000);
 }
 
 #[test]

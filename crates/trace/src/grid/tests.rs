@@ -268,5 +268,60 @@ fn rays_of_a_part_are_those_of_the_picture() {
         let finer = rays.finer(2);
         assert_eq!((finer.width(), finer.height()), (122, 80));
         assert_eq!(finer.screen(2 * 7 * 2 + 1, 2 * 16 * 2 + 1), rays.screen(2 * 7, 2 * 16));
+        // The parts of a part are the finer picture's.
+        let (finer, parts) = (rays.finer(4), part.finer(4));
+        assert_eq!((parts.width(), parts.height()), (132, 60));
+        for (i, j) in [(0, 0), (131, 59), (17, 40)] {
+            assert_eq!(parts.ray(i, j), finer.ray(28 + i, 64 + j));
+        }
     }
+}
+
+#[test]
+fn rays_of_patches_are_those_of_the_picture() {
+    for projection in
+        [Projection::Perspective { fov: 50.0 }, Projection::Orthographic { height: 3.0 }]
+    {
+        let camera = Camera::new(DVec3::new(3.0, -4.0, 2.0), DVec3::ZERO, DVec3::Z, projection);
+        let rays = camera.expect("valid").rays(40, 24);
+        let places = [[8, 4], [0, 0], [36, 20], [5, 3]];
+        let patch = |[column, row]: [usize; 2]| Patch { column, row, from: 0.0 };
+        let patches = rays.patches(places.map(patch).into());
+        assert_eq!((patches.width(), patches.height()), (16, 4));
+        for (row, [column, top]) in places.into_iter().enumerate() {
+            let own: Vec<Ray> = (0..16).map(|n| rays.ray(column + n % 4, top + n / 4)).collect();
+            for (n, ray) in own.iter().enumerate() {
+                assert_eq!((*ray, *ray), (patches.ray(n, row), patches.ray_of(16 * row + n)));
+            }
+            // A window that begins within the patch, too.
+            for first in [0, 5] {
+                let wanted = 0xffff >> first;
+                let window = Window { column: first, row, index: 16 * row + first, wanted };
+                let distances = [4.5; LANES];
+                let points = patches.points(window, &distances);
+                let ways = patches.ways_to_eye(window);
+                for (lane, ray) in own[first..].iter().enumerate() {
+                    let point = ray.at(ray.parameter(4.5));
+                    assert_eq!([0, 1, 2].map(|axis| points[axis][lane]), point.to_array());
+                    let way = glam::Vec3::from_array([0, 1, 2].map(|axis| ways[axis][lane]));
+                    assert!(way.distance(-ray.direction.normalize().as_vec3()) < 1e-6);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn neighbours_are_in_the_picture_and_in_the_patch() {
+    let projection = Projection::Orthographic { height: 3.0 };
+    let camera = Camera::new(DVec3::NEG_Y, DVec3::ZERO, DVec3::Z, projection).expect("valid");
+    let rays = camera.rays(8, 6);
+    assert_eq!(rays.beside(0), [None, Some(1), None, Some(8)]);
+    assert_eq!(rays.beside(47), [Some(46), None, Some(39), None]);
+    assert_eq!(rays.beside(20), [Some(19), Some(21), Some(12), Some(28)]);
+    let patch = Patch { column: 0, row: 0, from: 0.0 };
+    let patches = rays.patches([patch; 3].into());
+    assert_eq!(patches.beside(16), [None, Some(17), None, Some(20)]);
+    assert_eq!(patches.beside(31), [Some(30), None, Some(27), None]);
+    assert_eq!(patches.beside(21), [Some(20), Some(22), Some(17), Some(25)]);
 }

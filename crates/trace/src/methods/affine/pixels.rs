@@ -18,6 +18,8 @@ struct Patch {
     index: usize,
     /// The first column and row.
     first: [usize; 2],
+    /// How far the next row is: in columns and rows.
+    next: [usize; 2],
     /// Screen coordinates of its columns.
     across: [f64; 4],
     /// Screen coordinates of its rows.
@@ -30,11 +32,11 @@ impl Patch {
     }
 
     fn column(&self, bit: usize) -> usize {
-        self.first[0] + bit % 4
+        self.first[0] + bit % 4 + bit / 4 * self.next[0]
     }
 
     fn row(&self, bit: usize) -> usize {
-        self.first[1] + bit / 4
+        self.first[1] + bit / 4 * self.next[1]
     }
 }
 
@@ -86,13 +88,18 @@ fn sift<T: Scalar>(
 
 impl<T: Scalar> Tracer<'_, '_, '_, T> {
     fn patch(&self, [column, row]: [usize; 2]) -> Patch {
-        let first = [4 * column, 4 * row];
-        let screen =
-            |k: usize| self.rays.screen(2 * (first[0] + k), 2 * (self.band.top + first[1] + k));
+        let (mut first, mut next) = ([4 * column, 4 * row], [0, 1]);
+        let mut corner = [first[0], self.band.top + first[1]];
+        if let Some(patch) = self.rays.patch(self.band.top + row) {
+            // It lies in one row of the band.
+            (corner, first, next) = ([patch.column, patch.row], [0, row], [4, 0]);
+        }
+        let screen = |k: usize| self.rays.screen(2 * (corner[0] + k), 2 * (corner[1] + k));
         let screens: [[f64; 2]; 4] = std::array::from_fn(screen);
         Patch {
             index: row * self.across + column,
             first,
+            next,
             across: screens.map(|screen| screen[0]),
             upward: screens.map(|screen| screen[1]),
         }
@@ -100,6 +107,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Writes the hits that a tile's form proves on the rays of its pixels.
     pub(super) fn emit(&mut self, plane: &Plane, depth: usize, place: [usize; 2]) {
+        if self.rays.is_patched() {
+            return self.emit_patch(plane, &self.patch(place));
+        }
         let [columns, rows] = self.pixels(place, depth);
         for row in rows[0] / 4..=rows[1] / 4 {
             for column in columns[0] / 4..=columns[1] / 4 {
@@ -122,10 +132,12 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let distance: [f64; 4] = std::array::from_fn(|k| (along[k] + more) * length[k]);
             let off = length.map(|length| plane.reach() * length);
             if four == 0xf {
-                self.band.add_four_hits(patch.first[0], patch.first[1] + row, &distance, &off);
+                let (column, row) = (patch.column(4 * row), patch.row(4 * row));
+                self.band.add_four_hits(column, row, &distance, &off);
             } else {
+                let (column, row) = (patch.column(4 * row), patch.row(4 * row));
                 for k in ones(four) {
-                    self.band.add_hit(patch.column(k), patch.first[1] + row, distance[k], off[k]);
+                    self.band.add_hit(column + k, row, distance[k], off[k]);
                 }
             }
         }

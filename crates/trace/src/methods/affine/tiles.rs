@@ -6,7 +6,7 @@ use super::narrow::{Scratch, is_progress};
 use super::plane::Plane;
 use super::slots::{Slots, Stack};
 use crate::band::Band;
-use crate::grid::RayGrid;
+use crate::grid::{Patch, RayGrid};
 use crate::methods::way::CUT;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -29,9 +29,11 @@ pub(super) fn trace<T: Scalar>(
     band: &mut Band<'_>,
     work: &mut Work,
 ) {
-    let across = band.width.div_ceil(4);
-    let mut open = open_pixels(band.width, band.height);
-    close_unasked(&mut open, band);
+    let is_patched = rays.is_patched();
+    let across = if is_patched { 1 } else { band.width.div_ceil(4) };
+    let mut open =
+        if is_patched { vec![u16::MAX; band.height] } else { open_pixels(band.width, band.height) };
+    close_unasked(&mut open, band, across, is_patched);
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
     let size = frame.size();
     let mut tracer = Tracer {
@@ -48,8 +50,12 @@ pub(super) fn trace<T: Scalar>(
         work,
     };
     let mut levels: [Level<T>; SIDES.len()] = levels;
-    let places: Vec<[usize; 2]> =
-        (0..tracer.band.width.div_ceil(SIDES[0])).map(|i| [i, 0]).collect();
+    let first = if is_patched { LAST } else { 0 };
+    let places: Vec<[usize; 2]> = if is_patched {
+        (0..tracer.band.height).map(|row| [0, row]).collect()
+    } else {
+        (0..tracer.band.width.div_ceil(SIDES[0])).map(|column| [column, 0]).collect()
+    };
     // Rounded outward once; all later ends are floats.
     let [near, far] = tracer.frame.span;
     let span = [-T::above(-near).into(), T::above(far).into()];
@@ -57,8 +63,8 @@ pub(super) fn trace<T: Scalar>(
         if !tracer.band.is_wanted() {
             return tracer.band.give_up(SIDES[0] * places[0][0]);
         }
-        levels[0].start(&tracer, places, 0, span, None, false);
-        tracer.run(&mut levels, 0);
+        levels[first].start(&tracer, places, first, span, None, false);
+        tracer.run(&mut levels[first..], first);
     }
 }
 
@@ -79,15 +85,20 @@ fn open_pixels(width: usize, height: usize) -> Vec<u16> {
 }
 
 /// Clears the bits of pixels of which nobody asks what becomes of them.
-fn close_unasked(open: &mut [u16], band: &Band<'_>) {
+fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: bool) {
     if band.is_all_asked() {
         return;
     }
-    let across = band.width.div_ceil(4);
     for (index, open) in open.iter_mut().enumerate() {
         let [column, row] = [4 * (index % across), 4 * (index / across)];
-        let asked = (0..4).map(|k| band.asked_of_four(column, row + k) << (4 * k));
-        *open &= asked.sum::<u16>();
+        let four = |k: usize| {
+            if is_patched {
+                band.asked_of_four(4 * k, index)
+            } else {
+                band.asked_of_four(column, row + k)
+            }
+        };
+        *open &= (0..4).map(|k| four(k) << (4 * k)).sum::<u16>();
     }
 }
 
@@ -149,10 +160,9 @@ impl<T: Scalar> Level<T> {
             if !tracer.is_open(place, level) {
                 continue;
             }
-            let [columns, rows] = tracer.pixels(place, level);
-            let top = tracer.band.top;
-            let tile = Tile::new(tracer.rays, columns, rows.map(|row| top + row));
-            let mut left = Some(segment);
+            let tile = tracer.tile(place, level);
+            let segment = tracer.from(place, segment);
+            let mut left = (segment[0] <= segment[1]).then_some(segment);
             if let Some(plane) = plane {
                 left = plane.narrow_tile(&tile, segment);
             }
@@ -194,6 +204,24 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let side = SIDES[level];
         let range = |place: usize, size: usize| [side * place, (side * place + side).min(size) - 1];
         [range(column, self.band.width), range(row, self.band.height)]
+    }
+
+    /// The rays of a tile.
+    fn tile(&self, place: [usize; 2], level: usize) -> Tile {
+        let top = self.band.top;
+        if let Some(Patch { column, row, .. }) = self.rays.patch(top + place[1]) {
+            return Tile::new(self.rays, [column, column + 3], [row, row + 3]);
+        }
+        let [columns, rows] = self.pixels(place, level);
+        Tile::new(self.rays, columns, rows.map(|row| top + row))
+    }
+
+    /// What is to be looked at of a segment.
+    fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
+        match self.rays.patch(self.band.top + place[1]) {
+            Some(patch) => [near.max(T::nearest(patch.from - self.frame.start).into()), far],
+            None => [near, far],
+        }
     }
 
     /// Whether some pixel of a tile is not finished.

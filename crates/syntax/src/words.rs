@@ -1,0 +1,128 @@
+//! Every word of the language and what kind it is, for help, completion and colours: drawn from the tables that reading
+//! uses. What is done with them is not known here.
+
+use crate::ast::NamedConstant;
+use crate::paint::{COLOR_MAPS, POINT_NAMES};
+use crate::scope::ROOT_NAMES;
+use crate::setting::SETTINGS;
+use crate::spelling::{LOOKS, PRESETS};
+
+/// What a word is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum WordKind {
+    /// It takes something in brackets.
+    Function,
+    /// A coordinate, time, or a constant.
+    Value,
+    /// It joins conditions, or stands before a range.
+    Joint,
+    /// It begins a line about the picture.
+    Setting,
+    /// It stands in such a line.
+    InSetting,
+    /// It is a word of programs.
+    Program,
+}
+
+/// Words of programs, each with a text in which it stands.
+const PROGRAM: &[(&str, &str)] = &[
+    ("float", "float map(vec3 p) { return length(p) - 1.; }"),
+    ("return", "float map(vec3 p) { return length(p) - 1.; }"),
+    ("const", "const float r = 2.; return length(p) - r;"),
+    ("else", "float d; if (x < 0.) { d = x; } else { d = y; } return d;"),
+    ("for", "float d = z; for (int i = 0; i < 3; i++) { d += x; } return d;"),
+    ("while", "float d = z; int i = 0; while (i < 3) { d += x; i++; } return d;"),
+    ("def", "def f(x, y, z): return x + y"),
+    ("lambda", "f = lambda x, y, z: x + y"),
+];
+
+/// Words that join, each with a text in which it stands.
+const JOINTS: &[(&str, &str)] = &[
+    ("and", "x < 1 and y < 1"),
+    ("or", "x < 1 or y < 1"),
+    ("not", "not x < 1"),
+    ("in", "r = 2 in [0, 5]"),
+];
+
+/// What a coordinate, time, or a value at points of a surface is.
+const VALUES: &[(&str, &str)] = &[
+    ("x", "a coordinate"),
+    ("y", "a coordinate"),
+    ("z", "a coordinate; up"),
+    ("t", "time, which `--time`, a slider and the clock set"),
+    ("r", "the distance from the z axis, where it is not defined: r = 1 + cos(3 theta)"),
+    ("rho", "the distance from the origin, where it is not defined: rho = 2 sin(phi)"),
+    ("theta", "the angle around the z axis, where it is not defined: r = 1 + cos(3 theta)"),
+];
+
+/// Every word, some more than once where it has several meanings.
+pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
+    use WordKind::*;
+    let functions = zeroset_ops::names().chain(ROOT_NAMES.iter().copied());
+    let values = VALUES.iter().map(|(name, _)| *name).filter(|name| *name != "r");
+    let values = values.chain(NamedConstant::ALL.iter().map(|constant| constant.name()));
+    let within = PRESETS.into_iter().chain(LOOKS).chain(COLOR_MAPS).chain(POINT_NAMES);
+    let within = within.chain(["auto", "ball", "on", "off", "eye", "target", "up", "fov", "ortho"]);
+    let first = |(word, _): &(&'static str, &str)| *word;
+    functions
+        .map(|word| (word, Function))
+        .chain(values.map(|word| (word, Value)))
+        .chain(JOINTS.iter().map(first).map(|word| (word, Joint)))
+        .chain(const { &SETTINGS }.iter().map(|setting| (setting.word, Setting)))
+        .chain(within.map(|word| (word, InSetting)))
+        .chain(PROGRAM.iter().map(first).map(|word| (word, Program)))
+}
+
+/// What a word that is no function is, in one line.
+pub fn word_help(word: &str) -> Option<String> {
+    let found = |table: &[(&'static str, &'static str)]| {
+        table.iter().find(|(name, _)| *name == word).map(|(_, text)| *text)
+    };
+    if let Some(setting) = const { &SETTINGS }.iter().find(|setting| setting.word == word) {
+        return Some(format!("a line about the picture: {}", setting.hint));
+    }
+    if let Some(text) = found(VALUES) {
+        return Some(text.to_owned());
+    }
+    if let Some(constant) = NamedConstant::ALL.iter().find(|constant| constant.name() == word) {
+        return Some(constant.meaning().unwrap_or("a constant").to_owned());
+    }
+    if let Some(text) = found(JOINTS) {
+        return Some(format!("as in {text}"));
+    }
+    if let Some(text) = found(PROGRAM) {
+        return Some(format!("a word of programs, as in {text}"));
+    }
+    let lines = || const { &SETTINGS }.iter().filter(|setting| setting.hint.contains(word));
+    words().any(|known| known == (word, WordKind::InSetting)).then(|| {
+        let within = lines().map(|setting| format!("`{}`", setting.word)).collect::<Vec<_>>();
+        match within.as_slice() {
+            [] => "a word of lines about the picture".to_owned(),
+            within => format!("a word of lines that begin with {}", within.join(", ")),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Limits, parse};
+
+    #[test]
+    fn examples_read_and_hold_their_words() {
+        for (word, text) in PROGRAM.iter().chain(JOINTS) {
+            let text = if *word == "in" { format!("{text}\nx = r") } else { (*text).to_owned() };
+            let read = parse(&text, &Limits::default());
+            assert!(read.is_ok(), "{}", read.unwrap_err().render(None, &text, false));
+            assert!(text.split(|c: char| !c.is_alphanumeric()).any(|part| part == *word), "{text}");
+        }
+    }
+
+    #[test]
+    fn every_word_has_help() {
+        for (word, kind) in words().filter(|(_, kind)| *kind != WordKind::Function) {
+            let help = word_help(word).unwrap_or_default();
+            assert!(help.len() > 5 && !help.ends_with(": "), "{word} {kind:?}: {help}");
+        }
+    }
+}

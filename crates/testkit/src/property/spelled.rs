@@ -1,0 +1,39 @@
+//! What is spelled by forms, vectors, choices and sums holds as what is written out does.
+
+use super::{Subject, agree, enclose, keep, read_and_print};
+use crate::random::{random_domain, random_text};
+use crate::suite::{Failure, Tally};
+use crate::{Case, Rng};
+use zeroset_eval::Assumptions;
+use zeroset_syntax::{Limits, Options, read};
+
+/// Brackets in the deepest text.
+const DEEPEST: u32 = 3;
+/// Operations beyond which code would cost a fuzzer much.
+const LIMITS: Limits =
+    Limits { bytes: 1 << 14, symbols: 5000, depth: 200, nodes: 300, surfaces: 10 };
+
+/// A text that bytes choose: it reads as it prints, and the function that it draws is simplified, compiled and enclosed as
+/// any other. Texts with too many operations are left out, and compare nothing.
+///
+/// # Errors
+/// What does not hold, and the text.
+pub fn spelled(data: &[u8]) -> Result<Tally, Failure> {
+    let mut rng = Rng::from_bytes(data);
+    let text = random_text(&mut rng, DEEPEST);
+    let Ok(document) = read(&text, &Options { limits: LIMITS, ..Options::default() }) else {
+        return Ok(Tally::default());
+    };
+    read_and_print(text.as_bytes())?;
+    let assumptions = Assumptions { parameters: Vec::new(), domain: random_domain(&mut rng) };
+    let root = document.surfaces[0].root;
+    let case = Case { graph: document.graph, root, assumptions, parameters: Vec::new() };
+    let held = match rng.u32(0..5) {
+        0 => keep(&case, &mut rng),
+        1 => agree::<f32>(Subject::ALL[0], rng.bool(), &case, &mut rng, 16),
+        2 => agree::<f64>(Subject::ALL[0], rng.bool(), &case, &mut rng, 16),
+        3 => enclose::<f32>(&case, &mut rng, 8),
+        _ => enclose::<f64>(&case, &mut rng, 8),
+    };
+    held.map_err(|failure| Failure::new(format!("{failure}\nof\n{text}")))
+}

@@ -1,0 +1,181 @@
+//! Random formulas as text, over every form and every composed function: what is only a spelling in the language becomes
+//! graphs that random operations hardly ever make.
+
+use super::Rng;
+use super::values::below;
+use zeroset_ops::{COMPOSED, FORMS, Meaning};
+
+/// Names of vectors and of a function, which each text defines.
+const HEAD: &str = "p = vec3(x, y, z)\nq = vec3(y, 1 - z, x*y)\nf(a) = a^2 - x/2\n";
+
+/// A text that draws one formula, its brackets nested up to `depth`.
+pub fn random_text(rng: &mut Rng, depth: u32) -> String {
+    let mut text = Text { rng, indices: 0 };
+    let formula = text.number(depth);
+    format!("{HEAD}{formula}")
+}
+
+struct Text<'r> {
+    rng: &'r mut Rng,
+    /// How many sums are around.
+    indices: usize,
+}
+
+impl Text<'_> {
+    fn leaf(&mut self) -> String {
+        if self.indices > 0 && self.rng.bool() {
+            return format!("k{}", below(self.rng, self.indices));
+        }
+        let leaves = [
+            "x", "y", "z", "x", "y", "z", "rho", "theta", "phi", "2", "0.5", "pi", "p.x", "q.y",
+            "0", "-1", "3/7",
+        ];
+        leaves[below(self.rng, leaves.len())].to_owned()
+    }
+
+    /// A number.
+    fn number(&mut self, depth: u32) -> String {
+        if depth == 0 {
+            return self.leaf();
+        }
+        let inner = depth - 1;
+        match self.rng.u32(0..8) {
+            0 => self.leaf(),
+            1 => {
+                let signs = ["+", "-", "*", "/"];
+                let sign = signs[below(self.rng, signs.len())];
+                format!("({} {sign} {})", self.number(inner), self.number(inner))
+            }
+            2 => {
+                let names = ["sin", "cos", "abs", "sqrt", "exp", "floor", "fract", "atan"];
+                let name = names[below(self.rng, names.len())];
+                format!("{name}({})", self.number(inner))
+            }
+            3 | 4 => {
+                let row = &COMPOSED[below(self.rng, COMPOSED.len())];
+                let given: Vec<String> =
+                    row.parameters.iter().map(|_| self.number(inner)).collect();
+                format!("{}({})", row.name, given.join(", "))
+            }
+            5 => format!("length({})", self.vector(inner)),
+            _ => self.form(inner),
+        }
+    }
+
+    fn condition(&mut self, depth: u32) -> String {
+        let signs = ["<", "<=", ">", ">="];
+        let sign = signs[below(self.rng, signs.len())];
+        let compared = format!("{} {sign} {}", self.number(depth), self.number(depth));
+        match self.rng.u32(0..6) {
+            0 => format!("{compared} and {} < 1", self.number(depth)),
+            1 => format!("{compared} or {} > 0", self.number(depth)),
+            2 => format!("not ({compared})"),
+            3 => format!("-1 < {} < 1", self.number(depth)),
+            _ => compared,
+        }
+    }
+
+    /// A vector of three components.
+    fn vector(&mut self, depth: u32) -> String {
+        if depth == 0 {
+            return ["p", "q", "p.zxy", "q.yzx"][below(self.rng, 4)].to_owned();
+        }
+        let inner = depth - 1;
+        match self.rng.u32(0..8) {
+            0 => format!(
+                "vec3({}, {}, {})",
+                self.number(inner),
+                self.number(inner),
+                self.number(inner)
+            ),
+            1 => format!("({} + {})", self.vector(inner), self.vector(inner)),
+            2 => format!("{}*{}", self.leaf(), self.vector(inner)),
+            3 => format!("abs({})", self.vector(inner)),
+            4 => format!("mod({}, 2)", self.vector(inner)),
+            5 => format!("mix({}, {}, {})", self.vector(inner), self.vector(inner), self.leaf()),
+            6 => format!("normalize({})", self.vector(inner)),
+            _ => format!("cross({}, {})", self.vector(inner), self.vector(inner)),
+        }
+    }
+
+    /// Two columns or three, or as many times a number of the diagonal.
+    fn matrix(&mut self, size: u8, depth: u32) -> String {
+        let count = usize::from(size) * usize::from(size);
+        let count = if self.rng.u32(0..3) == 0 { 1 } else { count };
+        let elements: Vec<String> = (0..count).map(|_| self.number(depth)).collect();
+        format!("mat{size}({})", elements.join(", "))
+    }
+
+    /// A number by a form of the language, of whichever meaning.
+    fn form(&mut self, depth: u32) -> String {
+        let form = &FORMS[below(self.rng, FORMS.len())];
+        let name = form.name;
+        match form.meaning {
+            Meaning::Choose => {
+                let (condition, yes) = (self.condition(depth), self.number(depth));
+                match self.rng.u32(0..3) {
+                    0 => format!("{name}({condition}, {yes}, {})", self.number(depth)),
+                    1 => format!("{{{condition}: {yes}, {}}}", self.number(depth)),
+                    _ => format!("({condition} ? {yes} : {})", self.number(depth)),
+                }
+            }
+            Meaning::Pieces => {
+                let (first, last) = (self.number(depth), self.number(depth));
+                format!("{name}([[{first}, {}], [{last}, x >= 0]])", self.condition(depth))
+            }
+            Meaning::Sum | Meaning::Product => {
+                let index = self.indices;
+                self.indices += 1;
+                let body = self.number(depth);
+                self.indices -= 1;
+                format!("{name}(k{index} = {}..3, {body})", self.rng.u32(0..3))
+            }
+            Meaning::Iterate => {
+                format!("{name}(f, {}, {})", self.rng.u32(0..4), self.number(depth))
+            }
+            Meaning::Vector(size) => {
+                let parts: Vec<String> = (0..size).map(|_| self.number(depth)).collect();
+                format!("{name}({}).{}", parts.join(", "), ["x", "y"][below(self.rng, 2)])
+            }
+            Meaning::Matrix(size @ 2..=3) => {
+                let vector = if size == 2 { "p.xy" } else { "q" };
+                format!("({}*{vector}).x", self.matrix(size, depth.min(1)))
+            }
+            Meaning::Matrix(_) => format!("(mat4({})*vec4(p, 1)).w", self.number(depth)),
+            Meaning::Transpose => format!("({name}({})*p.yz).y", self.matrix(2, depth)),
+            Meaning::Determinant => format!("{name}({})", self.matrix(2, depth)),
+            Meaning::Multiply => format!("{name}({}, p.xz).x", self.matrix(2, depth)),
+            Meaning::Dot | Meaning::Distance => {
+                format!("{name}({}, {})", self.vector(depth), self.vector(depth))
+            }
+            Meaning::Cross | Meaning::Reflect => {
+                format!("{name}({}, {}).z", self.vector(depth), self.vector(depth))
+            }
+            Meaning::Normalize => format!("{name}({}).y", self.vector(depth)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_syntax::{Options, read};
+
+    /// Texts that are refused would test nothing.
+    #[test]
+    fn texts_read_and_hold_every_form_and_composed_function() {
+        let mut rng = Rng::with_seed(0x5eed_0031);
+        let texts: Vec<String> = (0..3000).map(|_| random_text(&mut rng, 3)).collect();
+        for text in &texts[..500] {
+            let read = read(text, &Options::default());
+            assert!(read.is_ok(), "{}", read.unwrap_err().render(None, text, false));
+        }
+        let count = |word: &str| texts.iter().filter(|text| text.contains(word)).count();
+        for form in FORMS {
+            assert!(count(&format!("{}(", form.name)) > 20, "{}", form.name);
+        }
+        for row in COMPOSED {
+            assert!(count(&format!("{}(", row.name)) > 20, "{}", row.name);
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Pictures that are made strip by strip show what whole ones do.
+
+use zeroset::model::{Model, Strip};
+use zeroset::picture::{Picture, Precision, Settings};
+use zeroset::program::ProgramError;
+use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{Camera, GBuffer, Pattern, UndecidedStyle};
+
+fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
+    let document = read(text, &Options::default()).expect("reads");
+    let (region, _) = scene::region(&document, DomainChoice::Document, None).expect("a region");
+    let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+    (Model::new(&document, &region, settings).expect("compiles"), camera)
+}
+
+/// All strips of so many rows together, and what is told of all of them.
+fn together(
+    model: &Model,
+    camera: &Camera,
+    settings: &Settings,
+    rows: usize,
+) -> (Picture, Picture) {
+    let mut all: Option<Picture> = None;
+    let mut add = |Strip { top, picture, overview }: Strip<'_>| -> Result<(), ProgramError> {
+        assert_eq!(overview.is_some(), settings.normals.is_some());
+        assert!(picture.buffer.height <= rows);
+        let Some(all) = &mut all else {
+            all = Some(picture.clone());
+            return Ok(());
+        };
+        let (buffer, more) = (&mut all.buffer, &picture.buffer);
+        assert_eq!(top, buffer.height);
+        buffer.height += more.height;
+        let GBuffer { status, reason, bracket, distance, drawn, .. } = buffer;
+        status.extend(&more.status);
+        reason.extend(&more.reason);
+        bracket.extend(&more.bracket);
+        distance.extend(&more.distance);
+        drawn.extend(&more.drawn);
+        buffer.surface.extend(&more.surface);
+        buffer.normal.extend(&more.normal);
+        buffer.cap.extend(&more.cap);
+        buffer.shadow.extend(&more.shadow);
+        buffer.occlusion.extend(&more.occlusion);
+        all.rgb.extend(&picture.rgb);
+        Ok(())
+    };
+    let told = model.strips_of(rows, camera, settings, &|_, _| {}, &mut add).expect("compiled");
+    (all.expect("a strip"), told)
+}
+
+/// How many pixels differ in each quantity, bit for bit.
+fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
+    fn count<T>(one: &[T], other: &[T], is_same: impl Fn(&T, &T) -> bool) -> usize {
+        assert_eq!(one.len(), other.len());
+        one.iter().zip(other).filter(|(one, other)| !is_same(one, other)).count()
+    }
+    let ends = |[near, far]: [f64; 2]| [near.to_bits(), far.to_bits()];
+    [
+        count(&one.status, &other.status, |a, b| a == b),
+        count(&one.reason, &other.reason, |a, b| a == b),
+        count(&one.bracket, &other.bracket, |a, b| ends(*a) == ends(*b)),
+        count(&one.distance, &other.distance, |a, b| a == b),
+        count(&one.drawn, &other.drawn, |a, b| a == b),
+        count(&one.surface, &other.surface, |a, b| a == b),
+        count(&one.normal, &other.normal, |a, b| a == b),
+        count(&one.cap, &other.cap, |a, b| a == b),
+        count(&one.shadow, &other.shadow, |a, b| a == b),
+        count(&one.occlusion, &other.occlusion, |a, b| a == b),
+    ]
+}
+
+/// Several surfaces, seen through each other; colours and lines by values; cut solids; what stays undecided.
+const TEXTS: [&str; 5] = [
+    "domain 1.3\nx^2+y^2+z^2=1",
+    "domain 2\nx^4-5x^2+y^4-5y^2+z^4-5z^2+11.8; color steelblue 50%\nz=0.4; (x-1)^2+y^2<=0.1",
+    "domain 3\ncolor viridis(z)\ncontours x\nsin x cos y + sin y cos z + sin z cos x = 0",
+    "domain 1\n(x^2+y^2+z^2-0.8)^2=0",
+    "domain 2\nfloor(2x)+y^2 <= z",
+];
+
+#[test]
+fn strips_are_parts_of_the_whole_bit_for_bit() {
+    let plain = Settings { width: 130, height: 118, occlusion: true, ..Settings::default() };
+    let sixteen = Pattern::of(16).expect("a pattern");
+    let fine = Settings { antialias: sixteen, shadow_depth: Some(7), ..plain.clone() };
+    let marked = Settings { undecided: UndecidedStyle::Hatch, brackets: true, ..plain.clone() };
+    let double = Settings { precision: Precision::F64, ..fine.clone() };
+    for text in TEXTS {
+        for settings in [&fine, &marked, &double] {
+            let (model, camera) = scene(text, settings);
+            let whole = model.trace(&camera, settings, &|_| true).expect("compiled");
+            for rows in [16, 48] {
+                let (all, told) = together(&model, &camera, settings, rows);
+                assert_eq!(different(&all.buffer, &whole.buffer), [0; 10], "{text}: {rows} rows");
+                let differ = all.rgb.iter().zip(&whole.rgb).filter(|(one, other)| one != other);
+                assert_eq!((all.rgb.len(), differ.count()), (whole.rgb.len(), 0), "{text}");
+                let (of_all, of_whole) = (&told.statistics, &whole.statistics);
+                assert_eq!((of_all.pixels, of_all.open), (of_whole.pixels, of_whole.open));
+                assert_eq!(of_all.edge_rays, of_whole.edge_rays);
+                assert_eq!(told.why_undecided(), whole.why_undecided());
+                assert_eq!((told.buffer.height, told.rgb.len()), (0, 0));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_picture_of_moderate_size_is_one_strip() {
+    let settings = Settings { width: 40, height: 30, occlusion: true, ..Settings::default() };
+    let (model, camera) = scene(TEXTS[0], &settings);
+    let mut strips = 0;
+    let mut count = |strip: Strip<'_>| -> Result<(), ProgramError> {
+        assert!(strip.overview.is_none() && strip.picture.buffer.height == 30);
+        strips += 1;
+        Ok(())
+    };
+    let told = model.strips(&camera, &settings, &|_, _| {}, &mut count).expect("compiled");
+    assert_eq!((strips, told.buffer.height), (1, 0));
+    assert_eq!(told.statistics.pixels.hit + told.statistics.pixels.miss, 1200);
+}

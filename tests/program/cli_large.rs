@@ -1,0 +1,56 @@
+//! Pictures that are made strip by strip.
+
+use crate::cli_support::Place;
+use image::RgbImage;
+
+const TEXT: &str = "domain 1.5\ncolor viridis(z)\nx^2+y^2+z^2 <= 1";
+
+fn picture(place: &Place, name: &str) -> RgbImage {
+    image::open(place.path(name)).expect("a picture").to_rgb8()
+}
+
+/// Just above what is held whole: files are as those of a smaller picture, and tell the same numbers.
+#[test]
+fn a_large_picture_is_written_in_strips() {
+    let place = Place::new();
+    let render = |name: &str, size: &str, more: &[&str]| {
+        let fixed = ["render", TEXT, "-o", name, "--size", size, "--axes", "--shadows", "--json"];
+        let run = place.run(&[&fixed[..], more].concat()).ok();
+        run.json()
+    };
+    let arrays = ["--status", "status.npy", "--normal", "normal.npy"];
+    let large = render("large.png", "2112x2000", &arrays);
+    let small = render("small.png", "528x500", &[]);
+    assert_eq!(large["camera"], small["camera"]);
+    let bytes = std::fs::read(place.path("status.npy")).expect("written");
+    let status = npyz::NpyFile::new(&bytes[..]).expect("an array");
+    assert_eq!(status.shape(), [2000, 2112]);
+    let status: Vec<u8> = status.into_vec().expect("bytes");
+    for (number, name) in ["miss", "hit", "undecided"].into_iter().enumerate() {
+        let count = status.iter().filter(|status| usize::from(**status) == number).count();
+        assert_eq!(large["pixels"][name], count, "{name}");
+    }
+    let bytes = std::fs::read(place.path("normal.npy")).expect("written");
+    assert_eq!(npyz::NpyFile::new(&bytes[..]).expect("an array").shape(), [2000, 2112, 3]);
+    // Scaled down it is the small picture: surface, legend and axes are in their places, no strip is off.
+    let (large, small) = (picture(&place, "large.png"), picture(&place, "small.png"));
+    assert_eq!(large.dimensions(), (2112, 2000));
+    let mean = |x: u32, y: u32, part: usize| {
+        let parts = (0..16).map(|n| large.get_pixel(4 * x + n % 4, 4 * y + n / 4).0[part]);
+        parts.map(u32::from).sum::<u32>() / 16
+    };
+    let off = |(x, y, pixel): (u32, u32, &image::Rgb<u8>)| {
+        (0..3).any(|part| mean(x, y, part).abs_diff(u32::from(pixel.0[part])) > 24)
+    };
+    let differ = small.enumerate_pixels().filter(|pixel| off(*pixel)).count();
+    println!("{differ} of {} pixels differ", 528 * 500);
+    assert!(differ < 528 * 500 / 50, "{differ}");
+}
+
+#[test]
+fn frames_of_a_sequence_are_held_whole() {
+    let place = Place::new();
+    let arguments = ["render", TEXT, "-o", "a.gif", "--turntable", "--size", "16384"];
+    let run = place.run(&arguments);
+    assert!(run.code == Some(2) && run.stderr.contains("held whole"), "{}", run.stderr);
+}
