@@ -5,7 +5,7 @@ use super::coming;
 use super::command::{COMMANDS, refused, say};
 use super::edit::Refusal;
 use super::session::Reply;
-use super::words;
+use super::status_words;
 use std::collections::HashSet;
 use std::fmt::Write as _;
 use zeroset_syntax::{WordKind, language_names, word_help, words};
@@ -28,7 +28,11 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     if let Some(row) = COMMANDS.iter().find(|row| row.name == bare) {
         let usage = format!("{}: {}", row.usage(), row.doc);
         let is_status = row.name == STATUS;
-        return say(if is_status { format!("{usage}\n{}", words::explained()) } else { usage });
+        return say(if is_status {
+            format!("{usage}\n{}", status_words::explained())
+        } else {
+            usage
+        });
     }
     let native = zeroset_ops::natives(name).map(|row| {
         let aliases = match row.aliases {

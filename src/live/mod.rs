@@ -29,10 +29,10 @@ mod session;
 mod settings;
 mod slider;
 mod status;
+mod status_words;
 mod surfaces;
 mod undo;
 mod values;
-mod words;
 
 pub use coming::COMING;
 pub use command::{COMMANDS, CommandRow};
@@ -43,5 +43,5 @@ pub use pipeline::{Axes, Fault, Rendering, Request, Snapshot};
 pub use session::{Live, Reply};
 pub use slider::Slider;
 pub use status::{FLAT, quote};
+pub use status_words::status_words;
 pub use surfaces::Listed;
-pub use words::words;

@@ -9,7 +9,7 @@ use minifb::Key;
 use std::sync::Arc;
 use std::thread::spawn;
 use std::time::Instant;
-use zeroset::live::{Axes, words};
+use zeroset::live::{Axes, status_words};
 
 /// Pixels that an arrow key turns by, in a window this high.
 const ARROW: f64 = 20.0;
@@ -70,7 +70,7 @@ impl Window {
     /// Shows the keys, then the words of the status line and what is written elsewhere, then neither.
     fn next_help(&mut self) {
         let was_closed = !self.help && self.page.is_none();
-        self.page = self.help.then(|| Page::new(&words()));
+        self.page = self.help.then(|| Page::new(&status_words()));
         self.help = was_closed;
     }
 

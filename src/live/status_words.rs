@@ -28,7 +28,7 @@ const WORDS: [(&str, &str); 11] = [
 ];
 
 /// What a person asks who reads the status line, or comes from another program.
-pub fn words() -> String {
+pub fn status_words() -> String {
     format!("{}\n\nComing from another program\n{}", explained(), coming::listed())
 }
 
