@@ -38,6 +38,7 @@ mod tests {
         for (from, there, here) in COMING {
             let text = match *from {
                 "Desmos" | "GLSL" => (*there).to_owned(),
+                "Mathematica" => there.replace('…', "{x, -2, 2}, {y, -2, 2}, {z, -2, 2}"),
                 "Surfer" => format!("a = 0.5 in [0, 1]\n{there}"),
                 _ => here.split(", with").next().unwrap_or_default().to_owned(),
             };

@@ -76,10 +76,8 @@ const TYPES: &[&str] = &[
 ];
 
 /// What functions are called that tell the distance of a scene.
-pub(crate) const SCENES: &[&str] = &[
-    "map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "de", "dist", "getDist",
-    "GetDist", "world",
-];
+pub(crate) const SCENES: &[&str] =
+    &["map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "getDist", "GetDist"];
 
 /// Whether a type counts in whole numbers.
 pub(crate) fn is_whole_type(word: &str) -> bool {

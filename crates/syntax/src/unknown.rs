@@ -51,7 +51,12 @@ impl Builder<'_> {
         let statement = self.piece.span;
         let text = crate::scan::start(&self.text[statement.range()], LONGEST);
         let mut words = text.split(|c: char| !c.is_alphabetic());
-        let has_signs = self.piece.tokens.iter().any(|token| "+-*/^²=<≤>≥".contains(token.symbol));
+        // `cylinder(r = 1, h = 2)` has names of its arguments only.
+        let is_called = self.piece.tokens.get(1).is_some_and(|next| next.symbol == '(');
+        let has_signs =
+            self.piece.tokens.iter().any(|token| {
+                "+-*/^²<≤>≥".contains(token.symbol) || token.symbol == '=' && !is_called
+            });
         let found = |word: &str| SOLIDS.iter().find(|(name, _)| word.eq_ignore_ascii_case(name));
         if let Some((_, formula)) = words.clone().find_map(found).filter(|_| !has_signs) {
             return Some(Error::new(statement, ErrorKind::Solid { formula }));
