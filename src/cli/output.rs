@@ -115,8 +115,7 @@ impl Open {
     /// Where content goes.
     pub fn sink(&mut self) -> &mut dyn Write {
         match &mut self.opened {
-            Opened::Renamed(writer, _) => writer,
-            Opened::Direct(writer) => writer,
+            Opened::Renamed(writer, _) | Opened::Direct(writer) => writer,
             Opened::Standard(whole) => whole,
         }
     }
