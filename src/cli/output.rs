@@ -1,14 +1,13 @@
 //! Files that appear whole or not at all.
 //!
-//! Content goes to a temporary file beside the target, which is renamed over it. Whether such a
-//! file can be made is tried before any work is done, so that a target that cannot be written is an
-//! error at once and not after the rendering; the file itself is made when there is something to
-//! write, so that an interrupted run leaves nothing behind.
+//! Content goes to a file without a name, which at the end is copied beside the target and renamed over it. Whether that can
+//! be done is tried before any work is, so that a target that cannot be written is an error at once and not after the
+//! rendering; an interrupted run leaves nothing behind.
 
 use super::files::Origin;
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -71,8 +70,8 @@ impl Output {
         let Self { path, sink } = self;
         let open = match sink {
             Sink::Renamed(target) => {
-                let directory = target.parent().unwrap_or(Path::new("."));
-                temporary(directory).map(|file| Opened::Renamed(BufWriter::new(file), target))
+                let unnamed = tempfile::tempfile_in(directory(&target));
+                unnamed.map(|file| Opened::Renamed(BufWriter::new(file), target))
             }
             Sink::Direct(file) => Ok(Opened::Direct(BufWriter::new(file))),
             Sink::Standard => Ok(Opened::Standard(Vec::new())),
@@ -89,8 +88,8 @@ pub struct Open {
 }
 
 enum Opened {
-    /// To be renamed to this place.
-    Renamed(BufWriter<NamedTempFile>, PathBuf),
+    /// Without a name, so that an interrupted run leaves nothing; to be put in this place.
+    Renamed(BufWriter<File>, PathBuf),
     Direct(BufWriter<File>),
     /// Printed at the end.
     Standard(Vec<u8>),
@@ -116,8 +115,7 @@ impl Open {
     /// Where content goes.
     pub fn sink(&mut self) -> &mut dyn Write {
         match &mut self.opened {
-            Opened::Renamed(writer, _) => writer,
-            Opened::Direct(writer) => writer,
+            Opened::Renamed(writer, _) | Opened::Direct(writer) => writer,
             Opened::Standard(whole) => whole,
         }
     }
@@ -131,8 +129,7 @@ impl Open {
             Opened::Renamed(writer, target) => writer
                 .into_inner()
                 .map_err(|error| error.into_error())
-                .and_then(|file| file.persist(target).map_err(|error| error.error))
-                .map(drop),
+                .and_then(|file| put(file, &target)),
             Opened::Direct(mut writer) => writer.flush(),
             Opened::Standard(whole) => return print_bytes(&whole),
         };
@@ -169,6 +166,20 @@ fn sink(path: &Path) -> Result<Sink> {
     temporary(directory)?;
     // In full, so that a file is known by whatever path it is given.
     Ok(Sink::Renamed(directory.canonicalize()?.join(name)))
+}
+
+/// Copies what was written to a file beside `target`, which is renamed.
+fn put(mut written: File, target: &Path) -> std::io::Result<()> {
+    let mut file = temporary(directory(target))?;
+    written.rewind()?;
+    std::io::copy(&mut written, file.as_file_mut())?;
+    file.persist(target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// That in which a file lies.
+fn directory(file: &Path) -> &Path {
+    file.parent().unwrap_or(Path::new("."))
 }
 
 /// Where a path leads through symbolic links, which a rename would replace; the last of them may
