@@ -132,9 +132,14 @@ fn changed(
     }
     for (number, (slot, one)) in slots.iter().zip(&drawn).enumerate() {
         let before = number.checked_sub(1).map(|before| &drawn[before]);
-        let starts_line = text[..slot.start].trim_end_matches([' ', '\t']).ends_with('\n');
-        let end = if slot.start == 0 || starts_line { "\n" } else { "; " };
+        let head = text[..slot.start].trim_end_matches([' ', '\t']);
+        let end = if slot.start == 0 || head.ends_with('\n') { "\n" } else { "; " };
         let mut pieces = one.lines(before, words);
+        // Within a statement of a program there is no place for a line.
+        let is_alone = head.is_empty() || head.ends_with(['\n', ';']);
+        if !is_alone && !pieces.is_empty() {
+            return None;
+        }
         pieces.push(one.body.clone());
         edits.push((slot.clone(), pieces.join(end)));
     }
