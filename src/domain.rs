@@ -109,6 +109,7 @@ pub fn find_while(
     let mut at_infinity = WORK_AT_INFINITY;
     let (found, finding) = if let Some(whole) = everything(program, &search, &mut at_infinity) {
         match snug(program, &mut search, whole)? {
+            Some(hull) if is_point(program, &hull) => (Cell::cube(POINT), Finding::Bounded),
             Some(hull) => (roomy(&hull), Finding::Bounded),
             None => (Cell::cube(window::PLAIN), Finding::Empty),
         }
@@ -141,6 +142,26 @@ fn snug<'a>(
         search.forms = forms;
     }
     Ok(search.tight(hull, FINE_DEPTH))
+}
+
+/// Half a side of the box around a surface that is a point.
+const POINT: f64 = 1.0;
+/// Less than this is what is left of a power where floats end.
+const UNDERFLOW: f64 = 1e-280;
+
+/// Whether a box is so small that nothing is left of the functions at its corners: then the search went on until floats
+/// ended, and the surface is the origin, as that of x²+y²+z².
+fn is_point(program: &Program, hull: &Cell) -> bool {
+    let (graph, parameters) = (program.graph(), program.values().to_vec());
+    let vanishes = |root: NodeId, corner: usize| {
+        let end = |axis: usize| [hull.low[axis], hull.high[axis]][corner >> axis & 1];
+        let domain = [0, 1, 2].map(|axis| Interval { lo: end(axis), hi: end(axis) });
+        let assumptions = Assumptions { domain, parameters: parameters.clone() };
+        let bounds = enclosure::enclose(graph, root, &assumptions).0;
+        bounds.lo >= -UNDERFLOW && bounds.hi <= UNDERFLOW
+    };
+    hull.largest() < UNDERFLOW.powf(1.0 / 32.0)
+        && program.roots().iter().all(|&root| (0..8).all(|corner| vanishes(root, corner)))
 }
 
 /// Cubes of ±2 to these powers are tried as boxes that hold a whole surface.

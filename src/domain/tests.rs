@@ -34,6 +34,15 @@ fn a_ball_is_bounded_by_a_snug_box_wherever_it_is() {
 }
 
 #[test]
+fn a_point_has_room_around_it() {
+    for text in ["x^2+y^2+z^2 = 0", "x^4+y^4+z^4 = 0", "abs(x)^20+abs(y)^20+abs(z)^20 = 0"] {
+        let found = found(text);
+        assert_eq!((found.low, found.high), ([-1.0; 3], [1.0; 3]), "{text}");
+        assert_eq!(found.finding, Finding::Bounded, "{text}");
+    }
+}
+
+#[test]
 fn bounded_is_said_only_of_what_is_bounded() {
     for text in [
         "x^2+y^2=z^2",
