@@ -1,10 +1,8 @@
 //! The window's help: its keys and what they do, laid out to fit.
 
-use super::canvas::{Canvas, Rgb};
+use super::canvas::Canvas;
+use super::theme::{GROUND, INK};
 use std::fmt::Write as _;
-
-const GROUND: Rgb = 0x0020_2028;
-const INK: Rgb = 0x00f0_f0f4;
 
 /// Keys and what they do, the mouse first.
 const ROWS: &[(&str, &str)] = &[

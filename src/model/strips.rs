@@ -4,9 +4,8 @@
 //! what, and which values colours stand for, is taken from an overview, a smaller picture of the whole. Where that is no
 //! smaller, nothing differs.
 
-use super::trace::Shot;
 use super::{Model, Progress};
-use crate::picture::{Picture, Precision, Settings};
+use crate::picture::{Picture, Settings};
 use crate::program::ProgramError;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -101,12 +100,7 @@ impl Model {
         let mut overview = None;
         if settings.normals.is_some() {
             let rays = camera.rays(small.width, small.height);
-            let picture = match settings.precision {
-                Precision::Auto | Precision::F32 => {
-                    Shot::<f32>::new(self, &small, &advance).take(&rays)
-                }
-                Precision::F64 => Shot::<f64>::new(self, &small, &advance).take(&rays),
-            }?;
+            let picture = self.along(&rays, &small, &advance, None)?;
             overview = Some(Overview { picture, rays });
         }
         let mut all: Option<Picture> = None;
@@ -114,14 +108,8 @@ impl Model {
             let known = known(top);
             let own = top - known.start..(top + rows).min(height) - known.start;
             let rays = whole.part(0..width, known);
-            let mut picture = match settings.precision {
-                Precision::Auto | Precision::F32 => Shot::<f32>::new(self, settings, &advance)
-                    .of_strip(overview.as_ref(), own)
-                    .take(&rays),
-                Precision::F64 => Shot::<f64>::new(self, settings, &advance)
-                    .of_strip(overview.as_ref(), own)
-                    .take(&rays),
-            }?;
+            let part = (overview.as_ref(), own);
+            let mut picture = self.along(&rays, settings, &advance, Some(part))?;
             let overview = overview.as_ref().map(|overview| &overview.picture);
             each(Strip { top, picture: &mut picture, overview })?;
             all = Some(match all {

@@ -45,14 +45,29 @@ impl Model {
         let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
         let advance = |done| advance(done) && end.is_none_or(|end| Instant::now() < end);
         let rays = camera.rays(settings.width, settings.height);
+        self.along(&rays, settings, &advance, None)
+    }
+
+    /// The picture along these rays: of a strip's, those rows of it are kept that `part` says, and what is near to what is
+    /// what its overview knows.
+    pub(super) fn along(
+        &self,
+        rays: &RayGrid,
+        settings: &Settings,
+        advance: Advance<'_>,
+        part: Option<Part<'_>>,
+    ) -> Result<Picture, ProgramError> {
         match settings.precision {
             Precision::Auto | Precision::F32 => {
-                Shot::<f32>::new(self, settings, &advance).take(&rays)
+                Shot::<f32>::new(self, settings, advance).of(part).take(rays)
             }
-            Precision::F64 => Shot::<f64>::new(self, settings, &advance).take(&rays),
+            Precision::F64 => Shot::<f64>::new(self, settings, advance).of(part).take(rays),
         }
     }
 }
+
+/// What is known of the whole, and the rows that are kept of a strip.
+pub(super) type Part<'a> = (Option<&'a Overview>, Range<usize>);
 
 impl Model {
     /// The same picture in other light: what was found is not looked for again. `settings` are those of the picture but for
@@ -112,13 +127,14 @@ pub(super) struct Shot<'a, T> {
 }
 
 impl<'a, T: KernelFloat> Shot<'a, T> {
-    pub fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
+    fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
         Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
     }
 
-    /// The same for some rows of a strip.
-    pub fn of_strip(self, overview: Option<&'a Overview>, own: Range<usize>) -> Self {
-        Self { overview, own: Some(own), ..self }
+    /// The same for some rows of a strip; for the whole, if there is no part.
+    fn of(self, part: Option<Part<'a>>) -> Self {
+        let (overview, own) = part.unzip();
+        Self { overview: overview.flatten(), own, ..self }
     }
 
     /// The method at work on a surface.

@@ -31,10 +31,11 @@ pub enum Command {
     /// Follow given rays, or random ones, by each method and by the certified tracer
     ///
     /// So that other programs can be held against the same rays. Writes, as .npy files of float64: `rays`, of which a row is
-    /// an origin and a direction of any length; `domain`, the ends of x, y and z; for each method a file of its name, of which a row is 0 for a proven miss, 1
-    /// for a proven hit or 2 for undecided, the two distances between which the hit is proven, and the distance at which the
-    /// ray is painted; and `certified`, of which a row is 0 for no root, 1 for one or 2 for open, and the distances between
-    /// which the first root lies. Distances are from the origin in units of the world; they are NaN where there are none.
+    /// an origin and a direction of any length; `domain`, the ends of x, y and z; for each method a file of its name, of
+    /// which a row is 0 for a proven miss, 1 for a proven hit or 2 for undecided, the two distances between which the hit is
+    /// proven, and the distance at which the ray is painted; and `certified`, of which a row is 0 for no root, 1 for one or 2
+    /// for open, and the distances between which the first root lies. Distances are from the origin in units of the world;
+    /// they are NaN where there are none.
     Rays(RaysArguments),
     /// Draw the charts of a directory's rows once more, as `run` does at its end
     Draw {

@@ -171,8 +171,13 @@ fn letters(rows: &Rows<'_>) -> Vec<&'static str> {
 /// What pictures have in common, for a legend.
 fn circumstances(rows: &Rows<'_>) -> Vec<String> {
     let Some((row, _)) = rows.0.first() else { return Vec::new() };
-    let views = distinct(rows.0.iter().map(|(row, _)| row.view.as_str())).len();
     let surfaces = rows.surfaces();
+    // What the views are may differ from one surface to the next.
+    let views_of = |surface: &&str| {
+        let own = rows.0.iter().filter(|(row, _)| row.surface == **surface);
+        distinct(own.map(|(row, _)| row.view.as_str())).len()
+    };
+    let views = surfaces.iter().map(views_of).max().unwrap_or_default();
     let surfaces = match surfaces[..] {
         [surface] => surface.to_owned(),
         _ => format!("{} surfaces", surfaces.len()),

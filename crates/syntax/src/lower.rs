@@ -1,8 +1,8 @@
 //! From trees to the expression graph: definitions expanded, nothing simplified.
 //!
 //! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose
-//! sum is bounded here, and which take a further piece of stack where little is left. Every expansion is remembered by its arguments, so repeated use costs
-//! nothing.
+//! sum is bounded here, and which take a further piece of stack where little is left. Every expansion
+//! is remembered by its arguments, so repeated use costs nothing.
 
 use crate::ast::{
     Definition, Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign, Relation, SumSign,

@@ -171,7 +171,8 @@ impl RayGrid {
     }
 
     /// Screen coordinates of the point half way between the centres of two pixels, by the sum of their columns and the sum of
-    /// their rows, in the picture that there may be patches of: a ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin is moved so.
+    /// their rows, in the picture that there may be patches of: a ray's direction is `forward` + a·`right` + b·`up`, or in
+    /// an orthographic picture its origin is moved so.
     #[inline]
     pub(crate) fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
         let [across, upward] = self.first;

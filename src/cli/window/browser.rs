@@ -6,15 +6,13 @@ use super::enlarge::enlarge;
 use super::thumbnails::{SIDE, Thumbnails};
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::line_edit::LineEdit;
+use crate::cli::theme::{CHOSEN, DIM, INK};
 use minifb::Key;
 use std::ops::Range;
 use std::time::Instant;
 
 const GROUND: Rgb = 0x0018_1820;
 const CELL: Rgb = 0x0028_2832;
-const INK: Rgb = 0x00f0_f0f4;
-const DIM: Rgb = 0x00a0_a0ac;
-const CHOSEN: Rgb = 0x0070_a8e8;
 
 /// Between pictures, in dots of a letter.
 const GAP: usize = 8;

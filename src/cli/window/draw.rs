@@ -9,6 +9,7 @@ use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::help;
 use crate::cli::overlay::draw_box;
 use crate::cli::pick::Pick;
+use crate::cli::theme::{GROUND, INK};
 use anyhow::{Context, Result};
 use minifb::MouseMode;
 use std::sync::Arc;
@@ -16,11 +17,9 @@ use std::time::Instant;
 use zeroset::live::{Fault, Rendering, Slider, Snapshot};
 
 const PAPER: Rgb = 0x00f4_f4f6;
-const LIGHT: Rgb = 0x00f0_f0f4;
 const DIM: Rgb = 0x00b0_b0bc;
 const WRONG: Rgb = 0x00d0_3030;
 const WRONG_TEXT: Rgb = 0x00ff_9090;
-const GROUND: Rgb = 0x0020_2028;
 
 /// The picture at the window's size, with its axes, kept while only what lies over it changes.
 #[derive(Default)]
@@ -129,7 +128,7 @@ impl Window {
         let layout = Layout { margin, room, row, bottom: height as i64 - row as i64 };
         let are_listed = content.surfaces.as_ref().is_some_and(surfaces::Shown::has_formulas);
         if let Some(rendering) = rendering.filter(|_| !are_listed) {
-            canvas.label(&canvas.fitting(&echo(rendering), room), 0, 0, LIGHT);
+            canvas.label(&canvas.fitting(&echo(rendering), room), 0, 0, INK);
         }
         if let Some((panel, sliders, hovered)) = &content.sliders {
             panel.draw(&mut canvas, sliders, *hovered);
@@ -192,7 +191,7 @@ fn draw_status(
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
     let left = canvas.fitting(&status, room);
-    canvas.write(&left, margin as i64, text_y, LIGHT);
+    canvas.write(&left, margin as i64, text_y, INK);
 }
 
 /// The line that is typed, what it may be completed to, and what there is to say.
@@ -206,14 +205,14 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
         let letters = (room / canvas.advance()).saturating_sub(3).max(1);
         let skip = column.saturating_sub(letters);
         let part: String = text.chars().skip(skip).take(letters + 1).collect();
-        canvas.write(&format!("> {part}"), margin as i64, above + 2 * dot as i64, LIGHT);
+        canvas.write(&format!("> {part}"), margin as i64, above + 2 * dot as i64, INK);
         let at = margin + (2 + column - skip) * canvas.advance();
-        canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, LIGHT, 255);
+        canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, INK, 255);
         above -= row as i64;
     }
     let candidates = content.candidates.as_ref().map(|text| (text, DIM));
     let fault = content.fault.as_ref().map(|text| (text, WRONG_TEXT));
-    let message = content.message.as_ref().map(|text| (text, LIGHT));
+    let message = content.message.as_ref().map(|text| (text, INK));
     if let Some((text, colour)) = candidates.or(fault).or(message) {
         let text = canvas.fitting(text, room);
         canvas.label(&text, 0, above, colour);

@@ -2,14 +2,11 @@
 //! and no document.
 
 use crate::cli::canvas::{Canvas, Rgb};
+use crate::cli::theme::{CHOSEN, GROUND, INK, TRACK};
 use zeroset::live::Listed;
 
-const GROUND: Rgb = 0x0020_2028;
-const INK: Rgb = 0x00f0_f0f4;
 const BRIGHT: Rgb = 0x00ff_ffff;
-const DIM: Rgb = 0x0088_8894;
-const TRACK: Rgb = 0x0060_6070;
-const FILLED: Rgb = 0x0070_a8e8;
+const HIDDEN: Rgb = 0x0088_8894;
 
 /// So many surfaces are shown at once.
 const SHOWN: usize = 8;
@@ -160,7 +157,7 @@ impl List {
                 continue;
             }
             let ink = match (surface.hidden, is_bright) {
-                (true, _) => DIM,
+                (true, _) => HIDDEN,
                 (false, true) => BRIGHT,
                 (false, false) => INK,
             };
@@ -170,24 +167,24 @@ impl List {
             let wide = TRACK_WIDTH * self.scale;
             let filled = (surface.opacity * wide as f64).round() as usize;
             canvas.fill(track, middle, wide, 2 * self.scale, TRACK, 255);
-            let colour = if surface.hidden { DIM } else { FILLED };
+            let colour = if surface.hidden { HIDDEN } else { CHOSEN };
             canvas.fill(track, middle, filled, 2 * self.scale, colour, 255);
             let handle = track + filled as i64 - dot;
             canvas.fill(handle, top + 5 * dot, 3 * self.scale, 10 * self.scale, ink, 255);
-            let ink = if part == Some(Part::Delete) { BRIGHT } else { DIM };
+            let ink = if part == Some(Part::Delete) { BRIGHT } else { HIDDEN };
             canvas.write("×", self.delete() as i64 + 2 * dot, top + 2 * dot, ink);
         }
         if let Some((from, to)) = dragged.filter(|(from, to)| from != to) {
             let below = usize::from(to > from);
             let line = self.top + (to + below - self.first) * self.row;
             let (y, thick) = (line as i64 - dot, 2 * self.scale);
-            canvas.fill(self.left as i64, y, self.width, thick, FILLED, 255);
+            canvas.fill(self.left as i64, y, self.width, thick, CHOSEN, 255);
         }
         if self.scrolls() {
             let top = (self.top + self.shown * self.row) as i64;
             let range = format!("{}-{}", self.first + 1, self.first + self.shown);
             let text = if self.letters == 0 { range } else { format!("{range} of {}", self.count) };
-            canvas.write(&text, self.left as i64 + 3 * dot, top + 2 * dot, DIM);
+            canvas.write(&text, self.left as i64 + 3 * dot, top + 2 * dot, HIDDEN);
         }
     }
 

@@ -1,11 +1,8 @@
 //! A text over the picture, in lines that fit, as far as there is room; the rest is scrolled to.
 //! Knows no keys.
 
-use crate::cli::canvas::{Canvas, Rgb};
-
-const GROUND: Rgb = 0x0020_2028;
-const INK: Rgb = 0x00f0_f0f4;
-const DIM: Rgb = 0x00a0_a0ac;
+use crate::cli::canvas::Canvas;
+use crate::cli::theme::{DIM, GROUND, INK};
 
 /// Space around the text, in dots of a letter.
 const PAD: usize = 8;

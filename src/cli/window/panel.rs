@@ -1,14 +1,9 @@
 //! The panel of sliders: where each is, what it looks like, and which value a place on its track
 //! stands for. Knows no mouse and no document.
 
-use crate::cli::canvas::{Canvas, Rgb};
+use crate::cli::canvas::Canvas;
+use crate::cli::theme::{CHOSEN, DIM, GROUND, INK, TRACK};
 use zeroset::live::Slider;
-
-const GROUND: Rgb = 0x0020_2028;
-const INK: Rgb = 0x00f0_f0f4;
-const DIM: Rgb = 0x00a0_a0ac;
-const TRACK: Rgb = 0x0060_6070;
-const FILLED: Rgb = 0x0070_a8e8;
 
 /// So many sliders are shown at once.
 const SHOWN: usize = 8;
@@ -119,7 +114,7 @@ impl Panel {
             let (middle, thin) = (top + self.row as i64 / 2 - dot, 2 * self.scale);
             let handle = self.handle(slider).round() as i64;
             canvas.fill(left, middle, (right - left) as usize, thin, TRACK, 255);
-            canvas.fill(left, middle, (handle - left).max(0) as usize, thin, FILLED, 255);
+            canvas.fill(left, middle, (handle - left).max(0) as usize, thin, CHOSEN, 255);
             let (wide, high) = (6 * self.scale, 14 * self.scale);
             canvas.fill(handle - 3 * dot, top + 3 * dot, wide, high, ink, 255);
             let value: String = slider.shown(self.step(slider)).chars().take(VALUE).collect();

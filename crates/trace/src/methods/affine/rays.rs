@@ -73,7 +73,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         let mut stretch = [0.0; LANES];
         let mut pending: [Option<[f64; 2]>; LANES] =
             std::array::from_fn(|lane| ways.get(lane).map(|way| way.span));
-        let finer = ways.iter().any(is_blurred::<T>).then(|| self.double()).flatten();
+        let is_blurred = self.refines && ways.iter().any(is_blurred::<T>);
+        let finer = is_blurred.then(|| self.double()).flatten();
         while pending.iter().any(Option::is_some) {
             let mut steps = [Step::Empty; LANES];
             if let Some(double) = finer {
