@@ -40,6 +40,7 @@ mod source;
 mod stage;
 mod subject;
 mod terminal;
+#[cfg(feature = "window")]
 mod theme;
 mod ticks;
 mod tips;
