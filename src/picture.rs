@@ -200,6 +200,14 @@ impl Picture {
         self.flat |= other.flat;
     }
 
+    /// Of each pixel, row by row, whether it is open only because this is a preview or time was short.
+    pub(crate) fn unsettled(&self) -> impl Iterator<Item = bool> + '_ {
+        let is_short = |(status, reason): (&Status, &Reason)| {
+            *status == Status::Undecided && *reason == Reason::Budget
+        };
+        self.buffer.status.iter().zip(&self.buffer.reason).map(is_short)
+    }
+
     /// Leaves the memory to the next pictures, which then are made faster. Up to two pictures' is kept, until the end of the
     /// process.
     pub fn hand_back(self) {

@@ -106,7 +106,7 @@ pub struct Rendering {
     pub camera: Camera,
     /// Why nothing is seen, if nothing is.
     pub blank: Option<Blank>,
-    /// The picture; a coarse one has fewer pixels than were asked for.
+    /// The picture; a coarse one has fewer pixels than were asked for, or all of them but some that are still open.
     pub picture: Picture,
     /// Whether a finer one is still to come.
     pub coarse: bool,
@@ -115,6 +115,14 @@ pub struct Rendering {
     pub parse: Duration,
     /// Time from the request to this picture.
     pub latency: Duration,
+}
+
+impl Rendering {
+    /// Whether it has all of the pixels that were asked for.
+    pub fn is_full(&self) -> bool {
+        let (buffer, asked) = (&self.picture.buffer, &self.request.settings);
+        (buffer.width, buffer.height) == (asked.width, asked.height)
+    }
 }
 
 /// Why there is no picture of the latest request.
@@ -194,9 +202,20 @@ struct State {
     snapshot: Snapshot,
     /// Whether a hand or the clock moves a value, while which a view that nobody chose stays.
     moving: bool,
-    /// Whether that view would be another by now.
-    outgrown: bool,
+    /// Where that view is to go.
+    next_view: NextView,
     stop: bool,
+}
+
+/// Where a view goes that nobody chose.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum NextView {
+    /// To what is asked for, at once: who types waits for a picture.
+    Unmoved,
+    /// It would be another by now, but stays as long as a value is moved.
+    Outgrown,
+    /// It is seen to go there, now that none is.
+    Glides,
 }
 
 impl Shared {
@@ -215,7 +234,7 @@ impl Pipeline {
             requested: Instant::now(),
             snapshot: Snapshot::default(),
             moving: false,
-            outgrown: false,
+            next_view: NextView::Unmoved,
             stop: false,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
@@ -237,7 +256,11 @@ impl Pipeline {
     pub fn set_moving(&self, moving: bool) -> bool {
         let mut state = self.shared.lock();
         state.moving = moving;
-        !moving && std::mem::take(&mut state.outgrown)
+        let is_due = !moving && state.next_view == NextView::Outgrown;
+        if is_due {
+            state.next_view = NextView::Glides;
+        }
+        is_due
     }
 
     /// What can be seen now.

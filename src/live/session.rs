@@ -146,6 +146,16 @@ impl Live {
         })
     }
 
+    /// Waits until a picture of everything asked for so far has all of its pixels, though some of
+    /// them may still be open, and tells whether it came to that in time.
+    pub fn wait_for_full(&self, timeout: Duration) -> bool {
+        let revision = self.lock().revision;
+        self.pipeline.wait(timeout, |seen, _| {
+            let seen = seen.rendering.as_ref();
+            seen.is_some_and(|seen| seen.revision >= revision && seen.is_full())
+        })
+    }
+
     /// Says that a hand or the clock moves values, until it no longer does: a view that nobody chose
     /// stays meanwhile, and then glides to where what is seen fits.
     pub fn set_moving(&self, moving: bool) {

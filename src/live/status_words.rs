@@ -7,7 +7,7 @@ use crate::picture::Settings;
 use zeroset_trace::{Proves, Reason};
 
 /// Words of the window's status line and what they say.
-const WORDS: [(&str, &str); 11] = [
+const WORDS: [(&str, &str); 12] = [
     (
         "every pixel proven",
         "of each pixel's ray it is proven that it meets the surface, or that it does not",
@@ -24,6 +24,10 @@ const WORDS: [(&str, &str); 11] = [
     ("only misses proven", "this method draws what it cannot prove: the method affine proves both"),
     ("nothing proven", "this method samples and may miss thin parts: the method affine proves all"),
     ("200x150 of 800x600 so far", "a coarse picture; the full one is being made"),
+    (
+        "90 pixels to be decided",
+        "all is drawn; of these pixels the proof takes longer and is being made",
+    ),
     ("24 ms", "what it took to find the surface and to colour it"),
 ];
 
@@ -63,8 +67,11 @@ impl Rendering {
         let statistics = &self.picture.statistics;
         let size = format!("{}x{}", buffer.width, buffer.height);
         let mut parts = Vec::new();
-        if self.coarse && (buffer.width, buffer.height) != (full.width, full.height) {
+        if !self.is_full() {
             parts.push(format!("{size} of {}x{} so far", full.width, full.height));
+        } else if self.coarse {
+            let open = self.picture.unsettled().filter(|open| *open).count();
+            parts.push(format!("{open} pixel{} to be decided", if open == 1 { "" } else { "s" }));
         } else {
             parts.push(self.proven());
             parts.push(ms(statistics.times.trace + statistics.times.shade));

@@ -70,6 +70,28 @@ impl Model {
 pub(super) type Part<'a> = (Option<&'a Overview>, Range<usize>);
 
 impl Model {
+    /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as `settings` say, which are
+    /// those of the picture but for that. `advance` is as for [`Model::trace`]; nothing is worth keeping of a picture that it
+    /// ended.
+    ///
+    /// # Errors
+    /// As [`Model::trace`].
+    pub fn settle(
+        &self,
+        picture: &Picture,
+        camera: &Camera,
+        settings: &Settings,
+        advance: Advance<'_>,
+    ) -> Result<Picture, ProgramError> {
+        let rays = camera.rays(settings.width, settings.height);
+        match settings.precision {
+            Precision::Auto | Precision::F32 => {
+                Shot::<f32>::new(self, settings, advance).settle(picture, &rays)
+            }
+            Precision::F64 => Shot::<f64>::new(self, settings, advance).settle(picture, &rays),
+        }
+    }
+
     /// The same picture in other light: what was found is not looked for again. `settings` are those of the picture but for
     /// what lights it, and `advance` is as for [`Model::trace`].
     ///
@@ -190,9 +212,32 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
 
     /// The picture of these rays, of which only some rows may be kept.
     pub fn take(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
+        let mut times = self.model.times.unwrap_or_default();
+        let (buffer, work) = self.surfaces(rays, &[], &mut times)?;
+        self.finished(rays, buffer, work, times)
+    }
+
+    /// The picture with its unsettled pixels looked at again.
+    fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Picture, ProgramError> {
+        let unsettled: Vec<bool> = picture.unsettled().collect();
+        let Statistics { mut times, mut work, .. } = picture.statistics;
+        let (settled, more) = self.surfaces(rays, &unsettled, &mut times)?;
+        work += more;
+        let mut buffer = picture.buffer.clone();
+        buffer.replace(&settled, &unsettled);
+        settled.hand_back();
+        self.finished(rays, buffer, work, times)
+    }
+
+    /// All surfaces along the rays for which `only` says so, all if that is empty.
+    fn surfaces(
+        &self,
+        rays: &RayGrid,
+        only: &[bool],
+        times: &mut Times,
+    ) -> Result<(GBuffer, Work), ProgramError> {
         let Self { model, settings, advance, .. } = *self;
         let mut watch = Stopwatch::start();
-        let mut times = model.times.unwrap_or_default();
         let (width, height) = (rays.width(), rays.height());
         let mut work = Work::default();
         let mut picture: Option<GBuffer> = None;
@@ -203,7 +248,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             if settings.brackets {
                 layer = layer.with_brackets();
             }
-            work += self.find(surface, &*tracer, rays, &[], &mut layer, advance)?;
+            work += self.find(surface, &*tracer, rays, only, &mut layer, advance)?;
             times.trace += watch.lap();
             work += self.face(surface, rays, &mut layer)?;
             // One layer at a time, so that many surfaces take no more memory than one.
@@ -222,13 +267,23 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 break;
             }
         }
+        Ok((picture.unwrap_or_else(|| GBuffer::new(width, height, 0)), work))
+    }
 
-        let mut buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
+    /// What was found of these rays, lit and accounted for.
+    fn finished(
+        &self,
+        rays: &RayGrid,
+        mut buffer: GBuffer,
+        mut work: Work,
+        mut times: Times,
+    ) -> Result<Picture, ProgramError> {
+        let Self { model, settings, .. } = *self;
         let mut lit = self.light(rays, &mut buffer, &mut times)?;
         if let Some(own) = &self.own {
             buffer.crop(own.clone());
-            lit.rgb.truncate(3 * width * own.end);
-            lit.rgb.drain(..(3 * width * own.start).min(lit.rgb.len()));
+            lit.rgb.truncate(3 * rays.width() * own.end);
+            lit.rgb.drain(..(3 * rays.width() * own.start).min(lit.rgb.len()));
         }
         work += lit.work;
         let made = model.program.made();

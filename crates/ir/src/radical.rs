@@ -1,10 +1,14 @@
 //! The same zeros, each simple: squares and other powers are left away where only zeros matter.
 //!
 //! At a double root a function touches 0 without a change of sign, so that no evaluation can prove that it gets there. Where
-//! it is a square or has one for a factor, its zeros are those of what is squared.
+//! it is a square or has one for a factor, its zeros are those of what is squared. A sum of even powers vanishes where all of
+//! them do, as the sum of squares does, which is less flat there.
+
+mod sum;
 
 use crate::graph::{Graph, Node, NodeId};
 use crate::univariate;
+use sum::of_even_powers;
 use zeroset_ops::Op;
 
 /// Functions with more factors than this stay as they are.
@@ -66,6 +70,16 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
         }
     }
     let mut distinct: Vec<NodeId> = Vec::new();
+    let even = |id: NodeId| {
+        of_even_powers(graph, id).map_or_else(
+            || vec![id],
+            |factors| {
+                is_simpler = true;
+                factors
+            },
+        )
+    };
+    let factors: Vec<NodeId> = factors.into_iter().flat_map(even).collect();
     for factor in factors {
         let simple = univariate::squarefree(graph, factor);
         is_simpler |= simple.is_some();
@@ -138,6 +152,56 @@ mod tests {
             g.apply(Op::Mul, &[square, parameter])
         });
         assert!(maybe.contains('x') && maybe.contains('*') && !maybe.contains('^'), "{maybe}");
+    }
+
+    #[test]
+    fn sums_of_even_powers_vanish_as_sums_of_squares_do() {
+        let power = |g: &mut Graph, base: NodeId, n: i64| {
+            let n = g.integer(n);
+            g.apply(Op::Pow, &[base, n])
+        };
+        let flat = shown(|g, [x, y, _]| {
+            let absolute = g.apply(Op::Abs, &[x]);
+            let [one, other] = [power(g, absolute, 19), power(g, y, 20)];
+            g.apply(Op::Add, &[one, other])
+        });
+        assert_eq!(flat, "sqr(x) + sqr(y)");
+        // −3 x⁴ y² − y² z²
+        let common = shown(|g, [x, y, z]| {
+            let [fourth, square, last] = [power(g, x, 4), power(g, y, 2), power(g, z, 2)];
+            let [one, other] =
+                [g.apply(Op::Mul, &[fourth, square]), g.apply(Op::Mul, &[square, last])];
+            let minus = g.integer(-3);
+            let one = g.apply(Op::Mul, &[minus, one]);
+            g.apply(Op::Sub, &[one, other])
+        });
+        assert_eq!(common, "y*(sqr(x) + sqr(z))");
+        // y² + y⁴ √x⁴ is left where √x is defined.
+        let kept = shown(|g, [x, y, _]| {
+            let root = g.apply(Op::Sqrt, &[x]);
+            let [square, fourth, other] = [power(g, y, 2), power(g, y, 4), power(g, root, 4)];
+            let product = g.apply(Op::Mul, &[fourth, other]);
+            g.apply(Op::Add, &[square, product])
+        });
+        assert!(kept.contains("sqrt(x)") && !kept.contains('4'), "{kept}");
+        for exponents in [[4, 3], [2, 2]] {
+            let sum = |g: &mut Graph, [x, y, _]: [NodeId; 3]| {
+                let [one, other] = [power(g, x, exponents[0]), power(g, y, exponents[1])];
+                g.apply(Op::Add, &[one, other])
+            };
+            assert_eq!(shown(sum), "the same", "{exponents:?}");
+        }
+        let difference = |g: &mut Graph, [x, y, _]: [NodeId; 3]| {
+            let [one, other] = [power(g, x, 4), power(g, y, 4)];
+            g.apply(Op::Sub, &[one, other])
+        };
+        assert_eq!(shown(difference), "the same");
+        let raised = |g: &mut Graph, [x, y, _]: [NodeId; 3]| {
+            let [one, other] = [power(g, x, 4), power(g, y, 4)];
+            let (sum, one) = (g.apply(Op::Add, &[one, other]), g.integer(1));
+            g.apply(Op::Sub, &[sum, one])
+        };
+        assert_eq!(shown(raised), "the same");
     }
 
     #[test]

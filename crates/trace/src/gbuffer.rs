@@ -329,6 +329,29 @@ impl GBuffer {
         }
     }
 
+    /// Takes the pixels for which `only` says so from another picture of the same rays.
+    ///
+    /// # Panics
+    /// If the sizes differ, or `only` is not as long as there are pixels.
+    pub fn replace(&mut self, other: &Self, only: &[bool]) {
+        fn take<T: Copy>(all: &mut [T], others: &[T], only: &[bool]) {
+            let taken = all.iter_mut().zip(others).zip(only).filter(|(_, only)| **only);
+            taken.for_each(|((mine, theirs), _)| *mine = *theirs);
+        }
+        assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
+        assert_eq!(only.len(), self.status.len(), "one for each pixel");
+        take(&mut self.status, &other.status, only);
+        take(&mut self.reason, &other.reason, only);
+        take(&mut self.bracket, &other.bracket, only);
+        take(&mut self.distance, &other.distance, only);
+        take(&mut self.drawn, &other.drawn, only);
+        take(&mut self.surface, &other.surface, only);
+        take(&mut self.normal, &other.normal, only);
+        take(&mut self.cap, &other.cap, only);
+        take(&mut self.shadow, &other.shadow, only);
+        take(&mut self.occlusion, &other.occlusion, only);
+    }
+
     /// How many pixels have each status.
     pub fn counts(&self) -> PixelCounts {
         // Bytes are added up in bytes, so that vectors of them are.
@@ -418,6 +441,13 @@ mod tests {
         let before = buffer.clone();
         buffer.merge(&GBuffer::new(1, 1, 3));
         assert_eq!(buffer, before);
+        // Nor does what is not wanted.
+        buffer.replace(&pixel(Status::Miss, 9.0, 9.0, 9), &[false]);
+        assert_eq!(buffer, before);
+        let another = pixel(Status::Undecided, 9.0, 9.0, 9);
+        let mut replaced = before.clone();
+        replaced.replace(&another, &[true]);
+        assert_eq!(replaced, another);
         assert_eq!(buffer.counts(), PixelCounts { miss: 0, hit: 1, undecided: 0 });
     }
 }

@@ -1,10 +1,9 @@
 //! From where a picture is taken: from where somebody looks, or else from where what is seen fits. A camera that was fitted
-//! stays while values are moved, and glides to the next one.
+//! stays while values are moved, and then glides to the next one.
 
-use super::Reason;
-use super::Request;
 use super::glide::Glide;
 use super::worker::{Shot, Worker, coarser};
+use super::{NextView, Reason, Request};
 use crate::framing;
 use crate::model::Model;
 use crate::scene::{CameraChoice, SceneError};
@@ -47,9 +46,14 @@ impl Worker {
         if let (Some(framed), Some((formula, asked, from))) = (&self.framed, before)
             && same(framed, formula, asked)
             && let Some(glide) = Glide::new(from, camera)
+            && self.shared.lock().next_view == NextView::Glides
             && !self.glide(shot, &glide)?
         {
             return Ok(None);
+        }
+        let mut state = self.shared.lock();
+        if state.next_view == NextView::Glides {
+            state.next_view = NextView::Unmoved;
         }
         Ok(Some(camera))
     }
@@ -87,7 +91,9 @@ impl Worker {
                     || model.is_rebound() && framed.region == *model.region());
             let mut state = self.shared.lock();
             let stays = state.moving && framed.formula == formula;
-            state.outgrown |= stays && !is_fitted;
+            if stays && !is_fitted {
+                state.next_view = NextView::Outgrown;
+            }
             if is_fitted || stays {
                 return Ok(Some(framed.camera));
             }

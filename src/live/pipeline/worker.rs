@@ -13,7 +13,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 use zeroset_syntax::{Document, Errors};
-use zeroset_trace::{Camera, Region};
+use zeroset_trace::{Camera, Proves, Region};
 
 /// Halvings along the ray that a coarse picture keeps at least.
 const LEAST_DEPTH: u32 = 6;
@@ -185,30 +185,47 @@ impl Worker {
         let size = full.width * full.height;
         let mut scale = self.pace.first(size);
         loop {
-            let coarse = scale > 1.0;
-            let settings = coarser(full, scale);
+            let is_full = scale <= 1.0;
+            let settings = coarser(full, scale).plain();
             let started = Instant::now();
             // A coarse picture is worth finishing while only the camera moves: it is what is seen
             // of the movement.
-            let advance = |_| if coarse { self.wanted_coarsely(job) } else { self.wanted(job) };
-            let plain = settings.plain();
-            let picture = model.trace(&camera, &plain, &advance);
+            let advance = |_| if is_full { self.wanted(job) } else { self.wanted_coarsely(job) };
+            let picture = model.trace(&camera, &settings, &advance);
             let picture = picture.map_err(|error| scene(error.into()))?;
             if !advance(0) {
                 return Ok(());
             }
-            self.pace.learn(settings.width * settings.height, !coarse, started.elapsed());
-            let rendering = Arc::new(shot.rendering(camera, picture, coarse));
+            self.pace.learn(settings.width * settings.height, is_full, started.elapsed());
+            let is_settled = is_full && !picture.unsettled().any(|unsettled| unsettled);
+            let rendering = Arc::new(shot.rendering(camera, picture, !is_settled));
             self.publish(Arc::clone(&rendering));
-            if !coarse {
-                if settings != plain {
-                    return self.relight(job, &rendering);
-                }
-                self.finished = Some(Arc::clone(&job.request));
-                return Ok(());
+            if is_full {
+                return self.finish(&shot, rendering);
             }
             scale = self.pace.next(scale, size);
         }
+    }
+
+    /// The full picture once more, with what it left open, and then in the light that was asked for.
+    fn finish(&mut self, shot: &Shot<'_>, mut seen: Arc<Rendering>) -> Result<(), Reason> {
+        let (job, full) = (shot.job, &shot.job.request.settings);
+        let plain = full.plain();
+        if seen.coarse {
+            let advance = |_| self.wanted(job);
+            let picture = shot.model.settle(&seen.picture, &seen.camera, &plain, &advance);
+            let picture = picture.map_err(|error| Reason::Scene(error.into()))?;
+            if !advance(0) {
+                return Ok(());
+            }
+            seen = Arc::new(shot.rendering(seen.camera, picture, false));
+            self.publish(Arc::clone(&seen));
+        }
+        if *full != plain {
+            return self.relight(job, &seen);
+        }
+        self.finished = Some(Arc::clone(&job.request));
+        Ok(())
     }
 
     /// The full picture that is shown, if it differs from what is asked for in nothing but its light.
@@ -373,7 +390,8 @@ impl Worker {
     }
 }
 
-/// The same picture with so many times fewer columns and rows, and slabs coarser to match.
+/// The same picture with so many times fewer columns and rows, and slabs coarser to match. What is hard to decide is left to
+/// the picture after it.
 pub(super) fn coarser(full: &Settings, scale: f64) -> Settings {
     let depth = full.max_depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
     let fewer = |size: usize| ((size as f64 / scale).ceil() as usize).clamp(1, size);
@@ -381,7 +399,7 @@ pub(super) fn coarser(full: &Settings, scale: f64) -> Settings {
         width: fewer(full.width),
         height: fewer(full.height),
         max_depth: depth.min(full.max_depth),
-        is_preview: scale > 1.0,
+        is_preview: full.method.proves == Proves::HitsAndMisses,
         ..full.clone()
     }
 }

@@ -13,6 +13,17 @@ use zeroset_eval::{
 };
 use zeroset_interval::Facts;
 
+/// Why a segment was followed no farther.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stop {
+    /// It is as short as arithmetic allows.
+    Arithmetic,
+    /// What may be spent on a ray was spent.
+    Effort,
+    /// It is short enough for a picture that another one follows.
+    Preview,
+}
+
 /// How far a ray was followed.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
@@ -20,9 +31,8 @@ pub(super) enum Step {
     Empty,
     /// To a bracket that holds the first zero.
     Hit([f64; 2]),
-    /// To a segment of which nothing is proven, nor of what lies behind it. It is as short as arithmetic allows, unless
-    /// what may be spent on a ray was spent.
-    Open([f64; 2], bool),
+    /// To a segment of which nothing is proven, nor of what lies behind it.
+    Open([f64; 2], Stop),
     /// Up to here there is no zero.
     Resumed(f64),
 }
@@ -116,7 +126,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             steps[lane] = Step::Empty;
             if let Some(segment) = *segment {
                 least[lane] = begin::<T>(&ways[lane], segment, &mut stacks[lane]);
-                grain[lane] = least[lane].max(self.least * ways[lane].tolerance);
+                grain[lane] = least[lane];
             }
         }
         let mut slots = Slots::new(stacks);
@@ -163,22 +173,29 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                         stack.clear();
                     } else if shorter <= grain[lane] {
                         if self.may_vanish(way, new) {
-                            steps[lane] = Step::Open(new, shorter > SPENT * least[lane]);
+                            let spent = shorter > SPENT * least[lane];
+                            let stop = if spent { Stop::Effort } else { Stop::Arithmetic };
+                            steps[lane] = Step::Open(new, stop);
                             stack.clear();
                         }
                     } else if self.hands_on
                         && shorter > STALLED * length
                         && shorter <= COARSE * grain[lane]
                     {
-                        steps[lane] = Step::Open(new, false);
+                        steps[lane] = Step::Open(new, Stop::Arithmetic);
                         stack.clear();
                     } else if !shorter.is_finite() || shorter > STALLED * length {
                         let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
-                        if is_progress(new, cut, length) {
+                        if shorter <= self.least * way.tolerance {
+                            if self.may_vanish(way, new) {
+                                steps[lane] = Step::Open(new, Stop::Preview);
+                                stack.clear();
+                            }
+                        } else if is_progress(new, cut, length) {
                             stack.push([cut, new[1]]);
                             stack.push([new[0], cut]);
                         } else {
-                            steps[lane] = Step::Open(new, false);
+                            steps[lane] = Step::Open(new, Stop::Arithmetic);
                             stack.clear();
                         }
                     } else {

@@ -2,7 +2,7 @@
 
 use super::FINE;
 use super::frame::BLURS;
-use super::narrow::{Narrower, Scratch, Step, rounding};
+use super::narrow::{Narrower, Scratch, Step, Stop, rounding};
 use crate::gbuffer::{Found, Reason};
 use crate::method::{Options, Precision, Segment, Start};
 use crate::methods::bridge::Bridge;
@@ -109,8 +109,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
                         outcome.hit = Some(bracket);
                         None
                     }
-                    Step::Open([near, far], spent) => {
-                        let (reason, likely) = self.judge(way, [near, far], spent);
+                    Step::Open([near, far], stop) => {
+                        let (reason, likely) = self.judge(way, [near, far], stop);
                         outcome.open.get_or_insert((near, reason));
                         parts[lane] += 1;
                         if likely {
@@ -142,7 +142,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return;
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
-            Step::Open([near, far], _) => {
+            Step::Open([near, far], Stop::Arithmetic | Stop::Effort) => {
                 let [first, longest] = ways[lane].span;
                 // Long enough that what lies behind it is another segment in `T`.
                 let least = T::GRAIN * first.abs().max(longest.abs());
@@ -172,11 +172,11 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     /// Why a part stays open, and whether it is likely a zero.
-    fn judge(&self, way: &Way, segment: [f64; 2], spent: bool) -> (Reason, bool) {
+    fn judge(&self, way: &Way, segment: [f64; 2], stop: Stop) -> (Reason, bool) {
         if self.refines {
-            self.judge_in::<f64>(way, segment, spent)
+            self.judge_in::<f64>(way, segment, stop)
         } else {
-            self.judge_in::<T>(way, segment, spent)
+            self.judge_in::<T>(way, segment, stop)
         }
     }
 
@@ -198,7 +198,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         Bridge { kernel, way, region: self.region }.bracket(segment)
     }
 
-    fn judge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2], spent: bool) -> (Reason, bool) {
+    fn judge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2], stop: Stop) -> (Reason, bool) {
         let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
         let kernels = U::kernels(self.surface);
         let mut zeros = Zeros::default();
@@ -213,7 +213,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if let Ok(kernel) = kernels.bounds() {
             facts = Kernel::<Enclose, U>::ask_all(kernel, &boxes)[0].facts(0);
         }
-        (reason(facts, spent), !asymptote)
+        (reason(facts, stop == Stop::Effort), !asymptote)
     }
 
     /// Follows arbitrary rays, and says what became of them.

@@ -1,0 +1,144 @@
+//! Sums of terms that are nowhere below 0: each vanishes only where all of its terms do.
+
+use super::FACTOR_LIMIT;
+use crate::graph::{Graph, Node, NodeId};
+use zeroset_ops::Op;
+
+/// A term that is nowhere below 0, or nowhere above.
+#[derive(Default)]
+struct Term {
+    is_negative: bool,
+    /// It vanishes where one of these does, and nowhere else. Each is there once.
+    bases: Vec<NodeId>,
+    /// Whether it is more than the product of their squares.
+    is_flat: bool,
+}
+
+/// The factors of a sum whose terms are all nowhere below 0, or all nowhere above: what the terms have in common, and the sum
+/// of the squares of what is left of each. `None` of other sums, and where that is nothing new.
+pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
+    let mut terms: Vec<Term> = Vec::new();
+    let mut rest = vec![(root, false)];
+    while let Some((id, negative)) = rest.pop() {
+        match graph.node(id) {
+            Node::Apply(Op::Add, operands) => {
+                rest.extend([(operands[1], negative), (operands[0], negative)]);
+            }
+            Node::Apply(Op::Sub, operands) => {
+                rest.extend([(operands[1], !negative), (operands[0], negative)]);
+            }
+            Node::Apply(..) | Node::Constant(_) | Node::Variable(_) | Node::Parameter(_) => {
+                let mut term = term(graph, id)?;
+                term.is_negative ^= negative;
+                terms.push(term);
+            }
+        }
+        if terms.len() + rest.len() > FACTOR_LIMIT {
+            return None;
+        }
+    }
+    let (first, others) = terms.split_first()?;
+    let is_one_sign = others.iter().all(|term| term.is_negative == first.is_negative);
+    let mut common = first.bases.clone();
+    common.retain(|base| others.iter().all(|term| term.bases.contains(base)));
+    let is_simpler = !common.is_empty() || terms.iter().any(|term| term.is_flat);
+    if others.is_empty() || !is_one_sign || !is_simpler {
+        return None;
+    }
+    let mut sum = None;
+    for mut term in terms {
+        term.bases.retain(|base| !common.contains(base));
+        let product = |product, base: &NodeId| match product {
+            None => Some(*base),
+            Some(product) => Some(graph.apply(Op::Mul, &[product, *base])),
+        };
+        let square = match term.bases.iter().fold(None, product) {
+            None => graph.integer(1),
+            Some(product) => graph.apply(Op::Sqr, &[product]),
+        };
+        sum = Some(sum.map_or(square, |sum| graph.apply(Op::Add, &[sum, square])));
+    }
+    common.extend(sum);
+    Some(common)
+}
+
+/// What a node is as a term; `None` if its sign is not known from how it is made.
+fn term(graph: &Graph, id: NodeId) -> Option<Term> {
+    let mut term = Term::default();
+    let mut rest = vec![id];
+    while let Some(id) = rest.pop() {
+        match graph.node(id) {
+            Node::Apply(Op::Mul, operands) => rest.extend(operands.iter().rev()),
+            Node::Apply(Op::Neg, operands) => {
+                term.is_negative ^= true;
+                rest.push(operands[0]);
+            }
+            Node::Apply(Op::Sqr, operands) => bases(graph, operands[0], &mut term)?,
+            Node::Apply(Op::Abs, operands) => {
+                term.is_flat = true;
+                bases(graph, operands[0], &mut term)?;
+            }
+            Node::Apply(Op::Pow, operands) => {
+                let [base, exponent] = [operands[0], operands[1]];
+                let is_absolute = matches!(graph.node(base), Node::Apply(Op::Abs, _));
+                let exponent = integer(graph, exponent)?;
+                if !is_absolute && exponent % 2 != 0 {
+                    return None;
+                }
+                term.is_flat |= exponent != 2;
+                bases(graph, base, &mut term)?;
+            }
+            Node::Constant(value) => {
+                let bounds = value.bounds();
+                if bounds.contains(0.0) {
+                    return None;
+                }
+                term.is_negative ^= bounds.hi < 0.0;
+            }
+            Node::Apply(..) | Node::Variable(_) | Node::Parameter(_) => return None,
+        }
+        if term.bases.len() + rest.len() > FACTOR_LIMIT {
+            return None;
+        }
+    }
+    Some(term)
+}
+
+/// A node's value, if that is a whole number above 0.
+fn integer(graph: &Graph, id: NodeId) -> Option<i64> {
+    match graph.node(id) {
+        Node::Constant(value) => value.as_integer().filter(|n| *n > 0),
+        Node::Apply(..) | Node::Variable(_) | Node::Parameter(_) => None,
+    }
+}
+
+/// Adds the factors of what is raised to a power, each without powers of its own.
+fn bases(graph: &Graph, root: NodeId, term: &mut Term) -> Option<()> {
+    let mut rest = vec![root];
+    while let Some(id) = rest.pop() {
+        match graph.node(id) {
+            Node::Apply(Op::Mul, operands) => rest.extend(operands.iter().rev()),
+            Node::Apply(Op::Neg | Op::Abs, operands) => rest.push(operands[0]),
+            Node::Apply(Op::Sqr, operands) => {
+                term.is_flat = true;
+                rest.push(operands[0]);
+            }
+            Node::Apply(Op::Pow, operands) if integer(graph, operands[1]).is_some() => {
+                term.is_flat = true;
+                rest.push(operands[0]);
+            }
+            Node::Constant(value) if !value.bounds().contains(0.0) => {}
+            Node::Apply(..) | Node::Constant(_) | Node::Variable(_) | Node::Parameter(_) => {
+                if term.bases.contains(&id) {
+                    term.is_flat = true;
+                } else {
+                    term.bases.push(id);
+                }
+            }
+        }
+        if term.bases.len() + rest.len() > FACTOR_LIMIT {
+            return None;
+        }
+    }
+    Some(())
+}
