@@ -2,7 +2,8 @@
 
 use crate::camera::{Basis, Camera, Projection, Ray};
 use crate::painted::Window;
-use glam::{DVec3, Vec4};
+use fearless_simd::{f32x16, f64x8, prelude::*};
+use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
@@ -239,64 +240,79 @@ impl RayGrid {
     }
 
     /// The points at these distances in world units on the rays of a window: `ray.at(ray.parameter(distance))`, bit for bit.
-    pub(crate) fn points(&self, window: Window, distances: &[f64; LANES]) -> [Lanes<f64>; 3] {
+    #[inline(always)]
+    pub(crate) fn points<S: Simd>(
+        &self,
+        simd: S,
+        window: Window,
+        distances: &[f64; LANES],
+    ) -> [Lanes<f64>; 3] {
         let Basis { forward, right, up } = self.basis;
         let [first, upward] = self.offset(window.column, window.row);
-        let upward = upward * self.unit * up;
         let is_patched = self.is_patched();
         let mut points = [Lanes::splat(0.0); 3];
-        for lane in 0..LANES {
-            let mut offset = (first + (2 * lane) as f64) * self.unit * right + upward;
-            if is_patched {
-                let [across, upward] = self.offset(window.column + lane, window.row);
-                offset = across * self.unit * right + upward * self.unit * up;
+        for at in (0..LANES).step_by(8) {
+            let (mut across, mut rise) = ([0.0; 8], [upward; 8]);
+            for lane in 0..8 {
+                across[lane] = first + (2 * (at + lane)) as f64;
+                if is_patched {
+                    let place = self.offset(window.column + at + lane, window.row);
+                    [across[lane], rise[lane]] = place;
+                }
             }
-            let ray = if self.parallel {
-                Ray { origin: self.eye + offset, direction: forward }
-            } else {
-                Ray { origin: self.eye, direction: forward + offset }
-            };
-            let point = ray.at(ray.parameter(distances[lane]));
-            (0..3).for_each(|axis| points[axis][lane] = point[axis]);
+            let across = f64x8::simd_from(simd, across) * self.unit;
+            let rise = f64x8::simd_from(simd, rise) * self.unit;
+            let zero = f64x8::splat(simd, 0.0);
+            let (mut origin, mut way) = ([zero; 3], [zero; 3]);
+            for axis in 0..3 {
+                origin[axis] = f64x8::splat(simd, self.eye[axis]);
+                way[axis] = f64x8::splat(simd, forward[axis]);
+            }
+            let moved = if self.parallel { &mut origin } else { &mut way };
+            for (axis, moved) in moved.iter_mut().enumerate() {
+                *moved += across * right[axis] + rise * up[axis];
+            }
+            let length = (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
+            let t = f64x8::from_slice(simd, &distances[at..at + 8]) / length;
+            for axis in 0..3 {
+                let point = origin[axis] + way[axis] * t;
+                point.store_slice(&mut points[axis][at..at + 8]);
+            }
         }
         points
     }
 
     /// The unit vectors from what is seen in a window to where it is seen from, to some units in the last place of `f32`,
     /// which is enough for colours.
-    #[inline]
-    pub(crate) fn ways_to_eye(&self, window: Window) -> [Lanes<f32>; 3] {
+    #[inline(always)]
+    pub(crate) fn ways_to_eye<S: Simd>(&self, simd: S, window: Window) -> [f32x16<S>; 3] {
         // A parallel picture has one direction.
         let unit = if self.parallel { 0.0 } else { self.unit };
         let Basis { forward, right, up } = self.basis;
         let [across, upward] = self.offset(window.column, window.row);
         let first = -(forward + unit * across * right + unit * upward * up).as_vec3();
         let step = -(2.0 * unit * right).as_vec3();
-        if self.is_patched() {
-            let down = (2.0 * unit * up).as_vec3();
-            let lanes = std::array::from_fn(|lane| {
-                let (column, row) = ((window.column + lane) % SIDE, (window.column + lane) / SIDE);
-                let (column, row) = (
-                    column as f32 - (window.column % SIDE) as f32,
-                    row as f32 - (window.column / SIDE) as f32,
-                );
-                let way = first + column * step + row * down;
-                (way / way.length()).to_array()
-            });
-            let lanes: [[f32; 3]; LANES] = lanes;
-            return [0, 1, 2].map(|axis| Lanes(lanes.map(|way| way[axis])));
-        }
-        let mut ways = [Lanes::splat(0.0); 3];
-        for at in (0..LANES).step_by(4) {
-            let lane = at as f32 + Vec4::new(0.0, 1.0, 2.0, 3.0);
-            let [x, y, z] = [(first.x, step.x), (first.y, step.y), (first.z, step.z)]
-                .map(|(f, s)| f + lane * s);
-            let length = (x * x + y * y + z * z).map(f32::sqrt);
-            for (ways, way) in ways.iter_mut().zip([x, y, z]) {
-                (way / length).write_to_slice(&mut ways[at..]);
+        let (mut column, mut row) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            column[lane] = lane as f32;
+            if self.is_patched() {
+                let place = window.column + lane;
+                column[lane] = (place % SIDE) as f32 - (window.column % SIDE) as f32;
+                row[lane] = (place / SIDE) as f32 - (window.column / SIDE) as f32;
             }
         }
-        ways
+        let (column, row) = (f32x16::simd_from(simd, column), f32x16::simd_from(simd, row));
+        let down = (2.0 * unit * up).as_vec3();
+        let mut way = [f32x16::splat(simd, 0.0); 3];
+        for (axis, way) in way.iter_mut().enumerate() {
+            *way = first[axis] + column * step[axis];
+            if self.is_patched() {
+                *way += row * down[axis];
+            }
+        }
+        let [x, y, z] = way;
+        let length = (x * x + y * y + z * z).sqrt();
+        [x / length, y / length, z / length]
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::grid::RayGrid;
 use crate::near::TURNS;
-use glam::DVec3;
+use fearless_simd::{f32x16, f64x8, prelude::*};
+use glam::{DVec3, Vec3};
 use zeroset_eval::{LANES, Lanes};
 
 /// Where light comes from, beside the ambient.
@@ -56,19 +57,34 @@ impl Light {
     }
 
     /// The unit vectors from sixteen points to the light, zero at the light itself.
-    pub(crate) fn all_towards(&self, points: impl FnOnce() -> [Lanes<f64>; 3]) -> [Lanes<f32>; 3] {
+    #[inline(always)]
+    pub(crate) fn all_towards<S: Simd>(
+        &self,
+        simd: S,
+        points: impl FnOnce() -> [Lanes<f64>; 3],
+    ) -> [f32x16<S>; 3] {
         let at = match self {
-            Self::Directional(way) => return way.as_vec3().to_array().map(Lanes::splat),
+            Self::Directional(way) => {
+                let Vec3 { x, y, z } = way.as_vec3();
+                return [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)];
+            }
             Self::Positional(at) => at,
         };
-        let (points, mut ways) = (points(), [Lanes::splat(0.0); 3]);
-        for lane in 0..LANES {
-            let way = *at - DVec3::from_array([0, 1, 2].map(|axis| points[axis][lane]));
-            // No branch: it would stand in the way of vectors.
-            let scale = 1.0 / way.length_squared().max(f64::MIN_POSITIVE).sqrt();
-            (0..3).for_each(|axis| ways[axis][lane] = (way[axis] * scale) as f32);
+        let (points, mut ways) = (points(), [[0.0; LANES]; 3]);
+        for first in (0..LANES).step_by(8) {
+            let mut way = [f64x8::splat(simd, 0.0); 3];
+            for (axis, way) in way.iter_mut().enumerate() {
+                *way = at[axis] - f64x8::from_slice(simd, &points[axis][first..first + 8]);
+            }
+            let square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+            let scale = 1.0 / square.max(f64::MIN_POSITIVE).sqrt();
+            for (ways, way) in ways.iter_mut().zip(way) {
+                let way: [f64; 8] = (way * scale).to_array();
+                (0..8).for_each(|lane| ways[first + lane] = way[lane] as f32);
+            }
         }
-        ways
+        let [x, y, z] = ways;
+        [f32x16::simd_from(simd, x), f32x16::simd_from(simd, y), f32x16::simd_from(simd, z)]
     }
 }
 

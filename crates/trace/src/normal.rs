@@ -11,6 +11,7 @@ use crate::gbuffer::{GBuffer, Status};
 use crate::grid::RayGrid;
 use crate::painted::{BAND, Window, bits, windows};
 use crate::work::Work;
+use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use glam::DVec3;
 use rayon::prelude::*;
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, Sample, SampleGradient};
@@ -88,8 +89,8 @@ impl<T: Real> NormalSource<'_, T> {
         normal: &mut [[f32; 3]],
         work: &mut Work,
     ) -> Vec<usize> {
-        let (mut points, mut out) = (Points::<T>::default(), Gradients::<T>::default());
-        let mut open = Vec::new();
+        let mut room = (Points::<T>::default(), Gradients::<T>::default());
+        let (mut open, level) = (Vec::new(), Level::new());
         windows(drawn, first, rays.width(), |mut window| {
             window.wanted &= unknown(window.load(normal, &mut [[0.0; 3]; LANES]));
             let Self::Gradient(kernel) = self else {
@@ -104,16 +105,10 @@ impl<T: Real> NormalSource<'_, T> {
             if status.contains(&Status::Undecided) {
                 before(rays, &status, &mut distances);
             }
-            let at = rays.points(window, &distances);
-            for (coordinates, exact) in points.at.iter_mut().zip(&at) {
-                for (coordinate, &exact) in coordinates.iter_mut().zip(&exact.0) {
-                    *coordinate = T::nearest(exact);
-                }
-            }
-            points.count = window.count();
             work.gradient.called(window.wanted.count_ones());
-            kernel.ask(&points, &mut out);
-            let (units, found) = units(&out.gradient);
+            let (units, found) = dispatch!(level, simd => {
+                gradients_at(simd, *kernel, rays, window, &distances, &mut room)
+            });
             let missing = Window { wanted: window.wanted & !found, ..window };
             open.extend(missing.pixels());
             window.wanted &= found;
@@ -236,6 +231,27 @@ fn gradients<T: Real>(
         .collect()
 }
 
+/// Unit vectors along the gradients at a window's distances, and the lanes in which there is one.
+#[inline(always)]
+fn gradients_at<S: Simd, T: Real>(
+    simd: S,
+    kernel: &dyn Kernel<SampleGradient, T>,
+    rays: &RayGrid,
+    window: Window,
+    distances: &[f64; LANES],
+    (points, out): &mut (Points<T>, Gradients<T>),
+) -> ([Lanes<f32>; 3], u32) {
+    let at = rays.points(simd, window, distances);
+    for (coordinates, exact) in points.at.iter_mut().zip(&at) {
+        for (coordinate, &exact) in coordinates.iter_mut().zip(&exact.0) {
+            *coordinate = T::nearest(exact);
+        }
+    }
+    points.count = window.count();
+    kernel.ask(points, out);
+    units(simd, &out.gradient)
+}
+
 fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
     DVec3::new(component(0), component(1), component(2))
 }
@@ -266,24 +282,32 @@ fn unknown(normals: &[[f32; 3]; LANES]) -> u32 {
 
 /// The vectors at length 1, and the lanes in which that was found: not where a vector has no direction, nor where its largest
 /// component is near the ends of what `f32` has.
-fn units<T: Real>(vectors: &[Lanes<T>; 3]) -> ([Lanes<f32>; 3], u32) {
+#[inline(always)]
+fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([Lanes<f32>; 3], u32) {
     /// The bits of a float that are its exponent.
     const EXPONENT: u32 = 0xff << 23;
-    let (mut units, mut squares) = ([Lanes::splat(0.0); 3], [0.0; LANES]);
-    for lane in 0..LANES {
-        let vector = [0, 1, 2].map(|axis| vectors[axis][lane].into() as f32);
-        let [x, y, z] = vector.map(f32::abs);
-        let largest = if x > y { x } else { y };
-        let largest = if largest > z { largest } else { z };
-        // Steep gradients overflow when squared: a power of two brings the largest component within [1, 2).
-        let scale = f32::from_bits((254_u32 << 23).wrapping_sub(largest.to_bits() & EXPONENT));
-        let [x, y, z] = vector.map(|component| component * scale);
-        squares[lane] = x * x + y * y + z * z;
-        let scale = 1.0 / squares[lane].sqrt();
-        [units[0][lane], units[1][lane], units[2][lane]] = [x * scale, y * scale, z * scale];
+    let mut vector = [f32x16::splat(simd, 0.0); 3];
+    for (component, lanes) in vector.iter_mut().zip(vectors) {
+        let mut narrow = [0.0; LANES];
+        (0..LANES).for_each(|lane| narrow[lane] = lanes[lane].into() as f32);
+        *component = f32x16::simd_from(simd, narrow);
+    }
+    let [x, y, z] = vector;
+    // Where one is not a number, so is the square of the length.
+    let largest = x.abs().max(y.abs()).max(z.abs());
+    // Steep gradients overflow when squared: a power of two brings the largest component within [1, 2).
+    let exponent: u32x16<S> = largest.to_bits() & EXPONENT;
+    let scale = f32x16::from_bits(u32x16::splat(simd, 254 << 23) - exponent);
+    let [x, y, z] = [x * scale, y * scale, z * scale];
+    let square = x * x + y * y + z * z;
+    let scale = 1.0 / square.sqrt();
+    let mut units = [Lanes::splat(0.0); 3];
+    for (unit, component) in units.iter_mut().zip([x, y, z]) {
+        (component * scale).store_slice(&mut unit[..]);
     }
     // Not so for NaN, nor where the power is none.
-    (units, bits(|lane| squares[lane] >= 1.0 && squares[lane] <= 12.0))
+    let found = square.simd_ge(1.0) & square.simd_le(12.0);
+    (units, found.to_bitmask() as u32)
 }
 
 /// The vector at length 1, or `None` if it has no direction.

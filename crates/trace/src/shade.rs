@@ -7,7 +7,8 @@ use crate::light::Light;
 use crate::look::Look;
 use crate::painted::{BAND, Window, bits, windows};
 use crate::spare::Spares;
-use glam::{Vec3, Vec4};
+use fearless_simd::{Level, dispatch, f32x16, prelude::*};
+use glam::Vec3;
 use rayon::prelude::*;
 use zeroset_eval::{LANES, Lanes};
 
@@ -154,6 +155,17 @@ pub fn shade_painted(
     appearance: &Appearance,
     paint: &[Paint],
 ) -> Vec<u8> {
+    shade_with(Level::new(), buffer, rays, appearance, paint)
+}
+
+/// The same with such vectors; the bytes do not depend on how wide they are.
+fn shade_with(
+    level: Level,
+    buffer: &GBuffer,
+    rays: &RayGrid,
+    appearance: &Appearance,
+    paint: &[Paint],
+) -> Vec<u8> {
     assert!(paint.is_empty() || paint.len() == buffer.status.len(), "a paint for each pixel");
     let pixels = buffer.status.len();
     let mut bytes = SPARES.take(3 * pixels, Vec::capacity).unwrap_or_default();
@@ -181,7 +193,9 @@ pub fn shade_painted(
             occlusion: &buffer.occlusion[here.clone()],
             paint: paint.get(here).unwrap_or_default(),
         };
-        windows(band.drawn, first, buffer.width, |window| band.paint(window, bytes));
+        windows(band.drawn, first, buffer.width, |window| {
+            dispatch!(level, simd => band.paint(simd, window, bytes));
+        });
     });
     bytes
 }
@@ -234,7 +248,8 @@ impl Lamps {
 
 impl Band<'_> {
     /// Writes the bytes of a window's pixels.
-    fn paint(&self, mut window: Window, bytes: &mut [[u8; 3]]) {
+    #[inline(always)]
+    fn paint<S: Simd>(&self, simd: S, mut window: Window, bytes: &mut [[u8; 3]]) {
         let mut status = [Status::Miss; LANES];
         let status = window.load(self.status, &mut status);
         let undecided = bits(|lane| status[lane] == Status::Undecided);
@@ -257,9 +272,9 @@ impl Band<'_> {
             let of_surface = bits(|lane| surface[lane] == surface[first]);
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
             if self.paint.is_empty() {
-                self.light::<false>(window, colours, marks.as_ref(), &mut amounts);
+                self.light::<S, false>(simd, window, colours, marks.as_ref(), &mut amounts);
             } else {
-                self.light::<true>(window, colours, marks.as_ref(), &mut amounts);
+                self.light::<S, true>(simd, window, colours, marks.as_ref(), &mut amounts);
             }
             let [red, green, blue] = &amounts;
             let code = |amounts: &Lanes<f32>, lane: usize| self.codes.byte(amounts[lane]);
@@ -285,8 +300,10 @@ impl Band<'_> {
 
     /// Writes the light that a window's pixels send to the eye, by primary, clamped to what the codes know. Twice in the
     /// program, since most pictures have no paint.
-    fn light<const PAINTED: bool>(
+    #[inline(always)]
+    fn light<S: Simd, const PAINTED: bool>(
         &self,
+        simd: S,
         window: Window,
         colours: &SurfaceColours,
         marks: Option<&[Lanes<f32>; 2]>,
@@ -306,98 +323,109 @@ impl Band<'_> {
         // Most windows have nothing of either.
         let (is_shaded, is_hidden) = (*shadow != [0; LANES], *occlusion != [0; LANES]);
         let is_cut_open = *is_cap != [false; LANES];
-        let points = || rays.points(window, window.load(self.drawn, &mut [0.0; LANES]));
-        let to_light = appearance.light.all_towards(points);
-        let to_eye = rays.ways_to_eye(window);
-        // Four at a time by hand: what compilers make of a loop over lanes moves most of it to memory and back.
-        for at in (0..LANES).step_by(4) {
-            let four = |value: &dyn Fn(usize) -> f32| {
-                Vec4::new(value(at), value(at + 1), value(at + 2), value(at + 3))
-            };
-            let normal = by_axis([0, 1, 2, 3].map(|lane| normal[at + lane]));
-            let eye = per_axis(|axis| Vec4::from_slice(&to_eye[axis][at..]));
-            let light = per_axis(|axis| Vec4::from_slice(&to_light[axis][at..]));
-            let facing = dot(normal, eye);
-            // The side that is seen is lit.
-            let side = Vec4::ONE.copysign(facing);
-            let lamp = |way: Vec3| side * dot(normal, way.to_array().map(Vec4::splat));
-            let left = |is_any: bool, hidden: &[u8; LANES]| {
-                if is_any { 1.0 - four(&|lane| f32::from(hidden[lane])) / 255.0 } else { Vec4::ONE }
-            };
-            let (lit, open) = (left(is_shaded, shadow), left(is_hidden, occlusion));
-            let direct = lit * (side * dot(normal, light)).max(Vec4::ZERO);
-            // The square of the cosine between the normal and the direction half way to the light. From straight behind there
-            // is none, and light is not seen.
-            let halfway = per_axis(|axis| light[axis] + eye[axis]);
-            let cosine = (side * dot(normal, halfway)).max(Vec4::ZERO);
-            let square_of_length = dot(halfway, halfway).max(Vec4::splat(f32::MIN_POSITIVE));
-            let square = cosine * cosine / square_of_length;
-            let grazing = 1.0 - facing.abs().min(Vec4::ONE);
-            let rim = look.rim * grazing * grazing * lamp(lamps.rim).max(Vec4::ZERO);
-            let white = look.highlight * direct.sqrt() * sharpened(square) + rim;
-            // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
-            let from_above = 0.5 + 0.5 * lamp(lamps.above);
-            let around = look.ground + (1.0 - look.ground) * from_above;
-            let ambient = everywhere * open * around * (1.0 - 0.4 * grazing);
-            let fill = look.fill * open * lamp(lamps.fill).max(Vec4::ZERO);
-            let factor = ambient + (1.0 - everywhere) * (look.key * direct + fill);
-            let edge = grazing * grazing;
-            let factor = factor * (1.0 - look.outline * edge * edge);
-            let is_negative = facing.cmplt(Vec4::ZERO);
-            let cap = |lane| if is_cap[lane] { -1.0 } else { 1.0 };
-            let is_cut = is_cut_open.then(|| four(&cap).cmplt(Vec4::ZERO));
-            for (primary, amounts) in amounts.iter_mut().enumerate() {
-                let of = |colour: LinearRgb| Vec4::splat(colour.0[primary]);
-                let mut base =
-                    Vec4::select(is_negative, of(colours.negative), of(colours.positive));
-                if let Some(is_cut) = is_cut {
-                    base = Vec4::select(is_cut, of(colours.cut), base);
-                }
-                if let Some(paint) = paint {
-                    let own = four(&|lane| paint[lane].base.0[primary]);
-                    base = Vec4::select(own.is_nan_mask(), base, own);
-                }
-                let mut amount = toned(base * factor + white);
-                if let Some(paint) = paint {
-                    amount *= 1.0 - INK * four(&|lane| paint[lane].ink);
-                }
-                if let Some([left, tint]) = marks {
-                    let own = amount * Vec4::from_slice(&left[at..]);
-                    amount = own + TINT.0[primary] * Vec4::from_slice(&tint[at..]);
-                }
-                let amount = amount.max(Vec4::splat(BLACK)).min(Vec4::ONE);
-                amount.write_to_slice(&mut amounts[at..]);
+        let light = appearance.light.all_towards(
+            simd,
+            #[inline(always)]
+            || rays.points(simd, window, window.load(self.drawn, &mut [0.0; LANES])),
+        );
+        let eye = rays.ways_to_eye(simd, window);
+        // No closure deals with vectors: it would be compiled apart, for narrower ones.
+        let one = f32x16::splat(simd, 1.0);
+        let normal = by_axis(simd, normal);
+        let facing = dot(normal, eye);
+        // The side that is seen is lit.
+        let side = one.copysign(facing);
+        let lit = if is_shaded { left(simd, shadow) } else { one };
+        let open = if is_hidden { left(simd, occlusion) } else { one };
+        let direct = lit * (side * dot(normal, light)).max(0.0);
+        // The square of the cosine between the normal and the direction half way to the light. From straight behind there
+        // is none, and light is not seen.
+        let halfway = [light[0] + eye[0], light[1] + eye[1], light[2] + eye[2]];
+        let cosine = (side * dot(normal, halfway)).max(0.0);
+        let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);
+        let square = cosine * cosine / square_of_length;
+        let grazing = 1.0 - facing.abs().min(1.0);
+        let rim =
+            look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
+        let white = look.highlight * direct.sqrt() * sharpened(square) + rim;
+        // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
+        let from_above = 0.5 + 0.5 * (side * dot(normal, splat(simd, lamps.above)));
+        let around = look.ground + (1.0 - look.ground) * from_above;
+        let ambient = *everywhere * open * around * (1.0 - 0.4 * grazing);
+        let fill = look.fill * open * (side * dot(normal, splat(simd, lamps.fill))).max(0.0);
+        let factor = ambient + (1.0 - everywhere) * (look.key * direct + fill);
+        let edge = grazing * grazing;
+        let factor = factor * (1.0 - look.outline * edge * edge);
+        let is_negative = facing.simd_lt(0.0);
+        let cap =
+            std::array::from_fn::<f32, LANES, _>(|lane| if is_cap[lane] { -1.0 } else { 1.0 });
+        let is_cut = f32x16::simd_from(simd, cap).simd_lt(0.0);
+        for (primary, amounts) in amounts.iter_mut().enumerate() {
+            let [positive, negative, cut] =
+                [colours.positive, colours.negative, colours.cut].map(|colour| colour.0[primary]);
+            let [positive, negative] =
+                [f32x16::splat(simd, positive), f32x16::splat(simd, negative)];
+            let mut base = is_negative.select(negative, positive);
+            if is_cut_open {
+                base = is_cut.select(f32x16::splat(simd, cut), base);
             }
+            if let Some(paint) = paint {
+                let own = paint.map(|paint| paint.base.0[primary]);
+                let own = f32x16::simd_from(simd, own);
+                base = own.is_nan().select(base, own);
+            }
+            let mut amount = toned(simd, base * factor + white);
+            if let Some(paint) = paint {
+                amount *= 1.0 - INK * f32x16::simd_from(simd, paint.map(|paint| paint.ink));
+            }
+            if let Some([left, tint]) = marks {
+                let own = amount * f32x16::from_slice(simd, &left[..]);
+                amount = own + TINT.0[primary] * f32x16::from_slice(simd, &tint[..]);
+            }
+            amount.max(BLACK).min(1.0).store_slice(&mut amounts[..]);
         }
     }
 }
 
-/// What it gives for x, y and z. Arrays' own `map` is not always compiled in place.
-#[inline]
-fn per_axis<T>(value: impl Fn(usize) -> T) -> [T; 3] {
-    [value(0), value(1), value(2)]
+/// The vectors of sixteen lanes by their coordinates.
+#[inline(always)]
+fn by_axis<S: Simd>(simd: S, vectors: &[[f32; 3]; LANES]) -> [f32x16<S>; 3] {
+    let mut axes = [[0.0; LANES]; 3];
+    for (lane, vector) in vectors.iter().enumerate() {
+        (0..3).for_each(|axis| axes[axis][lane] = vector[axis]);
+    }
+    let [x, y, z] = axes;
+    [f32x16::simd_from(simd, x), f32x16::simd_from(simd, y), f32x16::simd_from(simd, z)]
 }
 
-/// The vectors of four lanes by their coordinates.
-#[inline]
-fn by_axis([a, b, c, d]: [[f32; 3]; 4]) -> [Vec4; 3] {
-    per_axis(|axis| Vec4::new(a[axis], b[axis], c[axis], d[axis]))
+/// The same vector in all lanes.
+#[inline(always)]
+fn splat<S: Simd>(simd: S, vector: Vec3) -> [f32x16<S>; 3] {
+    let Vec3 { x, y, z } = vector;
+    [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)]
 }
 
-#[inline]
-fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
+/// What is left where so much is hidden.
+#[inline(always)]
+fn left<S: Simd>(simd: S, hidden: &[u8; LANES]) -> f32x16<S> {
+    1.0 - f32x16::simd_from(simd, hidden.map(f32::from)) / 255.0
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Light as a picture shows it: what is brighter than most of the range is brought into it, rather than cut off.
-fn toned(amount: Vec4) -> Vec4 {
-    if amount.cmple(Vec4::splat(KNEE)).all() {
+#[inline(always)]
+fn toned<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
+    if amount.simd_le(KNEE).all_true() {
         return amount;
     }
     // Reinhard's curve (2002) with a white point, from the knee on, where its slope is 1.
-    let above = (amount - KNEE).max(Vec4::ZERO) / (1.0 - KNEE);
+    let above = (amount - KNEE).max(0.0) / (1.0 - KNEE);
     let curve = above * (1.0 + above / (WHITE * WHITE)) / (1.0 + above);
-    amount.min(Vec4::splat(KNEE)) + (1.0 - KNEE) * curve
+    amount.min(f32x16::splat(simd, KNEE)) + (1.0 - KNEE) * curve
 }
 
 /// Up to here light is shown as it is.
@@ -406,9 +434,10 @@ const KNEE: f32 = 0.7;
 const WHITE: f32 = 2.0;
 
 /// The 40th power of a cosine, which makes a highlight as small as it is, given its square.
-fn sharpened(square: Vec4) -> Vec4 {
+#[inline(always)]
+fn sharpened<S: Simd>(square: f32x16<S>) -> f32x16<S> {
     /// Of this the power is 3e-31: of less it would become subnormal, which takes processors far longer.
-    const LEAST: Vec4 = Vec4::splat(0.03);
+    const LEAST: f32 = 0.03;
     let square = square.max(LEAST);
     let fourth = square * square;
     let eighth = fourth * fourth;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::camera::CameraError;
+use fearless_simd::{Level, dispatch};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 
@@ -227,6 +228,14 @@ fn parallel_rays_are_within_the_stated_share_of_the_height() {
     assert!(refused > 20);
 }
 
+fn points(rays: &RayGrid, window: Window, distances: &[f64; LANES]) -> [Lanes<f64>; 3] {
+    dispatch!(Level::new(), simd => rays.points(simd, window, distances))
+}
+
+fn ways_to_eye(rays: &RayGrid, window: Window) -> [[f32; LANES]; 3] {
+    dispatch!(Level::new(), simd => rays.ways_to_eye(simd, window).map(|axis| axis.to_array()))
+}
+
 #[test]
 fn windows_have_the_rays_of_their_pixels() {
     let perspective = Projection::Perspective { fov: 100.0 };
@@ -236,7 +245,7 @@ fn windows_have_the_rays_of_their_pixels() {
         for (column, row) in [(0, 0), (21, 2), (7, 4)] {
             let window = Window { column, row, index: 0, wanted: 1 };
             let distances = std::array::from_fn(|lane| 1.0 + 0.3 * lane as f64);
-            let (points, to_eye) = (rays.points(window, &distances), rays.ways_to_eye(window));
+            let (points, to_eye) = (points(&rays, window, &distances), ways_to_eye(&rays, window));
             for lane in 0..LANES {
                 let ray = rays.ray(column + lane, row);
                 let point = ray.at(ray.parameter(distances[lane]));
@@ -298,8 +307,8 @@ fn rays_of_patches_are_those_of_the_picture() {
                 let wanted = 0xffff >> first;
                 let window = Window { column: first, row, index: 16 * row + first, wanted };
                 let distances = [4.5; LANES];
-                let points = patches.points(window, &distances);
-                let ways = patches.ways_to_eye(window);
+                let points = points(&patches, window, &distances);
+                let ways = ways_to_eye(&patches, window);
                 for (lane, ray) in own[first..].iter().enumerate() {
                     let point = ray.at(ray.parameter(4.5));
                     assert_eq!([0, 1, 2].map(|axis| points[axis][lane]), point.to_array());

@@ -133,6 +133,17 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     LinearRgb(amounts).to_srgb()
 }
 
+/// All widths of vectors that this processor has.
+fn levels() -> Vec<Level> {
+    let best = Level::new();
+    let mut levels = vec![Level::baseline(), best];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(
+        best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)),
+    );
+    levels
+}
+
 #[test]
 fn every_pixel_is_lit_as_if_it_were_alone() {
     let projection = Projection::Perspective { fov: 60.0 };
@@ -163,6 +174,10 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
         for look in &LOOKS {
             let look = Appearance { surfaces: surfaces.clone(), ..Appearance::new(look, light) };
             let bytes = shade(&buffer, &rays, &look);
+            for level in levels() {
+                let same = shade_with(level, &buffer, &rays, &look, &[]) == bytes;
+                assert!(same, "{} by {level:?}", look.look.name);
+            }
             for (pixel, bytes) in bytes.chunks_exact(3).enumerate() {
                 let plain = plain(&buffer, &rays, &look, pixel);
                 let close = bytes.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
