@@ -277,12 +277,29 @@ impl Model {
     }
 }
 
-/// What stays open in a picture that another one follows, as a share of the tolerance.
+/// How exactly a surface is to be found.
+#[derive(Clone, Copy)]
+struct Aim {
+    depth: u32,
+    tolerance: f64,
+    /// Whether nothing is to be proven, only painted.
+    for_looks: bool,
+}
+
+impl Aim {
+    /// As a picture's settings say.
+    fn of(settings: &Settings) -> Self {
+        Self { depth: settings.max_depth, tolerance: settings.tolerance, for_looks: false }
+    }
+}
+
+/// What stays open in a picture that another one follows, and on rays that are only for looks, as a share of the tolerance.
 const PREVIEWED: f64 = 1.0 / 16.0;
 
-fn options(settings: &Settings, kind: SurfaceKind, depth: u32, tolerance: f64) -> Options {
+fn options(settings: &Settings, kind: SurfaceKind, aim: Aim) -> Options {
     let Settings { precision, is_preview, steps, ideas, .. } = *settings;
-    let least = if is_preview { PREVIEWED } else { 0.0 };
+    let Aim { depth, tolerance, for_looks } = aim;
+    let least = if is_preview || for_looks { PREVIEWED } else { 0.0 };
     // At a pole a surface has no point, but a solid may have a face.
     let suppress_asymptotes = kind == SurfaceKind::Equation;
     Options { precision, depth, tolerance, least, steps, suppress_asymptotes, ideas }
@@ -303,7 +320,7 @@ fn make_kernels<T: KernelFloat>(
             if !wanted() {
                 return Ok(());
             }
-            let options = options(settings, kind, settings.max_depth, settings.tolerance);
+            let options = options(settings, kind, Aim::of(settings));
             settings.method.prepare(program.surface(surface), region, options).map(drop)
         };
         let other = || match settings.normals {

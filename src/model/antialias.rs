@@ -1,6 +1,7 @@
 //! Colours of pixels through which an edge goes: the mean over many rays, each followed and lit as the one through the
 //! centre was.
 
+use super::Aim;
 use super::paint::Finish;
 use super::trace::{Shot, Tracers};
 use crate::picture::Settings;
@@ -9,23 +10,23 @@ use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::{KernelFloat, LANES};
 use zeroset_trace::{
-    GBuffer, Patch, Pattern, RayGrid, Status, UndecidedStyle, edges, hand_back_colours, is_creased,
-    is_smooth, slope,
+    GBuffer, Patch, Pattern, RayGrid, Status, UndecidedStyle, Work, edges, hand_back_colours,
+    is_creased, is_smooth, slope,
 };
 
 /// Pixels that are cut up at a time: few enough for the nearer caches.
 const PART: usize = 64;
 
-/// What is seen by a pixel's rays may be so many pixels' widths nearer than what is known of it and of those around it, and so
-/// many times as far as slopes there explain.
-const NEARER: f64 = 4.0;
+/// What is seen by a pixel's rays may be so many pixels' widths nearer or farther than what is known of it and of those around
+/// it, and so many times as far as slopes there explain.
+const OFF: f64 = 4.0;
 const STEEPER: f64 = 2.0;
 
 /// Room for a part, and for one surface of it.
 type Buffers = [GBuffer; 2];
 
 impl<T: KernelFloat> Shot<'_, T> {
-    /// Gives pixels with edges the mean of their colours; returns how many rays it took.
+    /// Gives pixels with edges the mean of their colours; returns how many rays it took, and what following them did.
     pub(super) fn smooth_edges(
         &self,
         rays: &RayGrid,
@@ -33,10 +34,11 @@ impl<T: KernelFloat> Shot<'_, T> {
         layers: &[GBuffer],
         finish: &Finish<'_>,
         rgb: &mut [u8],
-    ) -> Result<usize, ProgramError> {
+    ) -> Result<(usize, Work), ProgramError> {
         let Settings { antialias: pattern, tolerance, .. } = *self.settings;
-        // Pixels of the finer picture are so much smaller.
+        // Pixels of the finer picture are so much smaller. What is near a silhouette in depth is as near to the eye.
         let tolerance = tolerance * pattern.side as f64;
+        let aim = Aim { tolerance, for_looks: true, ..Aim::of(self.settings) };
         let mut wanted = edges(picture, rays);
         for layer in layers {
             // What is seen through a surface has edges, too.
@@ -51,7 +53,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         let wanted =
             (0..wanted.len()).filter(|&pixel| wanted[pixel] && is_own(pixel) && !is_marked(pixel));
         let wanted: Vec<usize> = wanted.collect();
-        let tracers = self.tracers(tolerance)?;
+        let tracers = self.tracers(aim)?;
         let edge = Edges {
             shot: self,
             tracers: &tracers,
@@ -68,12 +70,19 @@ impl<T: KernelFloat> Shot<'_, T> {
         let found: Result<Vec<_>, ProgramError> =
             wanted.par_chunks(PART).map_init(new, smooth).collect();
         let pixels = rgb.as_chunks_mut::<3>().0;
-        for (pixel, colour) in found?.into_iter().flatten() {
-            pixels[pixel] = colour;
+        let mut work = Work::default();
+        for (found, part) in found? {
+            work += part;
+            for (pixel, colour) in found {
+                pixels[pixel] = colour;
+            }
         }
-        Ok(wanted.len() * pattern.count())
+        Ok((wanted.len() * pattern.count(), work))
     }
 }
+
+/// Colours of some pixels, by index, and what following their rays did.
+type Smoothed = (Vec<(usize, [u8; 3])>, Work);
 
 struct Edges<'a, T> {
     shot: &'a Shot<'a, T>,
@@ -95,9 +104,10 @@ impl<T: KernelFloat> Edges<'_, T> {
         &self,
         [all, layer]: &mut Buffers,
         pixels: &[usize],
-    ) -> Result<Vec<(usize, [u8; 3])>, ProgramError> {
+    ) -> Result<Smoothed, ProgramError> {
+        let mut work = Work::default();
         if !(self.shot.advance)(0) {
-            return Ok(Vec::new());
+            return Ok((Vec::new(), work));
         }
         let rays =
             self.finer.patches(pixels.iter().flat_map(|pixel| self.patches(*pixel)).collect());
@@ -109,11 +119,11 @@ impl<T: KernelFloat> Edges<'_, T> {
         for (place, &(surface, ref tracer)) in self.tracers.iter().enumerate() {
             let target = if place == 0 { &mut *all } else { &mut *layer };
             target.reset(rays.width(), rays.height(), 0);
-            self.shot.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
+            work += self.shot.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
             if self.has_one && self.pattern.is_full() {
                 is_smooth = self.leave_smooth(pixels, &rays, target);
             }
-            self.shot.face(surface, &rays, target)?;
+            work += self.shot.face(surface, &rays, target)?;
             if place > 0 {
                 all.merge(layer);
             }
@@ -130,7 +140,7 @@ impl<T: KernelFloat> Edges<'_, T> {
         let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
         let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();
         hand_back_colours(bytes);
-        Ok(found)
+        Ok((found, work))
     }
 
     /// Takes back what was found for pixels all of whose rays meet what the one through the centre did, which has been lit:
@@ -155,16 +165,25 @@ impl<T: KernelFloat> Edges<'_, T> {
     fn patches(&self, pixel: usize) -> impl Iterator<Item = Patch> {
         let (column, row) = (pixel % self.rays.width(), pixel / self.rays.width());
         let picture = self.picture;
-        let nearest = |there: usize| {
-            let steep = slope(picture.normal[there], self.rays, there);
-            picture.drawn[there]
-                - (NEARER + STEEPER * steep) * self.rays.footprint(picture.drawn[there])
-        };
-        let drawn = around(self.rays, pixel).filter(|there| picture.is_drawn(*there));
-        let from = drawn.map(nearest).fold(f64::INFINITY, f64::min);
-        let from = self.rays.ray(column, row).parameter(from);
+        let ray = self.rays.ray(column, row);
+        let along = ray.direction.normalize().as_vec3();
+        let (mut nearest, mut farthest, mut is_outline) = (f64::INFINITY, 0.0_f64, false);
+        for there in around(self.rays, pixel) {
+            let drawn = picture.drawn[there];
+            if !drawn.is_finite() {
+                is_outline = true;
+                continue;
+            }
+            let steep = f64::from(slope(picture.normal[there], along));
+            let margin = (OFF + STEEPER * steep) * self.rays.footprint(drawn);
+            nearest = nearest.min(drawn - margin);
+            farthest = farthest.max(drawn + margin);
+        }
+        // Beside the background, rays that meet nothing of what is around meet nothing.
+        let until = if is_outline { farthest } else { f64::INFINITY };
+        let between = [nearest, until].map(|distance| ray.parameter(distance));
         let [first, top] = [column, row].map(|place| place * self.pattern.side);
-        self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, from })
+        self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, between })
     }
 
     /// How much light is hidden from the points of some places of the finer picture: as much as from the nearest one of the

@@ -2,7 +2,7 @@
 
 use super::paint::{Finish, Painter};
 use super::strips::Overview;
-use super::{Model, Stopwatch, Style, options};
+use super::{Aim, Model, Stopwatch, Style, options};
 use crate::legend::Legend;
 use crate::picture::{Normals, Open, Picture, Precision, Settings, Statistics, Times};
 use crate::program::ProgramError;
@@ -160,13 +160,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
     }
 
     /// The method at work on a surface.
-    pub fn tracer(
-        &self,
-        surface: usize,
-        depth: u32,
-        tolerance: f64,
-    ) -> Result<Box<dyn Tracer + 'a>, ProgramError> {
-        let options = options(self.settings, self.model.styles[surface].kind, depth, tolerance);
+    pub fn tracer(&self, surface: usize, aim: Aim) -> Result<Box<dyn Tracer + 'a>, ProgramError> {
+        let options = options(self.settings, self.model.styles[surface].kind, aim);
         let (surface, region) = (self.model.program.surface(surface), &self.model.region);
         Ok(self.settings.method.prepare(surface, region, options)?)
     }
@@ -243,7 +238,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let mut picture: Option<GBuffer> = None;
         let last = model.seen().last();
         for surface in model.seen() {
-            let tracer = self.tracer(surface, settings.max_depth, settings.tolerance)?;
+            let tracer = self.tracer(surface, Aim::of(settings))?;
             let mut layer = GBuffer::new(width, height, 0);
             if settings.brackets {
                 layer = layer.with_brackets();
@@ -336,7 +331,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             Some(place) => Light::Positional(place),
             None => Light::above_left(rays),
         };
-        let work = self.hide(rays, &light, buffer)?;
+        let mut work = self.hide(rays, &light, buffer)?;
         times.occlude += watch.lap();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
         if settings.normals.is_some() {
@@ -348,13 +343,15 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let mut layers = Vec::new();
             if self.is_translucent() {
-                layers = self.layers(rays, &[], &self.tracers(settings.tolerance)?)?;
+                layers = self.layers(rays, &[], &self.tracers(Aim::of(settings))?)?;
                 times.trace += watch.lap();
             }
             rgb = self.coloured(rays, buffer, &layers, &finish, 1);
             times.shade += watch.lap();
             if settings.antialias != Pattern::ONE && (self.advance)(0) {
-                edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
+                let (count, more) = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
+                edge_rays = count;
+                work += more;
                 times.antialias += watch.lap();
             }
         }
@@ -362,9 +359,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
     }
 
     /// The method at work on each surface that is seen, with its number.
-    pub fn tracers(&self, tolerance: f64) -> Result<Tracers<'a>, ProgramError> {
-        let depth = self.settings.max_depth;
-        let one = |surface| Ok((surface, self.tracer(surface, depth, tolerance)?));
+    pub fn tracers(&self, aim: Aim) -> Result<Tracers<'a>, ProgramError> {
+        let one = |surface| Ok((surface, self.tracer(surface, aim)?));
         self.model.seen().map(one).collect()
     }
 
@@ -424,7 +420,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         // Shadows are no pixels finished.
         let wanted = |_| (self.advance)(0);
         for surface in self.model.seen() {
-            let tracer = self.tracer(surface, depth, self.settings.tolerance)?;
+            let tracer = self.tracer(surface, Aim { depth, ..Aim::of(self.settings) })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
             work += driver.shadows(buffer, &lights, offset);
             hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);

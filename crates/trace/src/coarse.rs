@@ -33,7 +33,8 @@ pub fn borrow_occlusion(
             let y = 0.5 * (height as f64 - 1.0 - upward);
             let [right, below] = [x, y].map(|place| place - place.floor());
             let reach = FAR * small_rays.footprint(distance);
-            let reach = reach * slope(normal[pixel], rays, pixel).max(1.0);
+            let along = rays.ray_of(pixel).direction.normalize().as_vec3();
+            let reach = reach * f64::from(slope(normal[pixel], along).max(1.0));
             let (mut sum, mut weights, mut nearest, mut least) = (0.0, 0.0, 0, f64::INFINITY);
             for n in 0..4 {
                 let (i, j) = (x.floor() as i64 + (n & 1), y.floor() as i64 + (n >> 1));

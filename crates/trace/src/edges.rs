@@ -3,6 +3,7 @@
 use crate::gbuffer::GBuffer;
 use crate::grid::{RayGrid, SIDE};
 use crate::painted::BAND;
+use fearless_simd::{Level, dispatch, f32x16, f64x8, prelude::*, u16x16};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -17,7 +18,7 @@ const STEEPER: f64 = 3.0;
 /// distance, or which way that faces. Row by row; what is thinner than a pixel and on no ray is not seen.
 pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
     let (width, height) = (rays.width(), rays.height());
-    let pairs = Pairs { buffer, rays };
+    let pairs = Pairs { buffer, rays, level: Level::new() };
     let mut edges = vec![false; buffer.drawn.len()];
     let bands = edges.par_chunks_mut((BAND * width).max(1));
     bands.enumerate().for_each(|(band, edges)| {
@@ -52,6 +53,7 @@ pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
 struct Pairs<'a> {
     buffer: &'a GBuffer,
     rays: &'a RayGrid,
+    level: Level,
 }
 
 /// What is compared of some pixels in a row: as many of each.
@@ -72,6 +74,51 @@ impl<'a> Side<'a> {
             normal: &buffer.normal[first..][..count],
         }
     }
+}
+
+/// A bit for each lane.
+const ALL: u32 = (1 << LANES) - 1;
+
+/// Which of sixteen pairs of pixels from the `k`th on may have an edge between them, as bits: most are told by these few
+/// comparisons. `even` is what step in depth is none, at the eye and by how much that grows with depth.
+#[inline(always)]
+fn differing<S: Simd>(
+    simd: S,
+    one: &Side<'_>,
+    other: &Side<'_>,
+    k: usize,
+    [at_eye, growth]: [f64; 2],
+) -> u32 {
+    let here = k..k + LANES;
+    let (mut bits, mut empty) = (0, 0);
+    for half in [0, 8] {
+        let part = k + half..k + half + 8;
+        let a = f64x8::from_slice(simd, &one.drawn[part.clone()]);
+        let b = f64x8::from_slice(simd, &other.drawn[part]);
+        let step = a - b;
+        bits |= (!step.abs().simd_le(at_eye + growth * a.min(b))).to_bitmask() << half;
+        // Two that are infinite have no difference.
+        empty |= step.is_nan().to_bitmask() << half;
+    }
+    let surface = u16x16::from_slice(simd, &one.surface[here.clone()]);
+    bits |= surface.simd_ne(u16x16::from_slice(simd, &other.surface[here.clone()])).to_bitmask();
+    let (cap, other_cap) = (&one.cap[here.clone()], &other.cap[here.clone()]);
+    if cap != other_cap {
+        return ALL & !empty as u32;
+    }
+    let [n, m] = [one, other].map(|side| side.normal[here.clone()].as_flattened());
+    let mut products = [0.0; 3 * LANES];
+    for part in 0..3 {
+        let part = LANES * part..LANES * (part + 1);
+        let n = f32x16::from_slice(simd, &n[part.clone()]);
+        (n * f32x16::from_slice(simd, &m[part.clone()])).store_slice(&mut products[part]);
+    }
+    let mut cosine = [0.0; LANES];
+    for (cosine, [x, y, z]) in cosine.iter_mut().zip(products.as_chunks::<3>().0) {
+        *cosine = x + y + z;
+    }
+    let is_even = f32x16::simd_from(simd, cosine).simd_ge(SAME_WAY);
+    ALL & ((bits | (!is_even).to_bitmask()) & !empty) as u32
 }
 
 impl Pairs<'_> {
@@ -99,32 +146,42 @@ impl Pairs<'_> {
         let (start, count) = (columns.start, columns.len());
         let side = |first: usize| Side::new(self.buffer, first + start, count);
         let (one, other) = (side(pair.start), side(pair.end));
-        let [at_eye, growth] = self.rays.pixel().map(|part| STEEPER * part);
-        for k in 0..count {
-            let (a, b) = (one.drawn[k], other.drawn[k]);
-            let step = (a - b).abs();
-            let is_same = one.surface[k] == other.surface[k] && one.cap[k] == other.cap[k];
-            let (n, m) = (one.normal[k], other.normal[k]);
-            // Towards the other side, too, if the other side is seen.
-            let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= SAME_WAY;
-            let nearer = if a < b { a } else { b };
-            // Most pairs are told by these few comparisons.
-            if step <= at_eye + growth * nearer && is_same && is_even {
-                continue;
-            }
-            if !step.is_finite() {
-                // Two that are infinite have no difference.
-                if !step.is_nan() {
-                    edge(start + k);
-                }
-                continue;
-            }
-            let pixels = [pair.start, pair.end].map(|first| first + start + k);
-            let steep = STEEPER * self.rays.footprint(nearer) * self.slope(pixels, is_row);
-            if !is_same || !is_even || step > steep {
+        let even = self.rays.pixel().map(|part| STEEPER * part);
+        let mut look = |k: usize| {
+            if self.is_edge([pair.start, pair.end].map(|first| first + start + k), is_row) {
                 edge(start + k);
             }
+        };
+        if count < LANES {
+            (0..count).for_each(look);
+            return;
         }
+        for k in (0..count).step_by(LANES) {
+            // The last sixteen are all in the row; some of them may be looked at twice.
+            let k = k.min(count - LANES);
+            let mut left = dispatch!(self.level, simd => differing(simd, &one, &other, k, even));
+            while left != 0 {
+                look(k + left.trailing_zeros() as usize);
+                left &= left - 1;
+            }
+        }
+    }
+
+    /// Whether there is an edge between two pixels.
+    fn is_edge(&self, pixels: [usize; 2], is_row: bool) -> bool {
+        let buffer = self.buffer;
+        let [a, b] = pixels.map(|pixel| buffer.drawn[pixel]);
+        let step = (a - b).abs();
+        if !step.is_finite() {
+            // Two that are infinite have no difference.
+            return !step.is_nan();
+        }
+        let [n, m] = pixels.map(|pixel| buffer.normal[pixel]);
+        let [one, other] = pixels.map(|pixel| (buffer.surface[pixel], buffer.cap[pixel]));
+        // Towards the other side, too, if the other side is seen.
+        let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= SAME_WAY;
+        let footprint = self.rays.footprint(a.min(b));
+        one != other || !is_even || step > STEEPER * footprint * self.slope(pixels, is_row).max(1.0)
     }
 
     /// How far depth changes from pixel to pixel at the steeper of two, in pixels' widths.
@@ -142,11 +199,12 @@ fn slope_along(normal: [f32; 3], rays: &RayGrid, pixel: usize, axis: DVec3) -> f
     (normal.dot(axis) / normal.dot(along)).abs()
 }
 
-/// How far depth changes at most along the picture where a surface has this normal, in pixels' widths.
-pub fn slope(normal: [f32; 3], rays: &RayGrid, pixel: usize) -> f64 {
-    let axes = [rays.right(), rays.up()];
-    let [across, down] = axes.map(|axis| slope_along(normal, rays, pixel, axis));
-    across.hypot(down)
+/// How far depth changes at most along the picture where a surface has this normal, in pixels' widths, seen along a unit
+/// vector.
+pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
+    // The tangent of the angle between them.
+    let cosine = Vec3::from_array(normal).dot(along);
+    ((1.0 - cosine * cosine).max(0.0) / (cosine * cosine)).sqrt()
 }
 
 /// Whether a pixel of one surface shows a crease: its normal differs from that of one of the four pixels beside it.
@@ -221,6 +279,42 @@ mod tests {
     }
 
     #[test]
+    fn sixteen_pairs_at_once_are_as_each_alone() {
+        let (width, height) = (53, 19);
+        let mut random = {
+            let mut state = 7_u32;
+            move |below: u32| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (state >> 16) % below
+            }
+        };
+        let mut buffer = wall(width, height);
+        for pixel in 0..width * height {
+            match random(40) {
+                0 => buffer.drawn[pixel] = f64::INFINITY,
+                1 => buffer.drawn[pixel] = 3.5 + f64::from(random(100)) / 100.0,
+                2 => buffer.surface[pixel] = 1,
+                3 => buffer.cap[pixel] = true,
+                4 => buffer.normal[pixel] = [0.6, -0.8, 0.0],
+                _ => {}
+            }
+        }
+        let rays = rays(width, height);
+        let pairs = Pairs { buffer: &buffer, rays: &rays, level: Level::new() };
+        let mut expected = vec![false; width * height];
+        for pixel in 0..width * height {
+            for (other, is_row) in [(pixel + 1, true), (pixel + width, false)] {
+                let is_pair = other < width * height && (!is_row || other % width > 0);
+                if is_pair && pairs.is_edge([pixel, other], is_row) {
+                    (expected[pixel], expected[other]) = (true, true);
+                }
+            }
+        }
+        assert_eq!(edges(&buffer, &rays), expected);
+        assert!(expected.contains(&true) && expected.contains(&false));
+    }
+
+    #[test]
     fn slopes_and_the_background_are_none() {
         let rays = rays(40, 30);
         let normal = DVec3::new(-0.8, -0.6, 0.0);
@@ -239,7 +333,7 @@ mod tests {
     #[test]
     fn what_is_smooth_is_not_lit_anew() {
         let whole = rays(40, 32);
-        let patch = crate::grid::Patch { column: 8, row: 8, from: 0.0 };
+        let patch = crate::grid::Patch { column: 8, row: 8, between: [0.0, f64::INFINITY] };
         let rays = whole.patches([patch; 2].into());
         let normal = [0.0, -1.0, 0.0];
         let is_smooth = |change: &dyn Fn(&mut GBuffer)| {

@@ -18,8 +18,8 @@ pub struct Patch {
     pub column: usize,
     /// The first row.
     pub row: usize,
-    /// What lies before this t is not looked for, if a method can tell.
-    pub from: f64,
+    /// What lies before the first or behind the second of these values of t is not looked for, if a method can tell.
+    pub between: [f64; 2],
 }
 
 /// The rays of a picture, one through each pixel's centre; or of [patches](Self::patches) of it.

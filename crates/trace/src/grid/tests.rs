@@ -294,7 +294,8 @@ fn rays_of_patches_are_those_of_the_picture() {
         let camera = Camera::new(DVec3::new(3.0, -4.0, 2.0), DVec3::ZERO, DVec3::Z, projection);
         let rays = camera.expect("valid").rays(40, 24);
         let places = [[8, 4], [0, 0], [36, 20], [5, 3]];
-        let patch = |[column, row]: [usize; 2]| Patch { column, row, from: 0.0 };
+        let patch =
+            |[column, row]: [usize; 2]| Patch { column, row, between: [0.0, f64::INFINITY] };
         let patches = rays.patches(places.map(patch).into());
         assert_eq!((patches.width(), patches.height()), (16, 4));
         for (row, [column, top]) in places.into_iter().enumerate() {
@@ -328,7 +329,7 @@ fn neighbours_are_in_the_picture_and_in_the_patch() {
     assert_eq!(rays.beside(0), [None, Some(1), None, Some(8)]);
     assert_eq!(rays.beside(47), [Some(46), None, Some(39), None]);
     assert_eq!(rays.beside(20), [Some(19), Some(21), Some(12), Some(28)]);
-    let patch = Patch { column: 0, row: 0, from: 0.0 };
+    let patch = Patch { column: 0, row: 0, between: [0.0, f64::INFINITY] };
     let patches = rays.patches([patch; 3].into());
     assert_eq!(patches.beside(16), [None, Some(17), None, Some(20)]);
     assert_eq!(patches.beside(31), [Some(30), None, Some(27), None]);

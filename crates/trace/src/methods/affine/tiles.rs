@@ -18,6 +18,8 @@ const SIDES: [usize; 2] = [16, 4];
 const LAST: usize = SIDES.len() - 1;
 /// A tile is split once its segment is no longer than so many times what it is wide.
 const SLENDER: f64 = 3.0;
+/// The same of tiles that are patches: along an outline surfaces are deep and a patch is thin, and its rays are all there.
+const SLENDER_PATCH: f64 = 12.0;
 /// A segment that stays longer than this share of what it was is cut.
 const STALLED: f64 = 0.75;
 
@@ -219,7 +221,10 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     /// What is to be looked at of a segment.
     fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
         match self.rays.patch(self.band.top + place[1]) {
-            Some(patch) => [near.max(T::nearest(patch.from - self.frame.start).into()), far],
+            Some(patch) => {
+                let [from, until] = patch.between.map(|t| T::nearest(t - self.frame.start).into());
+                [near.max(from), far.min(until)]
+            }
             None => [near, far],
         }
     }
@@ -308,7 +313,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         // Too short for these floats, or not finite: such a segment would come back for ever.
         // An eye in the region has no pixel's width before it to stop at.
         let is_last = !is_progress(new, cut, far - near) || shorter <= T::GRAIN * self.size;
-        let slender = shorter <= SLENDER * SIDES[depth] as f64 * footprint;
+        let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER };
+        let slender = shorter <= slender * SIDES[depth] as f64 * footprint;
         if !is_last && shorter <= STALLED * (far - near) {
             level.stacks[lane].push(new);
         } else if crossing || slender || is_last {
