@@ -156,7 +156,7 @@ const TINY: f64 = 1e-6;
 fn around(program: &Program, hull: &Cell) -> Cell {
     if is_point(program, hull) {
         let place = hull.centre().map(|along| rounded(along, POINT / 100.0));
-        return Cell::about(place, POINT).around(hull);
+        return cube_about(place, POINT).around(hull);
     }
     thick(roomy(hull), THIN)
 }
@@ -344,6 +344,14 @@ fn rounded(place: f64, grain: f64) -> f64 {
     let near =
         if power < 0.0 { (place * grain).round() / grain } else { (place / grain).round() * grain };
     if near.is_finite() { near } else { place }
+}
+
+/// The cube around a place with this half extent, both of few digits. Around the origin it is that exactly.
+fn cube_about(place: [f64; 3], half: f64) -> Cell {
+    let end = |along: f64, side: f64| {
+        if along == 0.0 { side } else { rounded(along + side, half / 1000.0) }
+    };
+    Cell { low: place.map(|along| end(along, -half)), high: place.map(|along| end(along, half)) }
 }
 
 /// The box with some space on each side, its bounds rounded outward to few digits.

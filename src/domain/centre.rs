@@ -18,10 +18,14 @@ struct Known {
     is_whole: bool,
 }
 
+/// Of all products in a function, so many terms are written out; what is left is not.
+const MOST_PRODUCTS: usize = 100_000;
+
 /// The centre of the function at `root`, for parameters within bounds: the mean of the middles of the largest polynomials in
 /// it. What is linear counts along those directions only of which others know nothing.
 pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] {
     let needed = graph.reachable(&[root]);
+    let mut work = MOST_PRODUCTS;
     let mut known: Vec<Known> = Vec::with_capacity(graph.len());
     let mut is_part = vec![false; graph.len()];
     is_part[root.index()] = true;
@@ -40,7 +44,8 @@ pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] 
                 let all_whole = operands.iter().all(|id| known[id.index()].is_whole);
                 let of = |k: usize| operand(k).map(|known| &known.polynomial);
                 let is_sum = [Op::Neg, Op::Add, Op::Sub].contains(op);
-                let found = if all_whole || is_sum { combined(*op, of(0), of(1)) } else { None };
+                let found =
+                    if all_whole || is_sum { combined(*op, of(0), of(1), &mut work) } else { None };
                 if found.is_none() {
                     operands.iter().for_each(|id| is_part[id.index()] = true);
                 }
@@ -61,24 +66,29 @@ pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] 
 }
 
 /// An operation on polynomials, if it makes one that is not too long.
-fn combined(op: Op, a: Option<&Polynomial>, b: Option<&Polynomial>) -> Option<Polynomial> {
+fn combined(
+    op: Op,
+    a: Option<&Polynomial>,
+    b: Option<&Polynomial>,
+    work: &mut usize,
+) -> Option<Polynomial> {
     let a = a?;
     if op == Op::Neg {
         Some(Polynomial::default().plus(-1.0, a))
     } else if op == Op::Sqr {
-        a.power(2)
+        a.power(2, work)
     } else if op == Op::Add {
         Some(a.plus(1.0, b?))
     } else if op == Op::Sub {
         Some(a.plus(-1.0, b?))
     } else if op == Op::Mul {
-        a.times(b?)
+        a.times(b?, work)
     } else if op == Op::Div {
         let divisor = b?.value().filter(|divisor| *divisor != 0.0)?;
         Some(Polynomial::default().plus(1.0 / divisor, a))
     } else if op == Op::Pow {
         let exponent = b?.value().filter(|n| n.fract() == 0.0 && (0.0..=24.0).contains(n))?;
-        a.power(exponent as u32)
+        a.power(exponent as u32, work)
     } else if op == Op::Sqrt {
         a.value().map(|value| Polynomial::number(value.sqrt()))
     } else {

@@ -7,7 +7,7 @@
 use super::cells::{Cell, Search};
 use zeroset_eval::{Kernel, Points, Sample, Values};
 
-/// How far the critical points near the surface, and the surface near them, reach from the centre along an axis.
+/// How far critical points near the surface are from the centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Found {
     /// The farthest of those that are alone or along closed curves; 0 if none is found.
@@ -107,11 +107,11 @@ impl Seeker<'_> {
                 continue;
             }
             known.push(place);
-            let Some(reach) = self.with_surface(place) else { continue };
+            let Some(far) = self.distance_if_near(place) else { continue };
             let one = if end == End::Alone || is_closed {
-                Found { farthest: reach, nearest: None }
+                Found { farthest: far, nearest: None }
             } else {
-                Found { farthest: 0.0, nearest: Some(reach) }
+                Found { farthest: 0.0, nearest: Some(far) }
             };
             found = found.and(one);
         }
@@ -216,15 +216,15 @@ impl Seeker<'_> {
         };
     }
 
-    /// How far a critical point reaches from the centre with the part of the surface near it; `None` if that is not near, or if
-    /// the point is on a line through the centre along an axis: on those the surface itself is looked for.
-    fn with_surface(&self, place: Vector) -> Option<f64> {
+    /// How far a critical point is from the centre; `None` if the surface is not near it, or if the point is on a line through
+    /// the centre along an axis: on those the surface itself is looked for.
+    fn distance_if_near(&self, place: Vector) -> Option<f64> {
         let far = distance(place, self.centre);
         let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > SAME * self.half;
         if (0..3).filter(is_off).count() < 2 {
             return None;
         }
-        (0..HALVINGS).rev().map(|k| NEAR * far * 0.5_f64.powi(k)).find_map(|radius| {
+        let is_near = (0..HALVINGS).rev().map(|k| NEAR * far * 0.5_f64.powi(k)).any(|radius| {
             let around = (0..27).map(|n: i32| {
                 let side = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1];
                 [0, 1, 2].map(|axis| {
@@ -239,9 +239,10 @@ impl Seeker<'_> {
             let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let is_on = here.abs() <= NOTHING * most;
             let is_near = is_on || values.iter().any(|there| here * there < 0.0);
-            let may_be = || !self.search.open(&[Cell::about(place, radius)]).is_empty();
-            (is_near && may_be()).then_some(if is_on { far } else { far + radius })
-        })
+            is_near && !self.search.open(&[Cell::about(place, radius)]).is_empty()
+        });
+        let way = [0, 1, 2].map(|axis| place[axis] - self.centre[axis]);
+        is_near.then(|| way.iter().map(|along| along * along).sum::<f64>().sqrt())
     }
 }
 

@@ -52,8 +52,9 @@ impl Polynomial {
         terms.fold(self.clone(), |sum, (powers, other)| sum.with(*powers, factor * other))
     }
 
-    /// The product; `None` if it is too long.
-    pub fn times(&self, other: &Self) -> Option<Self> {
+    /// The product; `None` if it is too long. `work` is how many terms may still be multiplied, and what is left of them.
+    pub fn times(&self, other: &Self, work: &mut usize) -> Option<Self> {
+        *work = work.checked_sub(self.0.len() * other.0.len())?;
         let mut product = Self::default();
         for (a, one) in &self.0 {
             for (b, two) in &other.0 {
@@ -66,12 +67,12 @@ impl Polynomial {
         (product.degree() <= HIGHEST).then_some(product)
     }
 
-    /// A power; `None` if it is too long.
-    pub fn power(&self, exponent: u32) -> Option<Self> {
+    /// A power; `None` if it is too long. `work` is as for [`Polynomial::times`].
+    pub fn power(&self, exponent: u32, work: &mut usize) -> Option<Self> {
         if exponent.saturating_mul(self.degree()) > HIGHEST {
             return None;
         }
-        (0..exponent).try_fold(Self::number(1.0), |power, _| power.times(self))
+        (0..exponent).try_fold(Self::number(1.0), |power, _| power.times(self, work))
     }
 
     /// Its value, if it is a number.
@@ -134,8 +135,11 @@ impl Polynomial {
     pub fn middle(&self) -> Pull {
         let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let (mut pull, mut place) = (Pull::default(), [0.0; 3]);
+        let (mut seen, mut from) = (self.clone(), place);
         for degree in (1..=self.degree()).rev() {
-            let seen = self.seen_from(place);
+            if place != from {
+                (seen, from) = (self.seen_from(place), place);
+            }
             let (highest, lower) = (seen.form(degree), seen.form(degree - 1));
             let changes = [0, 1, 2].map(|axis| highest.derivative(axis));
             let together = |a: usize| [0, 1, 2].map(|b| changes[a].common(&changes[b]));
@@ -266,8 +270,9 @@ mod tests {
     fn umbrella([a, b]: [f64; 2]) -> Polynomial {
         let less =
             |axis: usize, by: f64| Polynomial::axis(axis).plus(-by, &Polynomial::number(1.0));
-        let squared = |axis: usize, by: f64| less(axis, by).power(2).expect("short");
-        squared(0, a).plus(1.0, &squared(1, b).times(&Polynomial::axis(2)).expect("short"))
+        let squared = |axis: usize, by: f64| less(axis, by).power(2, &mut 100).expect("short");
+        let high = squared(1, b).times(&Polynomial::axis(2), &mut 100).expect("short");
+        squared(0, a).plus(1.0, &high)
     }
 
     #[test]
@@ -278,10 +283,11 @@ mod tests {
         assert_eq!(one.degree(), 3);
         assert_eq!(umbrella([3.0, -2.0]).seen_from([3.0, -2.0, 0.0]), one);
         assert_eq!(one.plus(-1.0, &one).value(), Some(0.0));
-        assert_eq!(one.power(9), None);
+        assert_eq!(one.power(9, &mut 10_000), None);
+        assert_eq!(one.power(2, &mut 5), None);
         let sum = [0, 1, 2].map(Polynomial::axis);
         let sum = sum[0].plus(1.0, &sum[1]).plus(1.0, &sum[2]).plus(1.0, &Polynomial::number(1.0));
-        assert_eq!(sum.power(6).expect("short").0.len(), 84);
+        assert_eq!(sum.power(6, &mut 1000).expect("short").0.len(), 84);
     }
 
     #[test]

@@ -18,8 +18,9 @@ pub const PLAIN: f64 = 2.0;
 const ROOM: f64 = 2.5;
 const ROOM_OF_PLANE: f64 = 1.3;
 
-/// It reaches at least so many times farther than critical points that are not on the lines through the centre.
-const ROOM_OF_CRITICAL: f64 = 1.5;
+/// It reaches at least so many times farther than critical points that are not on the lines through the centre: the surface
+/// that is near them goes on.
+const ROOM_OF_CRITICAL: f64 = 1.45;
 
 /// A window whose centre is nearer to the origin on an axis than this share of its half side is one around the origin there;
 /// other centres have digits down to that share.
@@ -172,7 +173,7 @@ impl View<'_> {
             (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);
             return window;
         }
-        self.pruned(self.cube(half))
+        self.pruned(super::cube_about(self.centre, half))
     }
 
     /// The cube around the centre.
@@ -230,7 +231,7 @@ impl View<'_> {
 
     /// The window on what is as high as a function of two axes, with this half side on the ground.
     fn graph(&self, up: usize, factor: f64, half: f64) -> Cell {
-        let mut window = self.cube(half);
+        let mut window = super::cube_about(self.centre, half);
         let heights = |places: &[[f64; 2]]| self.heights(up, factor, places);
         if let Some(ends) = shown(&Grid::new(&heights, half)) {
             let [low, high] = ends.map(few_digits);
