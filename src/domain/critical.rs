@@ -5,6 +5,7 @@
 //! missed is possible. Knows neither cameras nor pictures.
 
 use super::cells::{Cell, Search};
+use super::polynomial::principal;
 use zeroset_eval::{Kernel, Points, Sample, Values};
 
 /// How far critical points near the surface are from the centre.
@@ -194,22 +195,24 @@ impl Seeker<'_> {
             (both[other] - 2.0 * here + both[3 + other] - along[a] - along[b]) / 2.0
         };
         let mut matrix = [0, 1, 2].map(|a| [bend(a, 0), bend(a, 1), bend(a, 2)]);
+        let most = matrix.as_flattened().iter().fold(0.0_f64, |most, part| most.max(part.abs()));
         for axis in (0..3).filter(|axis| !self.depends[*axis]) {
             (matrix[axis], gradient[axis]) = ([0.0; 3], 0.0);
-            matrix[axis][axis] = 1.0;
+            matrix[axis][axis] = most;
         }
-        let Some((step, determinant)) = solve(matrix, gradient.map(|slope| -slope)) else {
+        let solved = solve(matrix, gradient.map(|slope| -slope));
+        let Some(Step { way: step, rest, determinant }) = solved else {
             way.end = Some(End::Lost);
             return;
         };
-        let step = step.map(|along| APART * self.half * along);
+        let [step, rest] = [step, rest].map(|way| way.map(|along| APART * self.half * along));
         let far = distance(way.place, self.centre);
-        let length = step.iter().fold(0.0_f64, |most, along| most.max(along.abs()));
+        let [length, left] = [step, rest].map(|way| distance(way, [0.0; 3]));
         let share = (far.max(self.half) / (2.0 * length)).min(1.0);
         way.place = [0, 1, 2].map(|axis| way.place[axis] + share * step[axis]);
         way.end = if far > FARTHEST * self.half {
             Some(End::Lost)
-        } else if length <= SETTLED * self.half {
+        } else if length.max(left) <= SETTLED * self.half {
             Some(if determinant.abs() >= ALONE { End::Alone } else { End::Among })
         } else {
             None
@@ -251,23 +254,45 @@ fn distance(a: Vector, b: Vector) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).abs()).fold(0.0, f64::max)
 }
 
-/// What a symmetric matrix brings to `wanted`, and its determinant where each axis is scaled so that its largest number is 1;
-/// `None` if there is no such scale, or it is singular.
-fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<(Vector, f64)> {
+/// What a symmetric matrix brings to a wanted vector.
+struct Step {
+    way: Vector,
+    /// How far along each axis it may be from where the step leads, since there it hardly bends.
+    rest: Vector,
+    /// The matrix's determinant where each axis is scaled so that its largest number is 1.
+    determinant: f64,
+}
+
+/// The step that a symmetric matrix brings to `wanted`. Where its determinant is too small for [`ALONE`], the shortest: nothing is
+/// known of steps along a curve. `None` if there is no scale.
+fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<Step> {
     let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
     let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);
     let scale = most.map(|most| most.max(least).sqrt().recip());
-    let part = |a: usize, b: usize| scale[a] * matrix[a][b] * scale[b];
-    let [a, b, c] = [0, 1, 2].map(|row| [part(row, 0), part(row, 1), part(row, 2)]);
+    let scaled = [0, 1, 2].map(|a| [0, 1, 2].map(|b| scale[a] * matrix[a][b] * scale[b]));
+    let wanted = [0, 1, 2].map(|axis| scale[axis] * wanted[axis]);
+    let [a, b, c] = scaled;
     let cross = |a: Vector, b: Vector| {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     };
     let columns = [cross(b, c), cross(c, a), cross(a, b)];
     let determinant: f64 = (0..3).map(|k| a[k] * columns[0][k]).sum();
-    let sum = |axis: usize| {
-        (0..3).map(|k| columns[k][axis] * scale[k] * wanted[k]).sum::<f64>() * scale[axis]
-            / determinant
-    };
-    let solution = [sum(0), sum(1), sum(2)];
-    solution.iter().all(|along| along.is_finite()).then_some((solution, determinant))
+    let (mut solution, mut rest) = ([0.0; 3], [0.0; 3]);
+    if determinant.abs() >= ALONE {
+        for (column, wanted) in columns.iter().zip(wanted) {
+            solution = [0, 1, 2].map(|axis| solution[axis] + column[axis] * wanted / determinant);
+        }
+    } else {
+        for (size, along) in principal(scaled) {
+            let far = (0..3).map(|k| along[k] * wanted[k]).sum::<f64>();
+            if size.abs() >= ALONE {
+                solution = [0, 1, 2].map(|axis| solution[axis] + far / size * along[axis]);
+            } else {
+                rest = [0, 1, 2].map(|axis| rest[axis] + (far / ALONE * along[axis]).abs());
+            }
+        }
+    }
+    let [way, rest] = [solution, rest].map(|way| [0, 1, 2].map(|axis| scale[axis] * way[axis]));
+    let is_finite = way.iter().chain(&rest).all(|along| along.is_finite());
+    is_finite.then_some(Step { way, rest, determinant })
 }

@@ -235,10 +235,10 @@ fn without(mut free: Symmetric, along: Vector) -> Symmetric {
 }
 
 /// Sweeps over the three pairs of axes: each squares what is left beside the diagonal, so that few are enough.
-const SWEEPS: usize = 8;
+const SWEEPS: usize = 5;
 
 /// The principal directions of a symmetric matrix and its size along each, by Jacobi's rotations.
-fn principal(mut matrix: Symmetric) -> [(f64, Vector); 3] {
+pub fn principal(mut matrix: Symmetric) -> [(f64, Vector); 3] {
     let mut directions: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for (p, q) in [(0, 1), (0, 2), (1, 2)].repeat(SWEEPS) {
         if matrix[p][q] == 0.0 {

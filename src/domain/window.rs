@@ -79,6 +79,9 @@ impl Sight<'_> {
         let Shape { depends, period, is_plane, .. } = self.shape;
         let counts = |axis: usize| depends[axis] && period[axis].is_none() && !is_plane;
         let centre = [0, 1, 2].map(|axis| if counts(axis) { self.centre[axis] } else { 0.0 });
+        // A line that is off by rounding meets far away what it should be parallel to.
+        let known = KNOWN * Cell { low: centre, high: centre }.reach();
+        let centre = centre.map(|along| super::rounded(along, known));
         let view = View { sight: self, centre };
         let half = view.half();
         // What is particular moves with the surface, and so does the size.
@@ -295,25 +298,42 @@ impl View<'_> {
         let octaves = (SMALLEST..largest).map(|k| [f64::from(k).exp2(), f64::from(k + 1).exp2()]);
         let octaves =
             octaves.filter(|[from, _]| *from >= known).map(|[from, to]| stretch(from, to));
-        let octaves = self.sight.search.open(&octaves.collect::<Vec<_>>());
-        let mut places = Vec::new();
-        for octave in octaves {
-            let mut open = vec![octave];
-            for _ in 0..HALVINGS {
-                let halves = open.iter().flat_map(|cell| {
-                    let middle = cell.centre()[axis];
-                    let [mut near, mut far] = [*cell; 2];
-                    (near.high[axis], far.low[axis]) = (middle, middle);
-                    [near, far]
-                });
-                open = self.sight.search.open(&halves.collect::<Vec<_>>());
-                if open.len() > MOST_PLACES {
-                    open.clear();
-                }
-            }
-            places.extend(open.iter().map(|cell| (cell.centre()[axis] - self.centre[axis]).abs()));
+        let all: Vec<Cell> = octaves.collect();
+        let mut left = self.sight.search.open(&all).into_iter().peekable();
+        let within = |octave: &Cell| match left.next_if(|open| open == octave) {
+            Some(octave) => self.places(axis, octave),
+            None => Some(Vec::new()),
+        };
+        let mut found: Vec<Option<Vec<f64>>> = all.iter().map(within).collect();
+        // Where nothing can be told any more, rounding has taken over, and before that it is what is found.
+        let near = found.iter().take_while(|places| places.is_none()).count();
+        let far = found.iter().rev().take_while(|places| places.is_none()).count();
+        let last = found.len() - far;
+        if known > 0.0 || near > 0 {
+            found.drain(..found.len().min(near + 1));
         }
-        places
+        if far > FEW_OCTAVES {
+            found.truncate(last.saturating_sub(near + 2));
+        }
+        found.into_iter().flatten().flatten().collect()
+    }
+
+    /// How far from the centre the surface may meet a part of a line along an axis; `None` if that is not narrowed down.
+    fn places(&self, axis: usize, part: Cell) -> Option<Vec<f64>> {
+        let mut open = vec![part];
+        for _ in 0..HALVINGS {
+            let halves = open.iter().flat_map(|cell| {
+                let middle = cell.centre()[axis];
+                let [mut near, mut far] = [*cell; 2];
+                (near.high[axis], far.low[axis]) = (middle, middle);
+                [near, far]
+            });
+            open = self.sight.search.open(&halves.collect::<Vec<_>>());
+            if open.len() > MOST_PLACES {
+                return None;
+            }
+        }
+        Some(open.iter().map(|cell| (cell.centre()[axis] - self.centre[axis]).abs()).collect())
     }
 
     /// About how far the surface stays away from the centre, in the largest coordinate; 0 if it does not.
@@ -337,6 +357,9 @@ impl View<'_> {
 /// it lies along the axis, or intervals do not tell.
 const HALVINGS: usize = 9;
 const MOST_PLACES: usize = 16;
+
+/// Of more octaves than these up to the farthest, nothing can be told only because of rounding.
+const FEW_OCTAVES: usize = 2;
 
 /// A length with three digits.
 fn few_digits(length: f64) -> f64 {

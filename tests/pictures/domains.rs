@@ -2,6 +2,7 @@
 //!
 //! All rows, with what was found: `cargo test --release --test pictures domains -- --nocapture`.
 
+use fastrand::Rng;
 use std::fmt::Write as _;
 use std::time::Instant;
 use zeroset::domain::AutoDomain;
@@ -168,39 +169,83 @@ fn moved(text: &str, place: [f64; 3]) -> String {
 
 #[test]
 fn what_is_moved_has_its_domain_moved() {
+    let (mut report, mut count) = (String::new(), 0);
+    for text in UNBOUNDED {
+        for place in MOVES {
+            count += 1;
+            assert!(check_move(text, *place, &mut report), "{text} is bounded");
+        }
+    }
+    assert!(report.is_empty(), "{report}of {count}");
+}
+
+/// A power of each axis and some other terms; terms of one axis alone are not repeated, so that none is taken away.
+fn polynomial(rng: &mut Rng) -> String {
+    let factor = |rng: &mut Rng| {
+        let sign = if rng.bool() { '+' } else { '-' };
+        format!("{sign}{}", rng.u32(1..=3))
+    };
+    let mut text = String::new();
+    for axis in ["x", "y", "z"] {
+        let _ = write!(text, "{}{axis}^{}", factor(rng), rng.u32(2..=4));
+    }
+    for _ in 0..rng.u32(0..=3) {
+        text += &factor(rng);
+        let left_out = rng.usize(0..3);
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let least = u32::from(axis != left_out);
+            let _ = write!(text, "*{name}^{}", rng.u32(least..=2));
+        }
+    }
+    let _ = write!(text, "={}", rng.i32(-2..=2));
+    text
+}
+
+#[test]
+fn random_polynomials_that_are_moved_have_their_domains_moved() {
+    let seed = 20_261_122;
+    let mut rng = Rng::with_seed(seed);
+    let (mut report, mut unbounded) = (String::new(), 0);
+    for _ in 0..80 {
+        let text = polynomial(&mut rng);
+        let place = [0; 3].map(|_| f64::from(rng.i32(-1000..=1000)) / 100.0);
+        unbounded += usize::from(check_move(&text, place, &mut report));
+    }
+    println!("seed {seed}: {unbounded} without end");
+    assert!(unbounded >= 40);
+    assert!(report.is_empty(), "{report}of {unbounded}, seed {seed}");
+}
+
+/// Reports where a surface that is moved has another domain than the one that is moved alike; `false` if it is bounded.
+fn check_move(text: &str, place: [f64; 3], report: &mut String) -> bool {
     let find = |text: &str| {
         let document = read(text, &Options::default()).expect(text);
         scene::search(&document).expect(text)
     };
-    let mut report = String::new();
-    for text in UNBOUNDED {
-        let here = find(text);
-        assert!(!here.finding.is_bounded(), "{text}");
-        for place in MOVES {
-            let there = find(&moved(text, *place));
-            for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-                // Where nothing changes along an axis, a move is none.
-                let depends = *text != moved_along(text, axis);
-                let by = if depends { place[axis] } else { 0.0 };
-                let wanted = [here.low[axis] + by, here.high[axis] + by];
-                let range = [there.low[axis], there.high[axis]];
-                if !holds(range, wanted, 0.0) || !holds(wanted, range, 0.0) {
-                    let _ = writeln!(
-                        report,
-                        "{text} moved by {place:?}: {name} in {range:?}, not {wanted:?}"
-                    );
-                }
-            }
-            if here.finding != there.finding {
-                let _ = writeln!(
-                    report,
-                    "{text} moved by {place:?}: {:?}, not {:?}",
-                    there.finding, here.finding
-                );
-            }
+    let here = find(text);
+    if here.finding.is_bounded() || here.finding.is_empty() {
+        return false;
+    }
+    let there = find(&moved(text, place));
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        // Where nothing changes along an axis, a move is none.
+        let depends = text != moved_along(text, axis);
+        let by = if depends { place[axis] } else { 0.0 };
+        let wanted = [here.low[axis] + by, here.high[axis] + by];
+        let range = [there.low[axis], there.high[axis]];
+        if !holds(range, wanted, 0.0) || !holds(wanted, range, 0.0) {
+            let _ =
+                writeln!(report, "{text} moved by {place:?}: {name} in {range:?}, not {wanted:?}");
         }
     }
-    assert!(report.is_empty(), "{report}");
+    if here.finding != there.finding {
+        let _ = writeln!(
+            report,
+            "{text} moved by {place:?}: {:?}, not {:?}",
+            there.finding, here.finding
+        );
+    }
+    true
 }
 
 /// The text moved along one axis.
