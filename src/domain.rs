@@ -5,9 +5,12 @@
 //! the same domain on every machine. Knows neither cameras nor pictures.
 
 mod cells;
+mod centre;
+mod critical;
 mod heights;
 mod homogeneous;
 mod outward;
+mod polynomial;
 mod shape;
 mod window;
 
@@ -109,13 +112,12 @@ pub fn find_while(
     let mut at_infinity = WORK_AT_INFINITY;
     let (found, finding) = if let Some(whole) = everything(program, &search, &mut at_infinity) {
         match snug(program, &mut search, whole)? {
-            Some(hull) if is_point(program, &hull) => (Cell::cube(POINT), Finding::Bounded),
-            Some(hull) => (roomy(&hull), Finding::Bounded),
+            Some(hull) => (around(program, &hull), Finding::Bounded),
             None => (Cell::cube(window::PLAIN), Finding::Empty),
         }
     } else if let Some(whole) = everything_near(&search) {
         match snug(program, &mut search, whole)? {
-            Some(hull) => (roomy(&hull), Finding::BoundedNear),
+            Some(hull) => (around(program, &hull), Finding::BoundedNear),
             None => (Cell::cube(window::PLAIN), Finding::EmptyNear),
         }
     } else {
@@ -146,22 +148,36 @@ fn snug<'a>(
 
 /// Half a side of the box around a surface that is a point.
 const POINT: f64 = 1.0;
-/// Less than this is what is left of a power where floats end.
-const UNDERFLOW: f64 = 1e-280;
+/// A side of so many floats is none, and one that is shorter than this may be.
+const FLOATS: f64 = 16.0;
+const TINY: f64 = 1e-6;
 
-/// Whether a box is so small that nothing is left of the functions at its corners: then the search went on until floats
-/// ended, and the surface is the origin, as that of x²+y²+z².
+/// The domain around all that lies in `hull`: with space, and with thickness where that is a curve.
+fn around(program: &Program, hull: &Cell) -> Cell {
+    if is_point(program, hull) {
+        let place = hull.centre().map(|along| rounded(along, POINT / 100.0));
+        return cube_about(place, POINT).around(hull);
+    }
+    thick(roomy(hull), THIN)
+}
+
+/// Whether a box is so small because floats ended: the surface is a point, or cannot be told from one. Then the box is a few
+/// floats wide; or no value within can be told from 0, as near the origin, where those of x²+y²+z² underflow. A surface
+/// with an inside has other values there, however small it is and whatever it is multiplied by.
 fn is_point(program: &Program, hull: &Cell) -> bool {
     let (graph, parameters) = (program.graph(), program.values().to_vec());
-    let vanishes = |root: NodeId, corner: usize| {
-        let end = |axis: usize| [hull.low[axis], hull.high[axis]][corner >> axis & 1];
-        let domain = [0, 1, 2].map(|axis| Interval { lo: end(axis), hi: end(axis) });
+    let may_vanish = |n: usize| {
+        let sides = [n % 3, n / 3 % 3, n / 9].map(|side| (side as f64 - 1.0) / 8.0);
+        let domain = [0, 1, 2].map(|axis| {
+            let along = hull.centre()[axis] + sides[axis] * hull.extent(axis);
+            Interval { lo: along, hi: along }
+        });
         let assumptions = Assumptions { domain, parameters: parameters.clone() };
-        let bounds = enclosure::enclose(graph, root, &assumptions).0;
-        bounds.lo >= -UNDERFLOW && bounds.hi <= UNDERFLOW
+        let found = enclosure::enclose_all(graph, program.roots(), &assumptions);
+        found.iter().any(|(bounds, _)| bounds.lo <= 0.0 && 0.0 <= bounds.hi)
     };
-    hull.largest() < UNDERFLOW.powf(1.0 / 32.0)
-        && program.roots().iter().all(|&root| (0..8).all(|corner| vanishes(root, corner)))
+    hull.largest() <= FLOATS * f64::EPSILON * hull.reach()
+        || hull.largest() < TINY && (0..27).all(may_vanish)
 }
 
 /// Cubes of ±2 to these powers are tried as boxes that hold a whole surface.
@@ -273,6 +289,7 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
             search: &alone,
             shape,
             values: program.kernels::<f64>(surface).values()?,
+            centre: centre::centre(graph, root, parameters),
             waves: waves.as_ref().map(|waves| waves as &dyn Fn([f64; 3]) -> f64),
         };
         let (window, is_round) = sight.window();
@@ -283,15 +300,18 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
     Ok((whole.unwrap_or(Cell::cube(window::PLAIN)), all_round))
 }
 
-/// A side shorter than this share of the longest is taken for none, and made that share of it.
+/// A side of a window that is shorter than this share of the longest is taken for none, and one of what is bounded if it is
+/// shorter than that, as around a curve.
 const FLAT: f64 = 0.01;
+const THIN: f64 = 1e-4;
+/// It is made this share of the longest.
 const THICK: f64 = 0.5;
 
-/// The box, with some thickness on every axis.
-fn thick(mut cell: Cell) -> Cell {
+/// The box, with some thickness on every axis on which it has less than this share of the longest side.
+fn thick(mut cell: Cell, share: f64) -> Cell {
     let largest = cell.largest();
     for (axis, middle) in cell.centre().into_iter().enumerate() {
-        if cell.extent(axis) < FLAT * largest {
+        if cell.extent(axis) < share * largest {
             let half = THICK * largest / 2.0;
             (cell.low[axis], cell.high[axis]) = (middle - half, middle + half);
         }
@@ -314,6 +334,24 @@ fn proper(mut cell: Cell) -> Cell {
         (cell.low[axis], cell.high[axis]) = (middle - half, middle + half);
     }
     cell
+}
+
+/// A place with digits down to `grain`.
+fn rounded(place: f64, grain: f64) -> f64 {
+    let power = grain.log10().floor();
+    // Division by the power of ten's reciprocal gives the decimal nearest to what is meant.
+    let grain = 10.0_f64.powf(power.abs());
+    let near =
+        if power < 0.0 { (place * grain).round() / grain } else { (place / grain).round() * grain };
+    if near.is_finite() { near } else { place }
+}
+
+/// The cube around a place with this half extent, both of few digits. Around the origin it is that exactly.
+fn cube_about(place: [f64; 3], half: f64) -> Cell {
+    let end = |along: f64, side: f64| {
+        if along == 0.0 { side } else { rounded(along + side, half / 1000.0) }
+    };
+    Cell { low: place.map(|along| end(along, -half)), high: place.map(|along| end(along, half)) }
 }
 
 /// The box with some space on each side, its bounds rounded outward to few digits.

@@ -16,6 +16,11 @@ impl Cell {
         Self { low: [-half; 3], high: [half; 3] }
     }
 
+    /// The cube around a place with this half extent.
+    pub fn about(place: [f64; 3], half: f64) -> Self {
+        Self { low: place.map(|along| along - half), high: place.map(|along| along + half) }
+    }
+
     /// The extent along an axis.
     pub fn extent(&self, axis: usize) -> f64 {
         self.high[axis] - self.low[axis]
@@ -24,6 +29,11 @@ impl Cell {
     /// The largest extent.
     pub fn largest(&self) -> f64 {
         (0..3).map(|axis| self.extent(axis)).fold(0.0, f64::max)
+    }
+
+    /// The largest coordinate of it, whatever its sign.
+    pub fn reach(&self) -> f64 {
+        (0..3).map(|axis| self.high[axis].max(-self.low[axis])).fold(0.0, f64::max)
     }
 
     /// The middle.

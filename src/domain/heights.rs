@@ -38,6 +38,9 @@ const RIM: f64 = 0.7;
 /// Space above and below a graph, as a share of its height.
 const SPACE: f64 = 0.02;
 
+/// Heights that differ by less than this share of them may be the same but for rounding, as where little is added to much.
+const ROUNDING: f64 = 1e-12;
+
 /// Steps of the search for a top, and how often they are halved.
 const STEPS: usize = 24;
 const HALVINGS: usize = 5;
@@ -68,8 +71,8 @@ impl Grid {
     }
 }
 
-/// Points of the grid that are at least as high as all around them, or as low, and higher or lower than some: with the sign
-/// of the way to a top.
+/// Points of the grid that are at least as high as all around them, or as low, and higher or lower than some by more than
+/// rounding: with the sign of the way to a top.
 fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     let inner = |n: &usize| {
         (1..SIDE - 1).contains(&(n % SIDE))
@@ -87,10 +90,12 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
             n + SIDE,
             n + SIDE + 1,
         ];
+        let size =
+            around.iter().fold(heights[n].abs(), |most, other| most.max(heights[*other].abs()));
         let differs = |sign: f64| {
             let rises = |other: &usize| sign * (heights[*other] - heights[n]);
             !around.iter().any(|other| rises(other) > 0.0)
-                && around.iter().any(|other| rises(other) < 0.0)
+                && around.iter().any(|other| rises(other) < -ROUNDING * size)
         };
         [1.0, -1.0].into_iter().find(|sign| differs(*sign)).map(|sign| (n, sign))
     })

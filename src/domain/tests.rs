@@ -34,11 +34,85 @@ fn a_ball_is_bounded_by_a_snug_box_wherever_it_is() {
 }
 
 #[test]
-fn a_point_has_room_around_it() {
-    for text in ["x^2+y^2+z^2 = 0", "x^4+y^4+z^4 = 0", "abs(x)^20+abs(y)^20+abs(z)^20 = 0"] {
+fn a_point_has_room_around_it_wherever_it_is() {
+    for (text, place) in [
+        ("x^2+y^2+z^2 = 0", [0.0; 3]),
+        ("x^4+y^4+z^4 = 0", [0.0; 3]),
+        ("abs(x)^20+abs(y)^20+abs(z)^20 = 0", [0.0; 3]),
+        ("1e-290*(x^2+y^2+z^2) = 0", [0.0; 3]),
+        ("1e200*(x^2+y^2+z^2) = 0", [0.0; 3]),
+        ("(x-1)^2+(y-2)^2+z^2 = 0", [1.0, 2.0, 0.0]),
+        ("x^2+y^2+z^2-2x-4y+5 = 0", [1.0, 2.0, 0.0]),
+        ("(x-1)^4+(y-2)^4+(z+3)^4 = 0", [1.0, 2.0, -3.0]),
+        ("sqrt((x-1e6)^2+y^2+z^2) = 0", [1e6, 0.0, 0.0]),
+        ("cosh(x-1)+cosh(y)+cosh(z) = 3", [1.0, 0.0, 0.0]),
+    ] {
         let found = found(text);
-        assert_eq!((found.low, found.high), ([-1.0; 3], [1.0; 3]), "{text}");
+        let [low, high] = [-1.0, 1.0].map(|side: f64| place.map(|along| along + side));
+        assert_eq!((found.low, found.high), (low, high), "{text}");
         assert_eq!(found.finding, Finding::Bounded, "{text}");
+    }
+    // A third has no short decimal.
+    let found = found("abs(x-1/3)+abs(y)+abs(z) = 0");
+    assert_eq!((found.low, found.high), ([-0.67, -1.0, -1.0], [1.33, 1.0, 1.0]));
+}
+
+#[test]
+fn what_is_small_is_no_point() {
+    for (text, place, radius) in [
+        ("x^2+y^2+z^2 = 1e-18", [0.0; 3], 1e-9),
+        ("x^2+y^2+z^2 = 1e-200", [0.0; 3], 1e-100),
+        ("1e-290*(x^2+y^2+z^2-1e-18) = 0", [0.0; 3], 1e-9),
+        ("(x^2+y^2+z^2-1e-18)^2 = 0", [0.0; 3], 1e-9),
+        ("(x-1)^2+(y-2)^2+z^2 = 1e-18", [1.0, 2.0, 0.0], 1e-9),
+        ("max(x^2+y^2+z^2-1, 0) = 0", [0.0; 3], 1.0),
+    ] {
+        let found = found(text);
+        for (axis, along) in place.into_iter().enumerate() {
+            let sides = [along - found.low[axis], found.high[axis] - along];
+            assert!(
+                sides.iter().all(|side| (1.0..1.3).contains(&(side / radius))),
+                "{text}: {found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_curve_has_room_around_it() {
+    for (text, low, high) in [
+        ("x^2+y^2 = 0", [-1.0, -1.0, -2.0], [1.0, 1.0, 2.0]),
+        ("(x-1)^2+(y-2)^2 = 0", [0.0, 1.0, -2.0], [2.0, 3.0, 2.0]),
+        ("x^2+y^2 = 0 {0<z<1}", [-0.275, -0.275, -0.05], [0.275, 0.275, 1.05]),
+    ] {
+        let found = found(text);
+        assert_eq!((found.low, found.high), (low, high), "{text}");
+    }
+}
+
+#[test]
+fn a_window_holds_what_is_particular_off_the_axes() {
+    // Places that it holds, and half the largest side that is still near them.
+    let handles = [[5.0, 5.0, 1.0], [-5.0, 5.0, -1.0], [5.0, -5.0, 0.0], [-5.0, -5.0, 0.0]];
+    let cases: [(&str, &[[f64; 3]], f64); 6] = [
+        ("(x-5)^2+(y-3)^2-(z-2)^2 = 0.2", &[[5.0, 3.0, 2.0]], 1.5),
+        ("(x-4)^3-3(x-4)(y-2)^2 = z", &[[4.0, 2.0, 0.0]], 3.0),
+        ("(x-2)*(y-3)*(z-4) = 1+3*(x-2)", &[[2.0, 3.0, 4.0]], 10.0),
+        ("(x-3)^2+(y-2)^2 = (z-1)^2", &[[3.0, 2.0, 1.0]], 2.5),
+        ("z*((x^2-25)^2+(y^2-25)^2+z^2-4) = 0.05", &handles, 12.0),
+        (
+            "((x-2)^2+(y-1)^2-z^2-0.1)*((x+2)^2+(y+1)^2-z^2-0.1) = 1",
+            &[[2.0, 1.0, 0.0], [-2.0, -1.0, 0.0]],
+            7.0,
+        ),
+    ];
+    for (text, places, half) in cases {
+        let found = found(text);
+        for (axis, (low, high)) in found.low.into_iter().zip(found.high).enumerate() {
+            let is_within = |place: &[f64; 3]| low < place[axis] && place[axis] < high;
+            assert!(places.iter().all(is_within), "{text}: {found:?}");
+            assert!(high - low <= 2.0 * half, "{text}: {found:?}");
+        }
     }
 }
 

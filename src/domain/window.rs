@@ -1,9 +1,11 @@
-//! A window on a surface that has no end, chosen by what is particular of it: where it meets the axes and how near it comes to
-//! the origin, its periods, the heights of a graph.
+//! A window on a surface that has no end, chosen by what is particular of it: its centre, where it meets the lines through
+//! that along the axes and how near it comes, its critical points, its periods, the heights of a graph.
 //!
 //! What is chosen is a matter of judgement, and nothing here is a proof. Knows neither cameras nor pictures.
 
+use super::FLAT;
 use super::cells::{BOX_DEPTH, Cell, Search};
+use super::critical::{Found, Seeker};
 use super::heights::{Grid, Heights, shown};
 use super::shape::Shape;
 use std::f64::consts::PI;
@@ -15,6 +17,18 @@ pub const PLAIN: f64 = 2.0;
 /// A window reaches so many times farther than what is particular; so many times if it is a plane.
 const ROOM: f64 = 2.5;
 const ROOM_OF_PLANE: f64 = 1.3;
+
+/// It reaches at least so many times farther than critical points that are not on the lines through the centre: the surface
+/// that is near them goes on.
+const ROOM_OF_CRITICAL: f64 = 1.45;
+
+/// A window whose centre is nearer to the origin on an axis than this share of its half side is one around the origin there;
+/// other centres have digits down to that share.
+const CENTRED: f64 = 0.05;
+const GRAIN: f64 = 0.01;
+
+/// A centre is known to within this share of its largest coordinate: what is nearer to it is at it.
+const KNOWN: f64 = 1e-9;
 
 /// A graph's window reaches so many times farther than its highest and lowest points.
 const ROOM_OF_GRAPH: f64 = 1.6;
@@ -37,8 +51,9 @@ const ROD: f64 = 1.6;
 const MOST_TOPS: usize = 24;
 const TOPS_ACROSS: f64 = 10.0;
 
-/// How far from the origin tops are looked for.
+/// How far from the centre tops are looked for; if there are none, so far.
 const FAR: f64 = 8.0;
+const FARTHER: f64 = 32.0;
 
 /// What is looked for lies between two to these powers; where functions grow exponentially, between the last two.
 const SMALLEST: i32 = -40;
@@ -51,6 +66,8 @@ pub struct Sight<'a> {
     pub shape: Shape,
     /// The function's values.
     pub values: &'a dyn Kernel<Sample, f64>,
+    /// The place about which it is arranged.
+    pub centre: [f64; 3],
     /// Those of the first argument of a sine that is not linear, if there is one.
     pub waves: Option<&'a dyn Fn([f64; 3]) -> f64>,
 }
@@ -58,112 +75,183 @@ pub struct Sight<'a> {
 impl Sight<'_> {
     /// The window on the surface, and whether it looks better cut by a ball.
     pub fn window(&self) -> (Cell, bool) {
-        let cell = self.cell();
-        (cell, self.is_round(&cell))
+        // Where there is nothing, or all is alike, the origin is as good a place as any, and easier to read.
+        let Shape { depends, period, is_plane, .. } = self.shape;
+        let counts = |axis: usize| depends[axis] && period[axis].is_none() && !is_plane;
+        let centre = [0, 1, 2].map(|axis| if counts(axis) { self.centre[axis] } else { 0.0 });
+        // A line that is off by rounding meets far away what it should be parallel to.
+        let known = KNOWN * Cell { low: centre, high: centre }.reach();
+        let centre = centre.map(|along| super::rounded(along, known));
+        let view = View { sight: self, centre };
+        let half = view.half();
+        // What is particular moves with the surface, and so does the size.
+        let neat = centre.map(|along| {
+            if along.abs() <= CENTRED * half { 0.0 } else { super::rounded(along, GRAIN * half) }
+        });
+        let view = View { centre: neat, ..view };
+        let cell = view.cell(half);
+        (cell, view.is_round(&cell))
     }
 
+    fn values<'b>(&'b self, points: &'b [[f64; 3]]) -> impl Iterator<Item = f64> + use<'b> {
+        points.chunks(LANES).flat_map(move |chunk| {
+            let mut values = Values::<f64>::default();
+            self.search.spend(chunk.len() as u64);
+            self.values.ask(&Points::near(chunk)[0], &mut values);
+            (0..chunk.len()).map(move |lane| values.value[lane])
+        })
+    }
+}
+
+/// A surface as it is arranged about a place.
+struct View<'a> {
+    sight: &'a Sight<'a>,
+    centre: [f64; 3],
+}
+
+impl View<'_> {
     /// Whether a surface that goes on alike in all directions is cut off there: edges that a box makes are then taken for its
     /// own. What is flat, repeats, or is as high as a function of two axes is read against the box.
     fn is_round(&self, cell: &Cell) -> bool {
-        let Shape { depends, period, waves, is_of_planes, height, .. } = self.shape;
+        let Shape { depends, period, waves, is_of_planes, height, .. } = self.sight.shape;
         let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
         let repeats = waves.is_some() || period.iter().any(Option::is_some);
         let largest = cell.largest();
         let is_cube = (0..3).all(|axis| {
-            let off = cell.low[axis] + cell.high[axis];
+            let off = cell.low[axis] + cell.high[axis] - 2.0 * self.centre[axis];
             cell.extent(axis) >= NEARLY_CUBE * largest && off.abs() <= OFF_CENTRE * largest
         });
         !is_flat && !repeats && is_cube
     }
 
-    fn cell(&self) -> Cell {
-        let Shape { depends, period, is_plane, height, .. } = self.shape;
-        if let Some((axis, factor)) = height {
-            return self.graph(axis, factor);
-        }
-        let longest = period.iter().flatten().fold(0.0_f64, |most, period| most.max(*period));
+    /// Half the side of the window that shows what is particular.
+    fn half(&self) -> f64 {
+        let Shape { period, is_plane, height, .. } = self.sight.shape;
+        let on_ground = |axis: usize| height.is_none_or(|(up, _)| axis != up);
+        let periods = (0..3).filter(|axis| on_ground(*axis)).filter_map(|axis| period[axis]);
+        let longest = periods.fold(0.0_f64, f64::max);
         if longest > 0.0 {
-            return self.pruned(Cell::cube(longest), depends);
+            return longest;
         }
-        if let Some(waves) = self.waves {
-            return self.pruned(Cell::cube(few_digits(Self::calm(waves, [true; 3]))), depends);
+        if let Some(waves) = self.sight.waves {
+            return few_digits(self.calm(waves, [0, 1, 2].map(on_ground)));
         }
-        let marks = self.landmarks();
-        let reach = (0..3).map(|axis| marks.high[axis].max(-marks.low[axis])).fold(0.0, f64::max);
+        if let Some((up, factor)) = height {
+            return few_digits(around_tops(&|places| self.heights(up, factor, places)));
+        }
+        let reach = self.landmarks().reach();
+        if is_plane {
+            return if reach == 0.0 { PLAIN } else { few_digits(ROOM_OF_PLANE * reach) };
+        }
+        let plain = if reach == 0.0 { PLAIN } else { ROOM * reach };
+        let Found { farthest, nearest } = self.critical(plain);
+        let half = if reach > 0.0 {
+            plain.max(ROOM_OF_CRITICAL * farthest.max(nearest.unwrap_or(0.0)))
+        } else if farthest > 0.0 {
+            ROOM_OF_CRITICAL * farthest
+        } else {
+            PLAIN
+        };
+        few_digits(half)
+    }
+
+    /// The window with this half side.
+    fn cell(&self, half: f64) -> Cell {
+        let Shape { depends, is_plane, height, .. } = self.sight.shape;
+        if let Some((up, factor)) = height {
+            return self.graph(up, factor, half);
+        }
         if is_plane && depends.iter().filter(|depends| **depends).count() == 1 {
             // Across an axis: around the place where it meets it.
             let mut window = Cell::cube(PLAIN);
             let axis = depends.iter().position(|depends| *depends).unwrap_or_default();
+            let marks = self.landmarks();
             let near = marks.low[axis] + marks.high[axis];
             let about = PLAIN.max(NEAR * near.abs());
             (window.low[axis], window.high[axis]) = (near - about, near + about);
-            let found = self.search.tight(window, BOX_DEPTH).unwrap_or(window).centre()[axis];
+            let found = self.sight.search.tight(window, BOX_DEPTH).unwrap_or(window).centre()[axis];
             // What is as good as a short decimal is one.
             let short = (found * 100.0).round() / 100.0;
             let middle = if short.is_finite() { short } else { found };
             (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);
             return window;
         }
-        if reach == 0.0 {
-            return self.pruned(Cell::cube(PLAIN), depends);
-        }
-        let room = if is_plane { ROOM_OF_PLANE } else { ROOM };
-        self.pruned(Cell::cube(few_digits(room * reach)), depends)
+        self.pruned(super::cube_about(self.centre, half))
+    }
+
+    /// The cube around the centre.
+    fn cube(&self, half: f64) -> Cell {
+        Cell::about(self.centre, half)
+    }
+
+    /// Where critical points are that are about as far from the centre as the end of a window that is known, or as lengths are
+    /// that people type.
+    fn critical(&self, half: f64) -> Found {
+        let Sight { search, values, shape, .. } = *self.sight;
+        let sizes = [half, 4.0 * half, PLAIN, 4.0 * PLAIN];
+        let is_new =
+            |n: &usize| sizes[..*n].iter().all(|other| !(0.5..=2.0).contains(&(sizes[*n] / other)));
+        let find = |n: usize| {
+            let (depends, centre) = (shape.depends, self.centre);
+            Seeker { search, values, depends, centre, half: sizes[n] }.find()
+        };
+        (0..sizes.len()).filter(is_new).map(find).fold(Found::default(), Found::and)
     }
 
     /// The part of a window that may hold the surface. Where nothing changes along an axis, as much of it as fits the rest.
-    fn pruned(&self, window: Cell, depends: [bool; 3]) -> Cell {
-        let Some(hull) = self.search.tight(window, BOX_DEPTH) else { return window };
+    fn pruned(&self, window: Cell) -> Cell {
+        let Some(hull) = self.sight.search.tight(window, BOX_DEPTH) else { return window };
+        let Shape { depends, .. } = self.sight.shape;
         let across = (0..3).filter(|axis| depends[*axis]);
         let widest = across.map(|axis| hull.extent(axis)).fold(0.0, f64::max) / 2.0;
         let mut hull = super::roomy(&hull);
         for (axis, depends) in depends.into_iter().enumerate() {
             if !depends {
-                let half = (ROD * widest).min(window.high[axis]);
+                // A line is as long as the window.
+                let is_line = widest < FLAT * window.high[axis];
+                let most = window.high[axis];
+                let half = if is_line { most } else { most.min(ROD * widest) };
                 (hull.low[axis], hull.high[axis]) = (-half, half);
             }
             hull.low[axis] = hull.low[axis].max(window.low[axis]);
             hull.high[axis] = hull.high[axis].min(window.high[axis]);
         }
-        super::thick(hull)
+        super::thick(hull, FLAT)
     }
 
-    /// The window on what is as high as a function of two axes: `factor` times the height is minus that.
-    fn graph(&self, up: usize, factor: f64) -> Cell {
-        let Shape { period, .. } = self.shape;
-        let ground = [(up + 1) % 3, (up + 2) % 3];
-        let heights = |places: &[[f64; 2]]| -> Vec<f64> {
-            let point = |place: &[f64; 2]| {
-                let mut point = [0.0; 3];
-                (point[ground[0]], point[ground[1]]) = (place[0], place[1]);
-                point
-            };
-            let points: Vec<[f64; 3]> = places.iter().map(point).collect();
-            self.values(self.values, &points).map(|value| -value / factor).collect()
+    /// The heights of what is as high as a function of two axes, at places on the ground as seen from the centre: `factor`
+    /// times the height is minus the function where the height is 0.
+    fn heights(&self, up: usize, factor: f64, places: &[[f64; 2]]) -> Vec<f64> {
+        let point = |place: &[f64; 2]| {
+            let mut point = self.centre;
+            point[(up + 1) % 3] += place[0];
+            point[(up + 2) % 3] += place[1];
+            point
         };
-        let periods = ground.map(|axis| period[axis].unwrap_or(0.0));
-        let half = if periods[0].max(periods[1]) > 0.0 {
-            periods[0].max(periods[1])
-        } else if let Some(waves) = self.waves {
-            let mut flat = [true; 3];
-            flat[up] = false;
-            few_digits(Self::calm(waves, flat))
-        } else {
-            few_digits(around_tops(&heights))
-        };
-        let mut window = Cell::cube(half);
-        if let Some([low, high]) = shown(&Grid::new(&heights, half)) {
-            (window.low[up], window.high[up]) = (few_digits(low), few_digits(high));
+        let points: Vec<[f64; 3]> = places.iter().map(point).collect();
+        self.sight.values(&points).map(|value| self.centre[up] - value / factor).collect()
+    }
+
+    /// The window on what is as high as a function of two axes, with this half side on the ground.
+    fn graph(&self, up: usize, factor: f64, half: f64) -> Cell {
+        let mut window = super::cube_about(self.centre, half);
+        let heights = |places: &[[f64; 2]]| self.heights(up, factor, places);
+        if let Some(ends) = shown(&Grid::new(&heights, half)) {
+            let [low, high] = ends.map(few_digits);
+            (window.low[up], window.high[up]) = (low, high);
         }
-        super::thick(window)
+        super::thick(window, FLAT)
     }
 
-    /// Half the side of the cube in which the argument of a wave stays small; of a square on the ground if not all axes count.
-    fn calm(waves: &dyn Fn([f64; 3]) -> f64, axes: [bool; 3]) -> f64 {
+    /// Half the side of the cube around the centre in which the argument of a wave stays small; of a square on the ground if not
+    /// all axes count.
+    fn calm(&self, waves: &dyn Fn([f64; 3]) -> f64, axes: [bool; 3]) -> f64 {
         let largest = |half: f64| {
             let corners = (0..27).map(|n: i32| {
                 let place = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1];
-                [0, 1, 2].map(|k| if axes[k] { half * f64::from(place[k]) } else { 0.0 })
+                [0, 1, 2].map(|k| {
+                    if axes[k] { self.centre[k] + half * f64::from(place[k]) } else { 0.0 }
+                })
             });
             let values = corners.map(waves).filter(|value| value.is_finite());
             values.fold(0.0, |most: f64, value| most.max(value.abs()))
@@ -174,22 +262,10 @@ impl Sight<'_> {
         if calm == 0 { PLAIN } else { halves[calm - 1] }
     }
 
-    fn values<'b>(
-        &'b self,
-        kernel: &'b dyn Kernel<Sample, f64>,
-        points: &'b [[f64; 3]],
-    ) -> impl Iterator<Item = f64> + use<'b> {
-        points.chunks(LANES).flat_map(move |chunk| {
-            let mut values = Values::<f64>::default();
-            self.search.spend(chunk.len() as u64);
-            kernel.ask(&Points::near(chunk)[0], &mut values);
-            (0..chunk.len()).map(move |lane| values.value[lane])
-        })
-    }
-
-    /// A box around the origin, the places where the surface meets the axes, and a cube that it does not enter.
+    /// A box, as seen from the centre, around that, the places where the surface meets the lines through it along the axes, or
+    /// else a cube that it does not enter.
     fn landmarks(&self) -> Cell {
-        let largest = if self.shape.is_polynomial { LARGEST } else { LARGEST_OF_ANY };
+        let largest = if self.sight.shape.is_polynomial { LARGEST } else { LARGEST_OF_ANY };
         let mut marks = Cell::cube(0.0);
         for axis in 0..3 {
             for side in [1.0, -1.0] {
@@ -205,44 +281,71 @@ impl Sight<'_> {
         marks
     }
 
-    /// Where the surface may meet half an axis, as far as that is narrowed down to places.
-    fn meets(&self, axis: usize, side: f64, largest: i32) -> Vec<f64> {
-        let stretch = |from: f64, to: f64| {
-            let mut cell = Cell::cube(0.0);
-            (cell.low[axis], cell.high[axis]) = if side > 0.0 { (from, to) } else { (-to, -from) };
-            cell
-        };
-        let octaves =
-            (SMALLEST..largest).map(|k| stretch(f64::from(k).exp2(), f64::from(k + 1).exp2()));
-        let octaves = self.search.open(&octaves.collect::<Vec<_>>());
-        let mut places = Vec::new();
-        for octave in octaves {
-            let mut open = vec![octave];
-            for _ in 0..HALVINGS {
-                let halves = open.iter().flat_map(|cell| {
-                    let middle = cell.centre()[axis];
-                    let [mut near, mut far] = [*cell; 2];
-                    (near.high[axis], far.low[axis]) = (middle, middle);
-                    [near, far]
-                });
-                open = self.search.open(&halves.collect::<Vec<_>>());
-                if open.len() > MOST_PLACES {
-                    open.clear();
-                }
-            }
-            places.extend(open.iter().map(|cell| cell.centre()[axis].abs()));
-        }
-        places
+    /// What is nearer to the centre than this is at it.
+    fn known(&self) -> f64 {
+        KNOWN * self.centre.iter().fold(0.0_f64, |most, along| most.max(along.abs()))
     }
 
-    /// About how far the surface stays away from the origin, in the largest coordinate; 0 if it does not.
+    /// How far from the centre the surface may meet half a line along an axis, as far as that is narrowed down to places.
+    fn meets(&self, axis: usize, side: f64, largest: i32) -> Vec<f64> {
+        let known = self.known();
+        let stretch = |from: f64, to: f64| {
+            let mut cell = self.cube(0.0);
+            let (near, far) = (cell.low[axis] + side * from, cell.low[axis] + side * to);
+            (cell.low[axis], cell.high[axis]) = (near.min(far), near.max(far));
+            cell
+        };
+        let octaves = (SMALLEST..largest).map(|k| [f64::from(k).exp2(), f64::from(k + 1).exp2()]);
+        let octaves =
+            octaves.filter(|[from, _]| *from >= known).map(|[from, to]| stretch(from, to));
+        let all: Vec<Cell> = octaves.collect();
+        let mut left = self.sight.search.open(&all).into_iter().peekable();
+        let within = |octave: &Cell| match left.next_if(|open| open == octave) {
+            Some(octave) => self.places(axis, octave),
+            None => Some(Vec::new()),
+        };
+        let mut found: Vec<Option<Vec<f64>>> = all.iter().map(within).collect();
+        // Where nothing can be told any more, rounding has taken over, and before that it is what is found.
+        let near = found.iter().take_while(|places| places.is_none()).count();
+        let far = found.iter().rev().take_while(|places| places.is_none()).count();
+        let last = found.len() - far;
+        if known > 0.0 || near > 0 {
+            found.drain(..found.len().min(near + 1));
+        }
+        if far > FEW_OCTAVES {
+            found.truncate(last.saturating_sub(near + 2));
+        }
+        found.into_iter().flatten().flatten().collect()
+    }
+
+    /// How far from the centre the surface may meet a part of a line along an axis; `None` if that is not narrowed down.
+    fn places(&self, axis: usize, part: Cell) -> Option<Vec<f64>> {
+        let mut open = vec![part];
+        for _ in 0..HALVINGS {
+            let halves = open.iter().flat_map(|cell| {
+                let middle = cell.centre()[axis];
+                let [mut near, mut far] = [*cell; 2];
+                (near.high[axis], far.low[axis]) = (middle, middle);
+                [near, far]
+            });
+            open = self.sight.search.open(&halves.collect::<Vec<_>>());
+            if open.len() > MOST_PLACES {
+                return None;
+            }
+        }
+        Some(open.iter().map(|cell| (cell.centre()[axis] - self.centre[axis]).abs()).collect())
+    }
+
+    /// About how far the surface stays away from the centre, in the largest coordinate; 0 if it does not.
     fn nearest(&self, largest: i32) -> f64 {
-        if !self.search.open(&[Cell::cube(0.0)]).is_empty() {
+        let known = self.known();
+        if !self.sight.search.open(&[self.cube(known)]).is_empty() {
             return 0.0;
         }
         let sizes = (4 * SMALLEST..4 * largest).map(|k| (f64::from(k) / 4.0).exp2());
+        let sizes = sizes.filter(|size| *size >= known);
         let clear = |half: &f64| {
-            self.search.nothing_between(&Cell::cube(half / 4096.0), &Cell::cube(*half))
+            self.sight.search.nothing_between(&self.cube(half / 4096.0), &self.cube(*half))
         };
         let sizes: Vec<f64> = sizes.collect();
         let known = sizes.partition_point(clear);
@@ -255,6 +358,9 @@ impl Sight<'_> {
 const HALVINGS: usize = 9;
 const MOST_PLACES: usize = 16;
 
+/// Of more octaves than these up to the farthest, nothing can be told only because of rounding.
+const FEW_OCTAVES: usize = 2;
+
 /// A length with three digits.
 fn few_digits(length: f64) -> f64 {
     format!("{length:.2e}").parse().unwrap_or(length)
@@ -262,7 +368,10 @@ fn few_digits(length: f64) -> f64 {
 
 /// Half the side of a window on the highest and lowest points of a graph; on some, if there are many.
 fn around_tops(heights: &Heights<'_>) -> f64 {
-    let tops = Grid::new(heights, FAR).tops;
+    let mut tops = Grid::new(heights, FAR).tops;
+    if tops.is_empty() {
+        tops = Grid::new(heights, FARTHER).tops;
+    }
     if tops.len() > MOST_TOPS {
         let apart = 2.0 * FAR / (tops.len() as f64 / 2.0).sqrt();
         return TOPS_ACROSS / 2.0 * apart;

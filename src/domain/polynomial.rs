@@ -1,0 +1,313 @@
+//! Polynomials in x, y and z, and the place about which one is arranged: that moves with the surface.
+//!
+//! All of it is computed in floats rounded to nearest, and nothing is a proof. Knows neither kernels nor boxes.
+
+use std::collections::BTreeMap;
+
+/// Three numbers, one an axis.
+pub type Vector = [f64; 3];
+/// A symmetric matrix.
+pub type Symmetric = [Vector; 3];
+
+/// A polynomial: what the powers of x, y and z are multiplied by.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polynomial(BTreeMap<[u32; 3], f64>);
+
+/// Products of more terms, or of a higher degree, are not written out.
+const MOST_TERMS: usize = 400;
+const HIGHEST: u32 = 24;
+
+/// What is left of a sum is rounding if it is less than this share of what was added.
+const ROUNDING: f64 = 1e-14;
+
+/// A direction counts if the polynomial changes along it by more than this share, squared, of how it changes at all.
+const STILL: f64 = 1e-20;
+
+impl Polynomial {
+    /// A number.
+    pub fn number(value: f64) -> Self {
+        Self::default().with([0; 3], value)
+    }
+
+    /// A coordinate.
+    pub fn axis(axis: usize) -> Self {
+        let mut powers = [0; 3];
+        powers[axis] = 1;
+        Self::default().with(powers, 1.0)
+    }
+
+    fn with(mut self, powers: [u32; 3], factor: f64) -> Self {
+        let sum = self.0.entry(powers).or_default();
+        let size = sum.abs() + factor.abs();
+        *sum += factor;
+        if sum.abs() <= ROUNDING * size {
+            self.0.remove(&powers);
+        }
+        self
+    }
+
+    /// The sum with `factor` times the other.
+    pub fn plus(&self, factor: f64, other: &Self) -> Self {
+        let terms = other.0.iter();
+        terms.fold(self.clone(), |sum, (powers, other)| sum.with(*powers, factor * other))
+    }
+
+    /// The product; `None` if it is too long. `work` is how many terms may still be multiplied, and what is left of them.
+    pub fn times(&self, other: &Self, work: &mut usize) -> Option<Self> {
+        *work = work.checked_sub(self.0.len() * other.0.len())?;
+        let mut product = Self::default();
+        for (a, one) in &self.0 {
+            for (b, two) in &other.0 {
+                product = product.with([0, 1, 2].map(|axis| a[axis] + b[axis]), one * two);
+            }
+            if product.0.len() > MOST_TERMS {
+                return None;
+            }
+        }
+        (product.degree() <= HIGHEST).then_some(product)
+    }
+
+    /// A power; `None` if it is too long. `work` is as for [`Polynomial::times`].
+    pub fn power(&self, exponent: u32, work: &mut usize) -> Option<Self> {
+        if exponent.saturating_mul(self.degree()) > HIGHEST {
+            return None;
+        }
+        (0..exponent).try_fold(Self::number(1.0), |power, _| power.times(self, work))
+    }
+
+    /// Its value, if it is a number.
+    pub fn value(&self) -> Option<f64> {
+        (self.degree() == 0).then(|| self.0.get(&[0; 3]).copied().unwrap_or(0.0))
+    }
+
+    /// The highest sum of powers.
+    pub fn degree(&self) -> u32 {
+        self.0.keys().map(|powers| powers.iter().sum()).max().unwrap_or(0)
+    }
+
+    /// The terms of one degree.
+    fn form(&self, degree: u32) -> Self {
+        let terms = self.0.iter().filter(|(powers, _)| powers.iter().sum::<u32>() == degree);
+        Self(terms.map(|(powers, factor)| (*powers, *factor)).collect())
+    }
+
+    /// The derivative along an axis.
+    fn derivative(&self, axis: usize) -> Self {
+        let terms = self.0.iter().filter(|(powers, _)| powers[axis] > 0);
+        let lowered = terms.map(|(powers, factor)| {
+            let mut lower = *powers;
+            lower[axis] -= 1;
+            (lower, factor * f64::from(powers[axis]))
+        });
+        Self(lowered.collect())
+    }
+
+    /// The polynomial in coordinates whose origin is at `place`.
+    fn seen_from(&self, place: Vector) -> Self {
+        let mut seen = self.clone();
+        for (axis, along) in place.into_iter().enumerate().filter(|(_, along)| *along != 0.0) {
+            let mut moved = Self::default();
+            for (powers, factor) in &seen.0 {
+                // The terms of a power of a sum, from the highest down.
+                let (mut lower, mut factor) = (*powers, *factor);
+                for k in 0..=powers[axis] {
+                    moved = moved.with(lower, factor);
+                    factor *= along * f64::from(powers[axis] - k) / f64::from(k + 1);
+                    lower[axis] = lower[axis].saturating_sub(1);
+                }
+            }
+            seen = moved;
+        }
+        seen
+    }
+
+    /// The products of what two polynomials have in common, added.
+    fn common(&self, other: &Self) -> f64 {
+        let both = self.0.iter().filter_map(|(powers, one)| Some(one * other.0.get(powers)?));
+        both.sum()
+    }
+
+    /// The place from which the polynomial looks simplest, and the directions along which there is such a place.
+    ///
+    /// The terms of the highest degree are the same from everywhere; the place is that from which those of one degree less
+    /// are least. For a quadric, that is its centre. Directions along which the highest terms do not change are found by those
+    /// of lower degrees in the same way: of x = y², the tip.
+    pub fn middle(&self) -> Pull {
+        let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let (mut pull, mut place) = (Pull::default(), [0.0; 3]);
+        let (mut seen, mut from) = (self.clone(), place);
+        for degree in (1..=self.degree()).rev() {
+            if place != from {
+                (seen, from) = (self.seen_from(place), place);
+            }
+            let (highest, lower) = (seen.form(degree), seen.form(degree - 1));
+            let changes = [0, 1, 2].map(|axis| highest.derivative(axis));
+            let together = |a: usize| [0, 1, 2].map(|b| changes[a].common(&changes[b]));
+            let gram = [0, 1, 2].map(together);
+            let wanted = [0, 1, 2].map(|axis| -changes[axis].common(&lower));
+            let least = STILL * (gram[0][0] + gram[1][1] + gram[2][2]);
+            for (size, along) in principal(within(free, gram)) {
+                // Rounding makes directions of what is known.
+                if size > least && dot(times(free, along), along) > 0.5 {
+                    let far = dot(along, wanted) / size;
+                    place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
+                    pull.add(along, dot(place, along));
+                    free = without(free, along);
+                }
+            }
+        }
+        pull
+    }
+}
+
+/// Places along some directions, and how many ask for each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pull {
+    directions: Symmetric,
+    places: Vector,
+}
+
+impl Pull {
+    /// What lies at `place` along a direction of length 1.
+    fn add(&mut self, along: Vector, place: f64) {
+        for axis in 0..3 {
+            self.places[axis] += along[axis] * place;
+            for other in 0..3 {
+                self.directions[axis][other] += along[axis] * along[other];
+            }
+        }
+    }
+
+    /// Both.
+    pub fn join(&mut self, other: &Self) {
+        for axis in 0..3 {
+            self.places[axis] += other.places[axis];
+            for k in 0..3 {
+                self.directions[axis][k] += other.directions[axis][k];
+            }
+        }
+    }
+
+    /// The mean place; along directions that nothing is known of, that of `rest`, and else 0.
+    pub fn mean(&self, rest: Option<&Self>) -> Vector {
+        let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mut place = [0.0; 3];
+        for pull in [Some(self), rest].into_iter().flatten() {
+            let known = times(pull.directions, place);
+            let missing = [0, 1, 2].map(|axis| pull.places[axis] - known[axis]);
+            for (size, along) in principal(within(free, pull.directions)) {
+                if size > FEW {
+                    let far = dot(along, missing) / size;
+                    place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
+                    free = without(free, along);
+                }
+            }
+        }
+        place
+    }
+}
+
+/// Directions that fewer ask for than this are not asked for.
+const FEW: f64 = 1e-6;
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn times(matrix: Symmetric, vector: Vector) -> Vector {
+    matrix.map(|row| dot(row, vector))
+}
+
+/// What a matrix does among the directions onto which `free` projects.
+fn within(free: Symmetric, matrix: Symmetric) -> Symmetric {
+    let half = free.map(|row| times(matrix, row));
+    half.map(|row| times(free, row))
+}
+
+/// A projection without one of its directions.
+fn without(mut free: Symmetric, along: Vector) -> Symmetric {
+    for axis in 0..3 {
+        for other in 0..3 {
+            free[axis][other] -= along[axis] * along[other];
+        }
+    }
+    free
+}
+
+/// Sweeps over the three pairs of axes: each squares what is left beside the diagonal, so that few are enough.
+const SWEEPS: usize = 5;
+
+/// The principal directions of a symmetric matrix and its size along each, by Jacobi's rotations.
+pub fn principal(mut matrix: Symmetric) -> [(f64, Vector); 3] {
+    let mut directions: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for (p, q) in [(0, 1), (0, 2), (1, 2)].repeat(SWEEPS) {
+        if matrix[p][q] == 0.0 {
+            continue;
+        }
+        let theta = (matrix[q][q] - matrix[p][p]) / (2.0 * matrix[p][q]);
+        let tangent = 1.0_f64.copysign(theta) / (theta.abs() + theta.hypot(1.0));
+        let cosine = 1.0 / tangent.hypot(1.0);
+        let sine = tangent * cosine;
+        for row in &mut matrix {
+            (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
+        }
+        for axis in 0..3 {
+            let (a, b) = (matrix[p][axis], matrix[q][axis]);
+            (matrix[p][axis], matrix[q][axis]) = (cosine * a - sine * b, sine * a + cosine * b);
+            let (a, b) = (directions[p][axis], directions[q][axis]);
+            (directions[p][axis], directions[q][axis]) =
+                (cosine * a - sine * b, sine * a + cosine * b);
+        }
+    }
+    [0, 1, 2].map(|k| (matrix[k][k], directions[k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// (x - a)^2 + (y - b)^2 * z, written out.
+    fn umbrella([a, b]: [f64; 2]) -> Polynomial {
+        let less =
+            |axis: usize, by: f64| Polynomial::axis(axis).plus(-by, &Polynomial::number(1.0));
+        let squared = |axis: usize, by: f64| less(axis, by).power(2, &mut 100).expect("short");
+        let high = squared(1, b).times(&Polynomial::axis(2), &mut 100).expect("short");
+        squared(0, a).plus(1.0, &high)
+    }
+
+    #[test]
+    fn what_is_written_out_is_the_product() {
+        let one = umbrella([0.0; 2]);
+        let terms = [([2, 0, 0], 1.0), ([0, 2, 1], 1.0)];
+        assert_eq!(one, Polynomial(terms.into_iter().collect()));
+        assert_eq!(one.degree(), 3);
+        assert_eq!(umbrella([3.0, -2.0]).seen_from([3.0, -2.0, 0.0]), one);
+        assert_eq!(one.plus(-1.0, &one).value(), Some(0.0));
+        assert_eq!(one.power(9, &mut 10_000), None);
+        assert_eq!(one.power(2, &mut 5), None);
+        let sum = [0, 1, 2].map(Polynomial::axis);
+        let sum = sum[0].plus(1.0, &sum[1]).plus(1.0, &sum[2]).plus(1.0, &Polynomial::number(1.0));
+        assert_eq!(sum.power(6, &mut 1000).expect("short").0.len(), 84);
+    }
+
+    #[test]
+    fn the_middle_moves_along() {
+        let middle = umbrella([3.0, -2.0]).middle().mean(None);
+        let off = [3.0, -2.0, 0.0].iter().zip(middle).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{middle:?}");
+    }
+
+    #[test]
+    fn principal_directions_take_a_matrix_apart() {
+        let matrix = [[2.0, 1.0, -0.5], [1.0, -3.0, 4.0], [-0.5, 4.0, 1.0]];
+        let parts = principal(matrix);
+        for a in 0..3 {
+            for b in 0..3 {
+                let sum: f64 = parts.iter().map(|(size, along)| size * along[a] * along[b]).sum();
+                assert!((sum - matrix[a][b]).abs() < 1e-12, "{parts:?}");
+                let dot = dot(parts[a].1, parts[b].1);
+                assert!((dot - f64::from(u8::from(a == b))).abs() < 1e-12, "{parts:?}");
+            }
+        }
+    }
+}
