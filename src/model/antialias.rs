@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::{KernelFloat, LANES};
 use zeroset_trace::{
-    GBuffer, Patch, Pattern, RayGrid, Status, UndecidedStyle, Work, edges, hand_back_colours,
-    is_creased, is_smooth, slope,
+    GBuffer, Patch, Pattern, RayGrid, Status, UndecidedStyle, edges, hand_back_colours, is_creased,
+    is_smooth, slope,
 };
 
 /// Pixels that are cut up at a time: few enough for the nearer caches.
@@ -26,7 +26,7 @@ const STEEPER: f64 = 2.0;
 type Buffers = [GBuffer; 2];
 
 impl<T: KernelFloat> Shot<'_, T> {
-    /// Gives pixels with edges the mean of their colours; returns how many rays it took, and what following them did.
+    /// Gives pixels with edges the mean of their colours; returns how many rays it took.
     pub(super) fn smooth_edges(
         &self,
         rays: &RayGrid,
@@ -34,7 +34,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         layers: &[GBuffer],
         finish: &Finish<'_>,
         rgb: &mut [u8],
-    ) -> Result<(usize, Work), ProgramError> {
+    ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, tolerance, .. } = *self.settings;
         // Pixels of the finer picture are so much smaller. What is near a silhouette in depth is as near to the eye.
         let tolerance = tolerance * pattern.side as f64;
@@ -70,19 +70,12 @@ impl<T: KernelFloat> Shot<'_, T> {
         let found: Result<Vec<_>, ProgramError> =
             wanted.par_chunks(PART).map_init(new, smooth).collect();
         let pixels = rgb.as_chunks_mut::<3>().0;
-        let mut work = Work::default();
-        for (found, part) in found? {
-            work += part;
-            for (pixel, colour) in found {
-                pixels[pixel] = colour;
-            }
+        for (pixel, colour) in found?.into_iter().flatten() {
+            pixels[pixel] = colour;
         }
-        Ok((wanted.len() * pattern.count(), work))
+        Ok(wanted.len() * pattern.count())
     }
 }
-
-/// Colours of some pixels, by index, and what following their rays did.
-type Smoothed = (Vec<(usize, [u8; 3])>, Work);
 
 struct Edges<'a, T> {
     shot: &'a Shot<'a, T>,
@@ -104,10 +97,9 @@ impl<T: KernelFloat> Edges<'_, T> {
         &self,
         [all, layer]: &mut Buffers,
         pixels: &[usize],
-    ) -> Result<Smoothed, ProgramError> {
-        let mut work = Work::default();
+    ) -> Result<Vec<(usize, [u8; 3])>, ProgramError> {
         if !(self.shot.advance)(0) {
-            return Ok((Vec::new(), work));
+            return Ok(Vec::new());
         }
         let rays =
             self.finer.patches(pixels.iter().flat_map(|pixel| self.patches(*pixel)).collect());
@@ -119,11 +111,11 @@ impl<T: KernelFloat> Edges<'_, T> {
         for (place, &(surface, ref tracer)) in self.tracers.iter().enumerate() {
             let target = if place == 0 { &mut *all } else { &mut *layer };
             target.reset(rays.width(), rays.height(), 0);
-            work += self.shot.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
+            self.shot.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
             if self.has_one && self.pattern.is_full() {
                 is_smooth = self.leave_smooth(pixels, &rays, target);
             }
-            work += self.shot.face(surface, &rays, target)?;
+            self.shot.face(surface, &rays, target)?;
             if place > 0 {
                 all.merge(layer);
             }
@@ -140,7 +132,7 @@ impl<T: KernelFloat> Edges<'_, T> {
         let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
         let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();
         hand_back_colours(bytes);
-        Ok((found, work))
+        Ok(found)
     }
 
     /// Takes back what was found for pixels all of whose rays meet what the one through the centre did, which has been lit:

@@ -331,7 +331,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             Some(place) => Light::Positional(place),
             None => Light::above_left(rays),
         };
-        let mut work = self.hide(rays, &light, buffer)?;
+        let work = self.hide(rays, &light, buffer)?;
         times.occlude += watch.lap();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
         if settings.normals.is_some() {
@@ -349,9 +349,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             rgb = self.coloured(rays, buffer, &layers, &finish, 1);
             times.shade += watch.lap();
             if settings.antialias != Pattern::ONE && (self.advance)(0) {
-                let (count, more) = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
-                edge_rays = count;
-                work += more;
+                edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
                 times.antialias += watch.lap();
             }
         }
