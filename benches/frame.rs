@@ -1,7 +1,8 @@
 //! Whole pictures by every method: trace, normals and colours of 512×512 pixels on one thread.
 //!
-//! `cargo bench --bench frame [-- SURFACES… METHODS… --no-contract --no-tiles --no-interval]` prints, for each surface and method, median milliseconds of interleaved rounds,
-//! what was asked of kernels, and how many pixels are decided.
+//! `cargo bench --bench frame [-- SURFACES… METHODS… --no-contract --no-tiles --no-interval --f32 --f64 --rounds=N]` prints,
+//! for each surface and method, median milliseconds of interleaved rounds, what was asked of kernels, and how many pixels are
+//! decided. Under a profiler, what one round takes is the difference between runs with `--rounds=1` and `--rounds=2`.
 
 use glam::DVec3;
 use include_dir::{Dir, include_dir};
@@ -10,8 +11,9 @@ use zeroset::model::Model;
 use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Ideas, METHODS, Method, Projection};
+use zeroset_trace::{Camera, Ideas, METHODS, Method, Precision, Projection};
 
+/// Unless another number is given.
 const ROUNDS: usize = 15;
 
 /// Function files, each with its domain: the surfaces of Knoll et al. 2007, and the gyroid.
@@ -25,12 +27,19 @@ fn milliseconds(mut times: Vec<Duration>) -> f64 {
 fn main() {
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("first use of the pool");
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
-    let without = |idea: &str| std::env::args().any(|given| given == idea);
+    let given = |option: &str| std::env::args().any(|given| given == option);
     let ideas = Ideas {
-        contract: !without("--no-contract"),
-        tiles: !without("--no-tiles"),
-        intervals: !without("--no-interval"),
+        contract: !given("--no-contract"),
+        tiles: !given("--no-tiles"),
+        intervals: !given("--no-interval"),
     };
+    let precision = match (given("--f32"), given("--f64")) {
+        (true, false) => Precision::F32,
+        (false, true) => Precision::F64,
+        _ => Precision::Auto,
+    };
+    let rounds = std::env::args().find_map(|given| given.strip_prefix("--rounds=")?.parse().ok());
+    let rounds = rounds.unwrap_or(ROUNDS).max(1);
     // A name of both is the surface's, unless it is given twice.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
     let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
@@ -64,11 +73,11 @@ fn main() {
         let eye = DVec3::new(2.0, 1.5, 3.0) * region.half_extent();
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);
-        let settings = Settings { ideas, ..Settings::default() };
+        let settings = Settings { ideas, precision, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect(name);
         let mut times = vec![(Vec::new(), Vec::new()); methods.len()];
         let mut pictures: Vec<Picture> = Vec::new();
-        for round in 0..=ROUNDS {
+        for round in 0..=rounds {
             for (method, times) in methods.iter().zip(&mut times) {
                 let settings = Settings { method, ..settings.clone() };
                 let picture = model.trace(&camera, &settings, &|_| true).expect(name);

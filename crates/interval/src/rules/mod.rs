@@ -13,6 +13,7 @@ mod step;
 pub(crate) use elementary::approximator::{Approximator, by_halves};
 pub(crate) use elementary::double_double::Approximation;
 pub(crate) use elementary::logarithm::Base;
+pub(crate) use elementary::near::NEAR_UNITS;
 pub(crate) use elementary::trigonometric::HalfPi;
 
 use crate::branch::Branch;

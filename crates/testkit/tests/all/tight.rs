@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 use zeroset_interval::{
-    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, fold,
+    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, evaluate_twins, fold,
 };
 use zeroset_ops::Op;
 use zeroset_testkit::Rng;
@@ -21,6 +21,9 @@ struct Case {
     truth: fn(f64) -> f64,
     hard: &'static [f64],
 }
+
+type Known = (Op, fn(f64) -> f64);
+const WAVES: [Known; 2] = [(Op::Sin, core_math::sin), (Op::Cos, core_math::cos)];
 
 /// By how much an enclosure may be wider than the tightest, as the row of the table says.
 fn most(op: Op) -> [u64; 2] {
@@ -86,6 +89,71 @@ fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
             let scale = 2_f64.powi(-random.i32(0..54));
             near * (1.0 + (2.0 * unit(random) - 1.0) * scale)
         }
+    }
+}
+
+/// Sine and cosine of operands that stay near 0 have a text of their own, which gives values too: at multiples of π/2, where
+/// results are near 0 and ±1, halfway between them, where angles are reduced least, and anywhere.
+#[test]
+fn waves_of_points_near_zero_are_as_tight_as_stated() {
+    const LIMIT: f64 = 2048.0;
+    let range = Interval { lo: -LIMIT, hi: LIMIT };
+    let lanes = |x: f64| Vector128::from_f64([x; 2]);
+    let mut random = Rng::with_seed(SEED);
+    for (op, truth) in WAVES {
+        let (mut worst, mut worst_at, mut farthest) = (0, 0.0, 0.0_f64);
+        for _ in 0..4 * POINTS {
+            let eighths = f64::from(random.i32(-2600..=2600));
+            let hard = [eighths * FRAC_PI_2 / 2.0, LIMIT];
+            let x = draw(&mut random, &hard);
+            let x = if x.abs() <= LIMIT { x } else { LIMIT.copysign(x) };
+            let value = truth(x);
+            let operand = Operand::new(Enclosure::total(lanes(-x), lanes(x)), range);
+            let enclosure = enclose(&mut Software, Format::F64, op, &[operand]);
+            let bounds = Interval { lo: -enclosure.neg_lo.f64()[0], hi: enclosure.hi.f64()[0] };
+            assert!(
+                bounds.lo <= value && value <= bounds.hi,
+                "{op:?} of {x:e} = {value:e} is not in {bounds:?}, seed {SEED:#x}"
+            );
+            let ulps = excess(bounds, value);
+            if ulps > worst {
+                (worst, worst_at) = (ulps, x);
+            }
+            let both = evaluate_twins(&mut Software, Format::F64, op, lanes(x), range);
+            let sampled = both.expect("twins")[0].f64()[0];
+            farthest = farthest.max((sampled - value).abs() / value.abs().max(f64::MIN_POSITIVE));
+        }
+        println!("{op:?} near 0: worst {worst} at {worst_at:e}, values off by {farthest:e}");
+        assert!(worst <= most(op)[0], "seed {SEED:#x}: {worst} ulp at {worst_at:e}");
+        // What forms allow for, and half a unit by which the value may be rounded.
+        assert!(farthest <= 2.25 * f64::EPSILON, "seed {SEED:#x}: {farthest:e}");
+    }
+}
+
+/// The same values in `f32`, where truth is exact enough to show all that forms allow for.
+#[test]
+fn values_of_waves_near_zero_are_off_by_what_forms_allow_for() {
+    const LIMIT: f64 = 192.0;
+    let range = Interval { lo: -LIMIT, hi: LIMIT };
+    let mut random = Rng::with_seed(SEED);
+    for (op, truth) in WAVES {
+        let (mut farthest, mut least) = (0.0_f64, 0.0_f64);
+        for _ in 0..4 * POINTS {
+            let hard = [f64::from(random.i32(-244..=244)) * FRAC_PI_2 / 2.0, LIMIT];
+            let x = draw(&mut random, &hard).clamp(-LIMIT, LIMIT) as f32;
+            if !x.is_normal() {
+                continue;
+            }
+            let lanes = Vector128::from_f32([x; 4]);
+            let both = evaluate_twins(&mut Software, Format::F32, op, lanes, range);
+            let sampled = f64::from(both.expect("twins")[0].f32()[0]);
+            let value = truth(f64::from(x));
+            let off = (sampled - value) / value.abs() / f64::from(f32::EPSILON);
+            (farthest, least) = (farthest.max(off), least.min(off));
+        }
+        println!("{op:?} near 0 in f32: values off by {least} to {farthest} units");
+        assert!(farthest.max(-least) <= 1.75, "seed {SEED:#x}: {least} to {farthest}");
+        assert!(farthest > 1.0, "rounding alone makes that, seed {SEED:#x}");
     }
 }
 

@@ -80,7 +80,7 @@ impl<M: Machine> Rule<'_, M> {
         let (a_bounds, b_bounds) = (a.value.bounds, b.value.bounds);
         let bounds = match (a_bounds, b_bounds) {
             (Some(_), Some(_)) => {
-                let (a, b) = (self.operand(a), self.operand(b));
+                let (a, b) = (self.operand_beside(a), self.operand_beside(b));
                 let value = self.mul(&a, &b);
                 Some([value.neg_lo, value.hi])
             }

@@ -2,9 +2,10 @@
 //!
 //! Over bounds with the middle m and the half-width h, f(x) = f(m) + f′(m)(x − m) + ½f″(ξ)(x − m)², where ξ is between x
 //! and m. The slope is any number α near f′(m): what it is off by, times h, is part of the error, as is the last term,
-//! which is one-sided where f″ has one sign. Square roots have a closed form.
+//! which is one-sided where f″ has one sign. Square roots have a closed form; sine and cosine, which share their work, stand in
+//! [`waves`](super::waves).
 
-use super::{Claims, Form, FormOperand};
+use super::{Form, FormOperand};
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::Machine;
@@ -49,36 +50,6 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// Sine and cosine: each is the other's slope, and its own bend.
-    pub(super) fn form_waves<const N: usize>(
-        &mut self,
-        a: &FormOperand<M::V, N>,
-    ) -> [Form<M::V, N>; 2] {
-        let bounds = self.operand(a);
-        let (middle, reach) = self.middle(bounds.value.neg_lo, bounds.value.hi);
-        let point = self.point(middle, &bounds);
-        let [sin, cos] = if self.is_near(point.range) {
-            self.near_waves_of_point(middle)
-        } else {
-            [self.sin(&point), self.cos(&point)]
-        };
-        let minus_sin = Enclosure { neg_lo: sin.hi, hi: sin.neg_lo, ..sin };
-        [(sin, cos), (cos, minus_sin)].map(|(here, derivative)| {
-            let (zero, one) = (self.zero(), self.number(1.0));
-            // Within reach it changes by no more than that.
-            let wide = [here.neg_lo, here.hi].map(|end| {
-                let end = self.m.add(end, reach);
-                self.m.min(end, one)
-            });
-            let bend = [wide[1], wide[0]].map(|bend| self.m.max(bend, zero));
-            let (slope, off) = self.middle(derivative.neg_lo, derivative.hi);
-            let shape = Shape { slope, off, bend };
-            let form = self.form_taylor(&a.value, [middle, reach], &here, &shape);
-            let value = Claims::of(&bounds.value).with(wide);
-            self.beside(&form, &value)
-        })
-    }
-
     pub(super) fn form_curve<const N: usize>(
         &mut self,
         op: Op,
@@ -97,7 +68,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// One number within an operand's bounds.
-    fn point(&mut self, at: M::V, bounds: &Operand<M::V>) -> Operand<M::V> {
+    pub(super) fn point(&mut self, at: M::V, bounds: &Operand<M::V>) -> Operand<M::V> {
         Operand { value: Enclosure::total(self.m.neg(at), at), ..*bounds }
     }
 

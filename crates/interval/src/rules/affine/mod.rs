@@ -11,6 +11,7 @@ mod arithmetic;
 mod functions;
 mod pieces;
 mod solve;
+mod waves;
 
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
@@ -275,17 +276,31 @@ impl<M: Machine> Rule<'_, M> {
                     neg_lo = self.m.min(neg_lo, known_neg_lo);
                     hi = self.m.min(hi, known_hi);
                 }
-                let (range_neg_lo, range_hi) = (self.number(-a.range.lo), self.number(a.range.hi));
-                neg_lo = self.m.min(neg_lo, range_neg_lo);
-                hi = self.m.min(hi, range_hi);
-                // Where these are apart there is no value, and nothing counts; but rules rely on bounds that are in order.
-                let range_lo = self.number(a.range.lo);
-                hi = self.m.max(hi, range_lo);
-                let neg_hi = self.m.neg(hi);
-                [self.m.max(neg_lo, neg_hi), hi]
+                self.within([neg_lo, hi], a.range)
             }
         };
         Operand { value: a.value.facts.with(bounds), range: a.range, exponent: a.exponent }
+    }
+
+    /// As [`Self::operand`], but the form is not asked where bounds are known beside it.
+    fn operand_beside<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
+        let (Some(_), Some(bounds)) = (a.value.slopes, a.value.bounds) else {
+            return self.operand(a);
+        };
+        let bounds = self.within(bounds, a.range);
+        Operand { value: a.value.facts.with(bounds), range: a.range, exponent: a.exponent }
+    }
+
+    /// Bounds within what holds all over the domain.
+    fn within(&mut self, [neg_lo, hi]: [M::V; 2], range: Interval) -> [M::V; 2] {
+        let (range_neg_lo, range_hi) = (self.number(-range.lo), self.number(range.hi));
+        let neg_lo = self.m.min(neg_lo, range_neg_lo);
+        let hi = self.m.min(hi, range_hi);
+        // Where these are apart there is no value, and nothing counts; but rules rely on bounds that are in order.
+        let range_lo = self.number(range.lo);
+        let hi = self.m.max(hi, range_lo);
+        let neg_hi = self.m.neg(hi);
+        [self.m.max(neg_lo, neg_hi), hi]
     }
 
     /// A form, with bounds and facts by the interval rule; in lanes where its error alone is more than half the bounds'

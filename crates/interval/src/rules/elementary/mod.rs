@@ -1,5 +1,5 @@
 //! Elementary functions. Here are sine, cosine and tangent, from the routines in [`trigonometric`]
-//! or, of small operands in `f32`, in [`near`]; [`monotone`] has the functions that only rise or
+//! or, of small operands, in [`near`]; [`monotone`] has the functions that only rise or
 //! fall, [`atan2`] the angle of two operands.
 
 pub(crate) mod approximator;
@@ -17,7 +17,7 @@ use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
-use approximator::{Approximator, at_ends};
+use approximator::{Approximator, at_ends, by_halves};
 use double_double::Approximation;
 use trigonometric::{HalfPi, WAVE_ERROR_F32};
 
@@ -78,6 +78,24 @@ impl<M: Machine> Rule<'_, M> {
             hi = self.m.select(near, hi, one);
         }
         Enclosure { neg_lo, hi, ..a.value }
+    }
+
+    /// −lo and hi of sine and cosine of an operand that is one number, at any size.
+    pub(super) fn waves_of_point(&mut self, a: &Operand<M::V>) -> [[M::V; 2]; 2] {
+        let half_pi = HalfPi::for_angles(a.range);
+        let bounds = by_halves(self.m, self.format, [a.value.hi], |approx, [x]| {
+            let [sin, cos] = approx.waves(x, half_pi);
+            let [above, beyond] = [&sin, &cos].map(|wave| approx.upper(wave));
+            let [below, beneath] = [&sin, &cos].map(|wave| approx.negated_lower(wave));
+            [below, above, beneath, beyond]
+        });
+        let one = self.number(1.0);
+        let near = self.within_limit(a, half_pi);
+        let [below, above, beneath, beyond] = bounds.map(|bound| {
+            let bound = self.m.min(bound, one);
+            near.map_or(bound, |near| self.m.select(near, bound, one))
+        });
+        [[below, above], [beneath, beyond]]
     }
 
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {

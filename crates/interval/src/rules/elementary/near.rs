@@ -1,14 +1,13 @@
-//! Sine and cosine in `f32`, of operands that stay near 0 throughout: four lanes at a time where
-//! [`approximator`](super::approximator) needs two halves of `f64`, and both functions from one
-//! reduction.
+//! Sine and cosine of operands that stay near 0 throughout: both from one reduction, and in `f32`
+//! four lanes at a time, where [`approximator`](super::approximator) needs two halves of `f64`.
 //!
-//! An angle is k·π/2 + s − n with a small correction n: the first part of π/2 has 17 bits and the
-//! second 14, so that their products with k (7 bits) are exact, and so is all that leads to s and n
-//! but the last product. No float up to [`NEAR_LIMIT`] is closer than 2⁻²⁶·⁴ to a multiple of π/2,
-//! where n is 1.6 % of s.
+//! An angle is k·π/2 + s − n with a small correction n: the first two parts of π/2 have so few
+//! bits that their products with k are exact, and so is all that leads to s and n but the last
+//! product. No `f32` up to its limit is closer than 2⁻²⁶·⁴ to a multiple of π/2, where n is 1.6 % of
+//! s; no `f64` closer than 2⁻⁶⁰·⁵, where n is below 2⁻¹⁴ of s.
 //!
 //! Results are a head, exact, and a tail, small: only their sum rounds at full size. The bounds on
-//! the tails' errors are those of rounding up; every float up to the limit was tried with them (the
+//! the tails' errors are those of rounding up; every `f32` up to the limit was tried with them (the
 //! example `exhaustive`).
 
 use super::Rule;
@@ -16,51 +15,104 @@ use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::{Format, Machine};
 
-/// Operands up to this magnitude can be reduced: their k has 7 bits.
-pub(crate) const NEAR_LIMIT: f64 = 192.0;
+/// What differs between the formats.
+struct Constants {
+    /// Operands up to this magnitude can be reduced.
+    limit: f64,
+    /// Operands that are known better than this are constants or nearly so: computed once, and then
+    /// worth their last digits.
+    narrow: f64,
+    /// π/2 in three parts, the last rounded; they are compared with π in the tests.
+    half_pi: [f64; 3],
+    /// Adding 1.5·2²³ or 1.5·2⁵² leaves integers in the low bits.
+    integer: f64,
+    /// (cos s − 1 + z/2)/z² and (sin s − s)/s³ as polynomials in z = s² ≤ 0.618: those for which the
+    /// largest error that they make in the cosine and sine is least.
+    cos: &'static [f64],
+    sin: &'static [f64],
+    /// Half a unit in the last place of 1.
+    half_ulp: f64,
+}
 
-const F32: Format = Format::F32;
+/// k has 7 bits, the parts of π/2 17 and 14. The polynomials err by 2⁻³¹ and 2⁻²⁸·⁵.
+static NEAR_F32: Constants = Constants {
+    limit: 192.0,
+    narrow: 0.0,
+    half_pi: [
+        f64::from_bits(0x3ff9_21f0_0000_0000),
+        f64::from_bits(0x3ee6_a880_0000_0000),
+        f64::from_bits(0x3dd0_b461_2000_0000),
+    ],
+    integer: 12_582_912.0,
+    cos: &[0.041_666_646_f32 as f64, -0.001_388_736_2_f32 as f64, 2.443_777_5e-5_f32 as f64],
+    sin: &[-0.166_666_51_f32 as f64, 0.008_331_974_f32 as f64, -0.000_194_949_93_f32 as f64],
+    half_ulp: f64::from_bits((1023 - 24) << 52),
+};
 
-/// π/2 in three parts, the last rounded; they are compared with π in the tests.
-const HALF_PI: [f64; 3] = [
-    f64::from_bits(0x3ff9_21f0_0000_0000),
-    f64::from_bits(0x3ee6_a880_0000_0000),
-    f64::from_bits(0x3dd0_b461_2000_0000),
-];
-
-/// Adding 1.5·2²³ leaves integers in the low bits.
-const INTEGER: f64 = 12_582_912.0;
+/// k has 11 bits, the parts of π/2 41 and 42. The polynomials err by 2⁻⁶³ and 2⁻⁵⁷·⁸.
+static NEAR_F64: Constants = Constants {
+    limit: 2048.0,
+    narrow: 1.0 / (1 << 20) as f64,
+    half_pi: [
+        f64::from_bits(0x3ff9_21fb_5444_2000),
+        f64::from_bits(0x3d6a_308d_3131_9800),
+        f64::from_bits(0x3a94_5c06_e0e6_8948),
+    ],
+    integer: 6_755_399_441_055_744.0,
+    cos: &[
+        0.041_666_666_666_666_64,
+        -0.001_388_888_888_887_958_3,
+        2.480_158_729_247_250_2e-5,
+        -2.755_731_512_705_429e-7,
+        2.087_581_923_238_326_3e-9,
+        -1.136_422_996_464_401e-11,
+    ],
+    sin: &[
+        -0.166_666_666_666_666_4,
+        0.008_333_333_333_323_997,
+        -0.000_198_412_698_308_208_2,
+        2.755_731_398_790_771_2e-6,
+        -2.505_079_847_883_147_3e-8,
+        1.589_888_117_039_719_9e-10,
+    ],
+    half_ulp: f64::from_bits((1023 - 53) << 52),
+};
 
 /// A reduced angle.
 struct Turned<V> {
     /// k in the low bits.
     bits: V,
-    /// Whole quarter turns below the angle, in the low bits.
-    quarters: V,
     /// s: what is left beside k quarter turns, less `correction`.
     rest: V,
     correction: V,
 }
 
-/// A value as head + tail, above the truth and below it by no more than the two slacks.
+/// A value as head + tail.
 struct Estimate<V> {
     head: V,
     tail: V,
-    slack: [V; 2],
 }
 
-/// Bounds of both functions at one end, and its quarter turns.
+/// Bounds of both functions at one end.
 struct End<V> {
     sin: [V; 2],
     cos: [V; 2],
+    /// Whole quarter turns below the angle, in the low bits.
     quarters: V,
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// Whether sine and cosine of `a` have this routine.
+    /// Whether sine and cosine of an operand within `range` have this routine.
     pub(crate) fn is_near(&self, range: Interval) -> bool {
-        let limit = Interval { lo: -NEAR_LIMIT, hi: NEAR_LIMIT };
-        self.format == F32 && limit.encloses(range)
+        let Constants { limit, narrow, .. } = *self.constants();
+        (Interval { lo: -limit, hi: limit }).encloses(range) && range.hi - range.lo >= narrow
+    }
+
+    fn constants(&self) -> &'static Constants {
+        match self.format {
+            Format::F32 => &NEAR_F32,
+            Format::F64 => &NEAR_F64,
+        }
     }
 
     /// Sine and cosine of an operand for which [`Self::is_near`] holds.
@@ -71,7 +123,7 @@ impl<M: Machine> Rule<'_, M> {
         // of the sine, then come, in turn, minima of the cosine, of the sine, maxima of the cosine.
         // All numbers compared are integers, read as the subnormal floats with these bits.
         let passed = self.m.int_sub(hi.quarters, lo.quarters);
-        let [zero, one, two, three] = [0, 1, 2, 3].map(|bits| self.m.bits(F32, bits));
+        let [zero, one, two, three] = [0, 1, 2, 3].map(|bits| self.m.bits(self.format, bits));
         let [to_first, to_second] = [zero, one].map(|from| {
             let distance = self.m.int_sub(from, lo.quarters);
             self.m.and(distance, three)
@@ -82,16 +134,6 @@ impl<M: Machine> Rule<'_, M> {
         let sin = self.near_wave([lo.sin, hi.sin], [min_sin, max_sin]);
         let cos = self.near_wave([lo.cos, hi.cos], [min_cos, max_cos]);
         [sin, cos].map(|[neg_lo, hi]| Enclosure { neg_lo, hi, ..a.value })
-    }
-
-    /// Sine and cosine of one number up to the limit.
-    pub(crate) fn near_waves_of_point(&mut self, x: M::V) -> [Enclosure<M::V>; 2] {
-        let End { sin, cos, .. } = self.near_end(x);
-        let one = self.number(1.0);
-        [sin, cos].map(|bounds| {
-            let [neg_lo, hi] = bounds.map(|bound| self.m.min(bound, one));
-            Enclosure::total(neg_lo, hi)
-        })
     }
 
     /// (−lo, hi) over the interval from those at its ends, and from where it has a minimum and a
@@ -105,13 +147,14 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Sine and cosine at points up to the limit.
+    /// Sine and cosine at points up to the limit, each to [`NEAR_UNITS`] of itself and at most a
+    /// unit beyond ±1.
     pub(crate) fn near_waves_at(&mut self, a: M::V) -> [M::V; 2] {
         let turned = self.near_reduce(a);
         let values = self.near_sums(&turned).map(|sum| [self.m.add(sum.head, sum.tail)]);
+        let mask = self.sign_mask();
         let [sin, cos] = self.turn_back(&turned, values);
         [sin, cos].map(|([value], sign)| {
-            let mask = self.m.bits(F32, 1 << 31);
             let sign = self.m.and(sign, mask);
             self.m.xor(value, sign)
         })
@@ -119,7 +162,13 @@ impl<M: Machine> Rule<'_, M> {
 
     fn near_end(&mut self, x: M::V) -> End<M::V> {
         let turned = self.near_reduce(x);
-        let bounds = self.near_sums(&turned).map(|Estimate { head, tail, slack }| {
+        let [sin, cos] = self.near_sums(&turned);
+        let half_ulp = self.constants().half_ulp;
+        let (share, magnitude) = (self.number(SIN_SLACK * half_ulp), self.m.abs(sin.head));
+        let sin_slack = self.m.mul(magnitude, share);
+        let cos_slack = COS_SLACK.map(|slack| self.number(slack * half_ulp));
+        let bounds = [(sin, [sin_slack; 2]), (cos, cos_slack)];
+        let bounds = bounds.map(|(Estimate { head, tail }, slack)| {
             let above = self.m.add(tail, slack[1]);
             let below = self.m.sub(slack[0], tail);
             [self.m.sub(below, head), self.m.add(head, above)]
@@ -127,14 +176,22 @@ impl<M: Machine> Rule<'_, M> {
         let [sin, cos] = self.turn_back(&turned, bounds).map(|([neg_lo, hi], sign)| {
             [self.m.select_signed(sign, hi, neg_lo), self.m.select_signed(sign, neg_lo, hi)]
         });
-        End { sin, cos, quarters: turned.quarters }
+        // The lanes that are below k quarters: a set mask is −1.
+        let zero = self.zero();
+        let before = self.m.lt(turned.rest, zero);
+        End { sin, cos, quarters: self.m.int_add(turned.bits, before) }
     }
 
     fn near_reduce(&mut self, x: M::V) -> Turned<M::V> {
-        let two_over_pi = self.number(f64::from(std::f32::consts::FRAC_2_PI));
+        let two_over_pi = match self.format {
+            Format::F32 => f64::from(std::f32::consts::FRAC_2_PI),
+            Format::F64 => std::f64::consts::FRAC_2_PI,
+        };
+        let two_over_pi = self.number(two_over_pi);
         let quarters = self.m.mul(x, two_over_pi);
         let k = self.m.nearest(quarters);
-        let [first, second, third] = HALF_PI.map(|part| {
+        let constants = self.constants();
+        let [first, second, third] = constants.half_pi.map(|part| {
             let part = self.number(part);
             self.m.mul(k, part)
         });
@@ -144,12 +201,8 @@ impl<M: Machine> Rule<'_, M> {
         let moved = self.m.sub(rest, near);
         let added = self.m.add(second, moved);
         let correction = self.m.add(added, third);
-        let magic = self.number(INTEGER);
-        let bits = self.m.add(k, magic);
-        let zero = self.zero();
-        let before = self.m.lt(rest, zero); // a set mask is −1
-        let quarters = self.m.int_add(bits, before);
-        Turned { bits, quarters, rest, correction }
+        let magic = self.number(constants.integer);
+        Turned { bits: self.m.add(k, magic), rest, correction }
     }
 
     /// Sine and cosine of s − n, |s| ≤ 0.786.
@@ -160,22 +213,18 @@ impl<M: Machine> Rule<'_, M> {
         let half = self.number(0.5);
         let (one, half) = (self.number(1.0), self.m.mul(z, half));
         let nearly = self.m.sub(one, half);
-        let series = self.near_series(z, COS_SERIES);
+        let constants = self.constants();
+        let series = self.near_series(z, constants.cos);
         let fourth = self.m.mul(z, z);
         let fourth = self.m.mul(fourth, series);
         let moved = self.m.mul(n, s);
-        let tail = self.m.add(fourth, moved);
-        let slack = COS_SLACK.map(|slack| self.number(slack));
-        let cos = Estimate { head: nearly, tail, slack };
+        let cos = Estimate { head: nearly, tail: self.m.add(fourth, moved) };
         // sin s = s − s·z(1/6 − …); n·(1 − z/2) stands for n·cos s.
         let cube = self.m.mul(s, z);
-        let series = self.near_series(z, SIN_SERIES);
+        let series = self.near_series(z, constants.sin);
         let product = self.m.mul(cube, series);
         let moved = self.m.mul(n, nearly);
-        let tail = self.m.sub(product, moved);
-        let (share, magnitude) = (self.number(SIN_SLACK), self.m.abs(s));
-        let slack = self.m.mul(magnitude, share);
-        [Estimate { head: s, tail, slack: [slack; 2] }, cos]
+        [Estimate { head: s, tail: self.m.sub(product, moved) }, cos]
     }
 
     /// Sine and cosine from those of the rest, values or bounds, each to be negated where the sign
@@ -185,40 +234,49 @@ impl<M: Machine> Rule<'_, M> {
         turned: &Turned<M::V>,
         [sin, cos]: [[M::V; N]; 2],
     ) -> [([M::V; N], M::V); 2] {
-        // By bits 0 and 1 of k, and of k + 1 for the cosine: moved to the sign bit, they choose.
-        let odd = self.m.shift_left(turned.bits, 31);
-        let one = self.m.bits(F32, 1);
-        let next = self.m.int_add(turned.bits, one);
-        [(cos, sin, turned.bits), (sin, cos, next)].map(|(if_odd, if_even, bits)| {
-            let sign = self.m.shift_left(bits, 30);
+        // By bit 0 of k, and bit 1 of k or, for the cosine, of k + 1: moved to the sign bit, they choose.
+        let last = match self.format {
+            Format::F32 => 31,
+            Format::F64 => 63,
+        };
+        let odd = self.m.shift_left(turned.bits, last);
+        let sin_sign = self.m.shift_left(turned.bits, last - 1);
+        let cos_sign = self.m.xor(sin_sign, odd);
+        [(cos, sin, sin_sign), (sin, cos, cos_sign)].map(|(if_odd, if_even, sign)| {
             let value = std::array::from_fn(|i| self.m.select_signed(odd, if_odd[i], if_even[i]));
             (value, sign)
         })
     }
 
-    /// c₀ + z(c₁ + z·c₂).
-    fn near_series(&mut self, z: M::V, coefficients: [f32; 3]) -> M::V {
-        let [c0, c1, c2] = coefficients.map(|c| self.number(f64::from(c)));
-        let product = self.m.mul(z, c2);
-        let sum = self.m.add(product, c1);
-        let product = self.m.mul(sum, z);
-        self.m.add(product, c0)
+    /// c₀ + z(c₁ + z(c₂ + …)).
+    fn near_series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
+        let (last, rest) = coefficients.split_last().expect("a series has a term");
+        let last = self.number(*last);
+        rest.iter().rev().fold(last, |sum, c| {
+            let product = self.m.mul(z, sum);
+            let c = self.number(*c);
+            self.m.add(product, c)
+        })
+    }
+
+    fn sign_mask(&mut self) -> M::V {
+        self.number(-0.0)
     }
 }
 
-/// (cos s − 1 + z/2)/z² and (sin s − s)/s³ as parabolas in z = s² ≤ 0.618: those for which the
-/// largest error that they make in the cosine and sine is least, found by reweighted least squares:
-/// 2⁻³¹ and 2⁻²⁸·⁵.
-const COS_SERIES: [f32; 3] = [0.041_666_646, -0.001_388_736_2, 2.443_777_5e-5];
-const SIN_SERIES: [f32; 3] = [-0.166_666_51, 0.008_331_974, -0.000_194_949_93];
+/// How far the cosine's sum may be above the truth and below it, in units of 2⁻²⁴ or 2⁻⁵³ =
+/// ulp(cos s). For z ≥ ½, −z/2 is a multiple of ½ and too low by less than that, so that 1 − z/2 is
+/// too high by ½ at most, and the tail adds less than ⅓; for smaller z, 1 − z/2 is too high by less
+/// than 1 − z/2, −z/2 too low by less than ¼, the tail wrong by less than z/2: by six roundings of
+/// z²/24, each of two units, the polynomial, and n·s³/6 for an n of a unit.
+const COS_SLACK: [f64; 2] = [1.0, 0.75];
+/// A bound on the error of the sine's tail, in such units of |s|: three roundings in one direction
+/// of 0.1, each of two units, make 0.61, the polynomial 0.07, n·(cos s − 1 + z/2) 0.03.
+const SIN_SLACK: f64 = 0.75;
 
-/// How far the cosine's sum may be above the truth and below it, in units of 2⁻²⁴ = ulp(cos s). For
-/// z ≥ ½, −z/2 is a multiple of ½ and too low by less than that, so that 1 − z/2 is too high by ½
-/// at most, and the tail adds less than ¼; for smaller z, 1 − z/2 is too high by less than 1 − z/4,
-/// −z/2 too low by less than ¼, the tail wrong by less than z/4.
-const COS_SLACK: [f64; 2] = [1.0 / (1 << 24) as f64, 0.75 / (1 << 24) as f64];
-/// A bound on the error of the sine's tail, in parts of |s|.
-const SIN_SLACK: f64 = 0.75 / (1 << 24) as f64;
+/// A value rounds up by less than one unit of 2⁻²³ or 2⁻⁵² of itself, and half [`COS_SLACK`] are at
+/// most 0.708 of a cosine of π/4, half [`SIN_SLACK`] 0.42 of a sine.
+pub(crate) const NEAR_UNITS: f64 = 1.75;
 
 #[cfg(test)]
 mod tests {
@@ -226,15 +284,26 @@ mod tests {
 
     #[test]
     fn parts_of_half_pi_make_up_half_pi() {
-        // Its first 121 bits: OEIS A062964, halved.
+        // Its first 121 bits and the next 24: OEIS A062964, halved.
         let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
+        let next = 0xa2_5204_u128;
+        let bits = |part: f64| 53 - part.to_bits().trailing_zeros();
+
+        let parts = NEAR_F32.half_pi;
         let scaled = |part: f64| (part * 2_f64.powi(120)) as u128;
-        let sum: u128 = HALF_PI.iter().map(|part| scaled(*part)).sum();
+        let sum: u128 = parts.iter().map(|part| scaled(*part)).sum();
         assert!(sum.abs_diff(half_pi) < 1 << (120 - 59));
-        for part in HALF_PI {
+        for part in parts {
             assert_eq!(f64::from(part as f32), part);
         }
-        let bits = |part: f64| 53 - part.to_bits().trailing_zeros();
-        assert!(HALF_PI[..2].iter().all(|part| bits(*part) <= 17));
+        assert!(parts[..2].iter().all(|part| bits(*part) <= 17));
+
+        // The first two parts are the first 83 bits, and the third what follows.
+        let [first, second, third] = NEAR_F64.half_pi;
+        let scaled = |part: f64| (part * 2_f64.powi(82)) as u128;
+        assert_eq!(scaled(first) + scaled(second), half_pi >> 38);
+        let rest = (half_pi % (1 << 38)) << 24 | next;
+        assert!(((third * 2_f64.powi(144)) as u128).abs_diff(rest) < 8);
+        assert!(bits(first) <= 41 && bits(second) <= 42);
     }
 }

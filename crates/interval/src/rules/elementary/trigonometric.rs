@@ -161,25 +161,49 @@ impl<M: Machine> Approximator<'_, M> {
     /// 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
     pub(crate) fn sin(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
-        let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
-        let odd = self.odd_lanes(angle.bits);
-        let value = self.choose(odd, cos, sin);
-        let value = self.flip_by_bit_1(value, angle.bits);
-        let value = self.or_tiny(x, value);
-        (Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
+        let reduced = [self.sin_reduced(angle.rest), self.cos_reduced(angle.rest)];
+        (self.sin_of(x, &angle, reduced), angle.quarters)
     }
 
     /// cos x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error as
     /// that of the sine.
     pub(crate) fn cos(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
-        let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
+        let reduced = [self.sin_reduced(angle.rest), self.cos_reduced(angle.rest)];
+        (self.cos_of(&angle, reduced), angle.quarters)
+    }
+
+    /// Both.
+    pub(crate) fn waves(&mut self, x: M::V, half_pi: &HalfPi) -> [Approximation<M::V>; 2] {
+        let angle = self.reduce(x, half_pi);
+        let reduced = [self.sin_reduced(angle.rest), self.cos_reduced(angle.rest)];
+        [self.sin_of(x, &angle, reduced), self.cos_of(&angle, reduced)]
+    }
+
+    fn sin_of(
+        &mut self,
+        x: M::V,
+        angle: &Angle<M::V>,
+        [sin, cos]: [DoubleDouble<M::V>; 2],
+    ) -> Approximation<M::V> {
+        let odd = self.odd_lanes(angle.bits);
+        let value = self.choose(odd, cos, sin);
+        let value = self.flip_by_bit_1(value, angle.bits);
+        let value = self.or_tiny(x, value);
+        Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54)))
+    }
+
+    fn cos_of(
+        &mut self,
+        angle: &Angle<M::V>,
+        [sin, cos]: [DoubleDouble<M::V>; 2],
+    ) -> Approximation<M::V> {
         let odd = self.odd_lanes(angle.bits);
         let value = self.choose(odd, sin, cos);
         let one = self.m.bits(F64, 1);
         let next = self.m.int_add(angle.bits, one);
         let value = self.flip_by_bit_1(value, next);
-        (Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54))), angle.quarters)
+        Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54)))
     }
 
     /// tan x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below

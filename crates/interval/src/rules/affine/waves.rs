@@ -1,0 +1,116 @@
+//! Forms of sine and cosine, as of [`functions`](super::functions): each is the other's slope, and its own bend.
+
+use super::{Form, FormOperand};
+use crate::machine::Machine;
+use crate::rules::{NEAR_UNITS, Rule};
+
+/// Sine or cosine at one number.
+#[derive(Clone, Copy)]
+struct Wave<V> {
+    value: V,
+    /// |value|.
+    size: V,
+    /// At least how far the value is from the truth.
+    off: V,
+}
+
+/// Where an operand lies, as both forms need it.
+struct Place<V, const N: usize> {
+    /// The operand's form less the middle of its bounds.
+    moved: Form<V, N>,
+    /// Half the width of the bounds.
+    reach: V,
+    /// A quarter of its square.
+    square: V,
+}
+
+impl<M: Machine> Rule<'_, M> {
+    /// Sine and cosine.
+    pub(super) fn form_waves<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+    ) -> [Form<M::V, N>; 2] {
+        let bounds = self.operand(a);
+        let (middle, reach) = self.middle(bounds.value.neg_lo, bounds.value.hi);
+        let [sin, cos] = if self.is_near(a.range) {
+            let share = self.number(NEAR_UNITS * self.unit());
+            self.near_waves_at(middle).map(|value| {
+                let size = self.m.abs(value);
+                Wave { value, size, off: self.m.mul(size, share) }
+            })
+        } else {
+            let point = self.point(middle, &bounds);
+            self.waves_of_point(&point).map(|[neg_lo, hi]| {
+                let (value, off) = self.middle(neg_lo, hi);
+                Wave { value, size: self.m.abs(value), off }
+            })
+        };
+        let moved = self.m.sub(a.value.centre, middle);
+        let size = self.m.abs(moved);
+        let magnitude = match self.spread(&a.value) {
+            Some(spread) => self.m.add(size, spread),
+            None => size,
+        };
+        let rounding = self.rounded(None, 1.0, size);
+        let error = self.sum_of(a.value.error, Some(rounding));
+        let moved = Form { centre: moved, magnitude: Some(magnitude), error, ..a.value };
+        let quarter = self.number(0.25);
+        let square = self.m.mul(reach, reach);
+        let place = Place { moved, reach, square: self.m.mul(square, quarter) };
+        let opposite = Wave { value: self.m.neg(sin.value), ..sin };
+        [(sin, cos), (cos, opposite)].map(|(here, slope)| self.form_wave(&place, &here, &slope))
+    }
+
+    /// v + α(a − m) and the rest. The bend is −f, so that f(x) − v − α(x − m) is within −2p and 2q for p and q a quarter of
+    /// reach² times the most and minus the least value: in the form, q − p ± (q + p).
+    ///
+    /// What is rounded, in units: what the centre and slopes are is below two of |α|(|m| + Σ|slopes|), and one of the centre's
+    /// other part, v + (q − p), which itself is off by one of v and two of q + p.
+    fn form_wave<const N: usize>(
+        &mut self,
+        place: &Place<M::V, N>,
+        here: &Wave<M::V>,
+        slope: &Wave<M::V>,
+    ) -> Form<M::V, N> {
+        let (zero, one) = (self.zero(), self.number(1.0));
+        let a = &place.moved;
+        // Within reach it changes by no more than that.
+        let change = self.m.add(place.reach, here.off);
+        let above = self.m.add(change, here.value);
+        let below = self.m.sub(change, here.value);
+        let wide = [below, above].map(|end| self.m.min(end, one));
+        let [q, p] = wide.map(|bend| {
+            let bend = self.m.max(bend, zero);
+            self.m.mul(bend, place.square)
+        });
+        let shift = self.m.sub(q, p);
+        let offset = self.m.add(here.value, shift);
+        let curved = self.m.add(q, p);
+        let with_rounding = self.number(1.0 + 4.0 * self.unit());
+        let error = self.m.mul(curved, with_rounding);
+        let turned = self.m.mul(slope.off, place.reach);
+        let mut error = self.m.add(error, turned);
+        error = self.m.add(error, here.off);
+        if let Some(a_error) = a.error {
+            let carried = self.m.mul(a_error, slope.size);
+            error = self.m.add(error, carried);
+        }
+        let tiny = self.tiny();
+        error = self.m.add(error, tiny);
+        let magnitude = self.magnitude_of(a);
+        let magnitude = self.m.mul(magnitude, slope.size);
+        let magnitude = self.m.add(magnitude, here.size);
+        let error = self.rounded(Some(error), 2.5, magnitude);
+        let centre = self.m.mul(a.centre, slope.value);
+        let form = Form {
+            centre: self.m.add(centre, offset),
+            slopes: a.slopes.map(|slopes| slopes.map(|part| self.m.mul(part, slope.value))),
+            error: Some(error),
+            magnitude: None,
+            bounds: None,
+            facts: a.facts,
+        };
+        let value = a.facts.with(wide);
+        self.beside(&form, &value)
+    }
+}
