@@ -57,11 +57,13 @@ impl<M: Machine> Rule<'_, M> {
         let bounds = self.operand(a);
         let (middle, reach) = self.middle(bounds.value.neg_lo, bounds.value.hi);
         let point = self.point(middle, &bounds);
-        let [sin, cos] = if self.is_near(point.range) {
-            self.near_waves_of_point(middle)
-        } else {
-            [self.sin(&point), self.cos(&point)]
-        };
+        let [sin, cos] = self.approximated(|rule| {
+            if rule.is_near(point.range) {
+                rule.near_waves_of_point(middle)
+            } else {
+                [rule.sin(&point), rule.cos(&point)]
+            }
+        });
         let minus_sin = Enclosure { neg_lo: sin.hi, hi: sin.neg_lo, ..sin };
         [(sin, cos), (cos, minus_sin)].map(|(here, derivative)| {
             let (zero, one) = (self.zero(), self.number(1.0));
@@ -121,7 +123,7 @@ impl<M: Machine> Rule<'_, M> {
         });
         let (offset, half) = self.middle(neg_lo, hi);
         // What a − m rounds is far below what is counted for centres of its size.
-        let moved = self.m.sub(a.centre, middle);
+        let [moved] = self.pairwise([a.centre], [middle], M::sub);
         let size = self.m.abs(moved);
         let magnitude = match self.spread(a) {
             Some(spread) => self.m.add(size, spread),
@@ -357,8 +359,8 @@ impl<M: Machine> Rule<'_, M> {
         let share = self.number(UNITS * self.unit());
         let size = self.m.abs(slope);
         let (off, more) = (self.m.mul(size, share), self.m.mul(bend, share));
-        let tiny = self.tiny();
         let bend = self.m.add(bend, more);
-        Shape { slope, off: self.m.add(off, tiny), bend: [bend, bend] }
+        let off = self.above_tiny(Some(off)).expect("a bound");
+        Shape { slope, off, bend: [bend, bend] }
     }
 }
