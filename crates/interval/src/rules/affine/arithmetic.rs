@@ -126,9 +126,8 @@ impl<M: Machine> Rule<'_, M> {
             error = self.sum_of(error, Some(off));
         }
         let error = self.above_tiny(error);
-        let [centre] = self.pairwise([a.centre], [by], M::mul);
         Form {
-            centre,
+            centre: self.m.nearly(|m| m.mul(a.centre, by)),
             slopes,
             error: Some(self.rounded(error, 1.25, magnitude)),
             magnitude: Some(magnitude),
@@ -148,18 +147,17 @@ impl<M: Machine> Rule<'_, M> {
         let b_magnitude = self.m.add(b_size, b_spread);
         // The square of the last symbol, depth, is within [0, 1]: half its product is the middle.
         let half = self.number(0.5);
-        let (depth, centre) = self.m.nearly(|m| {
+        let (depth, centre, slopes) = self.m.nearly(|m| {
             let depth = m.mul(a_slopes[N - 1], b_slopes[N - 1]);
             let middle = m.mul(depth, half);
             let centre = m.mul(a.centre, b.centre);
-            (depth, m.add(centre, middle))
-        });
-        let slopes = self.m.nearly(|m| {
-            std::array::from_fn(|k| {
+            let centre = m.add(centre, middle);
+            let slopes = std::array::from_fn(|k| {
                 let first = m.mul(a.centre, b_slopes[k]);
                 let second = m.mul(b.centre, a_slopes[k]);
                 m.add(first, second)
-            })
+            });
+            (depth, centre, slopes)
         });
         // Of all products of symbols, the half that is now in the centre need not be counted, but for its rounding.
         let size = self.m.abs(depth);
@@ -229,9 +227,8 @@ impl<M: Machine> Rule<'_, M> {
             let off = self.m.mul(a_error, both);
             error = self.m.add(error, off);
         }
-        let [centre] = self.pairwise([centre], [curved], M::add);
         Form {
-            centre,
+            centre: self.m.nearly(|m| m.add(centre, curved)),
             slopes: Some(self.pairwise([twice; N], slopes, M::mul)),
             error: Some(self.rounded(Some(error), 3.0, magnitude)),
             magnitude: Some(magnitude),
@@ -321,9 +318,8 @@ impl<M: Machine> Rule<'_, M> {
             error = self.m.add(error, carried);
         }
         let error = self.above_tiny(Some(error));
-        let [centre] = self.pairwise([centre], [middle], M::add);
         Form {
-            centre,
+            centre: self.m.nearly(|m| m.add(centre, middle)),
             slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope; N], M::mul)),
             error: Some(self.rounded(error, 2.5, magnitude)),
             magnitude: Some(magnitude),
