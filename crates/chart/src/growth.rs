@@ -23,9 +23,6 @@ use zeroset_eval::{ContractTiles, Question};
 use zeroset_syntax::{Options as Reading, read};
 use zeroset_trace::{METHODS, Options};
 
-/// Formulas that are measured before what is found is written again.
-const BETWEEN: usize = 16;
-
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
@@ -37,7 +34,8 @@ pub struct Extent {
     pub seed: u64,
 }
 
-/// A formula's line of results. Times are medians in milliseconds, on one thread.
+/// A formula's line of results. Times are in milliseconds, on one thread: the least of all rounds, as the same work is done
+/// in each and whatever else the processor does only adds to it, the more the longer it takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns
 pub struct Row {
@@ -66,7 +64,8 @@ pub struct Row {
     pub processor: String,
 }
 
-/// Measures `formulas`, and writes `compile.csv`, `compile-time.svg` and `compile-code.svg` into `directory`, also on the way.
+/// Measures `formulas` in rounds of random order, and writes `compile.csv`, `compile-time.svg` and `compile-code.svg` into
+/// `directory` after each round.
 ///
 /// # Errors
 /// If a formula has no kernels, or the directory cannot be written.
@@ -76,28 +75,26 @@ pub fn growth(
     directory: &Path,
 ) -> Result<Vec<Row>, ChartError> {
     let (machine, pool) = (Machine::this(), pool(1));
-    let bar = progress(formulas.len());
+    let bar = progress((1 + extent.repeats) * formulas.len());
+    let mut random = rng(&format!("{} growth order", extent.seed));
+    let mut order: Vec<usize> = (0..formulas.len()).collect();
+    let mut made: Vec<Vec<Compiled>> = formulas.iter().map(|_| Vec::new()).collect();
     let mut rows = Vec::new();
-    // Small and large ones in turn, so that a chart drawn on the way has some of all.
-    let mut order: Vec<&Formula> = formulas.iter().collect();
-    rng(&format!("{} growth order", extent.seed)).shuffle(&mut order);
-    for some in order.chunks(BETWEEN) {
-        // Rounds go through all of them, so that a disturbance falls on one round of each.
-        let mut times: Vec<Vec<Compiled>> = some.iter().map(|_| Vec::new()).collect();
-        for round in 0..=extent.repeats {
-            for (formula, times) in some.iter().zip(&mut times) {
-                bar.set_message(formula.name.clone());
-                let made = pool.install(|| compile(formula))?;
-                if round > 0 {
-                    times.push(made);
-                }
+    // The first round warms up. A disturbance falls on one round of many formulas, and not on one formula.
+    for round in 0..=extent.repeats {
+        random.shuffle(&mut order);
+        for &number in &order {
+            let one = pool.install(|| compile(&formulas[number]))?;
+            if round > 0 {
+                made[number].push(one);
             }
-        }
-        for (formula, times) in some.iter().zip(times) {
-            rows.push(row(formula, &times, extent, &machine));
             bar.inc(1);
         }
-        save(&rows, directory)?;
+        if round > 0 {
+            let pairs = formulas.iter().zip(&made);
+            rows = pairs.map(|(formula, made)| row(formula, made, extent.seed, &machine)).collect();
+            save(&rows, directory)?;
+        }
     }
     bar.finish_and_clear();
     Ok(rows)
@@ -158,10 +155,10 @@ fn compile(formula: &Formula) -> Result<Compiled, ChartError> {
     })
 }
 
-fn row(formula: &Formula, rounds: &[Compiled], extent: Extent, machine: &Machine) -> Row {
+fn row(formula: &Formula, rounds: &[Compiled], seed: u64, machine: &Machine) -> Row {
     let [parse_ms, simplify_ms, compile_ms] = [0, 1, 2].map(|stage| {
         let times: Vec<f64> = rounds.iter().map(|round| round.times[stage]).collect();
-        quantile(&times, 0.5).expect("repeats")
+        quantile(&times, 0.0).expect("repeats")
     });
     let one = &rounds[0];
     let Machine { version, rustc, flags, processor, .. } = machine.clone();
@@ -176,8 +173,8 @@ fn row(formula: &Formula, rounds: &[Compiled], extent: Extent, machine: &Machine
         kernels: one.kernels,
         code_bytes: one.bytes,
         forms: one.forms,
-        repeats: extent.repeats,
-        seed: extent.seed,
+        repeats: rounds.len(),
+        seed,
         version,
         rustc,
         flags,

@@ -85,11 +85,12 @@ fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
         "squares: sums of squares of planes",
         "triangles: products of planes",
         "",
-        "kernels: those that affine asks for;",
-        "exponents by least",
+        "kernels: those that affine asks for",
     ];
     let mut notes: Vec<String> = notes.map(str::to_owned).into();
-    notes.push(format!("squares from {FROM} nodes on"));
+    notes.push(format!("exponents: from {FROM} nodes on"));
+    let rounds = rows.first().map_or(0, |row| row.repeats);
+    notes.push(format!("times: the least of {rounds} rounds"));
     let x = "nodes of the simplified graph".to_owned();
     Figure { x, series, notes, ..Figure::default() }
 }

@@ -56,8 +56,8 @@ pub fn figure(rows: &[Row]) -> Figure {
     let number = surfaces.len();
     let size = rows.first().map_or(0, |row| row.size);
     let notes = [
-        "1: to nearest, no widening".to_owned(),
-        "(not sound)".to_owned(),
+        "1: to nearest and left so, no terms".to_owned(),
+        "for rounding in forms (not sound)".to_owned(),
         String::new(),
         format!("{number} surface{}, 1 thread,", if number == 1 { "" } else { "s" }),
         format!("pictures of {size}×{size} by affine"),
@@ -67,10 +67,10 @@ pub fn figure(rows: &[Row]) -> Figure {
     Figure {
         title: "The price of rigour".to_owned(),
         x: "what is asked of kernels, whole pictures, and in which floats".to_owned(),
-        y: "time, times that without rigour".to_owned(),
+        y: "time, as a multiple of that without rigour".to_owned(),
         places: places.iter().map(|(asked, precision)| format!("{asked} {precision}")).collect(),
         series: vec![
-            series(Arithmetic::Widened, "to nearest, widened", 1, Shape::Square, -0.12),
+            series(Arithmetic::Widened, "to nearest, then widened", 1, Shape::Square, -0.12),
             series(Arithmetic::Upward, "rounded up (zeroset)", 0, Shape::Disc, 0.12),
         ],
         level: Some(1.0),
