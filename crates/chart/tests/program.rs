@@ -139,7 +139,7 @@ fn rigour_has_a_price() {
 fn compiling_takes_longer_the_larger_the_formula_is() {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().to_str().expect("UTF-8");
-    let output = chart(&["compile", "--nodes", "300", "--repeats", "1", "-o", path]);
+    let output = chart(&["compile", "--nodes", "300", "--repeats", "2", "-o", path]);
     assert!(output.status.success(), "{output:?}");
     let rows: Vec<growth::Row> = parsed(&directory.path().join("compile.csv"));
     for source in [growth::Source::Sum, growth::Source::Product] {
