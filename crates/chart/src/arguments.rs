@@ -1,6 +1,8 @@
 //! The command line's arguments.
 
 use crate::grid::{Values, precision};
+use crate::growth;
+use crate::rigour;
 use crate::row::Frame;
 use crate::surfaces;
 use clap::builder::PossibleValuesParser;
@@ -37,6 +39,14 @@ pub enum Command {
     /// for open, and the distances between which the first root lies. Distances are from the origin in units of the world;
     /// they are NaN where there are none.
     Rays(RaysArguments),
+    /// Time kernels and pictures without rigour, widened operation by operation, and rounded up as they are
+    ///
+    /// In the directory: `rigour.csv`, of which a row is a surface's kernel or picture in one arithmetic, and `rigour.svg`.
+    Rigour(RigourArguments),
+    /// Time text to kernels against the size of formulas: those of the gallery, and sums and products that are made
+    ///
+    /// In the directory: `compile.csv`, of which a row is a formula, `compile-time.svg` and `compile-code.svg`.
+    Compile(CompileArguments),
     /// Draw the charts of a directory's rows once more, as `run` does at its end
     Draw {
         /// What `run` has written
@@ -132,6 +142,63 @@ impl RaysArguments {
     }
 }
 
+/// What rigour is to be priced on.
+#[derive(Args, Debug)]
+pub struct RigourArguments {
+    /// Surfaces without parameters and poles, as for `run`; the ten if not given
+    surfaces: Vec<String>,
+    /// Rows of a picture, and pixels in a row
+    #[arg(long, default_value_t = 256, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(8..=8192))]
+    size: u32,
+    /// How often each kernel and each picture is measured
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    repeats: u32,
+    /// Draws boxes and the order of measurements
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Where rows and chart go
+    #[arg(short, long, value_name = "DIRECTORY")]
+    pub output: PathBuf,
+}
+
+impl RigourArguments {
+    /// The surfaces' names.
+    pub fn surfaces(&self) -> Vec<String> {
+        named_or_ten(&self.surfaces)
+    }
+
+    /// How much is measured.
+    pub fn extent(&self) -> rigour::Extent {
+        let [size, repeats] = [self.size, self.repeats].map(|number| number as usize);
+        rigour::Extent { size, repeats, seed: self.seed }
+    }
+}
+
+/// What is to be compiled.
+#[derive(Args, Debug)]
+pub struct CompileArguments {
+    /// About how many nodes the largest sum and product have
+    #[arg(long, default_value_t = 3000, value_parser = clap::value_parser!(u32).range(12..=100_000))]
+    nodes: u32,
+    /// How often each formula is compiled
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    repeats: u32,
+    /// Draws the numbers in sums and products, and the order of measurements
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Where rows and charts go
+    #[arg(short, long, value_name = "DIRECTORY")]
+    pub output: PathBuf,
+}
+
+impl CompileArguments {
+    /// How much is measured.
+    pub fn extent(&self) -> growth::Extent {
+        let [nodes, repeats] = [self.nodes, self.repeats].map(|number| number as usize);
+        growth::Extent { nodes, repeats, seed: self.seed }
+    }
+}
+
 /// Which difficult formulas to draw.
 #[derive(Args, Debug)]
 pub struct StabilityArguments {
@@ -177,6 +244,12 @@ fn precision_name(text: &str) -> Result<String, String> {
     precision(text).map(|_| text.to_owned()).ok_or_else(|| "not one of f32, f64, auto".to_owned())
 }
 
+/// These surfaces, each once, or the ten.
+fn named_or_ten(names: &[String]) -> Vec<String> {
+    let ten = || surfaces::names().into_iter().map(str::to_owned).collect();
+    if names.is_empty() { ten() } else { distinct(names) }
+}
+
 /// Each once, as they come.
 fn distinct<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
     let mut all: Vec<T> = Vec::new();
@@ -191,8 +264,7 @@ fn distinct<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
 impl RunArguments {
     /// The surfaces' names.
     pub fn surfaces(&self) -> Vec<String> {
-        let ten = || surfaces::names().into_iter().map(str::to_owned).collect();
-        if self.surfaces.is_empty() { ten() } else { distinct(&self.surfaces) }
+        named_or_ten(&self.surfaces)
     }
 
     /// The methods.

@@ -6,10 +6,13 @@ use std::path::Path;
 use std::process::ExitCode;
 use zeroset_chart::arguments::{Arguments, Command};
 use zeroset_chart::check::check;
+use zeroset_chart::growth::{self, growth};
 use zeroset_chart::rays::rays;
+use zeroset_chart::rigour::rigour;
 use zeroset_chart::run::{Plan, run};
 use zeroset_chart::stability::{named, stability, table};
 use zeroset_chart::store::Store;
+use zeroset_chart::surfaces::Surface;
 
 /// What was counted differs.
 const DIFFERS: u8 = 1;
@@ -49,6 +52,18 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode> {
             let (cases, methods) = (named(&arguments.cases)?, arguments.methods());
             let verdicts = stability(&cases, &methods, arguments.budget, &arguments.output)?;
             print!("{}", table(&verdicts, &methods));
+        }
+        Command::Rigour(arguments) => {
+            let names = arguments.surfaces();
+            let surfaces: Vec<Surface> =
+                names.iter().map(|name| Surface::named(name)).collect::<Result<_, _>>()?;
+            let rows = rigour(&surfaces, arguments.extent(), &arguments.output)?;
+            print!("{}", zeroset_chart::rigour::table(&rows));
+        }
+        Command::Compile(arguments) => {
+            let extent = arguments.extent();
+            let rows = growth(&growth::all(extent)?, extent, &arguments.output)?;
+            print!("{}", growth::table(&rows));
         }
         Command::Rays(arguments) => print!("{}", rays(arguments)?),
         Command::Draw { directory } => draw(directory)?,

@@ -206,6 +206,7 @@ impl<T: Real> Tape<T> {
                         }
                     };
                     let (range, exponent) = (self.range(index), step.exponent());
+                    let value = leaves.held(m, value, range);
                     (Operand { value, range, exponent }, made)
                 };
                 if let Some(choice) = branches.makes[index] {

@@ -60,6 +60,11 @@ where
         let both = ValueDomain::<T, M>::apply_twins(&mut self.0, m, op, &bounds)?;
         Some(both.map(|value| smooth::<T, M>(m, op, &[*operand], value)))
     }
+
+    fn held(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
+        let bounds = ValueDomain::<T, M>::held(&mut self.0, m, value.value, range);
+        Smooth { value: bounds, ..value }
+    }
 }
 
 /// An operation's value with its facts: those of the operands, and its own over their bounds.

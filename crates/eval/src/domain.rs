@@ -30,6 +30,10 @@ pub trait ValueDomain<T: Real, M: Machine> {
         op: Op,
         operand: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]>;
+    /// A value that is known to be within `range`: see [`Machine::held`].
+    fn held(&mut self, _m: &mut M, value: Self::Value, _range: Interval) -> Self::Value {
+        value
+    }
 }
 
 /// Where code finds what it reads.
@@ -106,6 +110,12 @@ impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {
         operand: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]> {
         enclose_twins(m, T::FORMAT, op, &operand.operand())
+    }
+
+    fn held(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
+        let neg_lo = m.held(T::FORMAT, value.neg_lo, -range.lo);
+        let hi = m.held(T::FORMAT, value.hi, range.hi);
+        Enclosure { neg_lo, hi, ..value }
     }
 }
 

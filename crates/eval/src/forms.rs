@@ -52,9 +52,11 @@ impl<V: Copy> Ends<V> {
         quantities: [usize; 2],
     ) -> Self {
         let ends = quantities.map(|quantity| loader.input(m, quantity));
-        let sum = m.add(ends[0], ends[1]);
         let half = m.number(format, 0.5);
-        let middle = m.mul(sum, half);
+        let middle = m.nearly(|m| {
+            let sum = m.add(ends[0], ends[1]);
+            m.mul(sum, half)
+        });
         let (after, before) = (m.sub(ends[1], middle), m.sub(middle, ends[0]));
         Self { at: ends, middle, half: m.max(after, before) }
     }
@@ -73,9 +75,12 @@ impl<M: Machine> Path<M, 1> for Along<M::V> {
     fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, 1> {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
-        let way = m.mul(self.middle, direction);
-        let centre = m.add(origin, way);
-        Form::coordinate(centre, [m.mul(self.half, direction)], error)
+        // The error has room for what is rounded here.
+        let (centre, slope) = m.nearly(|m| {
+            let way = m.mul(self.middle, direction);
+            (m.add(origin, way), m.mul(self.half, direction))
+        });
+        Form::coordinate(centre, [slope], error)
     }
 }
 
@@ -95,20 +100,23 @@ impl<M: Machine> Path<M, 3> for Across<M::V> {
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
         let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
         let error = loader.input(m, 24 + axis as usize);
-        let mut through_centre = |base, a, b| {
-            let (a, b) = (m.mul(self.centre[0], a), m.mul(self.centre[1], b));
-            let sum = m.add(base, a);
-            m.add(sum, b)
-        };
-        let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
-        let way = m.mul(self.middle, direction);
-        let centre = m.add(origin, way);
-        let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
-            let way = m.mul(self.middle, d);
-            let per_unit = m.add(o, way);
-            m.mul(self.reach[axis], per_unit)
+        // As above.
+        let (centre, slopes) = m.nearly(|m| {
+            let mut through_centre = |base, a, b| {
+                let (a, b) = (m.mul(self.centre[0], a), m.mul(self.centre[1], b));
+                let sum = m.add(base, a);
+                m.add(sum, b)
+            };
+            let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
+            let way = m.mul(self.middle, direction);
+            let centre = m.add(origin, way);
+            let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
+                let way = m.mul(self.middle, d);
+                let per_unit = m.add(o, way);
+                m.mul(self.reach[axis], per_unit)
+            });
+            (centre, [across, upward, m.mul(self.half, direction)])
         });
-        let depth = m.mul(self.half, direction);
         // Screen and depth together: rays spread.
         let [spread_a, spread_b] = [(d_a, 0), (d_b, 1)].map(|(d, axis)| {
             let size = m.abs(d);
@@ -116,7 +124,7 @@ impl<M: Machine> Path<M, 3> for Across<M::V> {
         });
         let spread = m.add(spread_a, spread_b);
         let spread = m.mul(self.half, spread);
-        Form::coordinate(centre, [across, upward, depth], m.add(spread, error))
+        Form::coordinate(centre, slopes, m.add(spread, error))
     }
 }
 
@@ -152,6 +160,10 @@ impl<T: Real, M: Machine, I: Loader<M>, P: Path<M, N>, const N: usize> ValueDoma
         term: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]> {
         linearise_twins(m, T::FORMAT, op, &operand(term))
+    }
+
+    fn held(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
+        value.held(m, T::FORMAT, range)
     }
 }
 

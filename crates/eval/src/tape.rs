@@ -201,6 +201,7 @@ impl<T: Real> Tape<T> {
                     }
                 }
             };
+            let value = domain.held(m, value, range);
             terms.push(Term { value, range, exponent: step.exponent() });
         }
         self.outputs.iter().map(|&output| terms[output].value).collect()

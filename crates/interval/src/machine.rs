@@ -96,4 +96,27 @@ pub trait Machine {
     {
         inputs.map(|row| routine(self, row))
     }
+
+    // What follows means nothing to a machine that rounds up. It tells another, which rounds to
+    // nearest and moves each result, what needs no moving and what moving might break.
+
+    /// Writes what need be no bound: it is exact, or what it rounds by is counted elsewhere.
+    fn nearly<R>(&mut self, text: impl FnOnce(&mut Self) -> R) -> R
+    where
+        Self: Sized,
+    {
+        text(self)
+    }
+    /// A bound that was written by [`Machine::nearly`], of which only the last rounding counts.
+    fn outward(&mut self, bound: Self::V) -> Self::V {
+        bound
+    }
+    /// A bound that no rounding up takes beyond `most`, as rules rely on; `most` is exact in `format`.
+    fn held(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
+        bound
+    }
+    /// Whether forms are to hold what rounding adds to them.
+    fn counts_rounding(&self) -> bool {
+        true
+    }
 }

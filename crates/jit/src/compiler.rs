@@ -18,7 +18,7 @@ use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Module, default_libcall_names};
 use std::marker::PhantomData;
 use std::sync::OnceLock;
-use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Question, Real, Tape};
+use zeroset_eval::{Answer, Batch, LANES, Lanes, Loader, Output, Question, Real, Tape};
 use zeroset_interval::Fact;
 
 /// Operations in one kernel, at most: beyond this even the fast tier takes too long.
@@ -94,6 +94,22 @@ pub fn compile<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Code, Error> {
     check_processor()?;
     let (function, constants) = build::<Q, T>(tape)?;
     let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
+    generate(function, constants, tier)
+}
+
+/// As [`compile`], written on the machine that `other` puts around the one that emits, by the slower tier whatever its size.
+#[cfg(feature = "comparison")]
+pub fn compile_for_comparison<Q: Question, T: Real>(
+    tape: &Tape<T>,
+    other: impl FnOnce(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
+) -> Result<Code, Error> {
+    check_processor()?;
+    let (function, constants) = build_with::<Q, T>(tape, other)?;
+    generate(function, constants, Tier::Optimised)
+}
+
+/// From intermediate code to memory.
+fn generate(function: Function, constants: Vec<u128>, tier: Tier) -> Result<Code, Error> {
     check_stack(function.fixed_stack_size())?;
     let isa = target(tier)?;
     let builder = JITBuilder::with_isa(isa, default_libcall_names());
@@ -156,7 +172,7 @@ fn signature() -> Signature {
 }
 
 /// Where a kernel finds what it reads in the current round of its loop.
-struct Cursor<T> {
+pub struct Cursor<T> {
     input: Value,
     parameters: Value,
     format: PhantomData<T>,
@@ -188,6 +204,14 @@ fn trusted() -> MemFlagsData {
 
 /// The function, and the constants that its pool must hold.
 fn build<Q: Question, T: Real>(tape: &Tape<T>) -> Result<(Function, Vec<u128>), Error> {
+    build_with::<Q, T>(tape, |emitter, cursor| Q::answer(tape, emitter, cursor))
+}
+
+/// The same with an answer that `write` writes.
+fn build_with<Q: Question, T: Real>(
+    tape: &Tape<T>,
+    write: impl FnOnce(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
+) -> Result<(Function, Vec<u128>), Error> {
     assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
     if tape.operations() > LIMIT {
         return Err(Error::TooLarge { operations: tape.operations(), limit: LIMIT });
@@ -219,7 +243,7 @@ fn build<Q: Question, T: Real>(tape: &Tape<T>) -> Result<(Function, Vec<u128>), 
     let pool = builder.ins().load(I64, trusted(), constants, 0);
     let mut cursor = Cursor::<T> { input, parameters, format: PhantomData };
     let mut emitter = Emitter::new(&mut builder, pool);
-    let answer = Q::answer(tape, &mut emitter, &mut cursor);
+    let answer = write(&mut emitter, &mut cursor);
     for (number, value) in answer.quantities.into_iter().enumerate() {
         let value = emitter.value(value);
         emitter.builder().ins().store(trusted(), value, output, offset::<T>(number));

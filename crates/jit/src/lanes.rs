@@ -4,7 +4,8 @@ use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::immediates::V128Imm;
 use cranelift_codegen::ir::types::{F32X4, F64X2, I8X16, I32, I32X4, I64, I64X2};
 use cranelift_codegen::ir::{
-    ConstantData, Endianness, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Type, Value,
+    Block, ConstantData, Endianness, InstBuilder, MemFlagsData, StackSlot, StackSlotData,
+    StackSlotKind, Type, Value,
 };
 use cranelift_frontend::FunctionBuilder;
 use std::collections::HashMap;
@@ -136,12 +137,85 @@ impl<'a, 'b> Emitter<'a, 'b> {
         (ty, self.cast(integer, a))
     }
 
-    fn format(&self, a: Vector) -> Format {
+    /// What its lanes are.
+    pub fn format(&self, a: Vector) -> Format {
         match a {
             Vector::Constant(format, _) => format,
             Vector::Value(value) if self.builder.func.dfg.value_type(value) == F32X4 => Format::F32,
             Vector::Value(_) => Format::F64,
         }
+    }
+}
+
+/// A loop that is being written over the rows of a table on the stack: per row, the inputs and then the outputs.
+pub struct Rows {
+    slot: StackSlot,
+    body: Block,
+    /// The address of the row.
+    row: Value,
+    last: Value,
+    /// Bytes of a row.
+    width: usize,
+}
+
+/// Where a column of a row starts.
+fn at(column: usize) -> i32 {
+    (VECTOR * column) as i32
+}
+
+impl Emitter<'_, '_> {
+    /// Begins a loop over rows of inputs, all `F64`, each with room for `outputs`; the inputs of the row that is next.
+    pub fn begin_rows<const ROWS: usize, const IN: usize>(
+        &mut self,
+        inputs: [[Vector; IN]; ROWS],
+        outputs: usize,
+    ) -> (Rows, [Vector; IN]) {
+        let width = VECTOR * (IN + outputs);
+        let size = (width * ROWS) as u32;
+        let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, size, VECTOR_ALIGNMENT);
+        let slot = self.builder.create_sized_stack_slot(slot);
+        for (row, inputs) in inputs.into_iter().enumerate() {
+            for (column, input) in inputs.into_iter().enumerate() {
+                let value = self.value(input);
+                self.builder.ins().stack_store(I64, value, slot, (row * width) as i32 + at(column));
+            }
+        }
+        let body = self.builder.create_block();
+        let row = self.builder.append_block_param(body, I64);
+        let first = self.builder.ins().stack_addr(I64, slot, 0);
+        let last = self.builder.ins().stack_addr(I64, slot, (width * (ROWS - 1)) as i32);
+        self.builder.ins().jump(body, &[first.into()]);
+        self.builder.switch_to_block(body);
+        let flags = MemFlagsData::trusted();
+        let inputs = std::array::from_fn(|column| {
+            Vector::Value(self.builder.ins().load(F64X2, flags, row, at(column)))
+        });
+        (Rows { slot, body, row, last, width }, inputs)
+    }
+
+    /// Ends the loop with the outputs of a row; those of all.
+    pub fn end_rows<const ROWS: usize, const IN: usize, const OUT: usize>(
+        &mut self,
+        rows: &Rows,
+        outputs: [Vector; OUT],
+    ) -> [[Vector; OUT]; ROWS] {
+        let Rows { slot, body, row, last, width } = *rows;
+        let flags = MemFlagsData::trusted();
+        for (column, output) in outputs.into_iter().enumerate() {
+            let value = self.value(output);
+            self.builder.ins().store(flags, value, row, at(IN + column));
+        }
+        let end = self.builder.create_block();
+        let more = self.builder.ins().icmp(IntCC::NotEqual, row, last);
+        let next = self.builder.ins().iadd_imm_s(row, width as i64);
+        self.builder.ins().brif(more, body, &[next.into()], end, &[]);
+        self.builder.switch_to_block(end);
+        std::array::from_fn(|row| {
+            std::array::from_fn(|column| {
+                let offset = (row * width) as i32 + at(IN + column);
+                Vector::Value(self.builder.ins().stack_load(I64, F64X2, slot, offset))
+            })
+        })
     }
 }
 
@@ -318,42 +392,8 @@ impl Machine for Emitter<'_, '_> {
         inputs: [[Vector; IN]; ROWS],
         mut text: impl FnMut(&mut Self, [Vector; IN]) -> [Vector; OUT],
     ) -> [[Vector; OUT]; ROWS] {
-        // A table on the stack: per row, the inputs and then the outputs.
-        let at = |column: usize| (VECTOR * column) as i32;
-        let width = VECTOR * (IN + OUT);
-        let size = (width * ROWS) as u32;
-        let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, size, VECTOR_ALIGNMENT);
-        let slot = self.builder.create_sized_stack_slot(slot);
-        for (row, inputs) in inputs.into_iter().enumerate() {
-            for (column, input) in inputs.into_iter().enumerate() {
-                let value = self.value(input);
-                self.builder.ins().stack_store(I64, value, slot, (row * width) as i32 + at(column));
-            }
-        }
-        let (body, end) = (self.builder.create_block(), self.builder.create_block());
-        let row = self.builder.append_block_param(body, I64);
-        let first = self.builder.ins().stack_addr(I64, slot, 0);
-        let last = self.builder.ins().stack_addr(I64, slot, (width * (ROWS - 1)) as i32);
-        self.builder.ins().jump(body, &[first.into()]);
-        self.builder.switch_to_block(body);
-        let flags = MemFlagsData::trusted();
-        let inputs = std::array::from_fn(|column| {
-            Vector::Value(self.builder.ins().load(F64X2, flags, row, at(column)))
-        });
+        let (rows, inputs) = self.begin_rows(inputs, OUT);
         let outputs = text(self, inputs);
-        for (column, output) in outputs.into_iter().enumerate() {
-            let value = self.value(output);
-            self.builder.ins().store(flags, value, row, at(IN + column));
-        }
-        let more = self.builder.ins().icmp(IntCC::NotEqual, row, last);
-        let next = self.builder.ins().iadd_imm_s(row, width as i64);
-        self.builder.ins().brif(more, body, &[next.into()], end, &[]);
-        self.builder.switch_to_block(end);
-        std::array::from_fn(|row| {
-            std::array::from_fn(|column| {
-                let offset = (row * width) as i32 + at(IN + column);
-                Vector::Value(self.builder.ins().stack_load(I64, F64X2, slot, offset))
-            })
-        })
+        self.end_rows::<ROWS, IN, OUT>(&rows, outputs)
     }
 }

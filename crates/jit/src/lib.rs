@@ -1,9 +1,11 @@
 //! Native kernels: a tape becomes Cranelift code, runs with the rounding mode set to +∞, and is freed when dropped.
 //!
 //! The only crate with unsafe code, in three files: `rounding` (the call), `code` (the memory), `kernel` (the safe
-//! handles). It knows nothing of rays or text.
+//! handles); and, only to be measured, `comparison`. It knows nothing of rays or text.
 
 mod code;
+#[cfg(feature = "comparison")]
+pub mod comparison;
 mod compiler;
 mod count;
 mod error;

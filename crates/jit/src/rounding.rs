@@ -11,6 +11,31 @@ static ROUND_UP: u32 = 0x5f80;
 #[cfg(target_arch = "x86_64")]
 static ROUND_NEAREST: u32 = 0x1f80;
 
+/// Calls `entry` with the rounding mode as it is: to nearest.
+///
+/// # Safety
+/// As [`call_rounding_up`].
+#[cfg(feature = "comparison")]
+#[inline]
+pub unsafe fn call_rounding_to_nearest(
+    entry: Entry,
+    input: *const u8,
+    output: *mut u8,
+    count: usize,
+    parameters: *const u8,
+    constants: *const u8,
+) {
+    #[cfg(not(target_arch = "x86_64"))]
+    type Kernel = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, *const u8, usize);
+    #[cfg(target_arch = "x86_64")]
+    type Kernel = unsafe extern "sysv64" fn(*const u8, *mut u8, usize, *const u8, *const u8, usize);
+    // SAFETY: the caller's promise; kernels have this signature and convention, and know nothing of the mode.
+    unsafe {
+        let kernel: Kernel = std::mem::transmute(entry);
+        kernel(input, output, count, parameters, constants, 0);
+    }
+}
+
 /// Calls `entry` with the rounding mode set to +∞, and restores the default mode.
 ///
 /// # Safety

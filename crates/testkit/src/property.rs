@@ -19,8 +19,8 @@ mod tile;
 mod vanishing;
 
 pub use agreement::{Subject, agree};
-pub use contracting::{Contracted, Manner, contract};
-pub use enclosing::{enclose, native_interval};
+pub use contracting::{Contracted, Engine, Manner, contract};
+pub use enclosing::{compared_interval, enclose, native_interval};
 pub use linear::{Lines, linear};
 pub use narrowing::narrow;
 pub use picturing::{Claimed, Pixel, picture};
@@ -119,7 +119,7 @@ pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
         let Lines { compared, lanes, .. } = ask(op, &mut rng, VECTORS)?;
         return Ok(Tally { compared: lanes, defined: compared });
     }
-    let manner = Manner { simple: rng.bool(), native: false };
+    let manner = Manner { simple: rng.bool(), engine: Engine::Reference };
     let case = any_case(&mut rng, LARGEST);
     let ask = if double { contract::<f64> } else { contract::<f32> };
     let Contracted { points, planes, .. } = ask(manner, &case, &mut rng, BATCHES)?;

@@ -232,7 +232,7 @@ impl<M: Machine> Rule<'_, M> {
         let x_hi = self.m.select(flip, an, ah);
         let y_neg_lo = self.m.select(flip, bh, bn);
         let y_hi = self.m.select(flip, bn, bh);
-        let y_lo = self.m.sub(zero, y_neg_lo);
+        let y_lo = self.opposite_exactly(y_neg_lo);
         let mut straddles = self.gt(y_neg_lo, zero);
         if a.range.contains(0.0) {
             // Zero over anything is 0. Only for [0, 0] is max(−lo, hi) not positive.

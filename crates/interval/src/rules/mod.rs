@@ -19,7 +19,7 @@ pub(crate) use elementary::trigonometric::HalfPi;
 use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::{Format, Machine};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 /// Encloses `op` over lanes of operands, all in `format`.
 ///
@@ -53,53 +53,66 @@ pub fn enclose_branch<M: Machine>(
 ) -> Enclosure<M::V> {
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
-    let a = &operands[0];
-    match op {
-        Op::Neg => a.negated().value,
-        Op::Abs => rule.abs(a),
-        Op::Sign => rule.sign(a, branch),
-        Op::Floor => rule.floor(a, branch),
-        Op::Ceil => rule.ceil(a, branch),
-        Op::Round => rule.round(a, branch),
-        Op::Trunc => rule.trunc(a, branch),
-        Op::Fract => rule.fract(a, branch),
-        Op::Sqr => rule.sqr(a),
-        Op::Sqrt => rule.sqrt(a),
-        Op::Cbrt => rule.cbrt(a),
-        Op::Exp => rule.exp(a),
-        Op::Ln => rule.logarithm(a, Base::E),
-        Op::Log2 => rule.logarithm(a, Base::Two),
-        Op::Log10 => rule.logarithm(a, Base::Ten),
-        Op::Sin => rule.sin(a),
-        Op::Cos => rule.cos(a),
-        Op::Tan => rule.tan(a),
-        Op::Asin => rule.asin(a),
-        Op::Acos => rule.acos(a),
-        Op::Atan => rule.atan(a),
-        Op::Sinh => rule.sinh(a),
-        Op::Cosh => rule.cosh(a),
-        Op::Tanh => rule.tanh(a),
-        Op::Asinh => rule.asinh(a),
-        Op::Acosh => rule.acosh(a),
-        Op::Atanh => rule.atanh(a),
-        Op::Add => rule.add(a, &operands[1]),
-        Op::Sub => rule.add(a, &operands[1].negated()),
-        Op::Mul => rule.mul(a, &operands[1]),
-        Op::Div => {
-            let divisor = rule.divisor(&operands[1], branch);
-            rule.div(a, &divisor)
+    let row = op.row();
+    // Powers do so in parts.
+    if row.excess.is_none() || row.class == Class::Power {
+        return rule.enclose(op, operands, branch);
+    }
+    let [value] = rule.approximated(|rule| [rule.enclose(op, operands, branch)]);
+    value
+}
+
+impl<M: Machine> Rule<'_, M> {
+    fn enclose(&mut self, op: Op, operands: &[Operand<M::V>], branch: Branch) -> Enclosure<M::V> {
+        let rule = self;
+        let a = &operands[0];
+        match op {
+            Op::Neg => a.negated().value,
+            Op::Abs => rule.abs(a),
+            Op::Sign => rule.sign(a, branch),
+            Op::Floor => rule.floor(a, branch),
+            Op::Ceil => rule.ceil(a, branch),
+            Op::Round => rule.round(a, branch),
+            Op::Trunc => rule.trunc(a, branch),
+            Op::Fract => rule.fract(a, branch),
+            Op::Sqr => rule.sqr(a),
+            Op::Sqrt => rule.sqrt(a),
+            Op::Cbrt => rule.cbrt(a),
+            Op::Exp => rule.exp(a),
+            Op::Ln => rule.logarithm(a, Base::E),
+            Op::Log2 => rule.logarithm(a, Base::Two),
+            Op::Log10 => rule.logarithm(a, Base::Ten),
+            Op::Sin => rule.sin(a),
+            Op::Cos => rule.cos(a),
+            Op::Tan => rule.tan(a),
+            Op::Asin => rule.asin(a),
+            Op::Acos => rule.acos(a),
+            Op::Atan => rule.atan(a),
+            Op::Sinh => rule.sinh(a),
+            Op::Cosh => rule.cosh(a),
+            Op::Tanh => rule.tanh(a),
+            Op::Asinh => rule.asinh(a),
+            Op::Acosh => rule.acosh(a),
+            Op::Atanh => rule.atanh(a),
+            Op::Add => rule.add(a, &operands[1]),
+            Op::Sub => rule.add(a, &operands[1].negated()),
+            Op::Mul => rule.mul(a, &operands[1]),
+            Op::Div => {
+                let divisor = rule.divisor(&operands[1], branch);
+                rule.div(a, &divisor)
+            }
+            Op::Pow => rule.pow(a, &operands[1], branch),
+            Op::Mod => rule.modulo(a, &operands[1], branch),
+            Op::Atan2 => rule.atan2(a, &operands[1], branch),
+            Op::Min => rule.min(a, &operands[1]),
+            Op::Max => rule.max(a, &operands[1]),
+            Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], branch),
+            Op::Otherwise => rule.otherwise(a, &operands[1], branch),
+            Op::WhereNonneg => rule.where_nonneg(a, &operands[1]),
+            Op::WherePositive => rule.where_positive(a, &operands[1]),
+            Op::WhereNonzero => rule.where_nonzero(a, &operands[1]),
+            Op::WhereDefined => rule.with_facts_of(a, &operands[1]),
         }
-        Op::Pow => rule.pow(a, &operands[1], branch),
-        Op::Mod => rule.modulo(a, &operands[1], branch),
-        Op::Atan2 => rule.atan2(a, &operands[1], branch),
-        Op::Min => rule.min(a, &operands[1]),
-        Op::Max => rule.max(a, &operands[1]),
-        Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], branch),
-        Op::Otherwise => rule.otherwise(a, &operands[1], branch),
-        Op::WhereNonneg => rule.where_nonneg(a, &operands[1]),
-        Op::WherePositive => rule.where_positive(a, &operands[1]),
-        Op::WhereNonzero => rule.where_nonzero(a, &operands[1]),
-        Op::WhereDefined => rule.with_facts_of(a, &operands[1]),
     }
 }
 
@@ -114,7 +127,7 @@ pub fn enclose_twins<M: Machine>(
     if op.row().twin.is_none() || !rule.is_near(a.range) {
         return None;
     }
-    let [sin, cos] = rule.near_waves(a);
+    let [sin, cos] = rule.approximated(|rule| rule.near_waves(a));
     Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
 }
 
@@ -159,8 +172,28 @@ impl<M: Machine> Rule<'_, M> {
 
     /// The lower ends, positive zero for zero.
     fn lo(&mut self, a: &Enclosure<M::V>) -> M::V {
+        self.opposite_exactly(a.neg_lo)
+    }
+
+    /// −a, positive zero for zero.
+    fn opposite_exactly(&mut self, a: M::V) -> M::V {
         let zero = self.zero();
-        self.m.sub(zero, a.neg_lo)
+        self.m.nearly(|m| m.sub(zero, a))
+    }
+
+    /// Enclosures by an approximation whose stated error holds all that is rounded, but for the last
+    /// rounding of each bound.
+    pub(crate) fn approximated<const N: usize>(
+        &mut self,
+        text: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],
+    ) -> [Enclosure<M::V>; N] {
+        let format = self.format;
+        let values = self.m.nearly(|m| text(&mut Rule { m, format }));
+        values.map(|value| Enclosure {
+            neg_lo: self.m.outward(value.neg_lo),
+            hi: self.m.outward(value.hi),
+            ..value
+        })
     }
 }
 

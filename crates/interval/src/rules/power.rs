@@ -31,11 +31,14 @@ impl<M: Machine> Rule<'_, M> {
         }
         let hi = self.m.sqrt(hi);
         // The root rounded up is one step too high exactly when its square exceeds the operand.
-        let up = self.m.sqrt(lo);
-        let square = self.m.mul(up, up);
-        let inexact = self.gt(square, lo);
-        let down = self.m.int_add(up, inexact); // a set mask is −1
-        let neg_lo = self.m.neg(down);
+        let neg_lo = self.m.nearly(|m| {
+            let up = m.sqrt(lo);
+            let square = m.mul(up, up);
+            let inexact = m.lt(lo, square);
+            let down = m.int_add(up, inexact); // a set mask is −1
+            m.neg(down)
+        });
+        let neg_lo = self.m.outward(neg_lo);
         let (nowhere, throughout) = self.nonneg(a);
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
@@ -181,8 +184,15 @@ impl<M: Machine> Rule<'_, M> {
         self.restrict(value, nowhere, throughout)
     }
 
-    /// (−lo, hi) of a power whose base may be positive, in `f64` whatever the format.
+    /// (−lo, hi) of a power whose base may be positive.
     fn real_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
+        let format = self.format;
+        let (neg_lo, hi) = self.m.nearly(|m| Rule { m, format }.approximated_power_ends(a, b));
+        (self.m.outward(neg_lo), self.m.outward(hi))
+    }
+
+    /// The same but for the last rounding of each, in `f64` whatever the format.
+    fn approximated_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
         // Where the base reaches 0, its ends are raised to the least positive number for the
         // logarithm, and the result is corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);

@@ -11,6 +11,7 @@ use zeroset_eval::{
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_jit::Native;
+use zeroset_jit::comparison::{Arithmetic, Compared};
 use zeroset_ops::Op;
 
 /// Points tried in each tile.
@@ -49,18 +50,31 @@ impl Contracted {
 pub struct Manner {
     /// Of the function as simplified.
     pub simple: bool,
-    /// In native code.
-    pub native: bool,
+    /// What runs them.
+    pub engine: Engine,
+}
+
+/// What runs kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Engine {
+    /// The reference.
+    Reference,
+    /// Native code.
+    Native,
+    /// Native code in some arithmetic.
+    Compared(Arithmetic),
 }
 
 impl Manner {
     fn kernel<Q: Question, T: Adversarial>(self, case: &Case) -> Option<Box<dyn Kernel<Q, T>>> {
         let tape: Tape<T> = Subject::Tiles.tape(self.simple, case)?;
         let binding = Binding::new(&case.parameters);
-        Some(if self.native {
-            Box::new(Native::new(tape, binding).expect("compiles"))
-        } else {
-            Box::new(Reference::new(tape, binding))
+        Some(match self.engine {
+            Engine::Reference => Box::new(Reference::new(tape, binding)),
+            Engine::Native => Box::new(Native::new(tape, binding).expect("compiles")),
+            Engine::Compared(arithmetic) => {
+                Box::new(Compared::new(tape, binding, arithmetic).expect("compiles"))
+            }
         })
     }
 }
@@ -115,7 +129,11 @@ pub fn contract<T: Adversarial>(
         }
         let (tile, probe, claim, values) = &known[rng.u32(0..known.len() as u32) as usize];
         let tiles: Vec<Tile> = (0..LANES).map(|_| tile.narrower::<T>(rng, probe)).collect();
-        let manner = Manner { native: false, ..manner };
+        // Code is dear, and the reference gives the same bits.
+        let manner = match manner.engine {
+            Engine::Native => Manner { engine: Engine::Reference, ..manner },
+            Engine::Reference | Engine::Compared(_) => manner,
+        };
         if let Some(lost) = lost_root::<T>(manner, case, &tiles, probe, *claim, &mut all) {
             return Err(explain_root::<T>(manner, case, &tiles[lost], probe, values));
         }

@@ -8,7 +8,7 @@ use zeroset_interval::{
     Exponent, Form, FormOperand, Format, Interval, Software, Vector128, linearise,
 };
 use zeroset_ops::{Op, TABLE};
-use zeroset_testkit::property::{Contracted, Lines, Manner, contract, linear, narrow};
+use zeroset_testkit::property::{Contracted, Engine, Lines, Manner, contract, linear, narrow};
 use zeroset_testkit::suite::Tally;
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
@@ -87,7 +87,8 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         let options = GraphOptions { size: rng.u32(1..=options.size), ..options.clone() };
         let case = Case::random(&mut rng, &options);
         // Code is dear.
-        let manner = Manner { simple: rng.bool(), native: is_long };
+        let engine = if is_long { Engine::Native } else { Engine::Reference };
+        let manner = Manner { simple: rng.bool(), engine };
         let batches = if is_long { 32 } else { 2 };
         let drawn = contract::<T>(manner, &case, &mut rng, batches);
         all.add(

@@ -10,6 +10,7 @@ mod forms;
 mod properties;
 mod reference;
 mod reproduce;
+mod rigour;
 mod simplify;
 mod slopes;
 mod soundness;

@@ -12,7 +12,7 @@ use crate::bounds::Interval;
 use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Exponent};
 use crate::machine::Machine;
-use crate::rules::{Base, Rule};
+use crate::rules::{Rule, enclose};
 use zeroset_ops::Op;
 
 impl<M: Machine> Rule<'_, M> {
@@ -35,6 +35,9 @@ impl<M: Machine> Rule<'_, M> {
 
     /// `error` plus `units` units of `magnitude`.
     pub(super) fn rounded(&mut self, error: Option<M::V>, units: f64, magnitude: M::V) -> M::V {
+        if !self.m.counts_rounding() {
+            return error.unwrap_or_else(|| self.zero());
+        }
         let units = self.number(units * self.unit());
         let rounding = self.m.mul(magnitude, units);
         match error {
@@ -48,9 +51,9 @@ impl<M: Machine> Rule<'_, M> {
         a: &Form<M::V, N>,
         b: &Form<M::V, N>,
     ) -> Form<M::V, N> {
-        let centre = self.m.add(a.centre, b.centre);
+        let [centre] = self.pairwise([a.centre], [b.centre], M::add);
         let slopes = match (a.slopes, b.slopes) {
-            (Some(a), Some(b)) => Some(std::array::from_fn(|k| self.m.add(a[k], b[k]))),
+            (Some(a), Some(b)) => Some(self.pairwise(a, b, M::add)),
             (a, b) => a.or(b),
         };
         let (a_magnitude, b_magnitude) = (self.magnitude_of(a), self.magnitude_of(b));
@@ -103,7 +106,7 @@ impl<M: Machine> Rule<'_, M> {
         let b = &factor.value;
         // The middle of bounds beyond half the largest float is not the number itself.
         let by = factor.range.singleton().map_or(b.centre, |number| self.number(number));
-        let slopes = a.slopes.map(|slopes| slopes.map(|slope| self.m.mul(slope, by)));
+        let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
         let size = match factor.range.singleton() {
             Some(number) => self.number(number.abs()),
             None => self.m.abs(by),
@@ -122,10 +125,9 @@ impl<M: Machine> Rule<'_, M> {
             let off = self.m.mul(most, factor_error);
             error = self.sum_of(error, Some(off));
         }
-        let tiny = self.tiny();
-        let error = self.sum_of(error, Some(tiny));
+        let error = self.above_tiny(error);
         Form {
-            centre: self.m.mul(a.centre, by),
+            centre: self.m.nearly(|m| m.mul(a.centre, by)),
             slopes,
             error: Some(self.rounded(error, 1.25, magnitude)),
             magnitude: Some(magnitude),
@@ -144,15 +146,18 @@ impl<M: Machine> Rule<'_, M> {
         let a_magnitude = self.m.add(a_size, a_spread);
         let b_magnitude = self.m.add(b_size, b_spread);
         // The square of the last symbol, depth, is within [0, 1]: half its product is the middle.
-        let depth = self.m.mul(a_slopes[N - 1], b_slopes[N - 1]);
         let half = self.number(0.5);
-        let middle = self.m.mul(depth, half);
-        let centre = self.m.mul(a.centre, b.centre);
-        let centre = self.m.add(centre, middle);
-        let slopes = std::array::from_fn(|k| {
-            let first = self.m.mul(a.centre, b_slopes[k]);
-            let second = self.m.mul(b.centre, a_slopes[k]);
-            self.m.add(first, second)
+        let (depth, centre, slopes) = self.m.nearly(|m| {
+            let depth = m.mul(a_slopes[N - 1], b_slopes[N - 1]);
+            let middle = m.mul(depth, half);
+            let centre = m.mul(a.centre, b.centre);
+            let centre = m.add(centre, middle);
+            let slopes = std::array::from_fn(|k| {
+                let first = m.mul(a.centre, b_slopes[k]);
+                let second = m.mul(b.centre, a_slopes[k]);
+                m.add(first, second)
+            });
+            (depth, centre, slopes)
         });
         // Of all products of symbols, the half that is now in the centre need not be counted, but for its rounding.
         let size = self.m.abs(depth);
@@ -175,8 +180,7 @@ impl<M: Machine> Rule<'_, M> {
             let off = self.m.mul(a_error, b_most);
             error = self.m.add(error, off);
         }
-        let tiny = self.tiny();
-        let error = self.m.add(error, tiny);
+        let error = self.above_tiny(Some(error)).expect("an error");
         // The error is more than the centre got of it: a centre that overflows has an infinite magnitude.
         let magnitude = self.m.mul(a_magnitude, b_magnitude);
         let magnitude = self.m.add(magnitude, error);
@@ -212,10 +216,9 @@ impl<M: Machine> Rule<'_, M> {
         let half = self.number(0.5);
         let curved = self.m.mul(spread, spread);
         let curved = self.m.mul(curved, half);
-        let centre = self.m.mul(a.centre, a.centre);
-        let twice = self.m.add(a.centre, a.centre);
-        let tiny = self.tiny();
-        let mut error = self.m.add(curved, tiny);
+        let [centre] = self.pairwise([a.centre], [a.centre], M::mul);
+        let [twice] = self.pairwise([a.centre], [a.centre], M::add);
+        let mut error = self.above_tiny(Some(curved)).expect("an error");
         let magnitude = self.m.mul(most, most);
         let magnitude = self.m.add(magnitude, error);
         if let Some(a_error) = a.error {
@@ -225,8 +228,8 @@ impl<M: Machine> Rule<'_, M> {
             error = self.m.add(error, off);
         }
         Form {
-            centre: self.m.add(centre, curved),
-            slopes: Some(slopes.map(|slope| self.m.mul(twice, slope))),
+            centre: self.m.nearly(|m| m.add(centre, curved)),
+            slopes: Some(self.pairwise([twice; N], slopes, M::mul)),
             error: Some(self.rounded(Some(error), 3.0, magnitude)),
             magnitude: Some(magnitude),
             bounds: None,
@@ -308,18 +311,17 @@ impl<M: Machine> Rule<'_, M> {
         let magnitude = self.m.mul(a_magnitude, size);
         let offset = self.m.abs(middle);
         let magnitude = self.m.add(magnitude, offset);
-        let centre = self.m.mul(a.centre, slope);
+        let [centre] = self.pairwise([a.centre], [slope], M::mul);
         let mut error = half;
         if let Some(a_error) = a.error {
             let carried = self.m.mul(a_error, size);
             error = self.m.add(error, carried);
         }
-        let tiny = self.tiny();
-        let error = self.m.add(error, tiny);
+        let error = self.above_tiny(Some(error));
         Form {
-            centre: self.m.add(centre, middle),
-            slopes: a.slopes.map(|slopes| slopes.map(|part| self.m.mul(part, slope))),
-            error: Some(self.rounded(Some(error), 2.5, magnitude)),
+            centre: self.m.nearly(|m| m.add(centre, middle)),
+            slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope; N], M::mul)),
+            error: Some(self.rounded(error, 2.5, magnitude)),
             magnitude: Some(magnitude),
             bounds: None,
             facts: a.facts,
@@ -384,7 +386,7 @@ impl<M: Machine> Rule<'_, M> {
             self.form_curve(Op::Ln, a)
         } else {
             let a = self.operand(a);
-            let value = self.logarithm(&a, Base::E);
+            let value = enclose(self.m, self.format, Op::Ln, &[a]);
             self.form_between(&value)
         };
         let operand =

@@ -92,7 +92,7 @@ impl<M: Machine> Rule<'_, M> {
         });
         let (offset, half) = self.middle(neg_lo, hi);
         // What a − m rounds is far below what is counted for centres of its size.
-        let moved = self.m.sub(a.centre, middle);
+        let [moved] = self.pairwise([a.centre], [middle], M::sub);
         let size = self.m.abs(moved);
         let magnitude = match self.spread(a) {
             Some(spread) => self.m.add(size, spread),
@@ -328,8 +328,8 @@ impl<M: Machine> Rule<'_, M> {
         let share = self.number(UNITS * self.unit());
         let size = self.m.abs(slope);
         let (off, more) = (self.m.mul(size, share), self.m.mul(bend, share));
-        let tiny = self.tiny();
         let bend = self.m.add(bend, more);
-        Shape { slope, off: self.m.add(off, tiny), bend: [bend, bend] }
+        let off = self.above_tiny(Some(off)).expect("a bound");
+        Shape { slope, off, bend: [bend, bend] }
     }
 }

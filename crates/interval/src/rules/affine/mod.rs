@@ -62,6 +62,16 @@ pub struct FormOperand<V, const N: usize> {
     pub exponent: Exponent,
 }
 
+impl<V: Copy, const N: usize> Form<V, N> {
+    /// The form of a value that is known to be within `range`.
+    #[must_use]
+    pub fn held<M: Machine<V = V>>(self, m: &mut M, format: Format, range: Interval) -> Self {
+        let ends = [-range.lo, range.hi];
+        let bounds = self.bounds.map(|bounds| [0, 1].map(|k| m.held(format, bounds[k], ends[k])));
+        Self { bounds, ..self }
+    }
+}
+
 impl<V: Copy> Claims<V> {
     const TOTAL: Self = Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
 
@@ -185,7 +195,7 @@ pub fn linearise_twins<M: Machine, const N: usize>(
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// The unit of rounding: an operation that rounds up errs by less than this share of its result.
+    /// The unit of rounding: an operation that rounds up, or to nearest, errs by less than this share of its result.
     fn unit(&self) -> f64 {
         match self.format {
             Format::F32 => 2f64.powi(-23),
@@ -193,9 +203,13 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// More than a dozen results below the normal numbers can err by together.
-    fn tiny(&mut self) -> M::V {
-        self.m.bits(self.format, 64)
+    /// The error, and more than a dozen results below the normal numbers can err by together.
+    fn above_tiny(&mut self, error: Option<M::V>) -> Option<M::V> {
+        if !self.m.counts_rounding() {
+            return error;
+        }
+        let tiny = self.m.bits(self.format, 64);
+        self.sum_of(error, Some(tiny))
     }
 
     /// An operation by its interval rule alone.
@@ -212,8 +226,10 @@ impl<M: Machine> Rule<'_, M> {
     /// The middle of the bounds, and at least half their width: −lo and hi are within centre ± error.
     fn middle(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
         let half = self.number(0.5);
-        let sum = self.m.sub(hi, neg_lo);
-        let middle = self.m.mul(sum, half);
+        let middle = self.m.nearly(|m| {
+            let sum = m.sub(hi, neg_lo);
+            m.mul(sum, half)
+        });
         let above = self.m.sub(hi, middle);
         let below = self.m.add(neg_lo, middle);
         (middle, self.m.max(above, below))
@@ -249,6 +265,16 @@ impl<M: Machine> Rule<'_, M> {
             Some(spread) => self.m.add(size, spread),
             None => size,
         }
+    }
+
+    /// The sums or products of centres or slopes, whose rounding the error holds.
+    fn pairwise<const N: usize>(
+        &mut self,
+        a: [M::V; N],
+        b: [M::V; N],
+        op: impl Fn(&mut M, M::V, M::V) -> M::V,
+    ) -> [M::V; N] {
+        self.m.nearly(|m| std::array::from_fn(|k| op(m, a[k], b[k])))
     }
 
     fn sum_of(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {

@@ -32,20 +32,24 @@ impl<M: Machine> Rule<'_, M> {
     ) -> [Form<M::V, N>; 2] {
         let bounds = self.operand(a);
         let (middle, reach) = self.middle(bounds.value.neg_lo, bounds.value.hi);
+        let format = self.format;
         let [sin, cos] = if self.is_near(a.range) {
             let share = self.number(NEAR_UNITS * self.unit());
-            self.near_waves_at(middle).map(|value| {
+            let values = self.m.nearly(|m| Rule { m, format }.near_waves_at(middle));
+            values.map(|value| {
                 let size = self.m.abs(value);
                 Wave { value, size, off: self.m.mul(size, share) }
             })
         } else {
             let point = self.point(middle, &bounds);
-            self.waves_of_point(&point).map(|[neg_lo, hi]| {
+            let bounds = self.m.nearly(|m| Rule { m, format }.waves_of_point(&point));
+            bounds.map(|ends| {
+                let [neg_lo, hi] = ends.map(|end| self.m.outward(end));
                 let (value, off) = self.middle(neg_lo, hi);
                 Wave { value, size: self.m.abs(value), off }
             })
         };
-        let moved = self.m.sub(a.value.centre, middle);
+        let [moved] = self.pairwise([a.value.centre], [middle], M::sub);
         let size = self.m.abs(moved);
         let magnitude = match self.spread(&a.value) {
             Some(spread) => self.m.add(size, spread),
@@ -83,8 +87,10 @@ impl<M: Machine> Rule<'_, M> {
             let bend = self.m.max(bend, zero);
             self.m.mul(bend, place.square)
         });
-        let shift = self.m.sub(q, p);
-        let offset = self.m.add(here.value, shift);
+        let offset = self.m.nearly(|m| {
+            let shift = m.sub(q, p);
+            m.add(here.value, shift)
+        });
         let curved = self.m.add(q, p);
         let with_rounding = self.number(1.0 + 4.0 * self.unit());
         let error = self.m.mul(curved, with_rounding);
@@ -95,16 +101,15 @@ impl<M: Machine> Rule<'_, M> {
             let carried = self.m.mul(a_error, slope.size);
             error = self.m.add(error, carried);
         }
-        let tiny = self.tiny();
-        error = self.m.add(error, tiny);
+        let error = self.above_tiny(Some(error));
         let magnitude = self.magnitude_of(a);
         let magnitude = self.m.mul(magnitude, slope.size);
         let magnitude = self.m.add(magnitude, here.size);
-        let error = self.rounded(Some(error), 2.5, magnitude);
-        let centre = self.m.mul(a.centre, slope.value);
+        let error = self.rounded(error, 2.5, magnitude);
+        let [centre] = self.pairwise([a.centre], [slope.value], M::mul);
         let form = Form {
-            centre: self.m.add(centre, offset),
-            slopes: a.slopes.map(|slopes| slopes.map(|part| self.m.mul(part, slope.value))),
+            centre: self.m.nearly(|m| m.add(centre, offset)),
+            slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope.value; N], M::mul)),
             error: Some(error),
             magnitude: None,
             bounds: None,

@@ -1,0 +1,132 @@
+//! Compile time and code against size, as figures.
+
+use super::{Row, Source};
+use crate::plot::{Figure, Mark, Series, Shape};
+
+/// A quantity's name, and what it is of a row.
+type Quantity = (&'static str, fn(&Row) -> f64);
+
+/// What grows.
+pub const QUANTITIES: [Quantity; 4] = [
+    ("parse", |row| row.parse_ms),
+    ("simplify", |row| row.simplify_ms),
+    ("compile", |row| row.compile_ms),
+    ("code", |row| row.code_bytes as f64),
+];
+
+/// From so many nodes on growth is told: below, what does not depend on size weighs more.
+const FROM: usize = 100;
+
+/// The slope of the line through logarithms that leaves the least squares: the exponent of growth. `None` of less than two
+/// such sizes.
+pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
+    let points: Vec<[f64; 2]> = rows
+        .iter()
+        .filter(|row| row.nodes >= FROM)
+        .map(|row| [row.nodes as f64, value(row)].map(f64::ln))
+        .collect();
+    let mean = |axis: usize| points.iter().map(|at| at[axis]).sum::<f64>() / points.len() as f64;
+    let [x, y] = [mean(0), mean(1)];
+    let both: f64 = points.iter().map(|at| (at[0] - x) * (at[1] - y)).sum();
+    let own: f64 = points.iter().map(|at| (at[0] - x).powi(2)).sum();
+    (own > 0.0 && both.is_finite()).then_some(both / own)
+}
+
+/// The stages' times.
+pub fn times(rows: &[Row]) -> Figure {
+    Figure {
+        title: "From text to the kernels of a picture, by size".to_owned(),
+        y: "time, ms (1 thread)".to_owned(),
+        ..figure(rows, &QUANTITIES[..3])
+    }
+}
+
+/// Bytes of code.
+pub fn code(rows: &[Row]) -> Figure {
+    Figure {
+        title: "Code of the kernels of a picture, by size".to_owned(),
+        y: "machine code, bytes".to_owned(),
+        ..figure(rows, &QUANTITIES[3..])
+    }
+}
+
+fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
+    let mut series = Vec::new();
+    for (colour, (name, value)) in quantities.iter().enumerate() {
+        let slope =
+            slope(rows, *value).map_or(String::new(), |slope| format!(" ~ nodes^{slope:.2}"));
+        for (source, shape) in [
+            (Source::Gallery, Shape::Disc),
+            (Source::Sum, Shape::Square),
+            (Source::Product, Shape::Triangle),
+        ] {
+            let of_source = rows.iter().filter(|row| row.source == source);
+            let mut marks: Vec<Mark> = of_source
+                .map(|row| Mark { at: [row.nodes as f64, value(row)], ..Mark::default() })
+                .collect();
+            marks.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
+            let called = match source {
+                Source::Gallery => format!("{name}{slope}"),
+                Source::Sum | Source::Product => String::new(),
+            };
+            let is_joined = source != Source::Gallery;
+            series.push(Series {
+                name: called,
+                colour,
+                shape,
+                is_joined,
+                marks,
+                ..Series::default()
+            });
+        }
+    }
+    let notes = [
+        "discs: the gallery's surfaces",
+        "squares: sums of squares of planes",
+        "triangles: products of planes",
+        "",
+        "kernels: those that affine asks for",
+    ];
+    let mut notes: Vec<String> = notes.map(str::to_owned).into();
+    notes.push(format!("exponents: from {FROM} nodes on"));
+    let rounds = rows.first().map_or(0, |row| row.repeats);
+    notes.push(format!("times: the least of {rounds} rounds"));
+    let x = "nodes of the simplified graph".to_owned();
+    Figure { x, series, notes, ..Figure::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(nodes: usize, parse_ms: f64) -> Row {
+        let text = String::new;
+        Row {
+            name: text(),
+            source: Source::Sum,
+            nodes_typed: nodes,
+            nodes,
+            parse_ms,
+            simplify_ms: 1.0,
+            compile_ms: 1.0,
+            kernels: 1,
+            code_bytes: 1,
+            forms: true,
+            repeats: 1,
+            seed: 1,
+            version: text(),
+            rustc: text(),
+            flags: text(),
+            processor: text(),
+        }
+    }
+
+    #[test]
+    fn the_slope_is_the_exponent() {
+        let rows = [10, 100, 1000, 10_000].map(|n| row(n, 0.5 * (n as f64).powf(1.5)));
+        let exponent = slope(&rows, QUANTITIES[0].1).expect("three sizes of 100 and more");
+        assert!((exponent - 1.5).abs() < 1e-9, "{exponent}");
+        assert_eq!(slope(&rows, QUANTITIES[1].1), Some(0.0));
+        assert_eq!(slope(&rows[..2], QUANTITIES[0].1), None);
+    }
+}

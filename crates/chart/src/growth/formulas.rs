@@ -1,0 +1,93 @@
+//! Formulas of every size: those of the gallery, and sums and products that are made.
+
+use super::Extent;
+use crate::error::ChartError;
+use crate::views::rng;
+use fastrand::Rng;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use zeroset::gallery::examples;
+use zeroset::scene::{self, DomainChoice};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::Region;
+
+/// Where a formula is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// An example.
+    Gallery,
+    /// Squares of linear functions, added.
+    Sum,
+    /// Linear functions, multiplied.
+    Product,
+}
+
+/// A text, and where its surface is looked for.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    /// What it is called.
+    pub name: String,
+    /// Where it is from.
+    pub source: Source,
+    /// What is read.
+    pub text: String,
+    /// Its domain.
+    pub region: Region,
+}
+
+/// Nodes of a term: three products, three sums, a square or a product, four numbers.
+const NODES: usize = 12;
+/// From one size to the next.
+const STEP: f64 = 1.5;
+
+/// The gallery's formulas, and sums and products of up to about as many nodes as asked for.
+///
+/// # Errors
+/// If an example has no domain.
+pub fn all(extent: Extent) -> Result<Vec<Formula>, ChartError> {
+    let mut all = Vec::new();
+    for example in examples() {
+        let refuse = |why: String| ChartError::Surface { surface: example.slug.to_owned(), why };
+        let document =
+            read(example.text, &Options::default()).map_err(|errors| refuse(errors.to_string()))?;
+        let (region, _) = scene::region(&document, DomainChoice::Document, None)
+            .map_err(|error| refuse(error.to_string()))?;
+        let (name, text) = (example.slug.to_owned(), example.text.to_owned());
+        all.push(Formula { name, source: Source::Gallery, text, region });
+    }
+    let (mut terms, most) = (1, (extent.nodes / NODES).max(1));
+    loop {
+        for source in [Source::Sum, Source::Product] {
+            all.push(made(source, terms, extent.seed)?);
+        }
+        if terms == most {
+            return Ok(all);
+        }
+        terms = ((terms as f64 * STEP).ceil() as usize).min(most);
+    }
+}
+
+/// A sum or product of so many linear functions of different slopes; on its domain the factors of a product are within
+/// [−1, 1], so that no bounds become infinite.
+fn made(source: Source, terms: usize, seed: u64) -> Result<Formula, ChartError> {
+    let name = format!("{source:?}-{terms}").to_lowercase();
+    let mut rng = rng(&format!("{seed} {name}"));
+    let linear: Vec<String> = (0..terms).map(|_| format!("({})", linear(&mut rng))).collect();
+    let text = match source {
+        Source::Sum => format!("{}^2 - {terms}/8", linear.join("^2 + ")),
+        Source::Product | Source::Gallery => linear.join("*"),
+    };
+    let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0))
+        .map_err(ChartError::of_surface(&name))?;
+    Ok(Formula { name, source, text, region })
+}
+
+/// A linear function that is within [−1, 1] on the cube from −1 to 1.
+fn linear(rng: &mut Rng) -> String {
+    let mut part = || format!("0.{}", rng.u32(100_000..=250_000));
+    let (a, b, c, d) = (part(), part(), part(), part());
+    let mut sign = || if rng.bool() { "+" } else { "-" };
+    let (first, second, third) = (sign(), sign(), sign());
+    format!("{a}*x {first} {b}*y {second} {c}*z {third} {d}")
+}

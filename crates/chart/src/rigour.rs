@@ -1,0 +1,309 @@
+//! The price of rigour: the same kernels while results are rounded to nearest and left so, which is not sound; while each is
+//! moved up by further operations, as is done where no rounding mode can be set; and rounded up, as the product does.
+//!
+//! Kernels are asked what a picture asks them; whole pictures are traced in each arithmetic, too.
+
+mod chart;
+mod inputs;
+mod kernels;
+mod row;
+
+pub use row::{Asked, Row, name};
+
+use crate::error::ChartError;
+use crate::machine::Machine;
+use crate::plot::draw;
+use crate::progress::progress;
+use crate::quantile::{Quartiles, geometric_mean};
+use crate::run::pool;
+use crate::store::write;
+use crate::surfaces::Surface;
+use crate::views::{View, rng, views};
+use inputs::{Three, boxes, chosen, errors, lengths, widths};
+use kernels::{Float, Has, Own, Set};
+use std::hint::black_box;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use zeroset::program::Program;
+use zeroset::scene;
+use zeroset_eval::{
+    ContractSegments, ContractTiles, Enclose, Input, Kernel, KernelError, Question,
+};
+use zeroset_interval::Format;
+use zeroset_jit::comparison::Arithmetic;
+use zeroset_trace::{Driver, GBuffer, METHODS, Options, Precision};
+
+/// How long a kernel is asked between two looks at the clock.
+const TURN: Duration = Duration::from_micros(300);
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent {
+    /// Pixels in a row, and rows.
+    pub size: usize,
+    /// How often each kernel and each picture is measured.
+    pub repeats: usize,
+    /// Of boxes and of the order of measurements.
+    pub seed: u64,
+}
+
+/// Measures `surfaces`, and writes `rigour.csv` and `rigour.svg` into `directory` after each.
+///
+/// # Errors
+/// If a surface has parameters or poles, which need other kernels than are compared here, or has no kernels, or the directory
+/// cannot be written.
+pub fn rigour(
+    surfaces: &[Surface],
+    extent: Extent,
+    directory: &Path,
+) -> Result<Vec<Row>, ChartError> {
+    let (machine, pool) = (Machine::this(), pool(1));
+    let mut rows = Vec::new();
+    let bar = progress(2 * surfaces.len());
+    for surface in surfaces {
+        bar.set_message(surface.name.clone());
+        let refuse = ChartError::of_surface(&surface.name);
+        let program = Program::new(&surface.document, scene::bounds(&surface.region));
+        let program = program.map_err(&refuse)?;
+        let view = &views(surface, 1, extent.seed)?[0];
+        let plan = Plan { surface, view, program: &program, extent, machine: &machine };
+        rows.extend(pool.install(|| plan.rows::<f32>(Precision::F32))?);
+        bar.inc(1);
+        rows.extend(pool.install(|| plan.rows::<f64>(Precision::F64))?);
+        bar.inc(1);
+        save(&rows, directory)?;
+    }
+    bar.finish_and_clear();
+    Ok(rows)
+}
+
+fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
+    let path = directory.join("rigour.csv");
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        csv.serialize(row).map_err(ChartError::of_content(&path))?;
+    }
+    write(&path, &csv.into_inner().map_err(ChartError::of_content(&path))?)?;
+    write(&directory.join("rigour.svg"), draw(&chart::figure(rows))?.as_bytes())
+}
+
+/// What was found, in few lines: times over those without rigour, and widths over those of rounding up.
+pub fn table(rows: &[Row]) -> String {
+    let mean = |rows: &[&Row], value: fn(&Row) -> Option<f64>| {
+        let values: Vec<f64> = rows.iter().filter_map(|row| value(row)).collect();
+        geometric_mean(&values).map_or("-".to_owned(), |mean| format!("{mean:.3}"))
+    };
+    let line = |name: &str, cells: [String; 4]| {
+        let [widened, upward, width, points] = cells;
+        format!("{name:16}{widened:>10}{upward:>10}{width:>10}{points:>10}\n")
+    };
+    let names = ["widened", "round-up", "width", "at points"].map(str::to_owned);
+    let head = "geometric means over surfaces: times over those of the unsound, widths of the widened over round-up\n";
+    let lines = chart::places(rows).into_iter().map(|(asked, precision)| {
+        let of = |arithmetic| chart::of(rows, asked, precision, arithmetic);
+        let (widened, upward) = (of(Arithmetic::Widened), of(Arithmetic::Upward));
+        let cells = [
+            mean(&widened, |row| Some(row.times_unsound)),
+            mean(&upward, |row| Some(row.times_unsound)),
+            mean(&widened, |row| row.width),
+            mean(&widened, |row| row.width_at_points),
+        ];
+        line(&format!("{asked} {precision}"), cells)
+    });
+    [head.to_owned(), line("", names)].into_iter().chain(lines).collect()
+}
+
+/// What is measured of a surface.
+struct Plan<'a> {
+    surface: &'a Surface,
+    view: &'a View,
+    program: &'a Program,
+    extent: Extent,
+    machine: &'a Machine,
+}
+
+/// The kernels that answer a question, by [`Arithmetic::ALL`].
+fn three<T: Float, Q: Question>(sets: &[Set; 3]) -> Result<Three<'_, Q, T>, KernelError>
+where
+    Own<T>: Has<Q, T>,
+{
+    let [unsound, widened, upward] = sets;
+    Ok([unsound.kernel()?, widened.kernel()?, upward.kernel()?])
+}
+
+/// Something to be timed: run so many times, it answers for so many lanes, or pixels, each time.
+struct Task<'a> {
+    run: Box<dyn Fn(usize) + 'a>,
+    lanes: usize,
+}
+
+impl Plan<'_> {
+    fn rows<T: Float>(&self, precision: Precision) -> Result<Vec<Row>, ChartError> {
+        let surface = &self.surface;
+        let refuse = ChartError::of_surface(&surface.name);
+        let set = |arithmetic, keeps| Set::new(self.program, arithmetic, keeps).map_err(&refuse);
+        // What a picture asks is kept from one that is rounded up.
+        let asked = set(Arithmetic::Upward, true)?;
+        self.picture(&asked, precision)?;
+        let [unsound, widened, upward] = Arithmetic::ALL.map(|arithmetic| set(arithmetic, false));
+        let sets = [unsound?, widened?, upward?];
+        let mut random = rng(&format!("{} {} boxes", self.extent.seed, surface.name));
+        let [places, points] = [1.0 / 16.0, 0.0].map(|s| boxes(&surface.region, s, &mut random));
+        let refuse = ChartError::of_surface(&surface.name);
+
+        let kernels = three::<T, Enclose>(&sets).map_err(&refuse)?;
+        let widths = [widths(&kernels, &places), widths(&kernels, &points)];
+        let mut rows = self.kernel_rows(Asked::Boxes, &kernels, &places, widths);
+        let kernels = three::<T, ContractSegments>(&sets).map_err(&refuse)?;
+        let segments = asked.seen::<T, ContractSegments>().map_err(&refuse)?;
+        let widths = [lengths(&kernels, &segments), [None; 3]];
+        rows.extend(self.kernel_rows(Asked::Segments, &kernels, &segments, widths));
+        let kernels = three::<T, ContractTiles>(&sets).map_err(&refuse)?;
+        let tiles = asked.seen::<T, ContractTiles>().map_err(&refuse)?;
+        let widths = [errors(&kernels, &tiles), [None; 3]];
+        rows.extend(self.kernel_rows(Asked::Tiles, &kernels, &tiles, widths));
+        rows.extend(self.picture_rows(&sets, T::FORMAT, precision)?);
+        Ok(rows)
+    }
+
+    /// The kernels' times with some of `inputs`, and the widths that were found with all.
+    fn kernel_rows<T: Float, Q: Question>(
+        &self,
+        asked: Asked,
+        kernels: &Three<Q, T>,
+        inputs: &[Q::Input<T>],
+        widths: [[Option<f64>; 3]; 2],
+    ) -> Vec<Row> {
+        let inputs = &chosen(inputs);
+        if inputs.is_empty() {
+            return Vec::new();
+        }
+        let lanes = inputs.iter().map(Input::count).sum();
+        let tasks = kernels.map(|kernel| {
+            // As the product calls its own.
+            let kernel: &dyn Kernel<Q, T> = kernel;
+            let run = move |times: usize| {
+                let mut output = Q::Output::<T>::default();
+                for input in (0..times).flat_map(|_| inputs) {
+                    kernel.ask(black_box(input), black_box(&mut output));
+                }
+            };
+            Task { run: Box::new(run), lanes }
+        });
+        let mut rows = self.timed(asked, T::FORMAT, &tasks);
+        for (number, row) in rows.iter_mut().enumerate() {
+            row.code_bytes = Some(kernels[number].code_bytes());
+            [row.width, row.width_at_points] = widths.map(|widths| widths[number]);
+        }
+        rows
+    }
+
+    fn picture_rows(
+        &self,
+        sets: &[Set; 3],
+        format: Format,
+        precision: Precision,
+    ) -> Result<Vec<Row>, ChartError> {
+        // Kernels are made before any time is taken.
+        let mut undecided = Vec::new();
+        for set in sets {
+            undecided.push(self.picture(set, precision)?);
+        }
+        let tasks = sets.each_ref().map(|set| {
+            let run = move |times: usize| {
+                for _ in 0..times {
+                    // It was made before, so it can be.
+                    let _ = black_box(self.picture(set, precision));
+                }
+            };
+            Task { run: Box::new(run), lanes: self.extent.size * self.extent.size }
+        });
+        let mut rows = self.timed(Asked::Picture, format, &tasks);
+        for (row, undecided) in rows.iter_mut().zip(undecided) {
+            row.undecided = Some(undecided);
+        }
+        Ok(rows)
+    }
+
+    /// Traces the surface by the method `affine`; returns how many pixels are undecided.
+    fn picture(&self, set: &Set, precision: Precision) -> Result<usize, ChartError> {
+        let size = self.extent.size;
+        let affine = METHODS.iter().find(|method| method.name == "affine").expect("the default");
+        let options = Options { precision, ..Options::default() };
+        let tracer = affine
+            .prepare(set, &self.surface.region, options)
+            .map_err(ChartError::of_surface(&self.surface.name))?;
+        let rays = self.view.camera.rays(size, size);
+        let mut buffer = GBuffer::new(size, size, 0);
+        Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
+        let undecided = buffer.counts().undecided;
+        buffer.hand_back();
+        Ok(undecided)
+    }
+
+    /// The three tasks in rounds of random order, by [`Arithmetic::ALL`].
+    fn timed(&self, asked: Asked, format: Format, tasks: &[Task<'_>; 3]) -> Vec<Row> {
+        // What is interrupted takes longer: of three times the least counts.
+        let time = |task: &Task<'_>, times: usize| {
+            let once = || {
+                let start = Instant::now();
+                (task.run)(times);
+                start.elapsed().as_secs_f64()
+            };
+            once().min(once()).min(once())
+        };
+        // The first round warms up, and tells how often is long enough.
+        let times = tasks.each_ref().map(|task| {
+            let once = time(task, 1);
+            (TURN.as_secs_f64() / once.max(1e-9)).ceil() as usize
+        });
+        let Extent { size, repeats, seed } = self.extent;
+        let mut order = [0, 1, 2];
+        let mut random = rng(&format!("{seed} {} {asked} order", self.surface.name));
+        let mut nanoseconds = vec![[0.0; 3]; repeats];
+        for round in &mut nanoseconds {
+            random.shuffle(&mut order);
+            for number in order {
+                let task = &tasks[number];
+                let lanes = (times[number] * task.lanes) as f64;
+                round[number] = time(task, times[number]) * 1e9 / lanes;
+            }
+        }
+        let quartiles = |value: &dyn Fn(&[f64; 3]) -> f64| {
+            let values: Vec<f64> = nanoseconds.iter().map(value).collect();
+            Quartiles::of(&values).expect("repeats")
+        };
+        let rows = Arithmetic::ALL.iter().enumerate().map(|(number, arithmetic)| {
+            let own = quartiles(&|round| round[number]);
+            let ratio = quartiles(&|round| round[number] / round[0]);
+            let Machine { version, rustc, flags, processor, .. } = self.machine.clone();
+            Row {
+                surface: self.surface.name.clone(),
+                asked,
+                precision: match format {
+                    Format::F32 => "f32".to_owned(),
+                    Format::F64 => "f64".to_owned(),
+                },
+                arithmetic: name(*arithmetic).to_owned(),
+                ns: own.median,
+                ns_lower: own.lower,
+                ns_upper: own.upper,
+                times_unsound: ratio.median,
+                times_unsound_lower: ratio.lower,
+                times_unsound_upper: ratio.upper,
+                code_bytes: None,
+                width: None,
+                width_at_points: None,
+                undecided: None,
+                size,
+                repeats,
+                seed,
+                version,
+                rustc,
+                flags,
+                processor,
+            }
+        });
+        rows.collect()
+    }
+}

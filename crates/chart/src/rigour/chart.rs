@@ -1,0 +1,80 @@
+//! The price of rigour as a figure.
+
+use super::{Asked, Row, name};
+use crate::plot::{Figure, Mark, Series, Shape};
+use crate::quantile::{geometric_mean, quantile};
+use zeroset_jit::comparison::Arithmetic;
+
+/// What was asked in which precision, in the order of the axis.
+pub fn places(rows: &[Row]) -> Vec<(Asked, &'static str)> {
+    let asked = [Asked::Boxes, Asked::Segments, Asked::Tiles, Asked::Picture];
+    let all = asked.into_iter().flat_map(|asked| ["f32", "f64"].map(|floats| (asked, floats)));
+    let is_there = |(asked, floats): &(Asked, &str)| {
+        rows.iter().any(|row| row.asked == *asked && row.precision == *floats)
+    };
+    all.filter(is_there).collect()
+}
+
+/// The rows of one place and one arithmetic, a surface each.
+pub fn of<'a>(
+    rows: &'a [Row],
+    asked: Asked,
+    precision: &str,
+    arithmetic: Arithmetic,
+) -> Vec<&'a Row> {
+    let is_of = |row: &&Row| {
+        row.asked == asked && row.precision == precision && row.arithmetic == name(arithmetic)
+    };
+    rows.iter().filter(is_of).collect()
+}
+
+/// Times over those without rigour.
+pub fn figure(rows: &[Row]) -> Figure {
+    let places = places(rows);
+    let series = |arithmetic, called: &str, colour, shape, aside: f64| {
+        let marks = places.iter().enumerate().filter_map(|(place, (asked, precision))| {
+            let rows = of(rows, *asked, precision, arithmetic);
+            let values: Vec<f64> = rows.iter().map(|row| row.times_unsound).collect();
+            let bar = [quantile(&values, 0.0)?, quantile(&values, 1.0)?];
+            let mean = geometric_mean(&values)?;
+            // Beside the other, so that none hides it.
+            let at = [place as f64 + aside, mean];
+            Some(Mark { at, bar: Some(bar), label: format!("{mean:.2}") })
+        });
+        Series {
+            name: called.to_owned(),
+            colour,
+            shape,
+            marks: marks.collect(),
+            ..Series::default()
+        }
+    };
+    let mut surfaces: Vec<&str> = rows.iter().map(|row| row.surface.as_str()).collect();
+    surfaces.dedup();
+    surfaces.sort_unstable();
+    surfaces.dedup();
+    let number = surfaces.len();
+    let size = rows.first().map_or(0, |row| row.size);
+    let notes = [
+        "1: to nearest and left so, no terms".to_owned(),
+        "for rounding in forms (not sound)".to_owned(),
+        String::new(),
+        format!("{number} surface{}, 1 thread,", if number == 1 { "" } else { "s" }),
+        format!("pictures of {size}×{size} by affine"),
+        "geometric mean over surfaces,".to_owned(),
+        "bars from least to greatest".to_owned(),
+    ];
+    Figure {
+        title: "The price of rigour".to_owned(),
+        x: "what is asked of kernels, whole pictures, and in which floats".to_owned(),
+        y: "time, as a multiple of that without rigour".to_owned(),
+        places: places.iter().map(|(asked, precision)| format!("{asked} {precision}")).collect(),
+        series: vec![
+            series(Arithmetic::Widened, "to nearest, then widened", 1, Shape::Square, -0.12),
+            series(Arithmetic::Upward, "rounded up (zeroset)", 0, Shape::Disc, 0.12),
+        ],
+        level: Some(1.0),
+        notes: notes.into(),
+        ..Figure::default()
+    }
+}

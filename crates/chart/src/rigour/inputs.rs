@@ -1,0 +1,88 @@
+//! What kernels are asked, and how wide their answers are.
+
+use crate::quantile::quantile;
+use fastrand::Rng;
+use zeroset_eval::{
+    Boxes, ContractSegments, ContractTiles, Contractions, Enclose, Enclosures, Input, Kernel,
+    LANES, Planes, Question, Real, Segments, Tiles,
+};
+use zeroset_interval::Interval;
+use zeroset_jit::comparison::Compared;
+use zeroset_trace::Region;
+
+/// Batches that kernels are timed with: few enough for a near cache.
+const BATCHES: usize = 16;
+/// Batches of boxes whose answers are held beside each other.
+const LOOKED_AT: usize = 256;
+
+/// The kernels that answer a question, by [`Arithmetic::ALL`](zeroset_jit::comparison::Arithmetic::ALL).
+pub type Three<'a, Q, T> = [&'a Compared<Q, T>; 3];
+
+/// Boxes at random places of a region, of this share of its width.
+pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T>> {
+    let (low, high) = (region.low(), region.high());
+    let mut side = |axis: usize| {
+        let width = high[axis] - low[axis];
+        let lo = low[axis] + (1.0 - share) * rng.f64() * width;
+        // A point has to be a float.
+        let lo = T::nearest(lo).into().clamp(low[axis], high[axis]);
+        Interval { lo, hi: (lo + share * width).min(high[axis]) }
+    };
+    let all: Vec<_> = (0..LOOKED_AT * LANES).map(|_| [0, 1, 2].map(&mut side)).collect();
+    Boxes::around(&all)
+}
+
+/// Some of these, evenly chosen among those with most lanes in use.
+pub fn chosen<T: Real, I: Input<T>>(all: &[I]) -> Vec<I> {
+    let most = all.iter().map(Input::count).max().unwrap_or_default();
+    let full: Vec<&I> = all.iter().filter(|input| input.count() == most).collect();
+    let step = full.len().div_ceil(BATCHES).max(1);
+    full.into_iter().step_by(step).cloned().collect()
+}
+
+/// The widths of bounds over those of rounding up: medians, by arithmetic.
+pub fn widths<T: Real>(kernels: &Three<Enclose, T>, inputs: &[Boxes<T>]) -> [Option<f64>; 3] {
+    ratios(kernels, inputs, |answer: &Enclosures<T>, lane| {
+        answer.neg_lo[lane].into() + answer.hi[lane].into()
+    })
+}
+
+/// The same of what segments are narrowed to, where the surface may be.
+pub fn lengths<T: Real>(
+    kernels: &Three<ContractSegments, T>,
+    inputs: &[Segments<T>],
+) -> [Option<f64>; 3] {
+    ratios(kernels, inputs, |answer: &Contractions<T>, lane| {
+        let is_possible = answer.possible >> lane & 1 == 1;
+        if is_possible { answer.far[lane].into() - answer.near[lane].into() } else { f64::NAN }
+    })
+}
+
+/// The same of how far functions may be off their planes.
+pub fn errors<T: Real>(kernels: &Three<ContractTiles, T>, inputs: &[Tiles<T>]) -> [Option<f64>; 3] {
+    ratios(kernels, inputs, |answer: &Planes<T>, lane| answer.error[lane].into())
+}
+
+fn ratios<T: Real, Q: Question>(
+    kernels: &Three<Q, T>,
+    inputs: &[Q::Input<T>],
+    width: impl Fn(&Q::Output<T>, usize) -> f64,
+) -> [Option<f64>; 3] {
+    let answers = kernels.map(|kernel| kernel.ask_all(inputs));
+    let [_, _, upward] = &answers;
+    answers.each_ref().map(|answers| {
+        let pairs = inputs.iter().zip(answers.iter().zip(upward));
+        let ratios = pairs.flat_map(|(input, (own, upward))| {
+            (0..input.count())
+                .map(|lane| (width(own, lane), width(upward, lane)))
+                .collect::<Vec<_>>()
+        });
+        let is_width = |(own, upward): &(f64, f64)| *own >= 0.0 && *upward > 0.0;
+        let ratios: Vec<f64> = ratios
+            .filter(is_width)
+            .map(|(own, upward)| own / upward)
+            .filter(|r| r.is_finite())
+            .collect();
+        quantile(&ratios, 0.5)
+    })
+}

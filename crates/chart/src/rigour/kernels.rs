@@ -1,0 +1,189 @@
+//! A surface whose kernels all compute in one arithmetic; it can keep what they were asked.
+
+use std::sync::{Mutex, OnceLock, PoisonError};
+use zeroset::program::{Form, Program};
+use zeroset_eval::{
+    Asked, Binding, ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError,
+    KernelFloat, Kernels, Question, Real, Surface, Tape,
+};
+use zeroset_jit::comparison::{Arithmetic, Compared};
+
+/// The kernels of a surface without parameters and poles.
+pub struct Set {
+    single: Own<f32>,
+    double: Own<f64>,
+}
+
+/// Those in one precision, made when they are first asked for.
+pub struct Own<T: Real> {
+    tape: Tape<T>,
+    arithmetic: Arithmetic,
+    keeps: bool,
+    zeros: Slot<FindZeros, T>,
+    bounds: Slot<Enclose, T>,
+    segments: Slot<ContractSegments, T>,
+    tiles: Slot<ContractTiles, T>,
+}
+
+type Slot<Q, T> = OnceLock<Result<Watched<Q, T>, KernelError>>;
+
+/// A kernel, and what it was asked if that is kept.
+pub struct Watched<Q: Question, T: Real> {
+    kernel: Compared<Q, T>,
+    seen: Option<Mutex<Vec<Q::Input<T>>>>,
+}
+
+impl<Q: Question, T: Real> Watched<Q, T> {
+    /// What a tracer asks: the kernel itself, so that it is called as the product's are, unless what it is asked is kept.
+    fn asked(&self) -> &dyn Kernel<Q, T> {
+        if self.seen.is_some() { self } else { &self.kernel }
+    }
+}
+
+impl<Q: Question, T: Real> Kernel<Q, T> for Watched<Q, T> {
+    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+        if let Some(seen) = &self.seen {
+            seen.lock().unwrap_or_else(PoisonError::into_inner).push(input.clone());
+        }
+        self.kernel.ask(input, output);
+    }
+}
+
+/// A question of which a set has a kernel.
+pub trait Has<Q: Question, T: Real> {
+    /// Where it is kept.
+    fn slot(&self) -> &Slot<Q, T>;
+}
+
+macro_rules! has {
+    ($($question:ty: $slot:ident,)*) => {
+        $(impl<T: Real> Has<$question, T> for Own<T> {
+            fn slot(&self) -> &Slot<$question, T> {
+                &self.$slot
+            }
+        })*
+    };
+}
+
+has! {
+    FindZeros: zeros,
+    Enclose: bounds,
+    ContractSegments: segments,
+    ContractTiles: tiles,
+}
+
+impl<T: Real> Own<T> {
+    fn watched<Q: Question>(&self) -> Result<&Watched<Q, T>, KernelError>
+    where
+        Self: Has<Q, T>,
+    {
+        let make = || {
+            let kernel = Compared::new(self.tape.clone(), Binding::empty(), self.arithmetic);
+            let kernel = kernel.map_err(|error| -> KernelError { std::sync::Arc::new(error) })?;
+            Ok(Watched { kernel, seen: self.keeps.then(Mutex::default) })
+        };
+        self.slot().get_or_init(make).as_ref().map_err(Clone::clone)
+    }
+}
+
+impl<T: Real> Kernels<T> for Own<T> {
+    fn zeros(&self) -> Asked<'_, FindZeros, T> {
+        Ok(self.watched()?.asked())
+    }
+    fn bounds(&self) -> Asked<'_, Enclose, T> {
+        Ok(self.watched()?.asked())
+    }
+    fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
+        Ok(None)
+    }
+    fn segments(&self) -> Asked<'_, ContractSegments, T> {
+        Ok(self.watched()?.asked())
+    }
+    fn tiles(&self) -> Asked<'_, ContractTiles, T> {
+        Ok(self.watched()?.asked())
+    }
+}
+
+impl Surface for Set {
+    fn single(&self) -> &dyn Kernels<f32> {
+        &self.single
+    }
+    fn double(&self) -> &dyn Kernels<f64> {
+        &self.double
+    }
+}
+
+/// A precision, by which a set's kernels are picked.
+pub trait Float: KernelFloat {
+    /// Those of this precision.
+    fn own(set: &Set) -> &Own<Self>;
+}
+
+impl Float for f32 {
+    fn own(set: &Set) -> &Own<Self> {
+        &set.single
+    }
+}
+
+impl Float for f64 {
+    fn own(set: &Set) -> &Own<Self> {
+        &set.double
+    }
+}
+
+impl Set {
+    /// Those of the only surface of a program; with what they are asked, if it `keeps` that.
+    ///
+    /// # Errors
+    /// One phrase, if the surface has parameters or poles: these need further kernels.
+    pub fn new(program: &Program, arithmetic: Arithmetic, keeps: bool) -> Result<Self, String> {
+        let has_poles = program.cleared(0).map_err(|error| error.to_string())?.is_some();
+        if has_poles || !program.values().is_empty() {
+            return Err("only surfaces without parameters and poles are compared".to_owned());
+        }
+        Ok(Self {
+            single: Own::new(program, arithmetic, keeps)?,
+            double: Own::new(program, arithmetic, keeps)?,
+        })
+    }
+
+    /// The kernel that answers a question.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn kernel<T: Float, Q: Question>(&self) -> Result<&Compared<Q, T>, KernelError>
+    where
+        Own<T>: Has<Q, T>,
+    {
+        Ok(&T::own(self).watched()?.kernel)
+    }
+
+    /// What the kernel for a question was asked so far.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn seen<T: Float, Q: Question>(&self) -> Result<Vec<Q::Input<T>>, KernelError>
+    where
+        Own<T>: Has<Q, T>,
+    {
+        let seen = T::own(self).watched()?.seen.as_ref();
+        Ok(seen.map_or_else(Vec::new, |seen| {
+            seen.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        }))
+    }
+}
+
+impl<T: KernelFloat> Own<T> {
+    fn new(program: &Program, arithmetic: Arithmetic, keeps: bool) -> Result<Self, String> {
+        let tape = program.tape(0, Form::Function).map_err(|error| error.to_string())?;
+        Ok(Self {
+            tape: tape.ok_or("it has no function")?,
+            arithmetic,
+            keeps,
+            zeros: Slot::new(),
+            bounds: Slot::new(),
+            segments: Slot::new(),
+            tiles: Slot::new(),
+        })
+    }
+}

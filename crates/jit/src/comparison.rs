@@ -1,0 +1,224 @@
+//! The same kernels in other arithmetics, to measure what rigour costs.
+//!
+//! Nothing that is shown may come of these: it is why they are left out unless a feature asks for them, and why they are no
+//! [`Native`](crate::Native). The texts of all rules are those of the product, over a [`Machine`] that moves results.
+
+use crate::code::Code;
+use crate::compiler::{Cursor, compile_for_comparison};
+use crate::error::Error;
+use crate::lanes::{Emitter, Vector};
+use crate::rounding::{call_rounding_to_nearest, call_rounding_up};
+use std::marker::PhantomData;
+use zeroset_eval::{Binding, Input, Kernel, Loader, Question, Real, Tape};
+use zeroset_interval::{Format, Machine};
+
+/// How results are rounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Arithmetic {
+    /// To nearest, and what rounding adds to forms is left out. **Not sound**: bounds may miss values.
+    Unsound,
+    /// To nearest, and every result that has to be a bound is moved up to the next float by further operations, as is
+    /// done where no rounding mode can be set. Sound.
+    Widened,
+    /// Up, by the processor's rounding mode, as the product does.
+    Upward,
+}
+
+impl Arithmetic {
+    /// All, from the one that promises least.
+    pub const ALL: [Self; 3] = [Self::Unsound, Self::Widened, Self::Upward];
+}
+
+/// A kernel in some arithmetic. All are made by the same tier of the compiler, so that only arithmetic differs.
+pub struct Compared<Q: Question, T: Real = f32> {
+    code: Code,
+    arithmetic: Arithmetic,
+    tape: Tape<T>,
+    binding: Binding<T>,
+    question: PhantomData<Q>,
+}
+
+impl<Q: Question, T: Real> Compared<Q, T> {
+    /// Compiles `tape` for this processor and binds its parameters.
+    ///
+    /// # Errors
+    /// If the processor is not supported or the formula too large.
+    ///
+    /// # Panics
+    /// As [`Native::new`](crate::Native::new).
+    pub fn new(tape: Tape<T>, binding: Binding<T>, arithmetic: Arithmetic) -> Result<Self, Error> {
+        let code = compile_for_comparison::<Q, T>(&tape, |emitter, cursor| match arithmetic {
+            Arithmetic::Upward => Q::answer(&tape, emitter, cursor),
+            Arithmetic::Unsound | Arithmetic::Widened => {
+                let widens = arithmetic == Arithmetic::Widened;
+                let mut nearest = Nearest { emitter, widens, is_widening: widens };
+                Q::answer(&tape, &mut nearest, cursor)
+            }
+        })?;
+        Q::check(&tape, &binding);
+        Ok(Self { code, arithmetic, tape, binding, question: PhantomData })
+    }
+
+    /// Size of the machine code in bytes.
+    pub fn code_bytes(&self) -> usize {
+        self.code.bytes
+    }
+}
+
+impl<Q: Question, T: Real> Kernel<Q, T> for Compared<Q, T> {
+    #[inline]
+    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+        Q::check_input(&self.tape, input);
+        let call = match self.arithmetic {
+            Arithmetic::Unsound | Arithmetic::Widened => call_rounding_to_nearest,
+            Arithmetic::Upward => call_rounding_up,
+        };
+        // SAFETY: as for `Native`, which has the same contract.
+        unsafe {
+            call(
+                self.code.entry(),
+                (&raw const *input).cast(),
+                (&raw mut *output).cast(),
+                input.count(),
+                self.binding.quantities().as_ptr().cast(),
+                self.code.constants(),
+            );
+        }
+    }
+}
+
+/// A machine for code that runs while results are rounded to nearest.
+struct Nearest<'a, 'b, 'c> {
+    emitter: &'a mut Emitter<'b, 'c>,
+    /// Whether results are moved at all.
+    widens: bool,
+    /// Whether those are that come next.
+    is_widening: bool,
+}
+
+impl<T: Real> Loader<Nearest<'_, '_, '_>> for Cursor<T> {
+    fn input(&mut self, m: &mut Nearest<'_, '_, '_>, quantity: usize) -> Vector {
+        self.input(m.emitter, quantity)
+    }
+
+    fn parameter(&mut self, m: &mut Nearest<'_, '_, '_>, quantity: usize) -> Vector {
+        self.parameter(m.emitter, quantity)
+    }
+}
+
+impl Nearest<'_, '_, '_> {
+    /// `result`, or the next float above it.
+    fn widened(&mut self, result: Vector) -> Vector {
+        if self.is_widening { self.next_up(result) } else { result }
+    }
+
+    /// The next float: one more in its bits, or one less below 0. +∞ and what is no number stay so.
+    fn next_up(&mut self, a: Vector) -> Vector {
+        let m = &mut *self.emitter;
+        let format = m.format(a);
+        let (zero, two) = (m.number(format, 0.0), m.bits(format, 2));
+        let infinity = m.number(format, f64::INFINITY);
+        let a = m.add(a, zero); // +0 for −0
+        let finite = m.lt(a, infinity); // a set mask is −1
+        let sign = m.shift_right(a, if format == Format::F32 { 30 } else { 62 });
+        let twice = m.and(sign, two);
+        let moved = m.int_sub(a, finite);
+        m.int_sub(moved, twice)
+    }
+}
+
+/// Operations that are exact, or that round as the processor does and whose results are no bounds.
+macro_rules! kept {
+    ($($name:ident($($operand:ident: $kind:ty),*) -> $result:ty;)*) => {
+        $(fn $name(&mut self, $($operand: $kind),*) -> $result {
+            self.emitter.$name($($operand),*)
+        })*
+    };
+}
+
+/// Operations that round.
+macro_rules! rounded {
+    ($($name:ident($($operand:ident: $kind:ty),*);)*) => {
+        $(fn $name(&mut self, $($operand: $kind),*) -> Vector {
+            let result = self.emitter.$name($($operand),*);
+            self.widened(result)
+        })*
+    };
+}
+
+impl Machine for Nearest<'_, '_, '_> {
+    type V = Vector;
+
+    rounded! {
+        add(a: Vector, b: Vector);
+        sub(a: Vector, b: Vector);
+        mul(a: Vector, b: Vector);
+        div(a: Vector, b: Vector);
+        sqrt(a: Vector);
+        narrow(halves: [Vector; 2]);
+    }
+    kept! {
+        number(format: Format, value: f64) -> Vector;
+        bits(format: Format, bits: u64) -> Vector;
+        neg(a: Vector) -> Vector;
+        abs(a: Vector) -> Vector;
+        min(a: Vector, b: Vector) -> Vector;
+        max(a: Vector, b: Vector) -> Vector;
+        floor(a: Vector) -> Vector;
+        ceil(a: Vector) -> Vector;
+        trunc(a: Vector) -> Vector;
+        nearest(a: Vector) -> Vector;
+        lt(a: Vector, b: Vector) -> Vector;
+        le(a: Vector, b: Vector) -> Vector;
+        eq(a: Vector, b: Vector) -> Vector;
+        and(a: Vector, b: Vector) -> Vector;
+        or(a: Vector, b: Vector) -> Vector;
+        xor(a: Vector, b: Vector) -> Vector;
+        select(mask: Vector, a: Vector, b: Vector) -> Vector;
+        select_signed(sign: Vector, a: Vector, b: Vector) -> Vector;
+        int_add(a: Vector, b: Vector) -> Vector;
+        int_sub(a: Vector, b: Vector) -> Vector;
+        shift_left(a: Vector, by: u8) -> Vector;
+        shift_right(a: Vector, by: u8) -> Vector;
+        widen(a: Vector) -> [Vector; 2];
+    }
+
+    fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
+        &mut self,
+        inputs: [[Vector; IN]; ROWS],
+        mut routine: impl FnMut(&mut Self, [Vector; IN]) -> [Vector; OUT],
+    ) -> [[Vector; OUT]; ROWS] {
+        let (rows, inputs) = self.emitter.begin_rows(inputs, OUT);
+        let outputs = routine(self, inputs);
+        self.emitter.end_rows::<ROWS, IN, OUT>(&rows, outputs)
+    }
+
+    fn nearly<R>(&mut self, text: impl FnOnce(&mut Self) -> R) -> R {
+        let before = std::mem::replace(&mut self.is_widening, false);
+        let result = text(self);
+        self.is_widening = before;
+        result
+    }
+
+    fn outward(&mut self, bound: Vector) -> Vector {
+        let once = self.widened(bound);
+        self.widened(once)
+    }
+
+    /// Only where rules rely on it: on signs, on domains from −1 to 1, on what is finite.
+    fn held(&mut self, format: Format, bound: Vector, most: f64) -> Vector {
+        let huge = match format {
+            Format::F32 => f64::from(f32::MAX / 2.0),
+            Format::F64 => f64::MAX / 2.0,
+        };
+        if !self.widens || !(most <= 1.0 || (huge..f64::INFINITY).contains(&most)) {
+            return bound;
+        }
+        let most = self.emitter.number(format, most);
+        self.emitter.min(bound, most)
+    }
+
+    fn counts_rounding(&self) -> bool {
+        self.widens
+    }
+}
