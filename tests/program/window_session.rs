@@ -120,7 +120,7 @@ fn saving_a_slow_picture_does_not_hold_the_window() {
         return;
     }
     // The coarse picture is there within seconds; the fine one would take minutes.
-    let terms = (1..30).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
+    let terms = (1..80).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
     let formula = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));
     let fine = ["--size", "900x700", "--precision", "f64", "--max-depth", "20", "--domain", "1"];
     let scene = Scene::start(&[&[formula.as_str()][..], &fine[..]].concat());

@@ -21,7 +21,7 @@ struct Finding {
     was: &'static str,
 }
 
-const FINDINGS: [Finding; 4] = [
+const FINDINGS: [Finding; 6] = [
     Finding {
         formula: "mod(-1.4490664005279541015625/3*z, z)",
         domain: [ENTIRE; 3],
@@ -49,6 +49,20 @@ const FINDINGS: [Finding; 4] = [
         region: [[-1.0; 2], [0.0; 2], [0.0; 2]],
         within: [1.0, 1.0],
         was: "an even exponent without an opposite became odd",
+    },
+    Finding {
+        formula: "atan2(mod(-3, 1), acos(x))",
+        domain: [ENTIRE; 3],
+        region: [[2.29, 2.31], [0.0; 2], [0.0; 2]],
+        within: [0.0, 0.0],
+        was: "the angle of the origin had bounds outside its range",
+    },
+    Finding {
+        formula: "acos(atan2(mod(-3, 1), acos(x)))",
+        domain: [ENTIRE; 3],
+        region: [[2.29, 2.31], [0.0; 2], [0.0; 2]],
+        within: [1.570_796, 1.570_797],
+        was: "and a bound of what was computed from it was NaN",
     },
 ];
 
