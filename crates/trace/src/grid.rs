@@ -87,7 +87,7 @@ impl RayGrid {
     }
 
     /// The rays of some patches of the picture, one in each row: its sixteen pixels row by row. What is found for them may
-    /// be drawn, but is no claim, since nothing is looked for before [`Patch::from`].
+    /// be drawn, but is no claim, since it is looked for only within [`Patch::between`].
     #[must_use]
     pub fn patches(&self, patches: Arc<[Patch]>) -> Self {
         Self { width: LANES, height: patches.len(), patches: Some(patches), ..self.clone() }
