@@ -35,9 +35,12 @@ impl<M: Machine> Rule<'_, M> {
         let upper = self.m.le(zero, y_lo);
         let lower = self.m.le(y_hi, zero);
         let right = self.m.le(zero, x_lo);
-        // The origin alone has no angle; its bounds are still to be among those of boxes around it.
-        let reaches_right =
-            if b.range.lo >= 0.0 { self.m.le(zero, x_hi) } else { self.gt(x_hi, zero) };
+        let mut reaches_right = self.gt(x_hi, zero);
+        if b.range.lo >= 0.0 {
+            // The origin alone has no angle; its bounds are still to be among those of boxes around it.
+            let flat = self.m.and(upper, lower);
+            reaches_right = self.m.or(reaches_right, flat);
+        }
         let sign_bit = self.sign_bit();
         // Above the axis the least angle is at the right end, the greatest at the left; each at the
         // y that the sign of x picks. Below the axis, where angles are negative, it is the other
