@@ -200,6 +200,11 @@ impl Picture {
         self.flat |= other.flat;
     }
 
+    /// How many pixels are open only because this is a preview or time was short.
+    pub(crate) fn left_open(&self) -> usize {
+        self.statistics.open.reasons[Reason::Budget as usize]
+    }
+
     /// Of each pixel, row by row, whether it is open only because this is a preview or time was short.
     pub(crate) fn unsettled(&self) -> impl Iterator<Item = bool> + '_ {
         let is_short = |(status, reason): (&Status, &Reason)| {

@@ -1,7 +1,9 @@
 //! Boxes that may hold a point of some surface: halved, asked about and counted.
 
 use std::cell::Cell as Counter;
-use zeroset_eval::{Boxes, ContractTiles, FindZeros, Kernel, LANES, Planes, Tiles, Zeros};
+use zeroset_eval::{
+    Boxes, ContractTiles, FindZeros, Kernel, LANES, Planes, Points, Sample, Tiles, Values, Zeros,
+};
 
 /// A box of space; an end may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +96,18 @@ impl Search<'_> {
         let left = self.work.get();
         self.work.set(left.saturating_sub(evaluations));
         left >= evaluations
+    }
+
+    /// A function's values at places, each an evaluation.
+    pub fn values(&self, kernel: &dyn Kernel<Sample, f64>, places: &[[f64; 3]]) -> Vec<f64> {
+        self.spend(places.len() as u64);
+        let mut values = Vec::with_capacity(places.len());
+        for points in Points::near(places) {
+            let mut found = Values::<f64>::default();
+            kernel.ask(&points, &mut found);
+            values.extend_from_slice(&found.value[..points.count as usize]);
+        }
+        values
     }
 
     /// The cells that are not proven empty; none, so that every search ends, when it is no longer wanted.

@@ -5,8 +5,8 @@
 //! missed is possible. Knows neither cameras nor pictures.
 
 use super::cells::{Cell, Search};
-use super::polynomial::principal;
-use zeroset_eval::{Kernel, Points, Sample, Values};
+use super::polynomial::{Vector, principal};
+use zeroset_eval::{Kernel, Sample};
 
 /// How far critical points near the surface are from the centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,8 +71,6 @@ const NOTHING: f64 = 1e-6;
 
 /// What is found again lies within this share of the half side.
 const SAME: f64 = 1e-4;
-
-type Vector = [f64; 3];
 
 /// How a way ends.
 #[derive(Clone, Copy, PartialEq)]
@@ -141,24 +139,13 @@ impl Seeker<'_> {
                 break;
             }
             let around = on_the_way.iter().flat_map(|way| self.around(way.place));
-            let values = self.values(&around.collect::<Vec<_>>());
+            let values = self.search.values(self.values, &around.collect::<Vec<_>>());
             for (way, values) in on_the_way.iter_mut().zip(values.chunks_exact(AROUND)) {
                 self.step(way, values);
             }
         }
         let ended = ways.iter().filter_map(|way| Some((way.place, way.end?)));
         ended.filter(|(_, end)| *end != End::Lost).collect()
-    }
-
-    fn values(&self, points: &[Vector]) -> Vec<f64> {
-        self.search.spend(points.len() as u64);
-        let mut values = Vec::with_capacity(points.len());
-        for points in Points::near(points) {
-            let mut found = Values::<f64>::default();
-            self.values.ask(&points, &mut found);
-            values.extend_from_slice(&found.value[..points.count as usize]);
-        }
-        values
     }
 
     /// The places whose values tell how a function changes around one.
@@ -236,7 +223,7 @@ impl Seeker<'_> {
                 })
             });
             let around: Vec<Vector> = around.collect();
-            let values = self.values(&around);
+            let values = self.search.values(self.values, &around);
             // The thirteenth is the critical point.
             let here = values[13];
             let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));

@@ -9,7 +9,7 @@ use super::critical::{Found, Seeker};
 use super::heights::{Grid, Heights, shown};
 use super::shape::Shape;
 use std::f64::consts::PI;
-use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
+use zeroset_eval::{Kernel, Sample};
 
 /// Half the side of the window on a surface that is like itself at every scale.
 pub const PLAIN: f64 = 2.0;
@@ -91,15 +91,6 @@ impl Sight<'_> {
         let view = View { centre: neat, ..view };
         let cell = view.cell(half);
         (cell, view.is_round(&cell))
-    }
-
-    fn values<'b>(&'b self, points: &'b [[f64; 3]]) -> impl Iterator<Item = f64> + use<'b> {
-        points.chunks(LANES).flat_map(move |chunk| {
-            let mut values = Values::<f64>::default();
-            self.search.spend(chunk.len() as u64);
-            self.values.ask(&Points::near(chunk)[0], &mut values);
-            (0..chunk.len()).map(move |lane| values.value[lane])
-        })
     }
 }
 
@@ -229,7 +220,9 @@ impl View<'_> {
             point
         };
         let points: Vec<[f64; 3]> = places.iter().map(point).collect();
-        self.sight.values(&points).map(|value| self.centre[up] - value / factor).collect()
+        let Sight { search, values, .. } = *self.sight;
+        let values = search.values(values, &points).into_iter();
+        values.map(|value| self.centre[up] - value / factor).collect()
     }
 
     /// The window on what is as high as a function of two axes, with this half side on the ground.

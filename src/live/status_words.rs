@@ -70,7 +70,7 @@ impl Rendering {
         if !self.is_full() {
             parts.push(format!("{size} of {}x{} so far", full.width, full.height));
         } else if self.coarse {
-            let open = self.picture.unsettled().filter(|open| *open).count();
+            let open = self.picture.left_open();
             parts.push(format!("{open} pixel{} to be decided", if open == 1 { "" } else { "s" }));
         } else {
             parts.push(self.proven());

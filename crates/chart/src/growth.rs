@@ -12,7 +12,7 @@ use crate::plot::draw;
 use crate::progress::progress;
 use crate::quantile::quantile;
 use crate::run::pool;
-use crate::store::write;
+use crate::store::{write, write_csv};
 use crate::views::rng;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -21,7 +21,7 @@ use zeroset::program::Program;
 use zeroset::scene;
 use zeroset_eval::{ContractTiles, Question};
 use zeroset_syntax::{Options as Reading, read};
-use zeroset_trace::{METHODS, Options};
+use zeroset_trace::{Method, Options};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
@@ -101,14 +101,9 @@ pub fn growth(
 }
 
 fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
-    let path = directory.join("compile.csv");
     let mut sorted: Vec<&Row> = rows.iter().collect();
     sorted.sort_by_key(|row| (row.source, row.nodes, row.name.clone()));
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    for row in sorted {
-        csv.serialize(row).map_err(ChartError::of_content(&path))?;
-    }
-    write(&path, &csv.into_inner().map_err(ChartError::of_content(&path))?)?;
+    write_csv(&directory.join("compile.csv"), sorted)?;
     for (name, figure) in [("time", chart::times(rows)), ("code", chart::code(rows))] {
         write(&directory.join(format!("compile-{name}.svg")), draw(&figure)?.as_bytes())?;
     }
@@ -138,7 +133,7 @@ fn compile(formula: &Formula) -> Result<Compiled, ChartError> {
     let program = Program::new(&document, scene::bounds(&formula.region));
     let program = program.map_err(|error| refuse(error.to_string()))?;
     let simplify = lap();
-    let affine = METHODS.iter().find(|method| method.name == "affine").expect("the default");
+    let affine = Method::named("affine").expect("the default");
     for surface in 0..document.surfaces.len() {
         let kernels = program.surface(surface);
         let tracer = affine.prepare(kernels, &formula.region, Options::default());

@@ -16,7 +16,7 @@ use crate::plot::draw;
 use crate::progress::progress;
 use crate::quantile::{Quartiles, geometric_mean};
 use crate::run::pool;
-use crate::store::write;
+use crate::store::{write, write_csv};
 use crate::surfaces::Surface;
 use crate::views::{View, rng, views};
 use inputs::{Three, boxes, chosen, errors, lengths, widths};
@@ -31,7 +31,7 @@ use zeroset_eval::{
 };
 use zeroset_interval::Format;
 use zeroset_jit::comparison::Arithmetic;
-use zeroset_trace::{Driver, GBuffer, METHODS, Options, Precision};
+use zeroset_trace::{Driver, GBuffer, Method, Options, Precision};
 
 /// How long a kernel is asked between two looks at the clock.
 const TURN: Duration = Duration::from_micros(300);
@@ -78,12 +78,7 @@ pub fn rigour(
 }
 
 fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
-    let path = directory.join("rigour.csv");
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        csv.serialize(row).map_err(ChartError::of_content(&path))?;
-    }
-    write(&path, &csv.into_inner().map_err(ChartError::of_content(&path))?)?;
+    write_csv(&directory.join("rigour.csv"), rows)?;
     write(&directory.join("rigour.svg"), draw(&chart::figure(rows))?.as_bytes())
 }
 
@@ -228,7 +223,7 @@ impl Plan<'_> {
     /// Traces the surface by the method `affine`; returns how many pixels are undecided.
     fn picture(&self, set: &Set, precision: Precision) -> Result<usize, ChartError> {
         let size = self.extent.size;
-        let affine = METHODS.iter().find(|method| method.name == "affine").expect("the default");
+        let affine = Method::named("affine").expect("the default");
         let options = Options { precision, ..Options::default() };
         let tracer = affine
             .prepare(set, &self.surface.region, options)

@@ -6,6 +6,7 @@ use crate::page::page;
 use crate::plot::draw;
 use crate::progress::progress;
 use crate::row::Row;
+use serde::Serialize;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -34,6 +35,21 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ChartError> {
     file.write_all(bytes).map_err(&refuse)?;
     file.persist(path).map_err(|error| refuse(error.error))?;
     Ok(())
+}
+
+/// Writes rows as a table with a head, in one step.
+///
+/// # Errors
+/// If that is impossible.
+pub fn write_csv<R: Serialize>(
+    path: &Path,
+    rows: impl IntoIterator<Item = R>,
+) -> Result<(), ChartError> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        csv.serialize(row).map_err(ChartError::of_content(path))?;
+    }
+    write(path, &csv.into_inner().map_err(ChartError::of_content(path))?)
 }
 
 impl Store {
@@ -118,12 +134,7 @@ impl Store {
             serde_json::to_vec_pretty(&self.rows).map_err(ChartError::of_content(&path))?;
         json.push(b'\n');
         write(&path, &json)?;
-        let path = self.path("rows.csv");
-        let mut csv = csv::Writer::from_writer(Vec::new());
-        for row in &self.rows {
-            csv.serialize(row).map_err(ChartError::of_content(&path))?;
-        }
-        write(&path, &csv.into_inner().map_err(ChartError::of_content(&path))?)
+        write_csv(&self.path("rows.csv"), &self.rows)
     }
 }
 

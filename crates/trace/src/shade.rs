@@ -9,7 +9,7 @@ use crate::light::Light;
 use crate::look::Look;
 use crate::painted::{BAND, Window, bits, windows};
 use crate::spare::Spares;
-use fearless_simd::{Level, dispatch, f32x16, prelude::*};
+use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 use lanes::{by_axis, dot, left, sharpened, splat, toned};
 use rayon::prelude::*;
@@ -360,9 +360,8 @@ impl Band<'_> {
         let edge = grazing * grazing;
         let factor = factor * (1.0 - look.outline * edge * edge);
         let is_negative = facing.simd_lt(0.0);
-        let cap =
-            std::array::from_fn::<f32, LANES, _>(|lane| if is_cap[lane] { -1.0 } else { 1.0 });
-        let is_cut = f32x16::simd_from(simd, cap).simd_lt(0.0);
+        let cuts = if is_cut_open { bits(|lane| is_cap[lane]) } else { 0 };
+        let is_cut = mask32x16::from_bitmask(simd, u64::from(cuts));
         for (primary, amounts) in amounts.iter_mut().enumerate() {
             let [positive, negative, cut] =
                 [colours.positive, colours.negative, colours.cut].map(|colour| colour.0[primary]);

@@ -197,7 +197,7 @@ impl Worker {
                 return Ok(());
             }
             self.pace.learn(settings.width * settings.height, is_full, started.elapsed());
-            let is_settled = is_full && !picture.unsettled().any(|unsettled| unsettled);
+            let is_settled = is_full && picture.left_open() == 0;
             let rendering = Arc::new(shot.rendering(camera, picture, !is_settled));
             self.publish(Arc::clone(&rendering));
             if is_full {

@@ -50,7 +50,6 @@ pub fn figure(rows: &[Row]) -> Figure {
         }
     };
     let mut surfaces: Vec<&str> = rows.iter().map(|row| row.surface.as_str()).collect();
-    surfaces.dedup();
     surfaces.sort_unstable();
     surfaces.dedup();
     let number = surfaces.len();
