@@ -2,10 +2,11 @@
 //!
 //! Everything here rounds to nearest; what that costs is added as slack by whoever computes with it.
 
+use fearless_simd::{f32x16, f64x8, mask32x16, mask64x8, prelude::*};
 use glam::{BVec4, BVec4A, DVec4, Vec4};
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
-use zeroset_eval::{KernelFloat, PATH_UNITS};
+use zeroset_eval::{KernelFloat, Lanes, PATH_UNITS};
 
 /// A float type in which a traverser follows rays: that of the kernel which it asks.
 pub trait Scalar: KernelFloat + Add<Output = Self> + Mul<Output = Self> {
@@ -32,6 +33,12 @@ pub trait Scalar: KernelFloat + Add<Output = Self> + Mul<Output = Self> {
     fn integer(value: u64) -> Self;
     /// 2^−`n` for n up to [`Scalar::MAX_DEPTH`].
     fn halved(n: u32) -> Self;
+    /// The numbers of all lanes, in two vectors.
+    fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2];
+    /// Writes the floats next to numbers.
+    fn narrow<S: Simd>(numbers: [f64x8<S>; 2], lanes: &mut Lanes<Self>);
+    /// Moves the lanes whose bits are set to the first ones.
+    fn pack<S: Simd>(simd: S, lanes: &mut Lanes<Self>, kept: u16);
 }
 
 impl Scalar for f32 {
@@ -49,6 +56,20 @@ impl Scalar for f32 {
     fn halved(n: u32) -> Self {
         Self::from_bits((127 - n) << 23)
     }
+    #[inline(always)]
+    fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2] {
+        let (low, high) = f32x16::from_slice(simd, &lanes[..]).widen();
+        [low, high]
+    }
+    #[inline(always)]
+    fn narrow<S: Simd>([low, high]: [f64x8<S>; 2], lanes: &mut Lanes<Self>) {
+        low.narrow(high).store_slice(&mut lanes[..]);
+    }
+    #[inline(always)]
+    fn pack<S: Simd>(simd: S, lanes: &mut Lanes<Self>, kept: u16) {
+        let kept = mask32x16::from_bitmask(simd, u64::from(kept));
+        f32x16::from_slice(simd, &lanes[..]).compress(kept).store_slice(&mut lanes[..]);
+    }
 }
 
 impl Scalar for f64 {
@@ -65,6 +86,25 @@ impl Scalar for f64 {
     #[inline]
     fn halved(n: u32) -> Self {
         Self::from_bits((1023 - u64::from(n)) << 52)
+    }
+    #[inline(always)]
+    fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2] {
+        [f64x8::from_slice(simd, &lanes[..8]), f64x8::from_slice(simd, &lanes[8..])]
+    }
+    #[inline(always)]
+    fn narrow<S: Simd>([low, high]: [f64x8<S>; 2], lanes: &mut Lanes<Self>) {
+        low.store_slice(&mut lanes[..8]);
+        high.store_slice(&mut lanes[8..]);
+    }
+    #[inline(always)]
+    fn pack<S: Simd>(simd: S, lanes: &mut Lanes<Self>, kept: u16) {
+        let [low, high] = [kept & 0xff, kept >> 8];
+        let bits = |half: u16| mask64x8::from_bitmask(simd, u64::from(half));
+        let first = f64x8::from_slice(simd, &lanes[..8]).compress(bits(low));
+        let second = f64x8::from_slice(simd, &lanes[8..]).compress(bits(high));
+        first.store_slice(&mut lanes[..8]);
+        let after = low.count_ones() as usize;
+        second.store_slice(&mut lanes[after..after + 8]);
     }
 }
 

@@ -9,10 +9,12 @@
 //! empty parts. Emptiness and signs are followed down to what arithmetic can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.
 
 mod frame;
+mod level;
 mod narrow;
 mod pixels;
 mod plane;
 mod rays;
+mod screens;
 mod slots;
 mod tiles;
 

@@ -4,11 +4,13 @@
 //! Screen coordinates (a, b) are those of the [`RayGrid`]; s is the ray's t less that of a plane through the region's centre,
 //! so that `f32` is spent on the region and not on the way to it.
 
+use super::screens::{Ends, HALF, Screens};
 use crate::grid::RayGrid;
 use crate::region::Region;
 use crate::scalar::Scalar;
+use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
-use zeroset_eval::{Lanes, Segments, Tiles};
+use zeroset_eval::{LANES, Lanes, Segments, Tiles};
 
 /// Forms lose a few times what their coordinates are rounded by.
 pub(super) const BLURS: f64 = 4.0;
@@ -111,79 +113,105 @@ impl Frame {
         [&self.origin, &self.direction].map(|parts| parts[0] + a * parts[1] + b * parts[2])
     }
 
-    /// Bounds of s between which a tile's rays may be in the region, and whether they are in it from the one to the other.
-    /// `None` if none reaches it.
-    pub fn clip(
-        &self,
-        tile: &Tile,
-        region: &Region,
-        [mut near, mut far]: [f64; 2],
-    ) -> Option<[f64; 2]> {
-        let [low, high] = [region.low(), region.high()];
-        for axis in 0..3 {
-            let [o, d] =
-                [Self::range(&self.origin, tile, axis), Self::range(&self.direction, tile, axis)];
-            let slack = self.error[axis];
-            let (low, high) = (low[axis] - slack, high[axis] + slack);
-            // Where all rays go the same way, they come in after the first that can and leave before the last that can.
-            let (enter, leave) = if d[0] > 0.0 {
-                ([low - o[1], d[0], d[1]], [high - o[0], d[0], d[1]])
-            } else if d[1] < 0.0 {
-                ([o[0] - high, -d[1], -d[0]], [o[1] - low, -d[1], -d[0]])
-            } else {
-                continue;
-            };
-            // A negative way is longest over the least speed, a positive one over the greatest.
-            let first = if enter[0] < 0.0 { enter[0] / enter[1] } else { enter[0] / enter[2] };
-            let last = if leave[0] < 0.0 { leave[0] / leave[2] } else { leave[0] / leave[1] };
-            near = near.max(first - 1e-12 * first.abs());
-            far = far.min(last + 1e-12 * last.abs());
+    /// Shortens segments to what of them may be in the region on some ray of their tile; the ends of one that is not reached
+    /// come out in the wrong order.
+    #[inline(always)]
+    pub fn clip<S: Simd>(&self, simd: S, screens: &Screens, region: &Region, ends: &mut Ends) {
+        let rays = Wide::new(simd, screens);
+        let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
+        for (k, (near, far)) in nears.iter_mut().zip(&mut fars).enumerate() {
+            for axis in 0..3 {
+                let [o, d] =
+                    [rays.range(&self.origin, k, axis), rays.range(&self.direction, k, axis)];
+                let slack = self.error[axis];
+                let (low, high) = (region.low()[axis] - slack, region.high()[axis] + slack);
+                // Where all rays go the same way, they come in after the first that can and leave before the last that can.
+                let (up, down) = (d[0].simd_gt(0.0), d[1].simd_lt(0.0));
+                let enter = up.select(low - o[1], o[0] - high);
+                let leave = up.select(high - o[0], o[1] - low);
+                let (least, most) = (up.select(d[0], -d[1]), up.select(d[1], -d[0]));
+                // A negative way is longest over the least speed, a positive one over the greatest.
+                let first = enter / enter.simd_lt(0.0).select(least, most);
+                let last = leave / leave.simd_lt(0.0).select(most, least);
+                let one_way = up | down;
+                // What is not a number bounds nothing.
+                let first = near.max_precise(first - 1e-12 * first.abs());
+                let last = far.min_precise(last + 1e-12 * last.abs());
+                *near = one_way.select(first, *near);
+                *far = one_way.select(last, *far);
+            }
         }
-        (near <= far).then_some([near, far])
+        f64::narrow(nears, &mut ends[0]);
+        f64::narrow(fars, &mut ends[1]);
     }
 
-    /// Whether all of a tile's rays are in the region from s = `near` to `far`, its clipping plane apart.
-    pub fn is_inside(&self, tile: &Tile, region: &Region, [near, far]: [f64; 2]) -> bool {
-        let [low, high] = [region.low(), region.high()];
-        let bounds = |axis: usize| {
-            let [o, d] =
-                [Self::range(&self.origin, tile, axis), Self::range(&self.direction, tile, axis)];
-            let least = o[0] + (near * d[0]).min(near * d[1]).min(far * d[0]).min(far * d[1]);
-            let most = o[1] + (near * d[0]).max(near * d[1]).max(far * d[0]).max(far * d[1]);
-            [least, most]
-        };
-        let is_between = |axis: usize| {
-            let ([least, most], slack) = (bounds(axis), self.error[axis]);
-            low[axis] + slack <= least && most <= high[axis] - slack
-        };
-        (0..3).all(is_between)
-            && region.ball().is_none_or(|ball| {
-                let [x, y, z] = [0, 1, 2].map(bounds);
-                let (least, most) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
-                ball.holds(least - self.error, most + self.error)
-            })
+    /// The lanes in which all of a tile's rays are in the region from the one end to the other, its clipping plane apart, as
+    /// bits.
+    #[inline(always)]
+    pub fn inside<S: Simd>(
+        &self,
+        simd: S,
+        screens: &Screens,
+        region: &Region,
+        [nears, fars]: [[f64x8<S>; 2]; 2],
+    ) -> u16 {
+        let mut all = u16::MAX;
+        let rays = Wide::new(simd, screens);
+        let zero = f64x8::splat(simd, 0.0);
+        let mut corners = [[[zero; 2]; 2]; 3];
+        for (k, (near, far)) in nears.into_iter().zip(fars).enumerate() {
+            for (axis, [leasts, mosts]) in corners.iter_mut().enumerate() {
+                let [o, d] =
+                    [rays.range(&self.origin, k, axis), rays.range(&self.direction, k, axis)];
+                let (a, b) = (near * d[0], near * d[1]);
+                let (x, y) = (far * d[0], far * d[1]);
+                let least = o[0] + a.min_precise(b).min_precise(x).min_precise(y);
+                let most = o[1] + a.max_precise(b).max_precise(x).max_precise(y);
+                let slack = self.error[axis];
+                let (low, high) = (region.low()[axis] + slack, region.high()[axis] - slack);
+                let within = least.simd_ge(low) & most.simd_le(high);
+                all &= !(((!within).to_bitmask() as u16) << (HALF * k));
+                (leasts[k], mosts[k]) = (least, most);
+            }
+        }
+        if let Some(ball) = region.ball() {
+            let mut ends = [[Lanes::splat(0.0); 2]; 3];
+            for (wide, lanes) in corners.iter().flatten().zip(ends.as_flattened_mut()) {
+                f64::narrow(*wide, lanes);
+            }
+            let [x, y, z] = &ends;
+            let corner = |k: usize, lane: usize| DVec3::new(x[k][lane], y[k][lane], z[k][lane]);
+            let holds = |lane: &usize| {
+                ball.holds(corner(0, *lane) - self.error, corner(1, *lane) + self.error)
+            };
+            let held: u16 = (0..LANES).filter(holds).map(|lane| 1 << lane).sum();
+            all &= held;
+        }
+        all
+    }
+}
+
+/// Where tiles are, in vectors.
+struct Wide<S: Simd> {
+    centre: [[f64x8<S>; 2]; 2],
+    half: [[f64x8<S>; 2]; 2],
+}
+
+impl<S: Simd> Wide<S> {
+    #[inline(always)]
+    fn new(simd: S, Screens { centre, half }: &Screens) -> Self {
+        Self {
+            centre: [f64::wide(simd, &centre[0]), f64::wide(simd, &centre[1])],
+            half: [f64::wide(simd, &half[0]), f64::wide(simd, &half[1])],
+        }
     }
 
-    /// Bounds of one coordinate of a sum of three over a tile.
-    fn range(parts: &[DVec3; 3], tile: &Tile, axis: usize) -> [f64; 2] {
-        let [at, a, b] = [parts[0][axis], parts[1][axis], parts[2][axis]];
-        let middle = at + tile.centre[0] * a + tile.centre[1] * b;
-        let reach = tile.half[0] * a.abs() + tile.half[1] * b.abs();
+    /// Bounds of one coordinate of a sum of three, for half of the tiles.
+    #[inline(always)]
+    fn range(&self, parts: &[DVec3; 3], k: usize, axis: usize) -> [f64x8<S>; 2] {
+        let [start, a, b] = [parts[0][axis], parts[1][axis], parts[2][axis]];
+        let middle = start + self.centre[0][k] * a + self.centre[1][k] * b;
+        let reach = self.half[0][k] * a.abs() + self.half[1][k] * b.abs();
         [middle - reach, middle + reach]
-    }
-}
-
-/// The screen coordinates of the rays of some pixels: within `half` of `centre`.
-pub(super) struct Tile {
-    pub centre: [f64; 2],
-    pub half: [f64; 2],
-}
-
-impl Tile {
-    /// The pixels of these columns and rows of a picture, the last included.
-    pub fn new(rays: &RayGrid, columns: [usize; 2], rows: [usize; 2]) -> Self {
-        let centre = rays.screen(columns[0] + columns[1], rows[0] + rows[1]);
-        let half = [columns, rows].map(|[first, last]| (last - first) as f64 * rays.unit());
-        Self { centre, half }
     }
 }

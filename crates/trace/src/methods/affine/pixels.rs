@@ -1,12 +1,15 @@
 //! The pixels of a tile: hits that the tile's form proves, and rays that have to be followed.
 
 use super::super::way::{self, Way};
-use super::frame::Tile;
+use super::frame::Frame;
+use super::level::Level;
 use super::narrow::{STALLED, STEADY, UNSTEADY};
 use super::plane::Plane;
-use super::tiles::{Level, Tracer};
+use super::screens::{Ends, Screens, ones, outward};
+use super::tiles::Tracer;
 use crate::method::Start;
 use crate::scalar::{Four, Scalar};
+use fearless_simd::{dispatch, f64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// How often the segments of a tile's rays are narrowed together, before those that are left are followed one by one.
@@ -20,15 +23,13 @@ struct Patch {
     first: [usize; 2],
     /// How far the next row is: in columns and rows.
     next: [usize; 2],
-    /// Screen coordinates of its columns.
-    across: [f64; 4],
-    /// Screen coordinates of its rows.
-    upward: [f64; 4],
+    /// Where its rays are.
+    screens: Screens,
 }
 
 impl Patch {
     fn screen(&self, bit: usize) -> [f64; 2] {
-        [self.across[bit % 4], self.upward[bit / 4]]
+        [self.screens.centre[0][bit], self.screens.centre[1][bit]]
     }
 
     fn column(&self, bit: usize) -> usize {
@@ -38,15 +39,6 @@ impl Patch {
     fn row(&self, bit: usize) -> usize {
         self.first[1] + bit / 4 * self.next[1]
     }
-}
-
-/// The places of the bits that are set.
-fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
-        bits &= bits.wrapping_sub(1);
-        bit
-    })
 }
 
 /// What became of segments: a bit for each lane in use.
@@ -59,11 +51,12 @@ struct Sifted {
     shorter: u16,
 }
 
-/// Tells segments apart by what was asked of them, given how short they are to be, and how short they may be.
+/// Tells segments in these lanes apart by what was asked of them, given how short they are to be, and how short they may be.
 #[inline]
 fn sift<T: Scalar>(
     batch: &Segments<T>,
     out: &Contractions<T>,
+    live: u16,
     [tolerance, grain]: [f64; 2],
 ) -> Sifted {
     let [tolerance, grain, stalled, steady, least] =
@@ -81,9 +74,35 @@ fn sift<T: Scalar>(
         short |= bits(steady, at) | bits(length.at_most(least), at);
         shorter |= bits(much, at);
     }
-    let used = u16::MAX >> (LANES as u32 - batch.count);
-    let left = out.possible & used & !empty;
+    let left = out.possible & live & !empty;
     Sifted { left, short: left & short & out.crossing, shorter: left & shorter }
+}
+
+/// What is left of segments on the rays of a tile.
+struct Left {
+    /// Between which values of s, by the rays' bits.
+    ends: Ends,
+    /// The bits of the rays in the batch's lanes.
+    rays: [u8; LANES],
+}
+
+impl Left {
+    fn new() -> Self {
+        let rays = std::array::from_fn(|lane| lane as u8);
+        Self { ends: [Lanes::splat(0.0); 2], rays }
+    }
+
+    /// Takes what is left in these lanes; returns the bits of their rays.
+    #[inline]
+    fn take<T: Scalar>(&mut self, lanes: u16, out: &Contractions<T>) -> u16 {
+        let mut bits = 0;
+        for lane in ones(lanes) {
+            let bit = usize::from(self.rays[lane]) % LANES;
+            bits |= 1 << bit;
+            (self.ends[0][bit], self.ends[1][bit]) = (out.near[lane].into(), out.far[lane].into());
+        }
+        bits
+    }
 }
 
 impl<T: Scalar> Tracer<'_, '_, '_, T> {
@@ -95,49 +114,94 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             (corner, first, next) = ([patch.column, patch.row], [0, row], [4, 0]);
         }
         let screen = |k: usize| self.rays.screen(2 * (corner[0] + k), 2 * (corner[1] + k));
-        let screens: [[f64; 2]; 4] = std::array::from_fn(screen);
-        Patch {
-            index: row * self.across + column,
-            first,
-            next,
-            across: screens.map(|screen| screen[0]),
-            upward: screens.map(|screen| screen[1]),
+        let places = [screen(0), screen(1), screen(2), screen(3)];
+        let across = places.map(|place| place[0]);
+        let [mut centre, half] = [[Lanes::splat(0.0); 2]; 2];
+        for (row, place) in places.iter().enumerate() {
+            centre[0].as_chunks_mut().0[row] = across;
+            centre[1].as_chunks_mut().0[row] = [place[1]; 4];
         }
+        let screens = Screens { centre, half };
+        Patch { index: row * self.across + column, first, next, screens }
     }
 
     /// Writes the hits that a tile's form proves on the rays of its pixels.
     pub(super) fn emit(&mut self, plane: &Plane, depth: usize, place: [usize; 2]) {
-        if self.rays.is_patched() {
-            return self.emit_patch(plane, &self.patch(place));
-        }
-        let [columns, rows] = self.pixels(place, depth);
-        for row in rows[0] / 4..=rows[1] / 4 {
-            for column in columns[0] / 4..=columns[1] / 4 {
-                self.emit_patch(plane, &self.patch([column, row]));
+        let ([columns, rows], is_patched) = (self.pixels(place, depth), self.rays.is_patched());
+        let (columns, rows) = if is_patched {
+            (place[0]..=place[0], place[1]..=place[1])
+        } else {
+            (columns[0] / 4..=columns[1] / 4, rows[0] / 4..=rows[1] / 4)
+        };
+        for row in rows {
+            for column in columns.clone() {
+                let patch = self.patch([column, row]);
+                let bits = std::mem::take(&mut self.open[patch.index]);
+                if bits == 0 {
+                    continue;
+                }
+                let found = dispatch!(self.vectors, simd => self.on_plane(simd, plane, &patch));
+                self.write(&patch, bits, &found);
             }
         }
     }
 
-    fn emit_patch(&mut self, plane: &Plane, patch: &Patch) {
-        let start = self.frame.start;
-        let along = patch.across.map(|a| start + plane.at([a, patch.upward[0]]));
-        let open = std::mem::take(&mut self.open[patch.index]);
-        for (row, &b) in patch.upward.iter().enumerate() {
-            let four = open >> (4 * row) & 0xf;
-            if four == 0 {
-                continue;
-            }
-            let more = plane.rise(b - patch.upward[0]);
-            let length = patch.across.map(|a| self.length([a, b]));
-            let distance: [f64; 4] = std::array::from_fn(|k| (along[k] + more) * length[k]);
-            let off = length.map(|length| plane.reach() * length);
+    /// The distances at which rays meet a plane, and how far from that a zero may be.
+    #[inline(always)]
+    fn on_plane<S: Simd>(&self, simd: S, plane: &Plane, patch: &Patch) -> [Lanes<f64>; 2] {
+        let mut found = [Lanes::splat(0.0); 2];
+        let (mut distance, mut off) = (plane.at(simd, &patch.screens), self.lengths(simd, patch));
+        for (distance, off) in distance.iter_mut().zip(&mut off) {
+            *distance = (self.frame.start + *distance) * *off;
+            *off *= plane.reach();
+        }
+        f64::narrow(distance, &mut found[0]);
+        f64::narrow(off, &mut found[1]);
+        found
+    }
+
+    /// The distances in the middle of brackets, and how far those reach.
+    #[inline(always)]
+    fn between<S: Simd>(&self, simd: S, patch: &Patch, ends: &Ends) -> [Lanes<f64>; 2] {
+        let mut found = [Lanes::splat(0.0); 2];
+        let [mut from, mut to] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
+        let lengths = self.lengths(simd, patch);
+        for ((from, to), length) in from.iter_mut().zip(&mut to).zip(lengths) {
+            let middle = self.frame.start + 0.5 * (*from + *to);
+            // What these sums round is far below what kernels leave of a bracket.
+            let off = 0.5 * (*to - *from) + 1e-13 * middle.abs();
+            (*from, *to) = (middle * length, off * length);
+        }
+        f64::narrow(from, &mut found[0]);
+        f64::narrow(to, &mut found[1]);
+        found
+    }
+
+    /// The lengths of rays' directions.
+    #[inline(always)]
+    fn lengths<S: Simd>(&self, simd: S, patch: &Patch) -> [f64x8<S>; 2] {
+        if self.rays.is_parallel() {
+            return [f64x8::splat(simd, 1.0); 2];
+        }
+        let mut a = f64::wide(simd, &patch.screens.centre[0]);
+        let b = f64::wide(simd, &patch.screens.centre[1]);
+        for (a, b) in a.iter_mut().zip(b) {
+            *a = (1.0 + *a * *a + b * b).sqrt();
+        }
+        a
+    }
+
+    /// Writes hits at distances, on the rays with these bits.
+    fn write(&mut self, patch: &Patch, bits: u16, [distance, off]: &[Lanes<f64>; 2]) {
+        let [distance, off] = [distance.as_chunks::<4>().0, off.as_chunks::<4>().0];
+        for row in 0..4 {
+            let four = bits >> (4 * row) & 0xf;
+            let (column, line) = (patch.column(4 * row), patch.row(4 * row));
             if four == 0xf {
-                let (column, row) = (patch.column(4 * row), patch.row(4 * row));
-                self.band.add_four_hits(column, row, &distance, &off);
+                self.band.add_four_hits(column, line, &distance[row], &off[row]);
             } else {
-                let (column, row) = (patch.column(4 * row), patch.row(4 * row));
                 for k in ones(four) {
-                    self.band.add_hit(column + k, row, distance[k], off[k]);
+                    self.band.add_hit(column + k, line, distance[row][k], off[row][k]);
                 }
             }
         }
@@ -145,140 +209,111 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Follows the rays of a tile of 4×4 that are not finished, all of the segment being in the region: first all at once,
     /// each along what the tile's form leaves of it.
-    pub(super) fn follow_within(
-        &mut self,
-        level: &Level<T>,
-        [slot, lane]: [usize; 2],
-        segment: [f64; 2],
-    ) {
-        let patch = self.patch(level.places[lane]);
+    pub(super) fn follow_within(&mut self, level: &Level<T>, slot: usize, segment: [f64; 2]) {
+        let patch = self.patch(level.places[slot]);
         let plane = Plane::new(&level.batch, &level.out, slot);
-        let mut bits = [0_u8; LANES];
-        let mut count = self.place(level, &patch, &plane, segment, &mut bits);
+        let left = dispatch!(self.vectors, simd => self.place(simd, &patch, &plane, segment));
+        let mut live = left & self.open[patch.index];
         let tolerance = self.method.tolerance * self.footprint(segment[0]);
         let grain = T::GRAIN * self.size;
-        let (mut ways, mut rest) = ([Way::NONE; LANES], [0; LANES]);
-        let mut hard = 0;
+        let (mut rest, mut hits, mut hard) = (Left::new(), 0, 0);
         for round in 1..=ROUNDS {
-            if count == 0 {
+            if live == 0 {
                 break;
             }
-            self.segments.count = count as u32;
+            live = self.pack(live, &mut rest.rays);
+            self.segments.count = LANES as u32 - live.leading_zeros();
             self.method.follower.ask(&self.segments, &mut self.contractions);
-            self.work.segments.called(count as u32);
-            let sifted = sift(&self.segments, &self.contractions, [tolerance, grain]);
-            let hits = if self.method.cleared { 0 } else { sifted.short };
-            let again = if round < ROUNDS { sifted.shorter & !hits } else { 0 };
-            for slot in ones(hits) {
-                self.hit(&patch, usize::from(bits[slot]), slot);
-            }
-            for slot in ones(sifted.left & !hits & !again) {
-                let bit = usize::from(bits[slot]);
+            self.work.segments.called(live.count_ones());
+            let sifted = sift(&self.segments, &self.contractions, live, [tolerance, grain]);
+            let short = if self.method.cleared { 0 } else { sifted.short };
+            live = if round < ROUNDS { sifted.shorter & !short } else { 0 };
+            hits |= rest.take(short, &self.contractions);
+            hard |= rest.take(sifted.left & !short & !live, &self.contractions);
+            let Contractions { near, far, .. } = &self.contractions;
+            (self.segments.near, self.segments.far) = (*near, *far);
+        }
+        if hits != 0 {
+            self.open[patch.index] &= !hits;
+            let found = dispatch!(self.vectors, simd => self.between(simd, &patch, &rest.ends));
+            self.write(&patch, hits, &found);
+        }
+        if hard != 0 {
+            let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
+            let mut count = 0;
+            for bit in ones(hard) {
                 let [origin, direction] = self.frame.ray(patch.screen(bit));
-                ways[hard] = Way {
+                ways[count] = Way {
                     origin,
                     direction,
                     error: self.frame.error,
                     start: -self.frame.start,
-                    span: [self.contractions.near[slot].into(), self.contractions.far[slot].into()],
+                    span: [rest.ends[0][bit], rest.ends[1][bit]],
                     inside: [f64::NEG_INFINITY, f64::INFINITY],
                     tolerance,
                 };
-                rest[hard] = bit;
-                hard += 1;
-            }
-            count = 0;
-            for slot in ones(again) {
-                let batch = &mut self.segments;
-                bits[count] = bits[slot];
-                for lanes in batch.origin.iter_mut().chain(&mut batch.direction) {
-                    lanes[count] = lanes[slot];
-                }
-                batch.near[count] = self.contractions.near[slot];
-                batch.far[count] = self.contractions.far[slot];
+                bits[count] = bit;
                 count += 1;
             }
-        }
-        if hard > 0 {
-            self.follow_ways(&patch, &ways[..hard], &rest);
+            self.follow_ways(&patch, &ways[..count], &bits);
         }
     }
 
-    /// Puts the rays of a tile of 4×4 that are not finished into the batch, each with what a form of the tile leaves of a
-    /// segment; returns how many there are, and writes which.
-    fn place(
-        &mut self,
-        level: &Level<T>,
-        patch: &Patch,
-        plane: &Plane,
-        segment: [f64; 2],
-        bits: &mut [u8; LANES],
-    ) -> usize {
-        let (near, far, meets) = plane.narrow::<T>(&patch.across, &patch.upward, segment);
+    /// Puts the rays of a tile of 4×4 into the batch, each with what a form of the tile leaves of a segment; returns on which
+    /// anything is left.
+    #[inline(always)]
+    fn place<S: Simd>(&mut self, simd: S, patch: &Patch, plane: &Plane, segment: [f64; 2]) -> u16 {
+        let asked = segment.map(Lanes::splat);
+        let mut left = asked;
+        plane.narrow(simd, &patch.screens, &mut left);
         let batch = &mut self.segments;
-        let four = |screen: [f64; 4]| T::Four::from_array(screen.map(T::nearest));
-        let (across, upward) = (four(patch.across), patch.upward.map(T::nearest));
+        let a = f64::wide(simd, &patch.screens.centre[0]);
+        let b = f64::wide(simd, &patch.screens.centre[1]);
         for axis in 0..3 {
-            for (parts, lanes) in [
-                (&level.batch.origin, &mut batch.origin[axis]),
-                (&level.batch.direction, &mut batch.direction[axis]),
-            ] {
-                let [base, a, b] = [0, 3, 6].map(|part| parts[part + axis][0]);
-                let row = T::Four::splat(base) + across * T::Four::splat(a);
-                for (lanes, &up) in lanes.as_chunks_mut().0.iter_mut().zip(&upward) {
-                    *lanes = (row + T::Four::splat(up * b)).to_array();
+            let Frame { origin, direction, .. } = &self.frame;
+            for (parts, lanes) in
+                [(origin, &mut batch.origin[axis]), (direction, &mut batch.direction[axis])]
+            {
+                let mut numbers = a;
+                for (number, b) in numbers.iter_mut().zip(b) {
+                    *number = parts[0][axis] + *number * parts[1][axis] + b * parts[2][axis];
                 }
+                T::narrow(numbers, lanes);
             }
         }
-        let wanted = self.open[patch.index] & meets;
-        if wanted == u16::MAX {
-            (batch.near, batch.far) = (near, far);
-            *bits = std::array::from_fn(|lane| lane as u8);
-            return LANES;
+        outward(simd, &asked, &left, self.size, [&mut batch.near, &mut batch.far])
+    }
+
+    /// Moves the rays that are live to the first lanes, where that saves a vector; returns the lanes that are live then.
+    fn pack(&mut self, live: u16, rays: &mut [u8; LANES]) -> u16 {
+        let (count, last) = (live.count_ones(), LANES as u32 - live.leading_zeros());
+        if count.div_ceil(4) == last.div_ceil(4) {
+            return live;
         }
-        let mut count = 0;
-        for lane in ones(wanted) {
-            bits[count] = lane as u8;
-            for lanes in batch.origin.iter_mut().chain(&mut batch.direction) {
-                lanes[count] = lanes[lane];
+        for (to, from) in ones(live).enumerate() {
+            rays[to] = rays[from];
+        }
+        dispatch!(self.vectors, simd => {
+            let Segments { origin, direction, near, far, .. } = &mut self.segments;
+            for lanes in origin.iter_mut().chain(direction).chain([near, far]) {
+                T::pack(simd, lanes, live);
             }
-            (batch.near[count], batch.far[count]) = (near[lane], far[lane]);
-            count += 1;
-        }
-        count
-    }
-
-    /// Writes the hit on a pixel's ray that is proven in a lane of the batch.
-    #[inline]
-    fn hit(&mut self, patch: &Patch, bit: usize, slot: usize) {
-        self.open[patch.index] &= !(1 << bit);
-        let (from, to): (f64, f64) =
-            (self.contractions.near[slot].into(), self.contractions.far[slot].into());
-        let length = self.length(patch.screen(bit));
-        let middle = self.frame.start + 0.5 * (from + to);
-        // What these sums round is far below what kernels leave of a bracket.
-        let off = (0.5 * (to - from) + 1e-13 * middle.abs()) * length;
-        self.band.add_hit(patch.column(bit), patch.row(bit), middle * length, off);
-    }
-
-    /// The length of a ray's direction.
-    #[inline]
-    fn length(&self, [a, b]: [f64; 2]) -> f64 {
-        if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
+        });
+        (1 << count) - 1
     }
 
     /// Follows the rays of a tile of 4×4 that are not finished, each as far as it is in the region.
-    pub(super) fn follow(&mut self, level: &Level<T>, lane: usize, segment: [f64; 2]) {
-        let patch = self.patch(level.places[lane]);
+    pub(super) fn follow(&mut self, level: &Level<T>, slot: usize, segment: [f64; 2]) {
+        let patch = self.patch(level.places[slot]);
         let region = self.method.region;
         let tolerance = self.method.tolerance * self.footprint(segment[0]);
         let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
         let mut count = 0;
+        let mut ends = segment.map(Lanes::splat);
+        dispatch!(self.vectors, simd => self.frame.clip(simd, &patch.screens, region, &mut ends));
         for bit in ones(self.open[patch.index]) {
-            let screen = patch.screen(bit);
-            let [origin, direction] = self.frame.ray(screen);
-            let ray = Tile { centre: screen, half: [0.0; 2] };
-            let Some(mut span) = self.frame.clip(&ray, region, segment) else { continue };
+            let [origin, direction] = self.frame.ray(patch.screen(bit));
+            let mut span = [ends[0][bit], ends[1][bit]];
             let mut inside = way::between_faces([origin, direction, self.frame.error], region);
             if region.is_cut() {
                 let ray = self.rays.ray(patch.column(bit), self.band.top + patch.row(bit));
@@ -288,7 +323,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
                 inside = way::inside(region, &ray, start);
             }
-            if span[0] > span[1] {
+            // Not so either if one is not a number.
+            let is_left = span[0] <= span[1];
+            if !is_left {
                 continue;
             }
             let (error, start) = (self.frame.error, -self.frame.start);
@@ -299,6 +336,12 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         if count > 0 {
             self.follow_ways(&patch, &ways[..count], &bits);
         }
+    }
+
+    /// The length of a ray's direction.
+    #[inline]
+    fn length(&self, [a, b]: [f64; 2]) -> f64 {
+        if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
     }
 
     /// Follows rays of a tile of 4×4, given by their bits, one by one to the end.

@@ -1,8 +1,9 @@
 //! What the form of a tile says of the zeros on its rays: they lie near a plane in screen coordinates and s.
 
-use super::frame::Tile;
-use crate::scalar::{Four, Scalar};
-use zeroset_eval::{Lanes, Planes, Tiles};
+use super::screens::{Ends, Screens};
+use crate::scalar::Scalar;
+use fearless_simd::{f64x8, prelude::*};
+use zeroset_eval::{Planes, Tiles};
 
 /// A plane, and how far from it a zero may be.
 pub(super) struct Plane {
@@ -39,57 +40,32 @@ impl Plane {
         self.reach
     }
 
-    /// What s changes by on the plane, for a way upward in screen coordinates.
-    pub fn rise(&self, up: f64) -> f64 {
-        self.per_screen[1] * up
-    }
-
-    /// s where the plane meets the ray at screen coordinates.
-    #[inline]
-    pub fn at(&self, [a, b]: [f64; 2]) -> f64 {
-        self.s
-            + (self.per_screen[0] * (a - self.centre[0])
-                + self.per_screen[1] * (b - self.centre[1]))
-    }
-
-    /// What is left of a segment on each ray of a tile of 4×4 pixels, given the screen coordinates of its columns and rows;
-    /// and a bit for each ray on which anything is.
-    #[inline]
-    pub fn narrow<T: Scalar>(
-        &self,
-        columns: &[f64; 4],
-        rows: &[f64; 4],
-        [near, far]: [f64; 2],
-    ) -> (Lanes<T>, Lanes<T>, u16) {
-        let along = columns.map(|a| self.per_screen[0] * (a - self.centre[0]));
-        let up = rows.map(|b| self.s + self.per_screen[1] * (b - self.centre[1]));
-        let most = |four: &[f64; 4]| four[0].abs().max(four[3].abs());
-        // More than what the numbers and sums below are rounded by.
-        let size = most(&along) + most(&up) + self.reach;
-        let reach = T::Four::splat(T::above(self.reach + T::PATH_ERROR * size));
-        let (near, far) = (T::Four::splat(T::nearest(near)), T::Four::splat(T::nearest(far)));
-        let along = T::Four::from_array(along.map(T::nearest));
-        let [mut from, mut to] = [Lanes::splat(T::default()); 2];
-        let mut misses = 0;
-        let ends = from.as_chunks_mut::<4>().0.iter_mut().zip(to.as_chunks_mut::<4>().0);
-        for (row, (first, last)) in ends.enumerate() {
-            let s = along + T::Four::splat(T::nearest(up[row]));
-            // In this order, what is not a number bounds nothing.
-            let (from, to) = ((s - reach).max(near), (s + reach).min(far));
-            misses |= T::Four::bits(to.less(from)) << (4 * row);
-            (*first, *last) = (from.to_array(), to.to_array());
+    /// s where the plane meets the rays in the middle of tiles.
+    #[inline(always)]
+    pub fn at<S: Simd>(&self, simd: S, screens: &Screens) -> [f64x8<S>; 2] {
+        let mut along = f64::wide(simd, &screens.centre[0]);
+        let up = f64::wide(simd, &screens.centre[1]);
+        for (along, up) in along.iter_mut().zip(up) {
+            let [along_way, up_way] = [*along - self.centre[0], up - self.centre[1]];
+            *along = self.s + (self.per_screen[0] * along_way + self.per_screen[1] * up_way);
         }
-        (from, to, !misses as u16)
+        along
     }
 
-    /// What is left of a segment on the rays of a part of the tile.
-    #[inline]
-    pub fn narrow_tile(&self, part: &Tile, [near, far]: [f64; 2]) -> Option<[f64; 2]> {
-        let s = self.at(part.centre);
-        let spread =
-            self.per_screen[0].abs() * part.half[0] + self.per_screen[1].abs() * part.half[1];
-        let reach = spread + self.reach;
-        let (near, far) = ((s - reach).max(near), (s + reach).min(far));
-        (near <= far).then_some([near, far])
+    /// Shortens segments of parts of the tile to what is left of them; the ends of one of which nothing is come out in the
+    /// wrong order.
+    #[inline(always)]
+    pub fn narrow<S: Simd>(&self, simd: S, parts: &Screens, ends: &mut Ends) {
+        let [across, upward] = self.per_screen.map(f64::abs);
+        let [wide, high] = [f64::wide(simd, &parts.half[0]), f64::wide(simd, &parts.half[1])];
+        let [mut near, mut far] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
+        for (k, s) in self.at(simd, parts).into_iter().enumerate() {
+            let reach = wide[k] * across + high[k] * upward + self.reach;
+            // What is not a number bounds nothing.
+            near[k] = (s - reach).max_precise(near[k]);
+            far[k] = (s + reach).min_precise(far[k]);
+        }
+        f64::narrow(near, &mut ends[0]);
+        f64::narrow(far, &mut ends[1]);
     }
 }

@@ -3,7 +3,7 @@
 use zeroset_eval::LANES;
 
 /// What is still to be looked at of something: segments, the nearest last.
-pub(super) type Stack = Vec<[f64; 2]>;
+pub(super) type Stack<T = f64> = Vec<[T; 2]>;
 
 /// The things that a batch's lanes are about, by lane.
 pub(super) struct Slots {

@@ -1,16 +1,18 @@
 //! Tiles of rays, from 16×16 pixels to 4×4, and from those to single rays.
 
 use super::Affine;
-use super::frame::{Frame, Tile};
-use super::narrow::{Scratch, is_progress};
+use super::frame::Frame;
+use super::level::Level;
+use super::narrow::Scratch;
 use super::plane::Plane;
-use super::slots::{Slots, Stack};
+use super::screens::{HALF, ones};
 use crate::band::Band;
-use crate::grid::{Patch, RayGrid};
+use crate::grid::RayGrid;
 use crate::methods::way::CUT;
 use crate::scalar::Scalar;
 use crate::work::Work;
-use zeroset_eval::{Contractions, LANES, Planes, Segments, Tiles};
+use fearless_simd::{Level as Vectors, dispatch, mask64x8, prelude::*};
+use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// Pixels on the side of a tile, by level. Each holds sixteen of the next.
 const SIDES: [usize; 2] = [16, 4];
@@ -50,21 +52,23 @@ pub(super) fn trace<T: Scalar>(
         frame,
         scratch: Scratch::default(),
         work,
+        vectors: Vectors::new(),
     };
     let mut levels: [Level<T>; SIDES.len()] = levels;
-    let first = if is_patched { LAST } else { 0 };
-    let places: Vec<[usize; 2]> = if is_patched {
-        (0..tracer.band.height).map(|row| [0, row]).collect()
-    } else {
-        (0..tracer.band.width.div_ceil(SIDES[0])).map(|column| [column, 0]).collect()
-    };
     // Rounded outward once; all later ends are floats.
     let [near, far] = tracer.frame.span;
     let span = [-T::above(-near).into(), T::above(far).into()];
-    for places in places.chunks(LANES) {
+    let (first, count) = if is_patched {
+        (LAST, tracer.band.height)
+    } else {
+        (0, tracer.band.width.div_ceil(SIDES[0]))
+    };
+    for start in (0..count).step_by(LANES) {
         if !tracer.band.is_wanted() {
-            return tracer.band.give_up(SIDES[0] * places[0][0]);
+            return tracer.band.give_up(if is_patched { 0 } else { SIDES[0] * start });
         }
+        let some = start..count.min(start + LANES);
+        let places = if is_patched { [0..1, some] } else { [some, 0..1] };
         levels[first].start(&tracer, places, first, span, None, false);
         tracer.run(&mut levels[first..], first);
     }
@@ -104,15 +108,22 @@ fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: b
     }
 }
 
-/// Up to sixteen tiles of one size, and what is still to be looked at of each.
-pub(super) struct Level<T: Scalar> {
-    /// Whether all of the tiles' segments are in the region.
-    within: bool,
-    pub places: [[usize; 2]; LANES],
-    tiles: [Tile; LANES],
-    stacks: [Stack; LANES],
-    pub batch: Tiles<T>,
-    pub out: Planes<T>,
+/// What is to be done with tiles that were asked about, and that may hold a zero: a bit a lane.
+struct Verdicts<T> {
+    /// No part of the segment is left.
+    empty: u16,
+    /// The form proves a zero on each ray, and tells it from its neighbours closely enough.
+    flat: u16,
+    /// What is left is much shorter, and looked at once more.
+    shorter: u16,
+    /// The tile's parts are looked at; the rest of the segments are cut.
+    finer: u16,
+    /// Where all of what is left lies in the region.
+    within: u16,
+    /// What is left.
+    left: [Lanes<T>; 2],
+    /// Where it would be cut.
+    cut: Lanes<T>,
 }
 
 pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
@@ -130,74 +141,8 @@ pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
     pub contractions: Contractions<T>,
     pub scratch: Scratch<T>,
     pub work: &'a mut Work,
-}
-
-impl<T: Scalar> Level<T> {
-    fn new(batch: Tiles<T>) -> Self {
-        Self {
-            within: false,
-            places: [[0; 2]; LANES],
-            tiles: std::array::from_fn(|_| Tile { centre: [0.0; 2], half: [0.0; 2] }),
-            stacks: Default::default(),
-            batch,
-            out: Planes::default(),
-        }
-    }
-
-    /// Takes tiles of a level, by their columns and rows in units of tiles, each with what the form of the tile that they
-    /// are parts of leaves of a segment. If they are `within` the region, they need not be clipped to it.
-    fn start(
-        &mut self,
-        tracer: &Tracer<'_, '_, '_, T>,
-        places: &[[usize; 2]],
-        level: usize,
-        segment: [f64; 2],
-        plane: Option<&Plane>,
-        within: bool,
-    ) {
-        self.within = within;
-        for (lane, &place) in places.iter().enumerate() {
-            let stack = &mut self.stacks[lane];
-            stack.clear();
-            if !tracer.is_open(place, level) {
-                continue;
-            }
-            let tile = tracer.tile(place, level);
-            let segment = tracer.from(place, segment);
-            let mut left = (segment[0] <= segment[1]).then_some(segment);
-            if let Some(plane) = plane {
-                left = plane.narrow_tile(&tile, segment);
-            }
-            if !within {
-                let clip = |segment| tracer.frame.clip(&tile, tracer.method.region, segment);
-                left = left.and_then(clip);
-            }
-            if let Some([near, far]) = left {
-                // Ends that are floats already stay as they are.
-                let slack = |end: f64, clipped: f64| {
-                    if end == clipped { 0.0 } else { T::PATH_ERROR * (clipped.abs() + tracer.size) }
-                };
-                let near = T::nearest(near - slack(segment[0], near));
-                let far = T::nearest(far + slack(segment[1], far));
-                stack.push([near.into(), far.into()]);
-            }
-            self.places[lane] = place;
-            self.tiles[lane] = tile;
-        }
-        for stack in &mut self.stacks[places.len()..] {
-            stack.clear();
-        }
-    }
-
-    fn place(&mut self, slot: usize, lane: usize, reach: [f64; 2]) {
-        let tile = &self.tiles[lane];
-        for (axis, reach) in reach.into_iter().enumerate() {
-            self.batch.centre[axis][slot] = T::nearest(tile.centre[axis]);
-            // The centre is rounded too, and so is this.
-            let half = tile.half[axis] + T::PATH_ERROR * reach;
-            self.batch.half[axis][slot] = T::nearest(half);
-        }
-    }
+    /// Those that the processor has.
+    pub vectors: Vectors,
 }
 
 impl<T: Scalar> Tracer<'_, '_, '_, T> {
@@ -208,18 +153,33 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         [range(column, self.band.width), range(row, self.band.height)]
     }
 
-    /// The rays of a tile.
-    fn tile(&self, place: [usize; 2], level: usize) -> Tile {
+    /// The screen coordinate in the middle of a column of tiles, and how far its rays are from that.
+    #[inline]
+    pub(super) fn across(&self, column: usize, level: usize) -> [f64; 2] {
+        let [columns, _] = self.pixels([column, 0], level);
+        self.extent(0, columns[0], columns[1])
+    }
+
+    /// The same of a row of tiles.
+    #[inline]
+    pub(super) fn upward(&self, row: usize, level: usize) -> [f64; 2] {
         let top = self.band.top;
-        if let Some(Patch { column, row, .. }) = self.rays.patch(top + place[1]) {
-            return Tile::new(self.rays, [column, column + 3], [row, row + 3]);
+        if let Some(patch) = self.rays.patch(top + row) {
+            return self.extent(1, patch.row, patch.row + 3);
         }
-        let [columns, rows] = self.pixels(place, level);
-        Tile::new(self.rays, columns, rows.map(|row| top + row))
+        let [_, rows] = self.pixels([0, row], level);
+        self.extent(1, top + rows[0], top + rows[1])
+    }
+
+    /// The same of some columns of pixels, or rows, the last included.
+    #[inline]
+    pub(super) fn extent(&self, axis: usize, first: usize, last: usize) -> [f64; 2] {
+        let centre = self.rays.screen(first + last, first + last)[axis];
+        [centre, (last - first) as f64 * self.rays.unit()]
     }
 
     /// What is to be looked at of a segment.
-    fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
         match self.rays.patch(self.band.top + place[1]) {
             Some(patch) => {
                 let [from, until] = patch.between.map(|t| T::nearest(t - self.frame.start).into());
@@ -230,115 +190,153 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Whether some pixel of a tile is not finished.
-    fn is_open(&self, [column, row]: [usize; 2], level: usize) -> bool {
+    #[inline]
+    pub(super) fn is_open(&self, [column, row]: [usize; 2], level: usize) -> bool {
+        if level == LAST {
+            return self.open[row * self.across + column] != 0;
+        }
         let side = SIDES[level] / SIDES[LAST];
         let range = |place: usize, size: usize| side * place..(side * place + side).min(size);
         let (columns, rows) =
             (range(column, self.across), range(row, self.open.len() / self.across));
         rows.into_iter().any(|row| {
             let start = row * self.across;
-            self.open[start + columns.start..start + columns.end].iter().any(|&open| open != 0)
+            let open = &self.open[start + columns.start..start + columns.end];
+            open.iter().fold(0, |any, open| any | open) != 0
         })
     }
 
     /// The width of a pixel in units of s.
+    #[inline]
     pub(super) fn footprint(&self, s: f64) -> f64 {
         self.rays.footprint(self.frame.start + s)
     }
 
     fn run(&mut self, levels: &mut [Level<T>], depth: usize) {
         let (level, finer) = levels.split_first_mut().expect("a level");
-        let mut slots = Slots::new(&level.stacks);
         let mut moved = true;
-        while !slots.is_empty() {
+        while level.count > 0 {
             if moved {
-                for (slot, lane) in slots.all() {
-                    level.place(slot, lane, self.frame.reach);
-                }
-                level.batch.count = slots.len() as u32;
+                let reach = self.frame.reach;
+                dispatch!(self.vectors, simd => level.place(simd, reach));
+                level.batch.count = level.count as u32;
             }
-            for (slot, lane) in slots.all() {
-                if let Some(&[near, far]) = level.stacks[lane].last() {
-                    level.batch.near[slot] = T::nearest(near);
-                    level.batch.far[slot] = T::nearest(far);
-                }
-            }
+            let asked = level.pop();
             self.method.tiles.ask(&level.batch, &mut level.out);
-            self.work.tiles.calls += 1;
-            for (slot, lane) in slots.all() {
-                let Some(segment) = level.stacks[lane].pop() else { continue };
-                self.work.tiles.lanes += 1;
-                if level.out.possible >> slot & 1 == 1 {
-                    self.judge(level, finer, depth, [slot, lane], segment);
+            self.work.tiles.called(asked.count_ones());
+            let possible = asked & level.out.possible;
+            if possible != 0 {
+                let verdicts =
+                    dispatch!(self.vectors, simd => self.verdicts(simd, level, depth, possible));
+                for slot in ones(possible & !verdicts.empty) {
+                    self.judge(level, finer, depth, slot, &verdicts);
                 }
             }
-            moved = slots.pack(&level.stacks);
+            moved = level.pack();
         }
     }
 
-    /// What is to be done with a tile that may hold a zero.
+    /// What is to be done with the tiles that may hold a zero.
+    #[inline(always)]
+    fn verdicts<S: Simd>(
+        &self,
+        simd: S,
+        level: &Level<T>,
+        depth: usize,
+        possible: u16,
+    ) -> Verdicts<T> {
+        let contracts = self.method.options.ideas.contract;
+        let Level { batch, out, .. } = level;
+        let left = if contracts { [out.near, out.far] } else { [batch.near, batch.far] };
+        let [at_eye, growth] = self.rays.pixel();
+        let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER };
+        let slender = slender * SIDES[depth] as f64;
+        let (mut empty, mut fine, mut stalled, mut short, mut last) = (0, 0, 0, 0, 0);
+        let mut cut = Lanes::splat(T::default());
+        let before = [T::wide(simd, &batch.near), T::wide(simd, &batch.far)];
+        let [near, far] = [T::wide(simd, &left[0]), T::wide(simd, &left[1])];
+        let mut cuts = near;
+        for k in 0..2 {
+            cuts[k] = near[k] + CUT * (far[k] - near[k]);
+        }
+        T::narrow(cuts, &mut cut);
+        let cuts = T::wide(simd, &cut);
+        let slope = T::wide(simd, &out.slope[2]);
+        let [half, error] = [T::wide(simd, &out.half), T::wide(simd, &out.error)];
+        for k in 0..2 {
+            let (near, far, cut) = (near[k], far[k], cuts[k]);
+            let (length, shorter) = (before[1][k] - before[0][k], far - near);
+            let footprint = at_eye + growth * (self.frame.start + near);
+            let enough = self.method.tolerance * footprint * slope[k].abs();
+            let bits = |mask: mask64x8<S>| (mask.to_bitmask() as u16) << (HALF * k);
+            empty |= bits(shorter.simd_lt(0.0));
+            fine |= bits((2.0 * half[k] * error[k]).simd_le(enough));
+            stalled |= bits(!shorter.simd_le(STALLED * length));
+            short |= bits(shorter.simd_le(slender * footprint));
+            // Where floats are as coarse as a segment is short, its parts may come out longer, and would come back for ever.
+            // So would one that is not finite; and an eye in the region has no pixel's width before it to stop at.
+            let progress = near.simd_lt(cut)
+                & cut.simd_lt(far)
+                & (cut - near).simd_lt(length)
+                & (far - cut).simd_lt(length);
+            last |= bits(!progress | shorter.simd_le(T::GRAIN * self.size));
+        }
+        let crossing = out.crossing;
+        let is_flat = contracts && !self.method.cleared;
+        let mut flat = if is_flat { possible & crossing & fine } else { 0 };
+        let shorter = !stalled & !last;
+        let finer = crossing | short | last;
+        let mut within = u16::MAX;
+        if !level.within {
+            let region = self.method.region;
+            within = 0;
+            let is_wanted = region.clip().is_none() && possible & (flat | finer & !shorter) != 0;
+            if is_wanted {
+                within = self.frame.inside(simd, &level.screens, region, [near, far]);
+                if flat != 0 {
+                    flat &= self.frame.inside(simd, &level.screens, region, before);
+                }
+            } else {
+                flat = 0;
+            }
+        }
+        Verdicts { empty, flat, shorter, finer, within, left, cut }
+    }
+
+    /// Does with a tile what is to be done.
     fn judge(
         &mut self,
         level: &mut Level<T>,
         finer: &mut [Level<T>],
         depth: usize,
-        [slot, lane]: [usize; 2],
-        [near, far]: [f64; 2],
+        slot: usize,
+        verdicts: &Verdicts<T>,
     ) {
-        let contracts = self.method.options.ideas.contract;
-        let new: [f64; 2] = if contracts {
-            [level.out.near[slot].into(), level.out.far[slot].into()]
-        } else {
-            [near, far]
-        };
-        let shorter = new[1] - new[0];
-        if shorter < 0.0 {
-            return;
-        }
-        let footprint = self.footprint(new[0]);
-        let crossing = level.out.crossing >> slot & 1 == 1;
-        if crossing && contracts && !self.method.cleared {
-            let error: f64 = level.out.error[slot].into();
-            let slope: f64 = level.out.slope[2][slot].into();
-            let half: f64 = level.out.half[slot].into();
-            let enough = self.method.tolerance * footprint * slope.abs();
-            if 2.0 * half * error <= enough && self.is_within(level, lane, [near, far]) {
-                let plane = Plane::new(&level.batch, &level.out, slot);
-                self.emit(&plane, depth, level.places[lane]);
-                level.stacks[lane].clear();
-                return;
-            }
-        }
-        let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
-        // Too short for these floats, or not finite: such a segment would come back for ever.
-        // An eye in the region has no pixel's width before it to stop at.
-        let is_last = !is_progress(new, cut, far - near) || shorter <= T::GRAIN * self.size;
-        let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER };
-        let slender = shorter <= slender * SIDES[depth] as f64 * footprint;
-        if !is_last && shorter <= STALLED * (far - near) {
-            level.stacks[lane].push(new);
-        } else if crossing || slender || is_last {
-            let within = self.is_within(level, lane, new);
+        let is = |bits: u16| bits >> slot & 1 == 1;
+        let [near, far] = [verdicts.left[0][slot], verdicts.left[1][slot]];
+        if is(verdicts.flat) {
+            let plane = Plane::new(&level.batch, &level.out, slot);
+            self.emit(&plane, depth, level.places[slot]);
+            level.stacks[slot].clear();
+        } else if is(verdicts.shorter) {
+            level.stacks[slot].push([near, far]);
+        } else if is(verdicts.finer) {
+            let (within, segment) = (is(verdicts.within), [near.into(), far.into()]);
             if !finer.is_empty() {
-                self.split(level, finer, depth, [slot, lane], new, within);
-            } else if within && contracts {
-                self.follow_within(level, [slot, lane], new);
+                self.split(level, finer, depth, slot, segment, within);
+            } else if within && self.method.options.ideas.contract {
+                self.follow_within(level, slot, segment);
             } else {
-                self.follow(level, lane, new);
+                self.follow(level, slot, segment);
             }
-            if !self.is_open(level.places[lane], depth) {
-                level.stacks[lane].clear();
+            if !self.is_open(level.places[slot], depth) {
+                level.stacks[slot].clear();
             }
         } else {
-            level.stacks[lane].push([cut, new[1]]);
-            level.stacks[lane].push([new[0], cut]);
+            let cut = verdicts.cut[slot];
+            level.stacks[slot].push([cut, far]);
+            level.stacks[slot].push([near, cut]);
         }
-    }
-
-    fn is_within(&self, level: &Level<T>, lane: usize, segment: [f64; 2]) -> bool {
-        let region = self.method.region;
-        level.within
-            || region.clip().is_none() && self.frame.is_inside(&level.tiles[lane], region, segment)
     }
 
     /// Looks at the sixteen parts of a tile.
@@ -347,24 +345,17 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         level: &Level<T>,
         finer: &mut [Level<T>],
         depth: usize,
-        [slot, lane]: [usize; 2],
+        slot: usize,
         segment: [f64; 2],
         within: bool,
     ) {
-        let [column, row] = level.places[lane].map(|place| 4 * place);
+        let [column, row] = level.places[slot].map(|place| 4 * place);
         let side = SIDES[depth + 1];
         let (columns, rows) = (self.band.width.div_ceil(side), self.band.height.div_ceil(side));
-        let mut parts = [[0; 2]; LANES];
-        let mut count = 0;
-        for row in row..(row + 4).min(rows) {
-            for column in column..(column + 4).min(columns) {
-                parts[count] = [column, row];
-                count += 1;
-            }
-        }
+        let parts = [column..columns.min(column + 4), row..rows.min(row + 4)];
         let plane = self.method.options.ideas.contract;
         let plane = plane.then(|| Plane::new(&level.batch, &level.out, slot));
-        finer[0].start(self, &parts[..count], depth + 1, segment, plane.as_ref(), within);
+        finer[0].start(self, parts, depth + 1, segment, plane.as_ref(), within);
         self.run(finer, depth + 1);
     }
 }

@@ -1,0 +1,61 @@
+//! Where up to sixteen tiles, or rays, are on the screen, and what is left of their segments.
+
+use crate::scalar::Scalar;
+use fearless_simd::prelude::*;
+use zeroset_eval::{LANES, Lanes};
+
+/// Lanes of an `f64` vector: half of a batch.
+pub(super) const HALF: usize = LANES / 2;
+
+/// The screen coordinates of the rays of up to sixteen tiles: within `half` of `centre`. A ray is a tile of no size.
+#[derive(Default)]
+pub(super) struct Screens {
+    pub centre: [Lanes<f64>; 2],
+    pub half: [Lanes<f64>; 2],
+}
+
+impl Screens {
+    /// Writes a lane over another one.
+    pub fn copy(&mut self, from: usize, to: usize) {
+        for lanes in self.centre.iter_mut().chain(&mut self.half) {
+            lanes[to] = lanes[from];
+        }
+    }
+}
+
+/// The places of the bits that are set.
+pub(super) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        bit
+    })
+}
+
+/// The parts of segments that are left, a lane each: from the first to the second.
+pub(super) type Ends = [Lanes<f64>; 2];
+
+/// Writes what is left of segments as floats, rounded outward where it is less than was `asked`, whose ends are floats; returns
+/// the lanes in which anything is left, as bits. No segment reaches farther than `size` from 0.
+#[inline(always)]
+pub(super) fn outward<S: Simd, T: Scalar>(
+    simd: S,
+    asked: &Ends,
+    left: &Ends,
+    size: f64,
+    [near, far]: [&mut Lanes<T>; 2],
+) -> u16 {
+    let [start, end] = [f64::wide(simd, &asked[0]), f64::wide(simd, &asked[1])];
+    let [mut first, mut last] = [f64::wide(simd, &left[0]), f64::wide(simd, &left[1])];
+    let mut any = 0;
+    for k in 0..2 {
+        any |= (first[k].simd_le(last[k]).to_bitmask() as u16) << (HALF * k);
+        let room = T::PATH_ERROR * (first[k].abs() + size);
+        first[k] = first[k].simd_eq(start[k]).select(first[k], first[k] - room);
+        let room = T::PATH_ERROR * (last[k].abs() + size);
+        last[k] = last[k].simd_eq(end[k]).select(last[k], last[k] + room);
+    }
+    T::narrow(first, near);
+    T::narrow(last, far);
+    any
+}
