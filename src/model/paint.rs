@@ -47,14 +47,25 @@ struct Scale<'a> {
 }
 
 impl<'a> Painter<'a> {
-    /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own colours.
-    pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
-        let mapped = |surface: usize| match &model.styles[surface].color {
+    /// Whether anything has other colours than its surface's own.
+    pub fn is_wanted(model: &Model) -> bool {
+        let is_mapped = |surface| Self::mapped(model, surface).is_some();
+        model.setting.contours.is_some() || (0..model.surfaces()).any(is_mapped)
+    }
+
+    /// What colours a surface by a value, if it is shown.
+    fn mapped(model: &Model, surface: usize) -> Option<&MappedColor> {
+        match &model.styles[surface].color {
             Some(SurfaceColor::Mapped(mapped)) if !model.styles[surface].hidden => Some(mapped),
             Some(SurfaceColor::Mapped(_) | SurfaceColor::Plain(_)) | None => None,
-        };
+        }
+    }
+
+    /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own colours.
+    pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
+        let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();
-        if model.setting.contours.is_none() && surfaces.clone().all(|one| mapped(one).is_none()) {
+        if !Self::is_wanted(model) {
             return None;
         }
         let blank = Self { model, scales: Vec::new(), contours: Vec::new() };

@@ -9,12 +9,14 @@ use crate::program::ProgramError;
 use glam::DVec3;
 use std::marker::PhantomData;
 use std::ops::Range;
-use std::time::Instant;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
 use zeroset_trace::{
-    Appearance, Ball, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource, Pattern,
-    RayGrid, SurfaceColours, Tracer, Work, borrow_occlusion, cap, normals,
+    Appearance, BAND_ROWS, Ball, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource,
+    Pattern, RayGrid, Rows, Shader, SurfaceColours, Tracer, Work, borrow_occlusion, cap, cap_rows,
+    normals, unset_colours,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -112,9 +114,11 @@ impl Model {
         buffer.occlusion.fill(0);
         let light = match settings.precision {
             Precision::Auto | Precision::F32 => {
-                Shot::<f32>::new(self, settings, advance).light(&rays, buffer, times)
+                Shot::<f32>::new(self, settings, advance).light(&rays, buffer, None, times)
             }
-            Precision::F64 => Shot::<f64>::new(self, settings, advance).light(&rays, buffer, times),
+            Precision::F64 => {
+                Shot::<f64>::new(self, settings, advance).light(&rays, buffer, None, times)
+            }
         };
         let light = light?;
         lit.statistics.work += light.work;
@@ -192,13 +196,19 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         rays: &RayGrid,
         layer: &mut GBuffer,
     ) -> Result<Work, ProgramError> {
+        let source = self.normals_of(surface)?;
+        let face = |source| normals(layer, rays, source, self.extent() * STEP);
+        Ok(source.map_or_else(Work::default, face))
+    }
+
+    /// What answers for a surface's normals, if they are wanted.
+    fn normals_of(&self, surface: usize) -> Result<Option<NormalSource<'a, T>>, ProgramError> {
         let kernels = self.model.program.kernels::<T>(surface);
-        let source = match self.settings.normals {
-            None => return Ok(Work::default()),
-            Some(Normals::Gradient) => NormalSource::Gradient(kernels.gradients()?),
-            Some(Normals::Central) => NormalSource::Central(kernels.values()?),
-        };
-        Ok(normals(layer, rays, source, self.extent() * STEP))
+        Ok(match self.settings.normals {
+            None => None,
+            Some(Normals::Gradient) => Some(NormalSource::Gradient(kernels.gradients()?)),
+            Some(Normals::Central) => Some(NormalSource::Central(kernels.values()?)),
+        })
     }
 
     fn extent(&self) -> f64 {
@@ -208,44 +218,85 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
     /// The picture of these rays, of which only some rows may be kept.
     pub fn take(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let mut times = self.model.times.unwrap_or_default();
-        let (buffer, work) = self.surfaces(rays, &[], &mut times)?;
-        self.finished(rays, buffer, work, times)
+        let appearance = self.is_plain().then(|| self.appearance(self.lamp(rays)));
+        let shader = appearance.as_ref().map(|appearance| Shader::new(rays, appearance));
+        let (buffer, work, rgb) = self.surfaces(rays, &[], shader.as_ref(), &mut times)?;
+        self.finished(rays, buffer, work, times, rgb)
     }
 
     /// The picture with its unsettled pixels looked at again.
     fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let unsettled: Vec<bool> = picture.unsettled().collect();
         let Statistics { mut times, mut work, .. } = picture.statistics;
-        let (settled, more) = self.surfaces(rays, &unsettled, &mut times)?;
+        let (settled, more, _) = self.surfaces(rays, &unsettled, None, &mut times)?;
         work += more;
         let mut buffer = picture.buffer.clone();
         buffer.replace(&settled, &unsettled);
         settled.hand_back();
-        self.finished(rays, buffer, work, times)
+        self.finished(rays, buffer, work, times, None)
     }
 
-    /// All surfaces along the rays for which `only` says so, all if that is empty.
+    /// Whether each row of the picture can be coloured once it is traced, whatever is in the others.
+    fn is_plain(&self) -> bool {
+        self.settings.normals.is_some()
+            && self.model.seen().count() == 1
+            && self.shadow_depth().is_none()
+            && !self.occludes()
+            && !self.is_translucent()
+            && !Painter::is_wanted(self.model)
+    }
+
+    /// All surfaces along the rays for which `only` says so, all if that is empty; and the picture's colours, if there is a
+    /// shader for them. Rows go from nothing to colours while they are in the nearer caches.
     fn surfaces(
         &self,
         rays: &RayGrid,
         only: &[bool],
+        shader: Option<&Shader<'_>>,
         times: &mut Times,
-    ) -> Result<(GBuffer, Work), ProgramError> {
+    ) -> Result<(GBuffer, Work, Option<Vec<u8>>), ProgramError> {
         let Self { model, settings, advance, .. } = *self;
         let mut watch = Stopwatch::start();
         let (width, height) = (rays.width(), rays.height());
         let mut work = Work::default();
         let mut picture: Option<GBuffer> = None;
+        let mut rgb = shader.map(|_| unset_colours(width * height));
         let last = model.seen().last();
         for surface in model.seen() {
             let tracer = self.tracer(surface, Aim::of(settings))?;
-            let mut layer = GBuffer::new(width, height, 0);
-            if settings.brackets {
-                layer = layer.with_brackets();
-            }
-            work += self.find(surface, &*tracer, rays, only, &mut layer, advance)?;
-            times.trace += watch.lap();
-            work += self.face(surface, rays, &mut layer)?;
+            let source = self.normals_of(surface)?;
+            let is_solid = model.styles[surface].kind == SurfaceKind::Solid;
+            let kernels = model.program.kernels::<T>(surface);
+            let solid = if is_solid { Some(kernels.bounds()?) } else { None };
+            let shading = AtomicU64::new(0);
+            let finish = |rows: &mut Rows<'_>, bytes: &mut [u8]| {
+                let mut work = Work::default();
+                if let Some(kernel) = solid {
+                    work += cap_rows(rows, rays, &model.region, kernel, only);
+                }
+                let mut watch = Stopwatch::start();
+                if let Some(source) = &source {
+                    work += source.face(rows, rays, self.extent() * STEP);
+                }
+                if let Some(shader) = shader {
+                    shader.rows(rows, bytes);
+                }
+                shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
+                work
+            };
+            let bytes = rgb.as_deref_mut().unwrap_or_default();
+            let mut parts: Vec<&mut [u8]> =
+                bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
+            parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
+            let driver = Driver { rays, tracer: &*tracer, advance };
+            let (layer, found) =
+                driver.new_picture(surface as u16, settings.brackets, only, parts, finish);
+            work += found;
+            // As if all threads had been busy all the time.
+            let shading = shading.into_inner() / rayon::current_num_threads() as u64;
+            let (lap, shading) = (watch.lap(), Duration::from_nanos(shading));
+            times.trace += lap.saturating_sub(shading);
+            times.shade += lap.min(shading);
             // One layer at a time, so that many surfaces take no more memory than one.
             match &mut picture {
                 None => picture = Some(layer),
@@ -262,7 +313,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 break;
             }
         }
-        Ok((picture.unwrap_or_else(|| GBuffer::new(width, height, 0)), work))
+        Ok((picture.unwrap_or_else(|| GBuffer::new(width, height, 0)), work, rgb))
     }
 
     /// What was found of these rays, lit and accounted for.
@@ -272,9 +323,10 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         mut buffer: GBuffer,
         mut work: Work,
         mut times: Times,
+        rgb: Option<Vec<u8>>,
     ) -> Result<Picture, ProgramError> {
         let Self { model, settings, .. } = *self;
-        let mut lit = self.light(rays, &mut buffer, &mut times)?;
+        let mut lit = self.light(rays, &mut buffer, rgb, &mut times)?;
         if let Some(own) = &self.own {
             buffer.crop(own.clone());
             lit.rgb.truncate(3 * rays.width() * own.end);
@@ -318,19 +370,25 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         })
     }
 
-    /// Colours of what was found.
+    /// Where the light comes from that casts shadows.
+    fn lamp(&self, rays: &RayGrid) -> Light {
+        match self.settings.light.or(self.model.setting.light) {
+            Some(place) => Light::Positional(place),
+            None => Light::above_left(rays),
+        }
+    }
+
+    /// Colours of what was found, unless they are `known`.
     fn light(
         &self,
         rays: &RayGrid,
         buffer: &mut GBuffer,
+        known: Option<Vec<u8>>,
         times: &mut Times,
     ) -> Result<Lit, ProgramError> {
         let settings = self.settings;
         let mut watch = Stopwatch::start();
-        let light = match settings.light.or(self.model.setting.light) {
-            Some(place) => Light::Positional(place),
-            None => Light::above_left(rays),
-        };
+        let light = self.lamp(rays);
         let work = self.hide(rays, &light, buffer)?;
         times.occlude += watch.lap();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
@@ -346,7 +404,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 layers = self.layers(rays, &[], &self.tracers(Aim::of(settings))?)?;
                 times.trace += watch.lap();
             }
-            rgb = self.coloured(rays, buffer, &layers, &finish, 1);
+            rgb = known.unwrap_or_else(|| self.coloured(rays, buffer, &layers, &finish, 1));
             times.shade += watch.lap();
             if settings.antialias != Pattern::ONE && (self.advance)(0) {
                 edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
@@ -369,6 +427,12 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         settings.shadow_depth.or(typed)
     }
 
+    /// Whether what is near takes ambient light away.
+    fn occludes(&self) -> bool {
+        let settings = self.settings;
+        settings.occlusion && self.model.look(settings).occlusion && settings.normals.is_some()
+    }
+
     /// Finds what hides painted points from light: surfaces in the way, if shadows are wanted, and what is near.
     fn hide(
         &self,
@@ -376,9 +440,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         light: &Light,
         buffer: &mut GBuffer,
     ) -> Result<Work, ProgramError> {
-        let Self { model, settings, advance, .. } = *self;
-        let occludes =
-            settings.occlusion && model.look(settings).occlusion && settings.normals.is_some();
+        let Self { model, advance, .. } = *self;
+        let occludes = self.occludes();
         let mut work = Work::default();
         let shadow_depth = self.shadow_depth();
         if let Some(depth) = shadow_depth {

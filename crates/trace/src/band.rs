@@ -1,9 +1,8 @@
 //! Rows of a picture: what one thread fills at a time.
 
-use crate::gbuffer::{Found, GBuffer, LENGTH_ERROR, Reason, Status};
-use rayon::prelude::*;
+use crate::gbuffer::{Found, LENGTH_ERROR, Reason, Status};
 
-/// Some neighbouring rows of a [`GBuffer`], and where what is found of their pixels goes.
+/// Some neighbouring rows of a picture, and where what is found of their pixels goes.
 pub struct Band<'a> {
     /// The first row, counted from the picture's top.
     pub top: usize,
@@ -11,50 +10,14 @@ pub struct Band<'a> {
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    status: &'a mut [Status],
-    reason: &'a mut [Reason],
-    distance: &'a mut [f64],
-    drawn: &'a mut [f64],
-    bracket: &'a mut [[f64; 2]],
+    pub(crate) status: &'a mut [Status],
+    pub(crate) reason: &'a mut [Reason],
+    pub(crate) distance: &'a mut [f64],
+    pub(crate) drawn: &'a mut [f64],
+    pub(crate) bracket: &'a mut [[f64; 2]],
     /// Whether a pixel is wanted, row by row; empty if all are.
-    only: &'a [bool],
-    wanted: &'a (dyn Fn() -> bool + Sync),
-}
-
-impl GBuffer {
-    /// Bands of so many rows each, from the top; the last may have fewer. `only` says of each pixel whether it is wanted, if
-    /// not all are; `wanted` whether the work is to go on.
-    pub(crate) fn bands<'a>(
-        &'a mut self,
-        rows: usize,
-        only: &'a [bool],
-        wanted: &'a (dyn Fn() -> bool + Sync),
-    ) -> impl IndexedParallelIterator<Item = Band<'a>> {
-        let width = self.width.max(1);
-        let size = rows * width;
-        let mut brackets: Vec<&mut [[f64; 2]]> = self.bracket.chunks_mut(size).collect();
-        let pixels = self.status.len();
-        brackets.resize_with(pixels.div_ceil(size), Default::default);
-        assert!(only.is_empty() || only.len() == pixels, "one for each pixel");
-        self.status
-            .par_chunks_mut(size)
-            .zip(self.reason.par_chunks_mut(size))
-            .zip(self.distance.par_chunks_mut(size).zip(self.drawn.par_chunks_mut(size)))
-            .zip(brackets)
-            .enumerate()
-            .map(move |(band, (((status, reason), (distance, drawn)), bracket))| Band {
-                top: band * rows,
-                width,
-                height: status.len() / width,
-                status,
-                reason,
-                distance,
-                drawn,
-                bracket,
-                only: only.get(band * size..).map_or(&[], |only| &only[..only.len().min(size)]),
-                wanted,
-            })
-    }
+    pub(crate) only: &'a [bool],
+    pub(crate) wanted: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Band<'_> {

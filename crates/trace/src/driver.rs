@@ -2,20 +2,20 @@
 //!
 //! How a ray is followed is not known here.
 
-use crate::band::Band;
 use crate::camera::Ray;
 use crate::gbuffer::{Found, GBuffer};
 use crate::grid::{RayGrid, SIDE};
 use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
 use crate::near::{TURNS, turn};
+use crate::rows::Rows;
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
 use zeroset_eval::LANES;
 
 /// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the side of its squares.
-const ROWS: usize = 16;
+pub const BAND_ROWS: usize = 16;
 /// Rays handed to a method at once: 8×8 pixels, whose data stay in the nearest cache.
 pub(crate) const RAYS: usize = 64;
 /// Pixels of a list that go together.
@@ -55,22 +55,51 @@ impl Driver<'_> {
     /// If the buffer has another size than the picture, or `only` another number of pixels.
     pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
-        let wanted = || (self.advance)(0);
-        let trace = |mut band: Band<'_>| {
-            let mut work = Work::default();
-            if band.is_wanted() {
-                self.tracer.band(self.rays, &mut band, &mut work);
-                (self.advance)(band.width * band.height);
-            } else {
-                band.give_up(0);
-            }
+        assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
+        buffer.rows(BAND_ROWS).map(|mut rows| self.rows(&mut rows, only)).sum()
+    }
+
+    /// A new picture of the surface with this number, otherwise as [`Driver::picture_where`] makes it, with brackets of hits if
+    /// they are wanted. Each [`BAND_ROWS`] rows are handed to `finish` while they are in the nearer caches, together with what
+    /// of `parts` is theirs.
+    ///
+    /// # Panics
+    /// If there are fewer parts than bands of rows, or `only` has another number of pixels.
+    pub fn new_picture<E: Send>(
+        &self,
+        surface: u16,
+        brackets: bool,
+        only: &[bool],
+        parts: Vec<E>,
+        finish: impl Fn(&mut Rows<'_>, E) -> Work + Sync,
+    ) -> (GBuffer, Work) {
+        let (width, height) = (self.rays.width(), self.rays.height());
+        let mut buffer = GBuffer::unset(width, height);
+        if brackets {
+            buffer = buffer.with_brackets();
+        }
+        assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
+        assert!(parts.len() >= height.div_ceil(BAND_ROWS), "a part for each band");
+        let made = buffer.rows(BAND_ROWS).zip(parts).map(|(mut rows, part)| {
+            rows.clear(surface);
+            let mut work = self.rows(&mut rows, only);
+            work += finish(&mut rows, part);
             work
-        };
-        let parts: Vec<Work> = buffer.bands(ROWS, only, &wanted).map(trace).collect();
-        parts.into_iter().fold(Work::default(), |mut sum, part| {
-            sum += part;
-            sum
-        })
+        });
+        let work = made.sum();
+        (buffer, work)
+    }
+
+    fn rows(&self, rows: &mut Rows<'_>, only: &[bool]) -> Work {
+        let (mut work, wanted) = (Work::default(), || (self.advance)(0));
+        let mut band = rows.band(only, &wanted);
+        if band.is_wanted() {
+            self.tracer.band(self.rays, &mut band, &mut work);
+            (self.advance)(band.width * band.height);
+        } else {
+            band.give_up(0);
+        }
+        work
     }
 
     /// Traces these pixels of a picture anew, in the order in which they should go together.

@@ -1,6 +1,7 @@
 //! What is known of each pixel before it has a colour.
 
 use crate::spare::Spares;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// What is proven of the ray through a pixel's centre.
@@ -138,7 +139,7 @@ pub struct PixelCounts {
 }
 
 /// One value per pixel and quantity, row by row from the top.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct GBuffer {
     /// Pixels in a row.
     pub width: usize,
@@ -171,67 +172,53 @@ pub struct GBuffer {
 
 static SPARES: Spares<GBuffer> = Spares::new();
 
-/// Buffers of fewer pixels are set by one thread: to wake another takes longer.
-const SHARED: usize = 1 << 14;
+/// Rows that one thread makes misses at a time.
+const ROWS: usize = 64;
 
 impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
     /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
-        let pixels = width * height;
-        if let Some(mut spare) = SPARES.take(pixels, |spare| spare.status.capacity()) {
-            spare.reset(width, height, surface);
-            return spare;
-        }
-        Self {
-            width,
-            height,
-            status: vec![Status::Miss; pixels],
-            reason: vec![Reason::None; pixels],
-            bracket: Vec::new(),
-            distance: vec![f64::INFINITY; pixels],
-            drawn: vec![f64::INFINITY; pixels],
-            surface: vec![surface; pixels],
-            normal: vec![[0.0; 3]; pixels],
-            cap: vec![false; pixels],
-            shadow: vec![0; pixels],
-            occlusion: vec![0; pixels],
-        }
+        let mut new = Self::unset(width, height);
+        new.rows(ROWS).for_each(|mut rows| rows.clear(surface));
+        new
     }
 
     /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that goes.
     pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
-        fn fill<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
-            all.clear();
-            all.resize(pixels, value);
+        self.resize(width, height);
+        self.rows(ROWS).for_each(|mut rows| rows.clear(surface));
+    }
+
+    /// A picture of the given size of which all rows are still to be cleared: what it holds is of no picture.
+    pub(crate) fn unset(width: usize, height: usize) -> Self {
+        let spare = SPARES.take(width * height, |spare| spare.status.capacity());
+        let mut unset = spare.unwrap_or_default();
+        unset.resize(width, height);
+        unset
+    }
+
+    fn resize(&mut self, width: usize, height: usize) {
+        fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, zero: T, new: fn(usize) -> Vec<T>) {
+            if all.capacity() < pixels {
+                *all = new(pixels);
+            } else {
+                all.resize(pixels, zero);
+            }
         }
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         self.bracket.clear();
-        let Self { status, reason, distance, drawn, surface: surfaces, normal, .. } = self;
-        let Self { cap, shadow, occlusion, .. } = self;
-        let mut small = || {
-            fill(status, pixels, Status::Miss);
-            fill(reason, pixels, Reason::None);
-            fill(surfaces, pixels, surface);
-            fill(cap, pixels, false);
-            fill(shadow, pixels, 0);
-            fill(occlusion, pixels, 0);
-        };
-        if pixels < SHARED {
-            small();
-            fill(distance, pixels, f64::INFINITY);
-            fill(drawn, pixels, f64::INFINITY);
-            fill(normal, pixels, [0.0; 3]);
-            return;
-        }
-        // Some tens of bytes a pixel: on one thread a part of the frame that shows.
-        rayon::scope(|scope| {
-            scope.spawn(|_| fill(distance, pixels, f64::INFINITY));
-            scope.spawn(|_| fill(drawn, pixels, f64::INFINITY));
-            scope.spawn(|_| fill(normal, pixels, [0.0; 3]));
-            small();
-        });
+        resize(&mut self.status, pixels, Status::Miss, |pixels| vec![Status::Miss; pixels]);
+        resize(&mut self.reason, pixels, Reason::None, |pixels| vec![Reason::None; pixels]);
+        // Zeros come with the pages, and those when they are first written to: by many threads.
+        resize(&mut self.distance, pixels, 0.0, |pixels| vec![0.0; pixels]);
+        resize(&mut self.drawn, pixels, 0.0, |pixels| vec![0.0; pixels]);
+        resize(&mut self.surface, pixels, 0, |pixels| vec![0; pixels]);
+        resize(&mut self.normal, pixels, [0.0; 3], |pixels| vec![[0.0; 3]; pixels]);
+        resize(&mut self.cap, pixels, false, |pixels| vec![false; pixels]);
+        resize(&mut self.shadow, pixels, 0, |pixels| vec![0; pixels]);
+        resize(&mut self.occlusion, pixels, 0, |pixels| vec![0; pixels]);
     }
 
     /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the process.

@@ -25,6 +25,7 @@ mod painted;
 mod pattern;
 mod region;
 mod region_caps;
+mod rows;
 mod scalar;
 mod shade;
 mod spare;
@@ -36,7 +37,7 @@ pub use camera::{Camera, CameraError, Projection, Ray};
 pub use coarse::borrow_occlusion;
 pub use colour::LinearRgb;
 pub use colour_map::{COLOUR_MAPS, ColourMap};
-pub use driver::Driver;
+pub use driver::{BAND_ROWS, Driver};
 pub use edges::{edges, is_creased, is_smooth, slope};
 pub use gbuffer::{Found, GBuffer, PixelCounts, Reason, Status};
 pub use grid::{Patch, RayGrid};
@@ -48,10 +49,12 @@ pub use near::{Near, TURNS};
 pub use normal::{NormalSource, normals};
 pub use pattern::Pattern;
 pub use region::{Ball, HalfSpace, Region, RegionError};
-pub use region_caps::cap;
+pub use region_caps::{cap, cap_rows};
+pub use rows::Rows;
 pub use scalar::Scalar;
 pub use shade::{
-    Appearance, Paint, SurfaceColours, UndecidedStyle, hand_back_colours, shade, shade_painted,
+    Appearance, Paint, Shader, SurfaceColours, UndecidedStyle, hand_back_colours, shade,
+    shade_painted, unset_colours,
 };
 pub use view::StandardView;
 pub use work::{Count, Work};

@@ -10,6 +10,7 @@ use crate::camera::Ray;
 use crate::gbuffer::{GBuffer, Status};
 use crate::grid::RayGrid;
 use crate::painted::{BAND, Window, bits, windows};
+use crate::rows::Rows;
 use crate::work::Work;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use glam::DVec3;
@@ -47,30 +48,7 @@ pub fn normals<T: Real>(
     source: NormalSource<'_, T>,
     step: f64,
 ) -> Work {
-    let width = buffer.width;
-    let size = (BAND * width).max(1);
-    let seen = buffer.drawn.par_chunks(size).zip(buffer.status.par_chunks(size));
-    let bands = buffer.normal.par_chunks_mut(size).zip(seen);
-    let bands = bands.enumerate().map(|(band, (normal, (drawn, status)))| {
-        let (first, mut work) = (band * BAND, Work::default());
-        let seen = |pixel: usize| {
-            let ray = rays.ray_of(first * width + pixel);
-            let t = ray.parameter(drawn[pixel]);
-            Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
-        };
-        let open = source.of_band(first, (drawn, status), rays, normal, &mut work);
-        for open in open.chunks(BATCH) {
-            let seen: Vec<Seen> = open.iter().map(|&pixel| seen(pixel)).collect();
-            for (&pixel, found) in open.iter().zip(source.of_batch(&seen, step, &mut work)) {
-                normal[pixel] = found;
-            }
-        }
-        work
-    });
-    bands.reduce(Work::default, |mut sum, part| {
-        sum += part;
-        sum
-    })
+    buffer.rows(BAND).map(|mut rows| source.face(&mut rows, rays, step)).sum()
 }
 
 /// What is left of a ray behind the point that it paints, and the t that makes one step.
@@ -80,6 +58,26 @@ struct Seen {
 }
 
 impl<T: Real> NormalSource<'_, T> {
+    /// As [`normals`], for some rows.
+    pub fn face(&self, rows: &mut Rows<'_>, rays: &RayGrid, step: f64) -> Work {
+        let mut work = Work::default();
+        let start = rows.pixels().start;
+        let open =
+            self.of_band(rows.first, (rows.drawn, rows.status), rays, rows.normal, &mut work);
+        let seen = |pixel: usize| {
+            let ray = rays.ray_of(start + pixel);
+            let t = ray.parameter(rows.drawn[pixel]);
+            Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
+        };
+        for open in open.chunks(BATCH) {
+            let seen: Vec<Seen> = open.iter().map(|&pixel| seen(pixel)).collect();
+            for (&pixel, found) in open.iter().zip(self.of_batch(&seen, step, &mut work)) {
+                rows.normal[pixel] = found;
+            }
+        }
+        work
+    }
+
     /// Sets the normals of a band of rows where the gradient exists, and returns where it does not.
     fn of_band(
         &self,

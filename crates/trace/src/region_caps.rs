@@ -7,12 +7,15 @@ use crate::camera::Ray;
 use crate::gbuffer::{Found, GBuffer, Reason, Status};
 use crate::grid::RayGrid;
 use crate::region::{Entry, Region};
+use crate::rows::Rows;
 use crate::work::Work;
 use rayon::prelude::*;
 use zeroset_eval::{Boxes, Enclose, Kernel, LANES, Real};
 use zeroset_interval::{Facts, Interval};
 
-/// Rays that one thread takes at a time.
+/// Rows that one thread takes at a time.
+const ROWS: usize = 16;
+/// Rays that are asked about at a time.
 const BATCH: usize = 256;
 
 /// What the solid does at the point where a ray enters the region.
@@ -34,51 +37,62 @@ pub fn cap<T: Real>(
     kernel: &dyn Kernel<Enclose, T>,
     only: &[bool],
 ) -> Work {
-    let entries: Vec<(usize, Entry)> = (0..buffer.status.len())
+    buffer.rows(ROWS).map(|mut rows| cap_rows(&mut rows, rays, region, kernel, only)).sum()
+}
+
+/// As [`cap`], for some rows; `only` is of the whole picture.
+pub fn cap_rows<T: Real>(
+    rows: &mut Rows<'_>,
+    rays: &RayGrid,
+    region: &Region,
+    kernel: &dyn Kernel<Enclose, T>,
+    only: &[bool],
+) -> Work {
+    let pixels = rows.pixels();
+    let first = pixels.start;
+    let entries: Vec<(usize, Entry)> = pixels
         .filter(|&pixel| only.is_empty() || only[pixel])
         .filter_map(|pixel| Some((pixel, region.entry(&rays.ray_of(pixel))?)))
         .collect();
-    let verdicts: Vec<Inside> = entries
-        .par_chunks(BATCH)
-        .flat_map_iter(|batch| judge(batch, rays, region, kernel))
-        .collect();
+    let judged = entries.chunks(BATCH).flat_map(|batch| judge(batch, rays, region, kernel));
+    let verdicts: Vec<Inside> = judged.collect();
     let mut work = Work::default();
     for batch in entries.chunks(LANES) {
         work.interval.called(batch.len() as u32);
     }
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
-        let distance = rays.ray_of(pixel).distance(entry.t.0);
+        let ray = rays.ray_of(pixel);
+        let (distance, pixel) = (ray.distance(entry.t.0), pixel - first);
         match inside {
             Inside::No => continue,
             Inside::Unknown(reason) => {
-                buffer.status[pixel] = Status::Undecided;
-                buffer.reason[pixel] = reason;
-                if let Some(bracket) = buffer.bracket.get_mut(pixel) {
+                rows.status[pixel] = Status::Undecided;
+                rows.reason[pixel] = reason;
+                if let Some(bracket) = rows.bracket.get_mut(pixel) {
                     *bracket = [f64::NAN; 2];
                 }
                 // What the traverser found at the face may lie before it by a rounding.
-                buffer.distance[pixel] = buffer.distance[pixel].min(distance);
+                rows.distance[pixel] = rows.distance[pixel].min(distance);
                 continue;
             }
             Inside::Yes => {}
         }
         let mut bracket = [f64::NAN; 2];
         if entry.certain {
-            let ray = rays.ray_of(pixel);
             let found = Found { bracket: [entry.t.0, entry.t.1], ..Found::MISS };
             bracket = found.scaled(ray.distance(1.0)).bracket;
-            (buffer.status[pixel], buffer.reason[pixel]) = (Status::Hit, Reason::None);
+            (rows.status[pixel], rows.reason[pixel]) = (Status::Hit, Reason::None);
         } else {
             // It may pass by an edge of the region.
-            (buffer.status[pixel], buffer.reason[pixel]) = (Status::Undecided, Reason::Touching);
+            (rows.status[pixel], rows.reason[pixel]) = (Status::Undecided, Reason::Touching);
         }
-        if let Some(place) = buffer.bracket.get_mut(pixel) {
+        if let Some(place) = rows.bracket.get_mut(pixel) {
             *place = bracket;
         }
-        buffer.distance[pixel] = distance;
-        buffer.drawn[pixel] = distance;
-        buffer.normal[pixel] = entry.normal.as_vec3().to_array();
-        buffer.cap[pixel] = true;
+        rows.distance[pixel] = distance;
+        rows.drawn[pixel] = distance;
+        rows.normal[pixel] = entry.normal.as_vec3().to_array();
+        rows.cap[pixel] = true;
     }
     work
 }

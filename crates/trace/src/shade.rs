@@ -8,6 +8,7 @@ use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::look::Look;
 use crate::painted::{BAND, Window, bits, windows};
+use crate::rows::Rows;
 use crate::spare::Spares;
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
@@ -170,23 +171,13 @@ fn shade_with(
     paint: &[Paint],
 ) -> Vec<u8> {
     assert!(paint.is_empty() || paint.len() == buffer.status.len(), "a paint for each pixel");
-    let pixels = buffer.status.len();
-    let mut bytes = SPARES.take(3 * pixels, Vec::capacity).unwrap_or_default();
-    bytes.resize(3 * pixels, 0);
-    let row = appearance.background.to_srgb().repeat(buffer.width);
-    let (palette, codes) = (appearance.palette(), Codes::get());
-    let lamps = Lamps::new(rays);
+    let shader = Shader { level, ..Shader::new(rays, appearance) };
+    let mut bytes = unset_colours(buffer.status.len());
     let size = (BAND * buffer.width).max(1);
     bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
-        bytes.chunks_mut(row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&row));
-        let (bytes, first) = (bytes.as_chunks_mut().0, band * BAND);
-        let here = band * size..band * size + bytes.len();
-        let band = Band {
-            rays,
-            appearance,
-            palette: &palette,
-            lamps,
-            codes,
+        let here = band * size..band * size + bytes.len() / 3;
+        let seen = Seen {
+            first: band * BAND,
             status: &buffer.status[here.clone()],
             drawn: &buffer.drawn[here.clone()],
             surface: &buffer.surface[here.clone()],
@@ -196,11 +187,71 @@ fn shade_with(
             occlusion: &buffer.occlusion[here.clone()],
             paint: paint.get(here).unwrap_or_default(),
         };
-        windows(band.drawn, first, buffer.width, |window| {
-            dispatch!(level, simd => band.paint(simd, window, bytes));
-        });
+        shader.band(&seen, bytes);
     });
     bytes
+}
+
+/// Memory for the colours of so many pixels, which holds those of no picture.
+pub fn unset_colours(pixels: usize) -> Vec<u8> {
+    let mut bytes = SPARES.take(3 * pixels, Vec::capacity).unwrap_or_default();
+    bytes.resize(3 * pixels, 0);
+    bytes
+}
+
+/// What all of a picture is lit by.
+pub struct Shader<'a> {
+    rays: &'a RayGrid,
+    appearance: &'a Appearance,
+    palette: Vec<SurfaceColours>,
+    lamps: Lamps,
+    codes: &'static Codes,
+    /// A row of background.
+    row: Vec<u8>,
+    level: Level,
+}
+
+impl<'a> Shader<'a> {
+    /// For a picture along these rays.
+    pub fn new(rays: &'a RayGrid, appearance: &'a Appearance) -> Self {
+        Self {
+            rays,
+            appearance,
+            palette: appearance.palette(),
+            lamps: Lamps::new(rays),
+            codes: Codes::get(),
+            row: appearance.background.to_srgb().repeat(rays.width()),
+            level: Level::new(),
+        }
+    }
+
+    /// As [`shade`], for some rows: their colours.
+    ///
+    /// # Panics
+    /// If there are not three bytes a pixel.
+    pub fn rows(&self, rows: &Rows<'_>, bytes: &mut [u8]) {
+        assert_eq!(bytes.len(), 3 * rows.status.len());
+        let seen = Seen {
+            first: rows.first,
+            status: rows.status,
+            drawn: rows.drawn,
+            surface: rows.surface,
+            normal: rows.normal,
+            cap: rows.cap,
+            shadow: rows.shadow,
+            occlusion: rows.occlusion,
+            paint: &[],
+        };
+        self.band(&seen, bytes);
+    }
+
+    fn band(&self, seen: &Seen<'_>, bytes: &mut [u8]) {
+        bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
+        let bytes = bytes.as_chunks_mut().0;
+        windows(seen.drawn, seen.first, self.rays.width(), |window| {
+            dispatch!(self.level, simd => self.paint(simd, seen, window, bytes));
+        });
+    }
 }
 
 /// Leaves the memory of a picture to the next ones. Up to two pictures' are kept, until the end of the process.
@@ -210,13 +261,9 @@ pub fn hand_back_colours(bytes: Vec<u8>) {
 
 static SPARES: Spares<Vec<u8>> = Spares::new();
 
-/// What a buffer has of some rows.
-struct Band<'a> {
-    rays: &'a RayGrid,
-    appearance: &'a Appearance,
-    palette: &'a [SurfaceColours],
-    lamps: Lamps,
-    codes: &'a Codes,
+/// What a buffer has of some rows, from `first` on.
+struct Seen<'a> {
+    first: usize,
     status: &'a [Status],
     drawn: &'a [f64],
     surface: &'a [u16],
@@ -249,12 +296,12 @@ impl Lamps {
     }
 }
 
-impl Band<'_> {
+impl Shader<'_> {
     /// Writes the bytes of a window's pixels.
     #[inline(always)]
-    fn paint<S: Simd>(&self, simd: S, mut window: Window, bytes: &mut [[u8; 3]]) {
+    fn paint<S: Simd>(&self, simd: S, seen: &Seen<'_>, mut window: Window, bytes: &mut [[u8; 3]]) {
         let mut status = [Status::Miss; LANES];
-        let status = window.load(self.status, &mut status);
+        let status = window.load(seen.status, &mut status);
         let undecided = bits(|lane| status[lane] == Status::Undecided);
         let marks = match self.appearance.undecided {
             _ if undecided == 0 => None,
@@ -268,16 +315,16 @@ impl Band<'_> {
             }
         };
         let mut surface = [0; LANES];
-        let surface = window.load(self.surface, &mut surface);
+        let surface = window.load(seen.surface, &mut surface);
         let mut amounts = [Lanes::splat(0.0); 3];
         // One surface after another: most windows have one.
         while let Some(first) = window.lanes().next() {
             let of_surface = bits(|lane| surface[lane] == surface[first]);
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            if self.paint.is_empty() {
-                self.light::<S, false>(simd, window, colours, marks.as_ref(), &mut amounts);
+            if seen.paint.is_empty() {
+                self.light::<S, false>(simd, seen, window, colours, marks.as_ref(), &mut amounts);
             } else {
-                self.light::<S, true>(simd, window, colours, marks.as_ref(), &mut amounts);
+                self.light::<S, true>(simd, seen, window, colours, marks.as_ref(), &mut amounts);
             }
             let [red, green, blue] = &amounts;
             let code = |amounts: &Lanes<f32>, lane: usize| self.codes.byte(amounts[lane]);
@@ -307,6 +354,7 @@ impl Band<'_> {
     fn light<S: Simd, const PAINTED: bool>(
         &self,
         simd: S,
+        seen: &Seen<'_>,
         window: Window,
         colours: &SurfaceColours,
         marks: Option<&[Lanes<f32>; 2]>,
@@ -317,19 +365,19 @@ impl Band<'_> {
         let (mut normal, mut is_cap) = ([[0.0; 3]; LANES], [false; LANES]);
         let mut spare = [[0; LANES]; 2];
         let [shadow, occlusion] = &mut spare;
-        let normal = window.load(self.normal, &mut normal);
-        let shadow = window.load(self.shadow, shadow);
-        let occlusion = window.load(self.occlusion, occlusion);
-        let is_cap = window.load(self.cap, &mut is_cap);
+        let normal = window.load(seen.normal, &mut normal);
+        let shadow = window.load(seen.shadow, shadow);
+        let occlusion = window.load(seen.occlusion, occlusion);
+        let is_cap = window.load(seen.cap, &mut is_cap);
         let mut paints = [Paint::NONE; LANES];
-        let paint = PAINTED.then(|| window.load(self.paint, &mut paints));
+        let paint = PAINTED.then(|| window.load(seen.paint, &mut paints));
         // Most windows have nothing of either.
         let (is_shaded, is_hidden) = (*shadow != [0; LANES], *occlusion != [0; LANES]);
         let is_cut_open = *is_cap != [false; LANES];
         let light = appearance.light.all_towards(
             simd,
             #[inline(always)]
-            || rays.points(simd, window, window.load(self.drawn, &mut [0.0; LANES])),
+            || rays.points(simd, window, window.load(seen.drawn, &mut [0.0; LANES])),
         );
         let eye = rays.ways_to_eye(simd, window);
         // No closure deals with vectors: it would be compiled apart, for narrower ones.

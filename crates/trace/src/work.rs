@@ -1,5 +1,6 @@
 //! How much a picture asked of kernels.
 
+use std::iter::Sum;
 use std::ops::AddAssign;
 
 /// Calls of one kind of kernel.
@@ -52,5 +53,14 @@ impl AddAssign for Work {
         self.point += other.point;
         self.gradient += other.gradient;
         self.given_up += other.given_up;
+    }
+}
+
+impl Sum for Work {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |mut sum, part| {
+            sum += part;
+            sum
+        })
     }
 }
