@@ -1,6 +1,8 @@
 //! Colours as people write them and as light adds them.
 
+use fearless_simd::{f32x16, prelude::*, u32x16};
 use std::sync::OnceLock;
+use zeroset_eval::LANES;
 
 /// A colour in linear light: amounts of red, green and blue of the sRGB primaries, 1 at full.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +56,30 @@ impl Codes {
         let bits = amount.to_bits();
         let entry = self.0[(bits >> LOWER) as usize % ENTRIES];
         ((entry + (bits & ((1 << LOWER) - 1))) >> LOWER) as u8
+    }
+
+    /// The same of sixteen colours, given by their primaries.
+    #[inline(always)]
+    pub fn bytes<S: Simd>(&self, simd: S, primaries: [f32x16<S>; 3]) -> [[u8; 3]; LANES] {
+        let mut all = u32x16::splat(simd, 0);
+        for amounts in primaries.into_iter().rev() {
+            let bits: u32x16<S> = amounts.to_bits();
+            let mut entries = [0; LANES];
+            ((bits >> LOWER) & (ENTRIES - 1) as u32).store_slice(&mut entries);
+            for entry in &mut entries {
+                *entry = self.0[*entry as usize % ENTRIES];
+            }
+            let entries = u32x16::simd_from(simd, entries);
+            all = (all << 8) | ((entries + (bits & ((1 << LOWER) - 1))) >> LOWER);
+        }
+        let mut lanes = [0_u32; LANES];
+        all.store_slice(&mut lanes);
+        let mut bytes = [[0; 3]; LANES];
+        for (bytes, lane) in bytes.iter_mut().zip(lanes) {
+            let [red, green, blue, _] = lane.to_le_bytes();
+            *bytes = [red, green, blue];
+        }
+        bytes
     }
 }
 

@@ -9,7 +9,7 @@
 use crate::camera::Ray;
 use crate::gbuffer::{GBuffer, Status};
 use crate::grid::RayGrid;
-use crate::painted::{BAND, Window, bits, windows};
+use crate::painted::{BAND, Window, bits};
 use crate::rows::Rows;
 use crate::work::Work;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
@@ -39,7 +39,7 @@ const STEPS: u32 = 3;
 /// the near end of the segment that holds a root, and there the function may not yet be defined.
 const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
-/// Fills in the normal of each painted pixel that has none, towards f > 0. `step` is the reach of
+/// Fills in the normal of each painted pixel that is not on a cap, towards f > 0. `step` is the reach of
 /// central differences in world units; a thousandth of the region's extent serves. Returns what was
 /// asked of the kernel.
 pub fn normals<T: Real>(
@@ -62,8 +62,7 @@ impl<T: Real> NormalSource<'_, T> {
     pub fn face(&self, rows: &mut Rows<'_>, rays: &RayGrid, step: f64) -> Work {
         let mut work = Work::default();
         let start = rows.pixels().start;
-        let open =
-            self.of_band(rows.first, (rows.drawn, rows.status), rays, rows.normal, &mut work);
+        let open = self.of_band(rows, rays, &mut work);
         let seen = |pixel: usize| {
             let ray = rays.ray_of(start + pixel);
             let t = ray.parameter(rows.drawn[pixel]);
@@ -78,28 +77,26 @@ impl<T: Real> NormalSource<'_, T> {
         work
     }
 
-    /// Sets the normals of a band of rows where the gradient exists, and returns where it does not.
-    fn of_band(
-        &self,
-        first: usize,
-        (drawn, status): (&[f64], &[Status]),
-        rays: &RayGrid,
-        normal: &mut [[f32; 3]],
-        work: &mut Work,
-    ) -> Vec<usize> {
+    /// Sets the normals of some rows where the gradient exists, but those of caps, which have theirs; returns where it does
+    /// not.
+    fn of_band(&self, rows: &mut Rows<'_>, rays: &RayGrid, work: &mut Work) -> Vec<usize> {
         let mut room = (Points::<T>::default(), Gradients::<T>::default());
         let (mut open, level) = (Vec::new(), Level::new());
-        windows(drawn, first, rays.width(), |mut window| {
-            window.wanted &= unknown(window.load(normal, &mut [[0.0; 3]; LANES]));
+        let windows = rows.windows();
+        for &(mut window) in &windows {
+            let cap = *window.load(rows.cap, &mut [false; LANES]);
+            if cap != [false; LANES] {
+                window.wanted &= !bits(|lane| cap[lane]);
+            }
             let Self::Gradient(kernel) = self else {
                 open.extend(window.pixels());
-                return;
+                continue;
             };
             if window.wanted == 0 {
-                return;
+                continue;
             }
-            let mut distances = *window.load(drawn, &mut [0.0; LANES]);
-            let status = *window.load(status, &mut [Status::Miss; LANES]);
+            let mut distances = *window.load(rows.drawn, &mut [0.0; LANES]);
+            let status = *window.load(rows.status, &mut [Status::Miss; LANES]);
             if status.contains(&Status::Undecided) {
                 before(rays, &status, &mut distances);
             }
@@ -110,9 +107,9 @@ impl<T: Real> NormalSource<'_, T> {
             let missing = Window { wanted: window.wanted & !found, ..window };
             open.extend(missing.pixels());
             window.wanted &= found;
-            let [x, y, z] = units;
-            window.store(|lane| [x[lane], y[lane], z[lane]], normal);
-        });
+            window.store(&units, rows.normal);
+        }
+        rows.keep(windows);
         open
     }
 
@@ -238,7 +235,7 @@ fn gradients_at<S: Simd, T: Real>(
     window: Window,
     distances: &[f64; LANES],
     (points, out): &mut (Points<T>, Gradients<T>),
-) -> ([Lanes<f32>; 3], u32) {
+) -> ([[f32; 3]; LANES], u32) {
     let at = rays.points(simd, window, distances);
     for (coordinates, exact) in points.at.iter_mut().zip(&at) {
         for (coordinate, &exact) in coordinates.iter_mut().zip(&exact.0) {
@@ -269,19 +266,10 @@ fn before(rays: &RayGrid, status: &[Status; LANES], distances: &mut [f64; LANES]
     }
 }
 
-/// The lanes whose normals are not known yet.
-fn unknown(normals: &[[f32; 3]; LANES]) -> u32 {
-    // Mostly none is, which is seen at once.
-    if normals.as_flattened().iter().fold(0, |all, component| all | component.to_bits()) == 0 {
-        return !0;
-    }
-    bits(|lane| normals[lane] == [0.0; 3])
-}
-
 /// The vectors at length 1, and the lanes in which that was found: not where a vector has no direction, nor where its largest
 /// component is near the ends of what `f32` has.
 #[inline(always)]
-fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([Lanes<f32>; 3], u32) {
+fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([[f32; 3]; LANES], u32) {
     /// The bits of a float that are its exponent.
     const EXPONENT: u32 = 0xff << 23;
     let mut vector = [f32x16::splat(simd, 0.0); 3];
@@ -299,9 +287,13 @@ fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([Lanes<f32>; 3]
     let [x, y, z] = [x * scale, y * scale, z * scale];
     let square = x * x + y * y + z * z;
     let scale = 1.0 / square.sqrt();
-    let mut units = [Lanes::splat(0.0); 3];
-    for (unit, component) in units.iter_mut().zip([x, y, z]) {
-        (component * scale).store_slice(&mut unit[..]);
+    let mut units = [[0.0; 3]; LANES];
+    for (axis, component) in [x, y, z].into_iter().enumerate() {
+        let mut lanes = [0.0; LANES];
+        (component * scale).store_slice(&mut lanes);
+        for (unit, lane) in units.iter_mut().zip(lanes) {
+            unit[axis] = lane;
+        }
     }
     // Not so for NaN, nor where the power is none.
     let found = square.simd_ge(1.0) & square.simd_le(12.0);
@@ -468,13 +460,13 @@ mod tests {
 
     #[test]
     fn each_pixel_has_its_own_normal_whatever_its_neighbours_have() {
-        // No gradient right of x = 1, and normals that are known left of x = −2.
+        // No gradient right of x = 1, and caps left of x = −2, which have theirs.
         let gradient = |[x, _, z]: [f32; 3]| if x > 1.0 { [f32::NAN; 3] } else { [x, 0.0, z] };
         let kernel = Plain(|[x, _, _]: [f32; 3]| x, gradient);
         let (mut buffer, rays) = striped();
         let middle = |pixel: usize| rays.ray_of(pixel).origin.as_vec3();
         for pixel in (0..buffer.drawn.len()).filter(|&pixel| middle(pixel).x < -2.0) {
-            buffer.normal[pixel] = [0.0, 1.0, 0.0];
+            (buffer.normal[pixel], buffer.cap[pixel]) = ([0.0, 1.0, 0.0], true);
         }
         let work = normals(&mut buffer, &rays, NormalSource::Gradient(&kernel), 1e-3);
         assert!(work.gradient.lanes > 0);

@@ -2,6 +2,7 @@
 //!
 //! What is done with the pixels is not known here.
 
+use fearless_simd::{Level, dispatch, f64x8, prelude::*};
 use zeroset_eval::LANES;
 
 /// Rows of a band, the unit of work that threads share: few enough for the nearest caches. Windows are the same whatever the
@@ -60,13 +61,21 @@ impl Window {
         spare
     }
 
-    /// Writes what is wanted to `all`.
+    /// Writes those values that are wanted to `all`.
     #[inline]
-    pub fn store<T: Copy>(&self, value: impl Fn(usize) -> T, all: &mut [T]) {
+    pub fn store<T: Copy>(&self, values: &[T; LANES], all: &mut [T]) {
         let all = &mut all[self.index..];
-        match all.first_chunk_mut::<LANES>() {
-            Some(all) if self.wanted == FULL => (0..LANES).for_each(|lane| all[lane] = value(lane)),
-            _ => self.lanes().for_each(|lane| all[lane] = value(lane)),
+        if let Some(all) = all.first_chunk_mut().filter(|_| self.wanted == FULL) {
+            *all = *values;
+            return;
+        }
+        let mut left = self.wanted;
+        // One run after another: mostly there is one.
+        while left != 0 {
+            let first = left.trailing_zeros() as usize;
+            let end = first + (left >> first).trailing_ones() as usize;
+            all[first..end].copy_from_slice(&values[first..end]);
+            left &= !0 << end;
         }
     }
 }
@@ -89,45 +98,46 @@ pub(crate) fn bits(holds: impl Fn(usize) -> bool) -> u32 {
 
 /// Windows over all that is painted in a band that begins in row `first` of a picture of this width, given its distances.
 /// Each starts with a painted pixel; no two overlap.
-pub(crate) fn windows(drawn: &[f64], first: usize, width: usize, mut each: impl FnMut(Window)) {
-    for (row, drawn) in drawn.chunks(width.max(1)).enumerate() {
+pub(crate) fn windows(vectors: Level, drawn: &[f64], first: usize, width: usize) -> Vec<Window> {
+    let mut found = Vec::new();
+    dispatch!(vectors, simd => look(simd, drawn, first, width.max(1), &mut found));
+    found
+}
+
+#[inline(always)]
+fn look<S: Simd>(simd: S, drawn: &[f64], first: usize, width: usize, found: &mut Vec<Window>) {
+    for (row, drawn) in drawn.chunks(width).enumerate() {
         let mut column = 0;
         while column < drawn.len() {
-            let mut wanted = painted(&drawn[column..]);
+            let mut wanted = painted(simd, &drawn[column..]);
             // Once more from the first painted pixel on, so that few windows have lanes to spare.
             if wanted & 1 == 0 {
                 column += (wanted | 1 << LANES).trailing_zeros() as usize;
                 if wanted == 0 {
                     continue;
                 }
-                wanted = painted(&drawn[column..]);
+                wanted = painted(simd, &drawn[column..]);
             }
-            each(Window { column, row: first + row, index: row * width + column, wanted });
+            found.push(Window { column, row: first + row, index: row * width + column, wanted });
             column += LANES;
         }
     }
 }
 
 /// Which of the first sixteen of these distances are painted.
-#[inline]
-fn painted(drawn: &[f64]) -> u32 {
-    if let Some(drawn) = drawn.first_chunk::<LANES>() {
-        // Nearly always none is or all are. Bits show it, for several at once: only infinity is without a difference from
-        // itself, and adding to its exponent, or that of NaN, carries into the sign.
-        let (mut differences, mut signs) = (0, 0);
-        for distance in drawn {
-            differences |= distance.to_bits() ^ f64::INFINITY.to_bits();
-            signs |= distance.to_bits().wrapping_add(1 << (f64::MANTISSA_DIGITS - 1));
-        }
-        if differences == 0 {
-            return 0;
-        }
-        if signs >> 63 == 0 {
-            return FULL;
-        }
-    }
-    let painted = drawn.iter().take(LANES).map(|distance| distance.is_finite());
-    painted.enumerate().fold(0, |bits, (lane, painted)| bits | u32::from(painted) << lane)
+#[inline(always)]
+fn painted<S: Simd>(simd: S, drawn: &[f64]) -> u32 {
+    let mut spare = [f64::INFINITY; LANES];
+    let drawn = drawn.first_chunk().unwrap_or_else(
+        #[inline(always)]
+        || {
+            spare[..drawn.len()].copy_from_slice(drawn);
+            &spare
+        },
+    );
+    let (low, high) = (f64x8::from_slice(simd, &drawn[..8]), f64x8::from_slice(simd, &drawn[8..]));
+    let bits = [low.is_finite().to_bitmask() as u32, high.is_finite().to_bitmask() as u32];
+    bits[0] | bits[1] << 8
 }
 
 #[cfg(test)]
@@ -142,14 +152,13 @@ mod tests {
                 let drawn: Vec<f64> = (0..width * height).map(paint).collect();
                 let mut copied = vec![f64::INFINITY; drawn.len()];
                 let mut seen = Vec::new();
-                windows(&drawn, 40, width, |window| {
+                for window in windows(Level::new(), &drawn, 40, width) {
                     assert_eq!(window.index, (window.row - 40) * width + window.column);
                     assert!(window.wanted & 1 == 1 && (1..=16).contains(&window.count()));
                     seen.extend(window.pixels());
                     let mut spare = [0.0; LANES];
-                    let values = window.load(&drawn, &mut spare);
-                    window.store(|lane| values[lane], &mut copied);
-                });
+                    window.store(window.load(&drawn, &mut spare), &mut copied);
+                }
                 let expected: Vec<usize> =
                     (0..width * height).filter(|pixel| pixel % step == 0).collect();
                 assert_eq!(seen, expected, "{width}×{height}, {step}");

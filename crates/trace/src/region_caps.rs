@@ -48,6 +48,8 @@ pub fn cap_rows<T: Real>(
     kernel: &dyn Kernel<Enclose, T>,
     only: &[bool],
 ) -> Work {
+    // What is painted changes.
+    drop(rows.windows());
     let pixels = rows.pixels();
     let first = pixels.start;
     let entries: Vec<(usize, Entry)> = pixels

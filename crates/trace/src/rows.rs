@@ -2,6 +2,8 @@
 
 use crate::band::Band;
 use crate::gbuffer::{GBuffer, Reason, Status};
+use crate::painted::{Window, windows};
+use fearless_simd::Level;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -22,6 +24,8 @@ pub struct Rows<'a> {
     pub(crate) cap: &'a mut [bool],
     pub(crate) shadow: &'a mut [u8],
     pub(crate) occlusion: &'a mut [u8],
+    /// Where they are painted, if somebody looked.
+    windows: Option<Vec<Window>>,
 }
 
 impl GBuffer {
@@ -53,6 +57,7 @@ impl GBuffer {
             cap: cap.next().unwrap_or_default(),
             shadow: shadow.next().unwrap_or_default(),
             occlusion: occlusion.next().unwrap_or_default(),
+            windows: None,
         };
         (0..count).map(part).collect::<Vec<_>>().into_par_iter()
     }
@@ -77,6 +82,17 @@ impl Rows<'_> {
         self.cap.fill(false);
         self.shadow.fill(0);
         self.occlusion.fill(0);
+    }
+
+    /// Where they are painted. To be [given back](Self::keep), unless what is painted changes.
+    pub(crate) fn windows(&mut self) -> Vec<Window> {
+        let look = || windows(Level::new(), self.drawn, self.first, self.width);
+        self.windows.take().unwrap_or_else(look)
+    }
+
+    /// Keeps what was seen of where they are painted.
+    pub(crate) fn keep(&mut self, windows: Vec<Window>) {
+        self.windows = Some(windows);
     }
 
     /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is wanted, if not all are;

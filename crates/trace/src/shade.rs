@@ -187,7 +187,8 @@ fn shade_with(
             occlusion: &buffer.occlusion[here.clone()],
             paint: paint.get(here).unwrap_or_default(),
         };
-        shader.band(&seen, bytes);
+        let windows = windows(level, seen.drawn, seen.first, rays.width());
+        shader.band(&seen, &windows, bytes);
     });
     bytes
 }
@@ -229,8 +230,9 @@ impl<'a> Shader<'a> {
     ///
     /// # Panics
     /// If there are not three bytes a pixel.
-    pub fn rows(&self, rows: &Rows<'_>, bytes: &mut [u8]) {
+    pub fn rows(&self, rows: &mut Rows<'_>, bytes: &mut [u8]) {
         assert_eq!(bytes.len(), 3 * rows.status.len());
+        let windows = rows.windows();
         let seen = Seen {
             first: rows.first,
             status: rows.status,
@@ -242,15 +244,16 @@ impl<'a> Shader<'a> {
             occlusion: rows.occlusion,
             paint: &[],
         };
-        self.band(&seen, bytes);
+        self.band(&seen, &windows, bytes);
+        rows.keep(windows);
     }
 
-    fn band(&self, seen: &Seen<'_>, bytes: &mut [u8]) {
+    fn band(&self, seen: &Seen<'_>, windows: &[Window], bytes: &mut [u8]) {
         bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
         let bytes = bytes.as_chunks_mut().0;
-        windows(seen.drawn, seen.first, self.rays.width(), |window| {
+        for &window in windows {
             dispatch!(self.level, simd => self.paint(simd, seen, window, bytes));
-        });
+        }
     }
 }
 
@@ -316,20 +319,17 @@ impl Shader<'_> {
         };
         let mut surface = [0; LANES];
         let surface = window.load(seen.surface, &mut surface);
-        let mut amounts = [Lanes::splat(0.0); 3];
         // One surface after another: most windows have one.
         while let Some(first) = window.lanes().next() {
             let of_surface = bits(|lane| surface[lane] == surface[first]);
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            if seen.paint.is_empty() {
-                self.light::<S, false>(simd, seen, window, colours, marks.as_ref(), &mut amounts);
+            let amounts = if seen.paint.is_empty() {
+                self.light::<S, false>(simd, seen, window, colours, marks.as_ref())
             } else {
-                self.light::<S, true>(simd, seen, window, colours, marks.as_ref(), &mut amounts);
-            }
-            let [red, green, blue] = &amounts;
-            let code = |amounts: &Lanes<f32>, lane: usize| self.codes.byte(amounts[lane]);
-            Window { wanted: window.wanted & of_surface, ..window }
-                .store(|lane| [code(red, lane), code(green, lane), code(blue, lane)], bytes);
+                self.light::<S, true>(simd, seen, window, colours, marks.as_ref())
+            };
+            let colours = self.codes.bytes(simd, amounts);
+            Window { wanted: window.wanted & of_surface, ..window }.store(&colours, bytes);
             window.wanted &= !of_surface;
         }
     }
@@ -348,7 +348,7 @@ impl Shader<'_> {
         [left, tint]
     }
 
-    /// Writes the light that a window's pixels send to the eye, by primary, clamped to what the codes know. Twice in the
+    /// The light that a window's pixels send to the eye, by primary, clamped to what the codes know. Twice in the
     /// program, since most pictures have no paint.
     #[inline(always)]
     fn light<S: Simd, const PAINTED: bool>(
@@ -358,8 +358,7 @@ impl Shader<'_> {
         window: Window,
         colours: &SurfaceColours,
         marks: Option<&[Lanes<f32>; 2]>,
-        amounts: &mut [Lanes<f32>; 3],
-    ) {
+    ) -> [f32x16<S>; 3] {
         let Self { rays, appearance, lamps, .. } = *self;
         let Appearance { look, ambient: everywhere, .. } = appearance;
         let (mut normal, mut is_cap) = ([[0.0; 3]; LANES], [false; LANES]);
@@ -410,7 +409,8 @@ impl Shader<'_> {
         let is_negative = facing.simd_lt(0.0);
         let cuts = if is_cut_open { bits(|lane| is_cap[lane]) } else { 0 };
         let is_cut = mask32x16::from_bitmask(simd, u64::from(cuts));
-        for (primary, amounts) in amounts.iter_mut().enumerate() {
+        let mut amounts = [one; 3];
+        for (primary, all) in amounts.iter_mut().enumerate() {
             let [positive, negative, cut] =
                 [colours.positive, colours.negative, colours.cut].map(|colour| colour.0[primary]);
             let [positive, negative] =
@@ -432,8 +432,9 @@ impl Shader<'_> {
                 let own = amount * f32x16::from_slice(simd, &left[..]);
                 amount = own + TINT.0[primary] * f32x16::from_slice(simd, &tint[..]);
             }
-            amount.max(BLACK).min(1.0).store_slice(&mut amounts[..]);
+            *all = amount.max(BLACK).min(1.0);
         }
+        amounts
     }
 }
 
