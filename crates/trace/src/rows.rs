@@ -78,7 +78,8 @@ impl Rows<'_> {
         self.distance.fill(f64::INFINITY);
         self.drawn.fill(f64::INFINITY);
         self.surface.fill(surface);
-        self.normal.fill([0.0; 3]);
+        // As numbers, so that it is the library's `memset`.
+        self.normal.as_flattened_mut().fill(0.0);
         self.cap.fill(false);
         self.shadow.fill(0);
         self.occlusion.fill(0);

@@ -10,7 +10,7 @@ use crate::look::Look;
 use crate::painted::{BAND, Window, bits, windows};
 use crate::rows::Rows;
 use crate::spare::Spares;
-use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*};
+use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16, u16x16};
 use glam::Vec3;
 use lanes::{by_axis, dot, left, sharpened, splat, toned};
 use rayon::prelude::*;
@@ -305,7 +305,12 @@ impl Shader<'_> {
     fn paint<S: Simd>(&self, simd: S, seen: &Seen<'_>, mut window: Window, bytes: &mut [[u8; 3]]) {
         let mut status = [Status::Miss; LANES];
         let status = window.load(seen.status, &mut status);
-        let undecided = bits(|lane| status[lane] == Status::Undecided);
+        let mut numbers = [0; LANES];
+        for (number, &status) in numbers.iter_mut().zip(status) {
+            *number = status as u8;
+        }
+        let numbers = u8x16::simd_from(simd, numbers);
+        let undecided = numbers.simd_eq(Status::Undecided as u8).to_bitmask() as u32;
         let marks = match self.appearance.undecided {
             _ if undecided == 0 => None,
             UndecidedStyle::Shade => None,
@@ -320,8 +325,10 @@ impl Shader<'_> {
         let mut surface = [0; LANES];
         let surface = window.load(seen.surface, &mut surface);
         // One surface after another: most windows have one.
-        while let Some(first) = window.lanes().next() {
-            let of_surface = bits(|lane| surface[lane] == surface[first]);
+        while window.wanted != 0 {
+            let first = window.wanted.trailing_zeros() as usize % LANES;
+            let surfaces = u16x16::simd_from(simd, *surface);
+            let of_surface = surfaces.simd_eq(surface[first]).to_bitmask() as u32;
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
             let amounts = if seen.paint.is_empty() {
                 self.light::<S, false>(simd, seen, window, colours, marks.as_ref())

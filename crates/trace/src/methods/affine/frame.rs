@@ -15,6 +15,9 @@ use zeroset_eval::{LANES, Lanes, Segments, Tiles};
 /// Forms lose a few times what their coordinates are rounded by.
 pub(super) const BLURS: f64 = 4.0;
 
+/// Screen coordinates of rays, or of tiles and how far their rays are from them.
+type Rays<'a> = (&'a [Lanes<f64>; 2], Option<&'a [Lanes<f64>; 2]>);
+
 /// What the rays of a picture have in common.
 pub(super) struct Frame {
     /// t where s is 0.
@@ -116,8 +119,14 @@ impl Frame {
     /// Shortens segments to what of them may be in the region on some ray of their tile; the ends of one that is not reached
     /// come out in the wrong order.
     #[inline(always)]
-    pub fn clip<S: Simd>(&self, simd: S, screens: &Screens, region: &Region, ends: &mut Ends) {
-        let rays = Wide::new(simd, screens);
+    pub fn clip<S: Simd>(
+        &self,
+        simd: S,
+        (centre, half): Rays<'_>,
+        region: &Region,
+        ends: &mut Ends,
+    ) {
+        let rays = Wide::new(simd, centre, half);
         let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
         for (k, (near, far)) in nears.iter_mut().zip(&mut fars).enumerate() {
             for axis in 0..3 {
@@ -156,7 +165,7 @@ impl Frame {
         [nears, fars]: [[f64x8<S>; 2]; 2],
     ) -> u16 {
         let mut all = u16::MAX;
-        let rays = Wide::new(simd, screens);
+        let rays = Wide::new(simd, &screens.centre, Some(&screens.half));
         let zero = f64x8::splat(simd, 0.0);
         let mut corners = [[[zero; 2]; 2]; 3];
         for (k, (near, far)) in nears.into_iter().zip(fars).enumerate() {
@@ -199,10 +208,14 @@ struct Wide<S: Simd> {
 
 impl<S: Simd> Wide<S> {
     #[inline(always)]
-    fn new(simd: S, Screens { centre, half }: &Screens) -> Self {
+    fn new(simd: S, centre: &[Lanes<f64>; 2], half: Option<&[Lanes<f64>; 2]>) -> Self {
+        let zero = [f64x8::splat(simd, 0.0); 2];
         Self {
             centre: [f64::wide(simd, &centre[0]), f64::wide(simd, &centre[1])],
-            half: [f64::wide(simd, &half[0]), f64::wide(simd, &half[1])],
+            half: match half {
+                Some([wide, high]) => [f64::wide(simd, wide), f64::wide(simd, high)],
+                None => [zero; 2],
+            },
         }
     }
 

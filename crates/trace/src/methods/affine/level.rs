@@ -111,10 +111,12 @@ impl<T: Scalar> Level<T> {
     ) -> u16 {
         let mut left = *asked;
         if let Some(plane) = plane {
-            plane.narrow(simd, &self.screens, &mut left);
+            let Screens { centre, half } = &self.screens;
+            plane.narrow(simd, centre, Some(half), &mut left);
         }
         if !self.within {
-            tracer.frame.clip(simd, &self.screens, tracer.method.region, &mut left);
+            let Screens { centre, half } = &self.screens;
+            tracer.frame.clip(simd, (centre, Some(half)), tracer.method.region, &mut left);
         }
         let Tiles { near, far, .. } = &mut self.batch;
         outward(simd, asked, &left, tracer.size, [near, far])

@@ -2,14 +2,14 @@
 
 use super::super::way::{self, Way};
 use super::frame::Frame;
-use super::level::Level;
+use super::level::Level as Tiles;
 use super::narrow::{STALLED, STEADY, UNSTEADY};
 use super::plane::Plane;
-use super::screens::{Ends, Screens, ones, outward};
+use super::screens::{Ends, HALF, ones, outward};
 use super::tiles::Tracer;
 use crate::method::Start;
 use crate::scalar::{Four, Scalar};
-use fearless_simd::{dispatch, f64x8, prelude::*};
+use fearless_simd::{Level, dispatch, f64x8, mask64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// How often the segments of a tile's rays are narrowed together, before those that are left are followed one by one.
@@ -23,13 +23,13 @@ struct Patch {
     first: [usize; 2],
     /// How far the next row is: in columns and rows.
     next: [usize; 2],
-    /// Where its rays are.
-    screens: Screens,
+    /// Screen coordinates of its rays.
+    screens: [Lanes<f64>; 2],
 }
 
 impl Patch {
     fn screen(&self, bit: usize) -> [f64; 2] {
-        [self.screens.centre[0][bit], self.screens.centre[1][bit]]
+        [self.screens[0][bit], self.screens[1][bit]]
     }
 
     fn column(&self, bit: usize) -> usize {
@@ -82,27 +82,47 @@ fn sift<T: Scalar>(
 struct Left {
     /// Between which values of s, by the rays' bits.
     ends: Ends,
-    /// The bits of the rays in the batch's lanes.
-    rays: [u8; LANES],
+    /// The bits of the rays in the batch's lanes, once they have moved.
+    rays: Option<[u8; LANES]>,
 }
 
 impl Left {
     fn new() -> Self {
-        let rays = std::array::from_fn(|lane| lane as u8);
-        Self { ends: [Lanes::splat(0.0); 2], rays }
+        Self { ends: [Lanes::splat(0.0); 2], rays: None }
     }
 
     /// Takes what is left in these lanes; returns the bits of their rays.
     #[inline]
-    fn take<T: Scalar>(&mut self, lanes: u16, out: &Contractions<T>) -> u16 {
+    fn take<T: Scalar>(&mut self, vectors: Level, lanes: u16, out: &Contractions<T>) -> u16 {
+        let [from, to] = &mut self.ends;
+        let Some(rays) = &self.rays else {
+            if lanes != 0 {
+                dispatch!(vectors, simd => {
+                    blend(simd, lanes, &out.near, from);
+                    blend(simd, lanes, &out.far, to);
+                });
+            }
+            return lanes;
+        };
         let mut bits = 0;
         for lane in ones(lanes) {
-            let bit = usize::from(self.rays[lane]) % LANES;
+            let bit = usize::from(rays[lane]) % LANES;
             bits |= 1 << bit;
-            (self.ends[0][bit], self.ends[1][bit]) = (out.near[lane].into(), out.far[lane].into());
+            (from[bit], to[bit]) = (out.near[lane].into(), out.far[lane].into());
         }
         bits
     }
+}
+
+/// Writes some lanes over others.
+#[inline(always)]
+fn blend<S: Simd, T: Scalar>(simd: S, lanes: u16, new: &Lanes<T>, all: &mut Lanes<f64>) {
+    let (mut both, new) = (f64::wide(simd, all), T::wide(simd, new));
+    for (k, (old, new)) in both.iter_mut().zip(new).enumerate() {
+        let half = mask64x8::from_bitmask(simd, u64::from(lanes >> (HALF * k) & 0xff));
+        *old = half.select(new, *old);
+    }
+    f64::narrow(both, all);
 }
 
 impl<T: Scalar> Tracer<'_, '_, '_, T> {
@@ -116,12 +136,11 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let screen = |k: usize| self.rays.screen(2 * (corner[0] + k), 2 * (corner[1] + k));
         let places = [screen(0), screen(1), screen(2), screen(3)];
         let across = places.map(|place| place[0]);
-        let [mut centre, half] = [[Lanes::splat(0.0); 2]; 2];
+        let mut screens = [Lanes::splat(0.0); 2];
         for (row, place) in places.iter().enumerate() {
-            centre[0].as_chunks_mut().0[row] = across;
-            centre[1].as_chunks_mut().0[row] = [place[1]; 4];
+            screens[0].as_chunks_mut().0[row] = across;
+            screens[1].as_chunks_mut().0[row] = [place[1]; 4];
         }
-        let screens = Screens { centre, half };
         Patch { index: row * self.across + column, first, next, screens }
     }
 
@@ -183,8 +202,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         if self.rays.is_parallel() {
             return [f64x8::splat(simd, 1.0); 2];
         }
-        let mut a = f64::wide(simd, &patch.screens.centre[0]);
-        let b = f64::wide(simd, &patch.screens.centre[1]);
+        let mut a = f64::wide(simd, &patch.screens[0]);
+        let b = f64::wide(simd, &patch.screens[1]);
         for (a, b) in a.iter_mut().zip(b) {
             *a = (1.0 + *a * *a + b * b).sqrt();
         }
@@ -209,7 +228,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Follows the rays of a tile of 4×4 that are not finished, all of the segment being in the region: first all at once,
     /// each along what the tile's form leaves of it.
-    pub(super) fn follow_within(&mut self, level: &Level<T>, slot: usize, segment: [f64; 2]) {
+    pub(super) fn follow_within(&mut self, level: &Tiles<T>, slot: usize, segment: [f64; 2]) {
         let patch = self.patch(level.places[slot]);
         let plane = Plane::new(&level.batch, &level.out, slot);
         let left = dispatch!(self.vectors, simd => self.place(simd, &patch, &plane, segment));
@@ -228,8 +247,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let sifted = sift(&self.segments, &self.contractions, live, [tolerance, grain]);
             let short = if self.method.cleared { 0 } else { sifted.short };
             live = if round < ROUNDS { sifted.shorter & !short } else { 0 };
-            hits |= rest.take(short, &self.contractions);
-            hard |= rest.take(sifted.left & !short & !live, &self.contractions);
+            hits |= rest.take(self.vectors, short, &self.contractions);
+            let open = sifted.left & !short & !live;
+            hard |= rest.take(self.vectors, open, &self.contractions);
             let Contractions { near, far, .. } = &self.contractions;
             (self.segments.near, self.segments.far) = (*near, *far);
         }
@@ -265,10 +285,10 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     fn place<S: Simd>(&mut self, simd: S, patch: &Patch, plane: &Plane, segment: [f64; 2]) -> u16 {
         let asked = segment.map(Lanes::splat);
         let mut left = asked;
-        plane.narrow(simd, &patch.screens, &mut left);
+        plane.narrow(simd, &patch.screens, None, &mut left);
         let batch = &mut self.segments;
-        let a = f64::wide(simd, &patch.screens.centre[0]);
-        let b = f64::wide(simd, &patch.screens.centre[1]);
+        let a = f64::wide(simd, &patch.screens[0]);
+        let b = f64::wide(simd, &patch.screens[1]);
         for axis in 0..3 {
             let Frame { origin, direction, .. } = &self.frame;
             for (parts, lanes) in
@@ -285,11 +305,12 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Moves the rays that are live to the first lanes, where that saves a vector; returns the lanes that are live then.
-    fn pack(&mut self, live: u16, rays: &mut [u8; LANES]) -> u16 {
+    fn pack(&mut self, live: u16, rays: &mut Option<[u8; LANES]>) -> u16 {
         let (count, last) = (live.count_ones(), LANES as u32 - live.leading_zeros());
         if count.div_ceil(4) == last.div_ceil(4) {
             return live;
         }
+        let rays = rays.get_or_insert_with(|| std::array::from_fn(|lane| lane as u8));
         for (to, from) in ones(live).enumerate() {
             rays[to] = rays[from];
         }
@@ -303,14 +324,14 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Follows the rays of a tile of 4×4 that are not finished, each as far as it is in the region.
-    pub(super) fn follow(&mut self, level: &Level<T>, slot: usize, segment: [f64; 2]) {
+    pub(super) fn follow(&mut self, level: &Tiles<T>, slot: usize, segment: [f64; 2]) {
         let patch = self.patch(level.places[slot]);
         let region = self.method.region;
         let tolerance = self.method.tolerance * self.footprint(segment[0]);
         let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
         let mut count = 0;
         let mut ends = segment.map(Lanes::splat);
-        dispatch!(self.vectors, simd => self.frame.clip(simd, &patch.screens, region, &mut ends));
+        dispatch!(self.vectors, simd => self.frame.clip(simd, (&patch.screens, None), region, &mut ends));
         for bit in ones(self.open[patch.index]) {
             let [origin, direction] = self.frame.ray(patch.screen(bit));
             let mut span = [ends[0][bit], ends[1][bit]];

@@ -1,9 +1,9 @@
 //! What the form of a tile says of the zeros on its rays: they lie near a plane in screen coordinates and s.
 
-use super::screens::{Ends, Screens};
+use super::screens::Ends;
 use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*};
-use zeroset_eval::{Planes, Tiles};
+use zeroset_eval::{Lanes, Planes, Tiles};
 
 /// A plane, and how far from it a zero may be.
 pub(super) struct Plane {
@@ -40,11 +40,11 @@ impl Plane {
         self.reach
     }
 
-    /// s where the plane meets the rays in the middle of tiles.
+    /// s where the plane meets rays at screen coordinates.
     #[inline(always)]
-    pub fn at<S: Simd>(&self, simd: S, screens: &Screens) -> [f64x8<S>; 2] {
-        let mut along = f64::wide(simd, &screens.centre[0]);
-        let up = f64::wide(simd, &screens.centre[1]);
+    pub fn at<S: Simd>(&self, simd: S, screens: &[Lanes<f64>; 2]) -> [f64x8<S>; 2] {
+        let mut along = f64::wide(simd, &screens[0]);
+        let up = f64::wide(simd, &screens[1]);
         for (along, up) in along.iter_mut().zip(up) {
             let [along_way, up_way] = [*along - self.centre[0], up - self.centre[1]];
             *along = self.s + (self.per_screen[0] * along_way + self.per_screen[1] * up_way);
@@ -52,18 +52,29 @@ impl Plane {
         along
     }
 
-    /// Shortens segments of parts of the tile to what is left of them; the ends of one of which nothing is come out in the
-    /// wrong order.
+    /// Shortens segments of rays at screen coordinates, or within `half` of them, to what is left of them; the ends of one of
+    /// which nothing is come out in the wrong order.
     #[inline(always)]
-    pub fn narrow<S: Simd>(&self, simd: S, parts: &Screens, ends: &mut Ends) {
+    pub fn narrow<S: Simd>(
+        &self,
+        simd: S,
+        centre: &[Lanes<f64>; 2],
+        half: Option<&[Lanes<f64>; 2]>,
+        ends: &mut Ends,
+    ) {
         let [across, upward] = self.per_screen.map(f64::abs);
-        let [wide, high] = [f64::wide(simd, &parts.half[0]), f64::wide(simd, &parts.half[1])];
+        let mut reach = [f64x8::splat(simd, self.reach); 2];
+        if let Some([wide, high]) = half {
+            let [wide, high] = [f64::wide(simd, wide), f64::wide(simd, high)];
+            for k in 0..2 {
+                reach[k] += wide[k] * across + high[k] * upward;
+            }
+        }
         let [mut near, mut far] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
-        for (k, s) in self.at(simd, parts).into_iter().enumerate() {
-            let reach = wide[k] * across + high[k] * upward + self.reach;
+        for (k, s) in self.at(simd, centre).into_iter().enumerate() {
             // What is not a number bounds nothing.
-            near[k] = (s - reach).max_precise(near[k]);
-            far[k] = (s + reach).min_precise(far[k]);
+            near[k] = (s - reach[k]).max_precise(near[k]);
+            far[k] = (s + reach[k]).min_precise(far[k]);
         }
         f64::narrow(near, &mut ends[0]);
         f64::narrow(far, &mut ends[1]);
