@@ -1,35 +1,28 @@
 //! One picture of a model: surfaces are found one after another, then lit.
 
-use super::paint::{Finish, Painter};
+mod light;
+
+use super::paint::Painter;
 use super::strips::Overview;
-use super::{Aim, Model, Stopwatch, Style, options};
-use crate::legend::Legend;
+use super::{Aim, Model, Stopwatch, options};
 use crate::picture::{Normals, Open, Picture, Precision, Settings, Statistics, Times};
 use crate::program::ProgramError;
-use glam::DVec3;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use zeroset_eval::{KernelFloat, Points};
-use zeroset_syntax::{SurfaceColor, SurfaceKind};
+use zeroset_eval::KernelFloat;
+use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
-    Appearance, BAND_ROWS, Ball, Camera, Driver, GBuffer, Light, LinearRgb, Near, NormalSource,
-    Pattern, RayGrid, Rows, Shader, SurfaceColours, Tracer, Work, borrow_occlusion, cap, cap_rows,
-    normals, unset_colours,
+    BAND_ROWS, Camera, Driver, GBuffer, NormalSource, RayGrid, Rows, Shader, Tracer, Work, cap,
+    cap_rows, normals, unset_colours,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
 pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 
-/// Shadow rays start this many of their own slabs away from the surface, so that it does not shade itself.
-const SHADOW_OFFSET_SLABS: f64 = 2.0;
-
 /// Reach of central differences, as a share of the domain's largest extent.
 const STEP: f64 = 1e-3;
-
-/// What is within this share of the domain's largest extent may take ambient light away.
-const NEAR: f64 = 0.12;
 
 impl Model {
     /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since it was last called,
@@ -127,14 +120,6 @@ impl Model {
         lit.look = self.look(settings);
         Ok(lit)
     }
-}
-
-/// The colours of a picture, and what they took.
-struct Lit {
-    rgb: Vec<u8>,
-    legends: Vec<Legend>,
-    edge_rays: usize,
-    work: Work,
 }
 
 /// Surfaces by number, each with what finds it.
@@ -370,186 +355,9 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         })
     }
 
-    /// Where the light comes from that casts shadows.
-    fn lamp(&self, rays: &RayGrid) -> Light {
-        match self.settings.light.or(self.model.setting.light) {
-            Some(place) => Light::Positional(place),
-            None => Light::above_left(rays),
-        }
-    }
-
-    /// Colours of what was found, unless they are `known`.
-    fn light(
-        &self,
-        rays: &RayGrid,
-        buffer: &mut GBuffer,
-        known: Option<Vec<u8>>,
-        times: &mut Times,
-    ) -> Result<Lit, ProgramError> {
-        let settings = self.settings;
-        let mut watch = Stopwatch::start();
-        let light = self.lamp(rays);
-        let work = self.hide(rays, &light, buffer)?;
-        times.occlude += watch.lap();
-        let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
-        if settings.normals.is_some() {
-            let painter = match self.overview {
-                Some(whole) => Painter::new(self.model, &whole.picture.buffer, &whole.rays),
-                None => Painter::new(self.model, buffer, rays),
-            };
-            let finish = Finish { appearance: self.appearance(light), painter };
-            legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
-            let mut layers = Vec::new();
-            if self.is_translucent() {
-                layers = self.layers(rays, &[], &self.tracers(Aim::of(settings))?)?;
-                times.trace += watch.lap();
-            }
-            rgb = known.unwrap_or_else(|| self.coloured(rays, buffer, &layers, &finish, 1));
-            times.shade += watch.lap();
-            if settings.antialias != Pattern::ONE && (self.advance)(0) {
-                edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
-                times.antialias += watch.lap();
-            }
-        }
-        Ok(Lit { rgb, legends, edge_rays, work })
-    }
-
     /// The method at work on each surface that is seen, with its number.
     pub fn tracers(&self, aim: Aim) -> Result<Tracers<'a>, ProgramError> {
         let one = |surface| Ok((surface, self.tracer(surface, aim)?));
         self.model.seen().map(one).collect()
-    }
-
-    /// How often the way of a shadow ray is halved; `None` if there are no shadows.
-    fn shadow_depth(&self) -> Option<u32> {
-        let settings = self.settings;
-        let typed = self.model.setting.shadows.then(|| settings.usual_shadow_depth());
-        settings.shadow_depth.or(typed)
-    }
-
-    /// Whether what is near takes ambient light away.
-    fn occludes(&self) -> bool {
-        let settings = self.settings;
-        settings.occlusion && self.model.look(settings).occlusion && settings.normals.is_some()
-    }
-
-    /// Finds what hides painted points from light: surfaces in the way, if shadows are wanted, and what is near.
-    fn hide(
-        &self,
-        rays: &RayGrid,
-        light: &Light,
-        buffer: &mut GBuffer,
-    ) -> Result<Work, ProgramError> {
-        let Self { model, advance, .. } = *self;
-        let occludes = self.occludes();
-        let mut work = Work::default();
-        let shadow_depth = self.shadow_depth();
-        if let Some(depth) = shadow_depth {
-            work += self.shadows(rays, light, depth, buffer)?;
-        }
-        if !occludes && shadow_depth.is_none() || !advance(0) {
-            return Ok(work);
-        }
-        let near = || Near::new(buffer, rays, model.region.centre());
-        let overview = self.overview.filter(|_| occludes);
-        let near = (shadow_depth.is_some() || overview.is_none()).then(near);
-        if let Some(near) = near.as_ref().filter(|_| shadow_depth.is_some()) {
-            // Twice, since beside an edge a square is not whole.
-            (0..2).for_each(|_| near.mean(&mut buffer.shadow));
-        }
-        if let Some(whole) = overview {
-            borrow_occlusion(buffer, rays, &whole.picture.buffer, &whole.rays);
-        } else if let Some(near) = near.filter(|_| occludes) {
-            near.occlusion(buffer, NEAR * self.extent());
-            near.mean(&mut buffer.occlusion);
-        }
-        Ok(work)
-    }
-
-    fn shadows(
-        &self,
-        rays: &RayGrid,
-        light: &Light,
-        depth: u32,
-        buffer: &mut GBuffer,
-    ) -> Result<Work, ProgramError> {
-        // A slab of the last depth may lie on either side of the surface that it holds.
-        let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
-        let lights = light.widened(self.model.region.centre());
-        let mut work = Work::default();
-        let mut hidden = vec![0; buffer.drawn.len()];
-        // Shadows are no pixels finished.
-        let wanted = |_| (self.advance)(0);
-        for surface in self.model.seen() {
-            let tracer = self.tracer(surface, Aim { depth, ..Aim::of(self.settings) })?;
-            let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
-            work += driver.shadows(buffer, &lights, offset);
-            hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
-            if !(self.advance)(0) {
-                break;
-            }
-        }
-        buffer.shadow = hidden;
-        Ok(work)
-    }
-
-    fn appearance(&self, light: Light) -> Appearance {
-        let settings = self.settings;
-        let plain = Appearance::new(self.model.look(settings), light);
-        let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
-        // A hidden surface is not asked: there may be no code for it.
-        let turned = |surface: usize| {
-            let known = &self.model.turned[surface];
-            !self.model.styles[surface].hidden
-                && *known.get_or_init(|| self.is_negative_outside(surface))
-        };
-        let surface = |(index, style): (usize, &Style)| {
-            let colours = match &style.color {
-                Some(SurfaceColor::Plain(color)) => {
-                    SurfaceColours::around(LinearRgb::from_srgb(color.rgb))
-                }
-                Some(SurfaceColor::Mapped(_)) | None => SurfaceColours::default_for(index),
-            };
-            if turned(index) { colours.turned() } else { colours }
-        };
-        Appearance {
-            surfaces: self.model.styles.iter().enumerate().map(surface).collect(),
-            background: settings.background.or(typed).unwrap_or(plain.background),
-            ambient: settings.ambient.unwrap_or(plain.ambient),
-            undecided: settings.undecided,
-            ..plain
-        }
-    }
-
-    /// Whether f < 0 on most of the region's boundary, so that the side seen from far away is the negative one.
-    fn is_negative_outside(&self, surface: usize) -> bool {
-        /// Points along each edge of a face.
-        const POINTS: usize = 8;
-        /// Of those that have a sign.
-        const MOST: f64 = 0.75;
-        if self.model.styles[surface].kind == SurfaceKind::Solid {
-            return false;
-        }
-        let Ok(kernel) = self.model.program.kernels::<T>(surface).gradients() else { return false };
-        let (low, high) = (self.model.region.low(), self.model.region.high());
-        let points = (0..6 * POINTS * POINTS).map(|n| {
-            let (face, u, v) = (n / (POINTS * POINTS), n / POINTS % POINTS, n % POINTS);
-            let [u, v] = [u, v].map(|place| (place as f64 + 0.5) / POINTS as f64);
-            let mut share = [u, v, (face % 2) as f64];
-            share.rotate_right(face / 2);
-            let point = low + (high - low) * DVec3::from_array(share);
-            let on_sphere = |ball: Ball| ball.centre + ball.radius * ball.normal(point);
-            self.model.region.ball().map_or(point, on_sphere).to_array()
-        });
-        let points: Vec<[f64; 3]> = points.collect();
-        let (mut negative, mut signed) = (0_usize, 0_usize);
-        for (out, points) in kernel.ask_all(&Points::near(&points)).iter().zip(points.chunks(16)) {
-            for value in out.value.0.iter().take(points.len()) {
-                let value: f64 = (*value).into();
-                negative += usize::from(value < 0.0);
-                signed += usize::from(value != 0.0 && !value.is_nan());
-            }
-        }
-        negative as f64 > MOST * signed as f64
     }
 }

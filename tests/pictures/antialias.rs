@@ -87,6 +87,22 @@ fn colours_do_not_depend_on_threads_or_on_when_they_are_made() {
 }
 
 #[test]
+fn rows_that_are_coloured_at_once_are_as_those_that_are_coloured_later() {
+    // No multiple of anything, and more than sixteen tiles of 16×16 in a row.
+    let settings = Settings { width: 277, height: 37, ..Settings::default() };
+    let hatched = "(x^2+y^2+z^2-1)^2=0";
+    for text in ["tangle", "gyroid", "x^2+y^2+z^2<=1 where x<=0.3", hatched] {
+        let (model, camera) = scene(text, &settings);
+        let at_once = picture(&model, &camera, &settings);
+        let later = model.relight(&at_once, &camera, &settings, &|_| true).expect("compiled");
+        assert!(at_once.rgb == later.rgb && at_once.buffer == later.buffer, "{text}");
+        let colours: std::collections::BTreeSet<_> =
+            at_once.rgb.as_chunks::<3>().0.iter().collect();
+        assert!(colours.len() > 2, "{text}: {colours:?}");
+    }
+}
+
+#[test]
 fn every_method_smooths_edges() {
     let plain = Settings { width: 48, height: 40, ..settings(1) };
     for method in &METHODS {

@@ -311,8 +311,8 @@ impl RayGrid {
             }
         }
         let [x, y, z] = way;
-        let length = (x * x + y * y + z * z).sqrt();
-        [x / length, y / length, z / length]
+        let scale = 1.0 / (x * x + y * y + z * z).sqrt();
+        [x * scale, y * scale, z * scale]
     }
 }
 

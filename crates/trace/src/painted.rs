@@ -5,7 +5,7 @@
 use fearless_simd::{Level, dispatch, f64x8, prelude::*};
 use zeroset_eval::LANES;
 
-/// Rows of a band, the unit of work that threads share: few enough for the nearest caches. Windows are the same whatever the
+/// Rows whose looks one thread deals with at a time: few enough for the nearest caches. Windows are the same whatever the
 /// number of threads.
 pub(crate) const BAND: usize = 8;
 

@@ -4,6 +4,7 @@
 //! already inside it.
 
 use crate::camera::Ray;
+use crate::driver::BAND_ROWS;
 use crate::gbuffer::{Found, GBuffer, Reason, Status};
 use crate::grid::RayGrid;
 use crate::region::{Entry, Region};
@@ -13,8 +14,6 @@ use rayon::prelude::*;
 use zeroset_eval::{Boxes, Enclose, Kernel, LANES, Real};
 use zeroset_interval::{Facts, Interval};
 
-/// Rows that one thread takes at a time.
-const ROWS: usize = 16;
 /// Rays that are asked about at a time.
 const BATCH: usize = 256;
 
@@ -37,7 +36,7 @@ pub fn cap<T: Real>(
     kernel: &dyn Kernel<Enclose, T>,
     only: &[bool],
 ) -> Work {
-    buffer.rows(ROWS).map(|mut rows| cap_rows(&mut rows, rays, region, kernel, only)).sum()
+    buffer.rows(BAND_ROWS).map(|mut rows| cap_rows(&mut rows, rays, region, kernel, only)).sum()
 }
 
 /// As [`cap`], for some rows; `only` is of the whole picture.
@@ -48,8 +47,7 @@ pub fn cap_rows<T: Real>(
     kernel: &dyn Kernel<Enclose, T>,
     only: &[bool],
 ) -> Work {
-    // What is painted changes.
-    drop(rows.windows());
+    rows.forget();
     let pixels = rows.pixels();
     let first = pixels.start;
     let entries: Vec<(usize, Entry)> = pixels

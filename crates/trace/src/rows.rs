@@ -96,6 +96,11 @@ impl Rows<'_> {
         self.windows = Some(windows);
     }
 
+    /// Forgets it: what is painted changes.
+    pub(crate) fn forget(&mut self) {
+        self.windows = None;
+    }
+
     /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is wanted, if not all are;
     /// `wanted` whether the work is to go on.
     pub(crate) fn band<'a>(
@@ -104,6 +109,7 @@ impl Rows<'_> {
         wanted: &'a (dyn Fn() -> bool + Sync),
     ) -> Band<'a> {
         let only = if only.is_empty() { only } else { &only[self.pixels()] };
+        self.forget();
         Band {
             top: self.first,
             width: self.width,

@@ -1,20 +1,19 @@
 //! From a G-buffer to colours: deferred shading, which asks nothing of the function.
 
 mod lanes;
+mod shader;
 
-use crate::colour::{BLACK, Codes, LinearRgb};
-use crate::gbuffer::{GBuffer, Status};
+use crate::colour::LinearRgb;
+use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::look::Look;
-use crate::painted::{BAND, Window, bits, windows};
-use crate::rows::Rows;
+use crate::painted::{BAND, windows};
 use crate::spare::Spares;
-use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16, u16x16};
-use glam::Vec3;
-use lanes::{by_axis, dot, left, sharpened, splat, toned};
+use fearless_simd::Level;
 use rayon::prelude::*;
-use zeroset_eval::{LANES, Lanes};
+use shader::Seen;
+pub use shader::Shader;
 
 /// The colours of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,20 +130,13 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
     [[204, 121, 167], [92, 92, 104]], // reddish purple, grey
 ];
 
-/// Distance of the stripes of a hatch, and their width, in pixels along a row.
-const HATCH_PERIOD: usize = 6;
-const HATCH_WIDTH: usize = 2;
-
-/// How much darker a line makes what it covers.
-const INK: f32 = 0.8;
-
-/// Marks undecided pixels under [`UndecidedStyle::Tint`]: no hue of the default pairs.
-const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
-
 /// The picture as rows of sRGB bytes, red, green, blue, from the top left.
 ///
 /// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
 /// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
+///
+/// # Panics
+/// If the rays are of a picture of another width.
 pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
     shade_painted(buffer, rays, appearance, &[])
 }
@@ -152,7 +144,7 @@ pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u
 /// As [`shade`], with points of other colours than their surface has: one paint for each pixel, or none at all.
 ///
 /// # Panics
-/// If there are paints, but not as many as pixels.
+/// If there are paints, but not as many as pixels; or the rays are of a picture of another width.
 pub fn shade_painted(
     buffer: &GBuffer,
     rays: &RayGrid,
@@ -171,13 +163,13 @@ fn shade_with(
     paint: &[Paint],
 ) -> Vec<u8> {
     assert!(paint.is_empty() || paint.len() == buffer.status.len(), "a paint for each pixel");
-    let shader = Shader { level, ..Shader::new(rays, appearance) };
+    assert_eq!(buffer.width, rays.width(), "rays of another picture");
+    let shader = Shader::new(rays, appearance).with(level);
     let mut bytes = unset_colours(buffer.status.len());
     let size = (BAND * buffer.width).max(1);
     bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
         let here = band * size..band * size + bytes.len() / 3;
         let seen = Seen {
-            first: band * BAND,
             status: &buffer.status[here.clone()],
             drawn: &buffer.drawn[here.clone()],
             surface: &buffer.surface[here.clone()],
@@ -187,7 +179,7 @@ fn shade_with(
             occlusion: &buffer.occlusion[here.clone()],
             paint: paint.get(here).unwrap_or_default(),
         };
-        let windows = windows(level, seen.drawn, seen.first, rays.width());
+        let windows = windows(level, seen.drawn, band * BAND, rays.width());
         shader.band(&seen, &windows, bytes);
     });
     bytes
@@ -200,250 +192,12 @@ pub fn unset_colours(pixels: usize) -> Vec<u8> {
     bytes
 }
 
-/// What all of a picture is lit by.
-pub struct Shader<'a> {
-    rays: &'a RayGrid,
-    appearance: &'a Appearance,
-    palette: Vec<SurfaceColours>,
-    lamps: Lamps,
-    codes: &'static Codes,
-    /// A row of background.
-    row: Vec<u8>,
-    level: Level,
-}
-
-impl<'a> Shader<'a> {
-    /// For a picture along these rays.
-    pub fn new(rays: &'a RayGrid, appearance: &'a Appearance) -> Self {
-        Self {
-            rays,
-            appearance,
-            palette: appearance.palette(),
-            lamps: Lamps::new(rays),
-            codes: Codes::get(),
-            row: appearance.background.to_srgb().repeat(rays.width()),
-            level: Level::new(),
-        }
-    }
-
-    /// As [`shade`], for some rows: their colours.
-    ///
-    /// # Panics
-    /// If there are not three bytes a pixel.
-    pub fn rows(&self, rows: &mut Rows<'_>, bytes: &mut [u8]) {
-        assert_eq!(bytes.len(), 3 * rows.status.len());
-        let windows = rows.windows();
-        let seen = Seen {
-            first: rows.first,
-            status: rows.status,
-            drawn: rows.drawn,
-            surface: rows.surface,
-            normal: rows.normal,
-            cap: rows.cap,
-            shadow: rows.shadow,
-            occlusion: rows.occlusion,
-            paint: &[],
-        };
-        self.band(&seen, &windows, bytes);
-        rows.keep(windows);
-    }
-
-    fn band(&self, seen: &Seen<'_>, windows: &[Window], bytes: &mut [u8]) {
-        bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
-        let bytes = bytes.as_chunks_mut().0;
-        for &window in windows {
-            dispatch!(self.level, simd => self.paint(simd, seen, window, bytes));
-        }
-    }
-}
-
 /// Leaves the memory of a picture to the next ones. Up to two pictures' are kept, until the end of the process.
 pub fn hand_back_colours(bytes: Vec<u8>) {
     SPARES.hand_back(bytes);
 }
 
 static SPARES: Spares<Vec<u8>> = Spares::new();
-
-/// What a buffer has of some rows, from `first` on.
-struct Seen<'a> {
-    first: usize,
-    status: &'a [Status],
-    drawn: &'a [f64],
-    surface: &'a [u16],
-    normal: &'a [[f32; 3]],
-    cap: &'a [bool],
-    shadow: &'a [u8],
-    occlusion: &'a [u8],
-    /// Empty if all points have their surface's colour.
-    paint: &'a [Paint],
-}
-
-/// Directions, of length 1, towards the lights that move with the camera.
-#[derive(Clone, Copy)]
-struct Lamps {
-    above: Vec3,
-    fill: Vec3,
-    rim: Vec3,
-}
-
-impl Lamps {
-    fn new(rays: &RayGrid) -> Self {
-        let [forward, right, up] = [rays.forward(), rays.right(), rays.up()];
-        let fill = -forward + 1.1 * right - 0.2 * up;
-        let rim = 0.6 * forward + 0.5 * right + up;
-        Self {
-            above: up.as_vec3(),
-            fill: fill.normalize().as_vec3(),
-            rim: rim.normalize().as_vec3(),
-        }
-    }
-}
-
-impl Shader<'_> {
-    /// Writes the bytes of a window's pixels.
-    #[inline(always)]
-    fn paint<S: Simd>(&self, simd: S, seen: &Seen<'_>, mut window: Window, bytes: &mut [[u8; 3]]) {
-        let mut status = [Status::Miss; LANES];
-        let status = window.load(seen.status, &mut status);
-        let mut numbers = [0; LANES];
-        for (number, &status) in numbers.iter_mut().zip(status) {
-            *number = status as u8;
-        }
-        let numbers = u8x16::simd_from(simd, numbers);
-        let undecided = numbers.simd_eq(Status::Undecided as u8).to_bitmask() as u32;
-        let marks = match self.appearance.undecided {
-            _ if undecided == 0 => None,
-            UndecidedStyle::Shade => None,
-            UndecidedStyle::Miss => {
-                window.wanted &= !undecided;
-                None
-            }
-            UndecidedStyle::Hatch | UndecidedStyle::Tint => {
-                Some(self.marks(Window { wanted: undecided, ..window }))
-            }
-        };
-        let mut surface = [0; LANES];
-        let surface = window.load(seen.surface, &mut surface);
-        // One surface after another: most windows have one.
-        while window.wanted != 0 {
-            let first = window.wanted.trailing_zeros() as usize % LANES;
-            let surfaces = u16x16::simd_from(simd, *surface);
-            let of_surface = surfaces.simd_eq(surface[first]).to_bitmask() as u32;
-            let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            let amounts = if seen.paint.is_empty() {
-                self.light::<S, false>(simd, seen, window, colours, marks.as_ref())
-            } else {
-                self.light::<S, true>(simd, seen, window, colours, marks.as_ref())
-            };
-            let colours = self.codes.bytes(simd, amounts);
-            Window { wanted: window.wanted & of_surface, ..window }.store(&colours, bytes);
-            window.wanted &= !of_surface;
-        }
-    }
-
-    /// How undecided pixels are marked: what is left of their own light, and the share of the tint.
-    fn marks(&self, undecided: Window) -> [Lanes<f32>; 2] {
-        let [mut left, mut tint] = [1.0, 0.0].map(Lanes::splat);
-        let diagonal = undecided.column + undecided.row + self.rays.corner().iter().sum::<usize>();
-        for lane in undecided.lanes() {
-            if self.appearance.undecided == UndecidedStyle::Tint {
-                (left[lane], tint[lane]) = (0.5, 0.5);
-            } else if (diagonal + lane) % HATCH_PERIOD < HATCH_WIDTH {
-                left[lane] = 0.25;
-            }
-        }
-        [left, tint]
-    }
-
-    /// The light that a window's pixels send to the eye, by primary, clamped to what the codes know. Twice in the
-    /// program, since most pictures have no paint.
-    #[inline(always)]
-    fn light<S: Simd, const PAINTED: bool>(
-        &self,
-        simd: S,
-        seen: &Seen<'_>,
-        window: Window,
-        colours: &SurfaceColours,
-        marks: Option<&[Lanes<f32>; 2]>,
-    ) -> [f32x16<S>; 3] {
-        let Self { rays, appearance, lamps, .. } = *self;
-        let Appearance { look, ambient: everywhere, .. } = appearance;
-        let (mut normal, mut is_cap) = ([[0.0; 3]; LANES], [false; LANES]);
-        let mut spare = [[0; LANES]; 2];
-        let [shadow, occlusion] = &mut spare;
-        let normal = window.load(seen.normal, &mut normal);
-        let shadow = window.load(seen.shadow, shadow);
-        let occlusion = window.load(seen.occlusion, occlusion);
-        let is_cap = window.load(seen.cap, &mut is_cap);
-        let mut paints = [Paint::NONE; LANES];
-        let paint = PAINTED.then(|| window.load(seen.paint, &mut paints));
-        // Most windows have nothing of either.
-        let (is_shaded, is_hidden) = (*shadow != [0; LANES], *occlusion != [0; LANES]);
-        let is_cut_open = *is_cap != [false; LANES];
-        let light = appearance.light.all_towards(
-            simd,
-            #[inline(always)]
-            || rays.points(simd, window, window.load(seen.drawn, &mut [0.0; LANES])),
-        );
-        let eye = rays.ways_to_eye(simd, window);
-        // No closure deals with vectors: it would be compiled apart, for narrower ones.
-        let one = f32x16::splat(simd, 1.0);
-        let normal = by_axis(simd, normal);
-        let facing = dot(normal, eye);
-        // The side that is seen is lit.
-        let side = one.copysign(facing);
-        let lit = if is_shaded { left(simd, shadow) } else { one };
-        let open = if is_hidden { left(simd, occlusion) } else { one };
-        let direct = lit * (side * dot(normal, light)).max(0.0);
-        // The square of the cosine between the normal and the direction half way to the light. From straight behind there
-        // is none, and light is not seen.
-        let halfway = [light[0] + eye[0], light[1] + eye[1], light[2] + eye[2]];
-        let cosine = (side * dot(normal, halfway)).max(0.0);
-        let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);
-        let square = cosine * cosine / square_of_length;
-        let grazing = 1.0 - facing.abs().min(1.0);
-        let rim =
-            look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
-        let white = look.highlight * direct.sqrt() * sharpened(square) + rim;
-        // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
-        let from_above = 0.5 + 0.5 * (side * dot(normal, splat(simd, lamps.above)));
-        let around = look.ground + (1.0 - look.ground) * from_above;
-        let ambient = *everywhere * open * around * (1.0 - 0.4 * grazing);
-        let fill = look.fill * open * (side * dot(normal, splat(simd, lamps.fill))).max(0.0);
-        let factor = ambient + (1.0 - everywhere) * (look.key * direct + fill);
-        let edge = grazing * grazing;
-        let factor = factor * (1.0 - look.outline * edge * edge);
-        let is_negative = facing.simd_lt(0.0);
-        let cuts = if is_cut_open { bits(|lane| is_cap[lane]) } else { 0 };
-        let is_cut = mask32x16::from_bitmask(simd, u64::from(cuts));
-        let mut amounts = [one; 3];
-        for (primary, all) in amounts.iter_mut().enumerate() {
-            let [positive, negative, cut] =
-                [colours.positive, colours.negative, colours.cut].map(|colour| colour.0[primary]);
-            let [positive, negative] =
-                [f32x16::splat(simd, positive), f32x16::splat(simd, negative)];
-            let mut base = is_negative.select(negative, positive);
-            if is_cut_open {
-                base = is_cut.select(f32x16::splat(simd, cut), base);
-            }
-            if let Some(paint) = paint {
-                let own = paint.map(|paint| paint.base.0[primary]);
-                let own = f32x16::simd_from(simd, own);
-                base = own.is_nan().select(base, own);
-            }
-            let mut amount = toned(simd, base * factor + white);
-            if let Some(paint) = paint {
-                amount *= 1.0 - INK * f32x16::simd_from(simd, paint.map(|paint| paint.ink));
-            }
-            if let Some([left, tint]) = marks {
-                let own = amount * f32x16::from_slice(simd, &left[..]);
-                amount = own + TINT.0[primary] * f32x16::from_slice(simd, &tint[..]);
-            }
-            *all = amount.max(BLACK).min(1.0);
-        }
-        amounts
-    }
-}
 
 #[cfg(test)]
 mod tests;

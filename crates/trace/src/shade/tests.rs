@@ -3,6 +3,7 @@
 use super::*;
 use crate::LOOKS;
 use crate::camera::{Camera, Projection};
+use crate::gbuffer::Status;
 use glam::DVec3;
 
 /// One pixel painted at distance 4 on the way along +y from (0, −5, 0).

@@ -112,7 +112,7 @@ impl<T: Scalar> Level<T> {
         let mut left = *asked;
         if let Some(plane) = plane {
             let Screens { centre, half } = &self.screens;
-            plane.narrow(simd, centre, Some(half), &mut left);
+            plane.narrow::<_, T>(simd, centre, Some(half), &mut left);
         }
         if !self.within {
             let Screens { centre, half } = &self.screens;

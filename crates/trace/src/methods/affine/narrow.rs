@@ -269,8 +269,8 @@ fn enough(tolerance: f64, steady: bool) -> f64 {
 }
 
 /// Whether the parts of a segment that is cut are shorter than what it was narrowed from: where floats are as coarse as the
-/// segment is short, it may come out longer, and would come back for ever.
-pub(super) fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
+/// segment is short, it may come out longer, and would come back for ever. Of tiles, `Tracer::verdicts` says the same.
+fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
     near < cut && cut < far && cut - near < length && far - cut < length
 }
 

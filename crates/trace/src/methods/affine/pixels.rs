@@ -2,14 +2,14 @@
 
 use super::super::way::{self, Way};
 use super::frame::Frame;
-use super::level::Level as Tiles;
+use super::level::Level;
 use super::narrow::{STALLED, STEADY, UNSTEADY};
 use super::plane::Plane;
 use super::screens::{Ends, HALF, ones, outward};
 use super::tiles::Tracer;
 use crate::method::Start;
 use crate::scalar::{Four, Scalar};
-use fearless_simd::{Level, dispatch, f64x8, mask64x8, prelude::*};
+use fearless_simd::{Level as Vectors, dispatch, f64x8, mask64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// How often the segments of a tile's rays are narrowed together, before those that are left are followed one by one.
@@ -93,7 +93,7 @@ impl Left {
 
     /// Takes what is left in these lanes; returns the bits of their rays.
     #[inline]
-    fn take<T: Scalar>(&mut self, vectors: Level, lanes: u16, out: &Contractions<T>) -> u16 {
+    fn take<T: Scalar>(&mut self, vectors: Vectors, lanes: u16, out: &Contractions<T>) -> u16 {
         let [from, to] = &mut self.ends;
         let Some(rays) = &self.rays else {
             if lanes != 0 {
@@ -228,7 +228,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Follows the rays of a tile of 4×4 that are not finished, all of the segment being in the region: first all at once,
     /// each along what the tile's form leaves of it.
-    pub(super) fn follow_within(&mut self, level: &Tiles<T>, slot: usize, segment: [f64; 2]) {
+    pub(super) fn follow_within(&mut self, level: &Level<T>, slot: usize, segment: [f64; 2]) {
         let patch = self.patch(level.places[slot]);
         let plane = Plane::new(&level.batch, &level.out, slot);
         let left = dispatch!(self.vectors, simd => self.place(simd, &patch, &plane, segment));
@@ -285,7 +285,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     fn place<S: Simd>(&mut self, simd: S, patch: &Patch, plane: &Plane, segment: [f64; 2]) -> u16 {
         let asked = segment.map(Lanes::splat);
         let mut left = asked;
-        plane.narrow(simd, &patch.screens, None, &mut left);
+        plane.narrow::<_, T>(simd, &patch.screens, None, &mut left);
         let batch = &mut self.segments;
         let a = f64::wide(simd, &patch.screens[0]);
         let b = f64::wide(simd, &patch.screens[1]);
@@ -324,7 +324,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Follows the rays of a tile of 4×4 that are not finished, each as far as it is in the region.
-    pub(super) fn follow(&mut self, level: &Tiles<T>, slot: usize, segment: [f64; 2]) {
+    pub(super) fn follow(&mut self, level: &Level<T>, slot: usize, segment: [f64; 2]) {
         let patch = self.patch(level.places[slot]);
         let region = self.method.region;
         let tolerance = self.method.tolerance * self.footprint(segment[0]);

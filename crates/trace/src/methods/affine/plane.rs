@@ -55,7 +55,7 @@ impl Plane {
     /// Shortens segments of rays at screen coordinates, or within `half` of them, to what is left of them; the ends of one of
     /// which nothing is come out in the wrong order.
     #[inline(always)]
-    pub fn narrow<S: Simd>(
+    pub fn narrow<S: Simd, T: Scalar>(
         &self,
         simd: S,
         centre: &[Lanes<f64>; 2],
@@ -72,11 +72,54 @@ impl Plane {
         }
         let [mut near, mut far] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
         for (k, s) in self.at(simd, centre).into_iter().enumerate() {
-            // What is not a number bounds nothing.
-            near[k] = (s - reach[k]).max_precise(near[k]);
-            far[k] = (s + reach[k]).min_precise(far[k]);
+            // More than what these sums are rounded by; and so what overflows is not a number, which bounds nothing.
+            let reach = reach[k] + T::PATH_ERROR * s.abs();
+            near[k] = (s - reach).max_precise(near[k]);
+            far[k] = (s + reach).min_precise(far[k]);
         }
         f64::narrow(near, &mut ends[0]);
         f64::narrow(far, &mut ends[1]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::affine::screens::levels;
+    use fearless_simd::dispatch;
+
+    fn plane(per_screen: f64) -> Plane {
+        Plane { centre: [0.0; 2], s: 0.25, per_screen: [per_screen, 0.0], reach: 0.5 }
+    }
+
+    fn narrowed(plane: &Plane, across: f64) -> Vec<[f64; 2]> {
+        let centre = [across, 0.0].map(Lanes::splat);
+        let narrow = |level| {
+            let mut ends = [-2.0, 2.0].map(Lanes::splat);
+            dispatch!(level, simd => plane.narrow::<_, f64>(simd, &centre, None, &mut ends));
+            assert!(ends.iter().all(|end| end.iter().all(|other| *other == end[0])));
+            [ends[0][0], ends[1][0]]
+        };
+        levels().into_iter().map(narrow).collect()
+    }
+
+    #[test]
+    fn a_plane_bounds_what_it_is_near_to() {
+        for [near, far] in narrowed(&plane(1.0), 0.5) {
+            assert!((0.25 - 1e-12..=0.25).contains(&near), "{near}");
+            assert!((1.25..1.25 + 1e-12).contains(&far), "{far}");
+        }
+        // Nothing is left.
+        assert!(narrowed(&plane(1.0), 9.0).iter().all(|[near, far]| near > far));
+    }
+
+    #[test]
+    fn a_plane_that_overflows_bounds_nothing() {
+        for per_screen in [f64::INFINITY, f64::NEG_INFINITY, 1e308, f64::NAN] {
+            for across in [9.0, -9.0] {
+                let ends = narrowed(&plane(per_screen), across);
+                assert!(ends.iter().all(|ends| *ends == [-2.0, 2.0]), "{per_screen}: {ends:?}");
+            }
+        }
     }
 }

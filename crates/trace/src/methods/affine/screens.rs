@@ -1,4 +1,4 @@
-//! Where up to sixteen tiles, or rays, are on the screen, and what is left of their segments.
+//! Where up to sixteen tiles are on the screen, and what is left of segments of theirs or of rays.
 
 use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
@@ -7,7 +7,7 @@ use zeroset_eval::{LANES, Lanes};
 /// Lanes of an `f64` vector: half of a batch.
 pub(super) const HALF: usize = LANES / 2;
 
-/// The screen coordinates of the rays of up to sixteen tiles: within `half` of `centre`. A ray is a tile of no size.
+/// The screen coordinates of the rays of up to sixteen tiles: within `half` of `centre`.
 #[derive(Default)]
 pub(super) struct Screens {
     pub centre: [Lanes<f64>; 2],
@@ -58,4 +58,18 @@ pub(super) fn outward<S: Simd, T: Scalar>(
     T::narrow(first, near);
     T::narrow(last, far);
     any
+}
+
+/// All kinds of vectors that this processor has.
+#[cfg(test)]
+pub(super) fn levels() -> Vec<fearless_simd::Level> {
+    use fearless_simd::Level;
+    let best = Level::new();
+    #[allow(unused_mut, reason = "other processors have one kind")]
+    let mut levels = vec![Level::baseline(), best];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(
+        best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)),
+    );
+    levels
 }

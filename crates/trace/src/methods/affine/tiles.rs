@@ -273,7 +273,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             fine |= bits((2.0 * half[k] * error[k]).simd_le(enough));
             stalled |= bits(!shorter.simd_le(STALLED * length));
             short |= bits(shorter.simd_le(slender * footprint));
-            // Where floats are as coarse as a segment is short, its parts may come out longer, and would come back for ever.
+            // As `is_progress` of `narrow` has it: where floats are as coarse as a segment is short, its parts may come out
+            // longer, and would come back for ever.
             // So would one that is not finite; and an eye in the region has no pixel's width before it to stop at.
             let progress = near.simd_lt(cut)
                 & cut.simd_lt(far)
