@@ -66,8 +66,8 @@ pub(super) type Part<'a> = (Option<&'a Overview>, Range<usize>);
 
 impl Model {
     /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as `settings` say, which are
-    /// those of the picture but for that. `advance` is as for [`Model::trace`]; nothing is worth keeping of a picture that it
-    /// ended.
+    /// those of the picture but for that. `advance` is as for [`Model::trace`]; `None` if it ended the work: nothing is worth
+    /// keeping then.
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -77,7 +77,7 @@ impl Model {
         camera: &Camera,
         settings: &Settings,
         advance: Advance<'_>,
-    ) -> Result<Picture, ProgramError> {
+    ) -> Result<Option<Picture>, ProgramError> {
         let rays = camera.rays(settings.width, settings.height);
         match settings.precision {
             Precision::Auto | Precision::F32 => {
@@ -209,16 +209,20 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         self.finished(rays, buffer, work, times, rgb)
     }
 
-    /// The picture with its unsettled pixels looked at again.
-    fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Picture, ProgramError> {
+    /// The picture with its unsettled pixels looked at again; `None` if that is no longer wanted.
+    fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Option<Picture>, ProgramError> {
         let unsettled: Vec<bool> = picture.unsettled().collect();
         let Statistics { mut times, mut work, .. } = picture.statistics;
         let (settled, more, _) = self.surfaces(rays, &unsettled, None, &mut times)?;
+        if !(self.advance)(0) {
+            settled.hand_back();
+            return Ok(None);
+        }
         work += more;
         let mut buffer = picture.buffer.clone();
         buffer.replace(&settled, &unsettled);
         settled.hand_back();
-        self.finished(rays, buffer, work, times, None)
+        self.finished(rays, buffer, work, times, None).map(Some)
     }
 
     /// Whether each row of the picture can be coloured once it is traced, whatever is in the others.

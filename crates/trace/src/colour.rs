@@ -124,6 +124,32 @@ impl LinearRgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::widths::levels;
+    use fearless_simd::dispatch;
+
+    #[test]
+    fn sixteen_colours_at_once_have_the_bytes_of_each() {
+        let codes = Codes::get();
+        let least = BLACK.to_bits();
+        let most = 1.0_f32.to_bits();
+        // No multiple of 2, so that lower halves differ.
+        let step = 48 * 1021;
+        for level in levels() {
+            for first in (least..=most - step).step_by(step as usize) {
+                let amount = |n: usize| f32::from_bits(first + n as u32 * (step / 48));
+                let primaries: [[f32; LANES]; 3] =
+                    std::array::from_fn(|k| std::array::from_fn(|lane| amount(3 * lane + k)));
+                let bytes = dispatch!(level, simd => {
+                    let [red, green, blue] = primaries;
+                    let simd_from = |amounts: [f32; LANES]| f32x16::simd_from(simd, amounts);
+                    codes.bytes(simd, [simd_from(red), simd_from(green), simd_from(blue)])
+                });
+                let alone: [[u8; 3]; LANES] =
+                    std::array::from_fn(|lane| primaries.map(|all| codes.byte(all[lane])));
+                assert_eq!(bytes, alone, "from {first:#x} by {level:?}");
+            }
+        }
+    }
 
     #[test]
     fn every_byte_survives_the_way_to_light_and_back() {

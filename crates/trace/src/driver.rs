@@ -74,19 +74,16 @@ impl Driver<'_> {
         finish: impl Fn(&mut Rows<'_>, E) -> Work + Sync,
     ) -> (GBuffer, Work) {
         let (width, height) = (self.rays.width(), self.rays.height());
-        let mut buffer = GBuffer::unset(width, height);
-        if brackets {
-            buffer = buffer.with_brackets();
-        }
+        let mut buffer = GBuffer::unset(width, height, brackets);
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
         assert!(parts.len() >= height.div_ceil(BAND_ROWS), "a part for each band");
-        let made = buffer.rows(BAND_ROWS).zip(parts).map(|(mut rows, part)| {
+        let make = |(mut rows, part): (Rows<'_>, E)| {
             rows.clear(surface);
             let mut work = self.rows(&mut rows, only);
             work += finish(&mut rows, part);
             work
-        });
-        let work = made.sum();
+        };
+        let work = buffer.rows(BAND_ROWS).zip(parts).map(make).sum();
         (buffer, work)
     }
 

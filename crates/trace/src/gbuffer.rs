@@ -179,46 +179,47 @@ impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
     /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
-        let mut new = Self::unset(width, height);
+        let mut new = Self::unset(width, height, false);
         new.rows(ROWS).for_each(|mut rows| rows.clear(surface));
         new
     }
 
     /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that goes.
     pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
-        self.resize(width, height);
+        self.resize(width, height, false);
         self.rows(ROWS).for_each(|mut rows| rows.clear(surface));
     }
 
-    /// A picture of the given size of which all rows are still to be cleared: what it holds is of no picture.
-    pub(crate) fn unset(width: usize, height: usize) -> Self {
+    /// A picture of the given size, with brackets if they are wanted, of which all rows are still to be cleared: what it holds
+    /// is of no picture.
+    pub(crate) fn unset(width: usize, height: usize, brackets: bool) -> Self {
         let spare = SPARES.take(width * height, |spare| spare.status.capacity());
         let mut unset = spare.unwrap_or_default();
-        unset.resize(width, height);
+        unset.resize(width, height, brackets);
         unset
     }
 
-    fn resize(&mut self, width: usize, height: usize) {
-        fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, zero: T, new: fn(usize) -> Vec<T>) {
+    fn resize(&mut self, width: usize, height: usize, brackets: bool) {
+        fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
             if all.capacity() < pixels {
-                *all = new(pixels);
+                // Zeros come with the pages, and those when they are first written to: by many threads.
+                *all = vec![value; pixels];
             } else {
-                all.resize(pixels, zero);
+                all.resize(pixels, value);
             }
         }
         let pixels = width * height;
         (self.width, self.height) = (width, height);
-        self.bracket.clear();
-        resize(&mut self.status, pixels, Status::Miss, |pixels| vec![Status::Miss; pixels]);
-        resize(&mut self.reason, pixels, Reason::None, |pixels| vec![Reason::None; pixels]);
-        // Zeros come with the pages, and those when they are first written to: by many threads.
-        resize(&mut self.distance, pixels, 0.0, |pixels| vec![0.0; pixels]);
-        resize(&mut self.drawn, pixels, 0.0, |pixels| vec![0.0; pixels]);
-        resize(&mut self.surface, pixels, 0, |pixels| vec![0; pixels]);
-        resize(&mut self.normal, pixels, [0.0; 3], |pixels| vec![[0.0; 3]; pixels]);
-        resize(&mut self.cap, pixels, false, |pixels| vec![false; pixels]);
-        resize(&mut self.shadow, pixels, 0, |pixels| vec![0; pixels]);
-        resize(&mut self.occlusion, pixels, 0, |pixels| vec![0; pixels]);
+        resize(&mut self.bracket, if brackets { pixels } else { 0 }, [0.0; 2]);
+        resize(&mut self.status, pixels, Status::Miss);
+        resize(&mut self.reason, pixels, Reason::None);
+        resize(&mut self.distance, pixels, 0.0);
+        resize(&mut self.drawn, pixels, 0.0);
+        resize(&mut self.surface, pixels, 0);
+        resize(&mut self.normal, pixels, [0.0; 3]);
+        resize(&mut self.cap, pixels, false);
+        resize(&mut self.shadow, pixels, 0);
+        resize(&mut self.occlusion, pixels, 0);
     }
 
     /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the process.

@@ -30,6 +30,8 @@ mod scalar;
 mod shade;
 mod spare;
 mod view;
+#[cfg(test)]
+mod widths;
 mod work;
 
 pub use band::Band;

@@ -89,11 +89,15 @@ impl<'a> Near<'a> {
         is_inside.then(|| self.place((row * width + column) as usize))
     }
 
-    /// How much of the surroundings of each painted point is hidden by what is painted within `reach` of it, in world units.
-    pub fn occlusion(&self, buffer: &mut GBuffer, reach: f64) {
+    /// How much of the surroundings of each painted point is hidden by what is painted within `reach` of it, in world units. Rows
+    /// that are no longer `wanted` stay as they are.
+    pub fn occlusion(&self, buffer: &mut GBuffer, reach: f64, wanted: &(dyn Fn() -> bool + Sync)) {
         let rays = self.rays;
         let widest = WIDEST * rays.height() as f64;
         let row = |(row, hidden): (usize, &mut [u8])| {
+            if !wanted() {
+                return;
+            }
             for (column, hidden) in hidden.iter_mut().enumerate() {
                 let pixel = row * rays.width() + column;
                 if buffer.drawn[pixel].is_finite() {
@@ -209,7 +213,7 @@ mod tests {
         for inward in [true, false] {
             let (mut buffer, rays) = corner(inward);
             let near = Near::new(&buffer, &rays, DVec3::ZERO);
-            near.occlusion(&mut buffer, 0.8);
+            near.occlusion(&mut buffer, 0.8, &|| true);
             near.mean(&mut buffer.occlusion);
             let column = |column: usize| {
                 let rows = 24..40;

@@ -215,9 +215,7 @@ impl Worker {
             let advance = |_| self.wanted(job);
             let picture = shot.model.settle(&seen.picture, &seen.camera, &plain, &advance);
             let picture = picture.map_err(|error| Reason::Scene(error.into()))?;
-            if !advance(0) {
-                return Ok(());
-            }
+            let Some(picture) = picture.filter(|_| advance(0)) else { return Ok(()) };
             seen = Arc::new(shot.rendering(seen.camera, picture, false));
             self.publish(Arc::clone(&seen));
         }
@@ -246,6 +244,9 @@ impl Worker {
     /// The full picture as it was asked for, once the plain one is shown and nothing newer is wanted.
     fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), Reason> {
         let (settings, advance) = (&job.request.settings, |_| self.wanted(job));
+        if !advance(0) {
+            return Ok(());
+        }
         let Rendering { model, camera, .. } = plain;
         let lit = model.relight(&plain.picture, camera, settings, &advance);
         let picture = lit.map_err(|error| Reason::Scene(error.into()))?;

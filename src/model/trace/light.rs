@@ -113,7 +113,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         if let Some(whole) = overview {
             borrow_occlusion(buffer, rays, &whole.picture.buffer, &whole.rays);
         } else if let Some(near) = near.filter(|_| occludes) {
-            near.occlusion(buffer, NEAR * self.extent());
+            near.occlusion(buffer, NEAR * self.extent(), &|| advance(0));
             near.mean(&mut buffer.occlusion);
         }
         Ok(work)

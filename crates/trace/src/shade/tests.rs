@@ -4,6 +4,7 @@ use super::*;
 use crate::LOOKS;
 use crate::camera::{Camera, Projection};
 use crate::gbuffer::Status;
+use crate::widths::levels;
 use glam::DVec3;
 
 /// One pixel painted at distance 4 on the way along +y from (0, −5, 0).
@@ -132,17 +133,6 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     };
     let amounts = base.0.map(|part| toned(f64::from(part) * factor + white) as f32);
     LinearRgb(amounts).to_srgb()
-}
-
-/// All widths of vectors that this processor has.
-fn levels() -> Vec<Level> {
-    let best = Level::new();
-    let mut levels = vec![Level::baseline(), best];
-    #[cfg(target_arch = "x86_64")]
-    levels.extend(
-        best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)),
-    );
-    levels
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! Screen coordinates (a, b) are those of the [`RayGrid`]; s is the ray's t less that of a plane through the region's centre,
 //! so that `f32` is spent on the region and not on the way to it.
 
-use super::screens::{Ends, HALF, Screens};
+use super::screens::{Ends, HALF, Rays};
 use crate::grid::RayGrid;
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -14,9 +14,6 @@ use zeroset_eval::{LANES, Lanes, Segments, Tiles};
 
 /// Forms lose a few times what their coordinates are rounded by.
 pub(super) const BLURS: f64 = 4.0;
-
-/// Screen coordinates of rays, or of tiles and how far their rays are from them.
-type Rays<'a> = (&'a [Lanes<f64>; 2], Option<&'a [Lanes<f64>; 2]>);
 
 /// What the rays of a picture have in common.
 pub(super) struct Frame {
@@ -119,14 +116,8 @@ impl Frame {
     /// Shortens segments to what of them may be in the region on some ray of their tile; the ends of one that is not reached
     /// come out in the wrong order.
     #[inline(always)]
-    pub fn clip<S: Simd>(
-        &self,
-        simd: S,
-        (centre, half): Rays<'_>,
-        region: &Region,
-        ends: &mut Ends,
-    ) {
-        let rays = Wide::new(simd, centre, half);
+    pub fn clip<S: Simd>(&self, simd: S, rays: Rays<'_>, region: &Region, ends: &mut Ends) {
+        let rays = Wide::new(simd, rays);
         let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
         for (k, (near, far)) in nears.iter_mut().zip(&mut fars).enumerate() {
             for axis in 0..3 {
@@ -160,12 +151,12 @@ impl Frame {
     pub fn inside<S: Simd>(
         &self,
         simd: S,
-        screens: &Screens,
+        rays: Rays<'_>,
         region: &Region,
         [nears, fars]: [[f64x8<S>; 2]; 2],
     ) -> u16 {
         let mut all = u16::MAX;
-        let rays = Wide::new(simd, &screens.centre, Some(&screens.half));
+        let rays = Wide::new(simd, rays);
         let zero = f64x8::splat(simd, 0.0);
         let mut corners = [[[zero; 2]; 2]; 3];
         for (k, (near, far)) in nears.into_iter().zip(fars).enumerate() {
@@ -208,7 +199,7 @@ struct Wide<S: Simd> {
 
 impl<S: Simd> Wide<S> {
     #[inline(always)]
-    fn new(simd: S, centre: &[Lanes<f64>; 2], half: Option<&[Lanes<f64>; 2]>) -> Self {
+    fn new(simd: S, (centre, half): Rays<'_>) -> Self {
         let zero = [f64x8::splat(simd, 0.0); 2];
         Self {
             centre: [f64::wide(simd, &centre[0]), f64::wide(simd, &centre[1])],

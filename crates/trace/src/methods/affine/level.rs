@@ -111,12 +111,10 @@ impl<T: Scalar> Level<T> {
     ) -> u16 {
         let mut left = *asked;
         if let Some(plane) = plane {
-            let Screens { centre, half } = &self.screens;
-            plane.narrow::<_, T>(simd, centre, Some(half), &mut left);
+            plane.narrow::<_, T>(simd, self.screens.rays(), &mut left);
         }
         if !self.within {
-            let Screens { centre, half } = &self.screens;
-            tracer.frame.clip(simd, (centre, Some(half)), tracer.method.region, &mut left);
+            tracer.frame.clip(simd, self.screens.rays(), tracer.method.region, &mut left);
         }
         let Tiles { near, far, .. } = &mut self.batch;
         outward(simd, asked, &left, tracer.size, [near, far])

@@ -285,7 +285,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     fn place<S: Simd>(&mut self, simd: S, patch: &Patch, plane: &Plane, segment: [f64; 2]) -> u16 {
         let asked = segment.map(Lanes::splat);
         let mut left = asked;
-        plane.narrow::<_, T>(simd, &patch.screens, None, &mut left);
+        plane.narrow::<_, T>(simd, (&patch.screens, None), &mut left);
         let batch = &mut self.segments;
         let a = f64::wide(simd, &patch.screens[0]);
         let b = f64::wide(simd, &patch.screens[1]);

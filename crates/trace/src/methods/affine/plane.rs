@@ -1,6 +1,6 @@
 //! What the form of a tile says of the zeros on its rays: they lie near a plane in screen coordinates and s.
 
-use super::screens::Ends;
+use super::screens::{Ends, Rays};
 use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*};
 use zeroset_eval::{Lanes, Planes, Tiles};
@@ -52,16 +52,9 @@ impl Plane {
         along
     }
 
-    /// Shortens segments of rays at screen coordinates, or within `half` of them, to what is left of them; the ends of one of
-    /// which nothing is come out in the wrong order.
+    /// Shortens segments to what is left of them; the ends of one of which nothing is come out in the wrong order.
     #[inline(always)]
-    pub fn narrow<S: Simd, T: Scalar>(
-        &self,
-        simd: S,
-        centre: &[Lanes<f64>; 2],
-        half: Option<&[Lanes<f64>; 2]>,
-        ends: &mut Ends,
-    ) {
+    pub fn narrow<S: Simd, T: Scalar>(&self, simd: S, (centre, half): Rays<'_>, ends: &mut Ends) {
         let [across, upward] = self.per_screen.map(f64::abs);
         let mut reach = [f64x8::splat(simd, self.reach); 2];
         if let Some([wide, high]) = half {
@@ -85,7 +78,7 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::affine::screens::levels;
+    use crate::widths::levels;
     use fearless_simd::dispatch;
 
     fn plane(per_screen: f64) -> Plane {
@@ -96,7 +89,7 @@ mod tests {
         let centre = [across, 0.0].map(Lanes::splat);
         let narrow = |level| {
             let mut ends = [-2.0, 2.0].map(Lanes::splat);
-            dispatch!(level, simd => plane.narrow::<_, f64>(simd, &centre, None, &mut ends));
+            dispatch!(level, simd => plane.narrow::<_, f64>(simd, (&centre, None), &mut ends));
             assert!(ends.iter().all(|end| end.iter().all(|other| *other == end[0])));
             [ends[0][0], ends[1][0]]
         };

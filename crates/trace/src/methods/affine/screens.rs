@@ -14,7 +14,14 @@ pub(super) struct Screens {
     pub half: [Lanes<f64>; 2],
 }
 
+/// Screen coordinates of rays; or of tiles, and how far their rays are from them.
+pub(super) type Rays<'a> = (&'a [Lanes<f64>; 2], Option<&'a [Lanes<f64>; 2]>);
+
 impl Screens {
+    pub fn rays(&self) -> Rays<'_> {
+        (&self.centre, Some(&self.half))
+    }
+
     /// Writes a lane over another one.
     pub fn copy(&mut self, from: usize, to: usize) {
         for lanes in self.centre.iter_mut().chain(&mut self.half) {
@@ -58,18 +65,4 @@ pub(super) fn outward<S: Simd, T: Scalar>(
     T::narrow(first, near);
     T::narrow(last, far);
     any
-}
-
-/// All kinds of vectors that this processor has.
-#[cfg(test)]
-pub(super) fn levels() -> Vec<fearless_simd::Level> {
-    use fearless_simd::Level;
-    let best = Level::new();
-    #[allow(unused_mut, reason = "other processors have one kind")]
-    let mut levels = vec![Level::baseline(), best];
-    #[cfg(target_arch = "x86_64")]
-    levels.extend(
-        best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)),
-    );
-    levels
 }

@@ -293,9 +293,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             within = 0;
             let is_wanted = region.clip().is_none() && possible & (flat | finer & !shorter) != 0;
             if is_wanted {
-                within = self.frame.inside(simd, &level.screens, region, [near, far]);
+                within = self.frame.inside(simd, level.screens.rays(), region, [near, far]);
                 if flat != 0 {
-                    flat &= self.frame.inside(simd, &level.screens, region, before);
+                    flat &= self.frame.inside(simd, level.screens.rays(), region, before);
                 }
             } else {
                 flat = 0;
