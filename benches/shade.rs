@@ -9,8 +9,8 @@ use std::hint::black_box;
 use std::time::Instant;
 use zeroset_eval::{Gradients, Kernel, Points, Real, SampleGradient};
 use zeroset_trace::{
-    Appearance, Camera, GBuffer, Light, NormalSource, Projection, RayGrid, StandardView, Status,
-    hand_back_colours, normals, shade,
+    Appearance, Camera, Found, GBuffer, Light, NormalSource, Projection, RayGrid, StandardView,
+    Status, hand_back_colours, normals, shade,
 };
 
 const SIZE: usize = 512;
@@ -34,8 +34,8 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
         let half = (middle * middle - ray.origin.length_squared() + radius * radius).sqrt();
         let near = if middle > half { middle - half } else { middle + half };
         if near.is_finite() {
-            buffer.status[pixel] = Status::Hit;
-            (buffer.distance[pixel], buffer.drawn[pixel]) = (near, near);
+            let status = Status::Hit;
+            buffer.set(pixel, &Found { status, distance: near, drawn: near, ..Found::MISS });
         }
     }
     buffer

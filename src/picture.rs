@@ -207,10 +207,7 @@ impl Picture {
 
     /// Of each pixel, row by row, whether it is open only because this is a preview or time was short.
     pub(crate) fn unsettled(&self) -> impl Iterator<Item = bool> + '_ {
-        let is_short = |(status, reason): (&Status, &Reason)| {
-            *status == Status::Undecided && *reason == Reason::Budget
-        };
-        self.buffer.status.iter().zip(&self.buffer.reason).map(is_short)
+        (0..self.buffer.status.len()).map(|pixel| self.buffer.reason(pixel) == Reason::Budget)
     }
 
     /// Leaves the memory to the next pictures, which then are made faster. Up to two pictures' is kept, until the end of the
@@ -281,14 +278,14 @@ pub struct Open {
 impl Open {
     pub(crate) fn of(buffer: &GBuffer, proves: Proves) -> Self {
         let blank = |pixel: &usize| {
-            let is_said = match buffer.reason[*pixel] {
+            let is_said = match buffer.reason(*pixel) {
                 Reason::Unproven => proves == Proves::Nothing,
                 reason => reason == Reason::Steep,
             };
             buffer.status[*pixel] == Status::Undecided && !buffer.is_drawn(*pixel) && !is_said
         };
         let is_unreached = |pixel: &usize| {
-            buffer.reason[*pixel] == Reason::Budget && buffer.distance[*pixel] == 0.0
+            buffer.reason(*pixel) == Reason::Budget && buffer.distance(*pixel) == 0.0
         };
         let blank: Vec<usize> = (0..buffer.status.len()).filter(blank).collect();
         let unreached = blank.iter().filter(|pixel| is_unreached(pixel)).count();

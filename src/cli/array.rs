@@ -39,6 +39,10 @@ pub trait Rows {
     fn end(self: Box<Self>) -> io::Result<()>;
 }
 
+fn distances(picture: &Picture) -> impl Iterator<Item = f64> {
+    (0..picture.buffer.status.len()).map(|pixel| picture.buffer.distance(pixel))
+}
+
 /// Every array, in the order of the help.
 pub const ARRAYS: &[ArrayRow] = &[
     ArrayRow {
@@ -49,11 +53,11 @@ pub const ARRAYS: &[ArrayRow] = &[
         begin: |out, [rows, columns], precision| match precision {
             // Exact, as these kernels know no more.
             Precision::F32 => array(out, &[rows, columns], |picture, array| {
-                array.extend(picture.buffer.distance.iter().map(|distance| *distance as f32))
+                array.extend(distances(picture).map(|distance| distance as f32))
             }),
-            Precision::Auto | Precision::F64 => array(out, &[rows, columns], |picture, array| {
-                array.extend(picture.buffer.distance.iter().copied())
-            }),
+            Precision::Auto | Precision::F64 => {
+                array(out, &[rows, columns], |picture, array| array.extend(distances(picture)))
+            }
         },
     },
     ArrayRow {
@@ -85,7 +89,11 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_brackets: false,
         begin: |out, [rows, columns], _| {
             array(out, &[rows, columns, 3], |picture, array| {
-                array.extend(picture.buffer.normal.iter().flatten().copied())
+                let buffer = &picture.buffer;
+                let normal = |pixel: usize| {
+                    if buffer.is_drawn(pixel) { buffer.normal[pixel] } else { [0.0; 3] }
+                };
+                array.extend((0..buffer.normal.len()).flat_map(normal))
             })
         },
     },

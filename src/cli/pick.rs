@@ -55,7 +55,7 @@ impl<'a> Pick<'a> {
             _ => format!("surface {}  ", buffer.surface[self.pixel] + 1),
         };
         let is_open = buffer.status[self.pixel] == Status::Undecided
-            && buffer.reason[self.pixel] != Reason::Unproven;
+            && buffer.reason(self.pixel) != Reason::Unproven;
         let open = if is_open { "  undecided" } else { "" };
         Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
     }
@@ -68,7 +68,7 @@ impl<'a> Pick<'a> {
         let status = match buffer.status[self.pixel] {
             Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
             Status::Hit => "hit: proven".to_owned(),
-            Status::Undecided if buffer.reason[self.pixel] == Reason::Unproven => {
+            Status::Undecided if buffer.reason(self.pixel) == Reason::Unproven => {
                 let method = self.rendering.picture.method;
                 match (method.proves, self.point) {
                     (Proves::Nothing, _) => format!("undecided: {} proves nothing", method.name),
@@ -80,7 +80,7 @@ impl<'a> Pick<'a> {
                 }
             }
             Status::Undecided => {
-                format!("undecided: a point {}", buffer.reason[self.pixel].describe())
+                format!("undecided: a point {}", buffer.reason(self.pixel).describe())
             }
         };
         let mut text = format!("pixel {column}, {row}: {status}");

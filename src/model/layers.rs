@@ -71,12 +71,12 @@ impl<T: KernelFloat> Shot<'_, T> {
             let drawn = front.drawn[pixel];
             let end = front.bracket.get(pixel).map_or(f64::NAN, |bracket| bracket[1]);
             // A bracket is that of the hit, and something else may be painted in front of it.
-            if front.status[pixel] == Status::Hit && end >= drawn && !front.cap[pixel] {
+            if front.status[pixel] == Status::Hit && end >= drawn && !front.is_cap(pixel) {
                 return end;
             }
             let ray = rays.ray_of(pixel);
             let footprint = ray.distance(rays.footprint(ray.parameter(drawn)));
-            drawn + if front.cap[pixel] { 0.0 } else { PIXELS_BEHIND * footprint }
+            drawn + if front.is_cap(pixel) { 0.0 } else { PIXELS_BEHIND * footprint }
         };
         (0..front.drawn.len()).into_par_iter().map(start).collect()
     }

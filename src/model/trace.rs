@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 use zeroset_eval::KernelFloat;
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
-    BAND_ROWS, Camera, Driver, GBuffer, NormalSource, RayGrid, Rows, Shader, Tracer, Work, cap,
-    cap_rows, normals, unset_colours,
+    BAND_ROWS, Camera, Driver, GBuffer, Kept, NormalSource, RayGrid, Rows, Shader, Tracer, Work,
+    cap, cap_rows, normals, unset_colours,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -103,8 +103,8 @@ impl Model {
         let (rays, times) =
             (camera.rays(settings.width, settings.height), &mut lit.statistics.times);
         let buffer = &mut lit.buffer;
-        buffer.shadow.fill(0);
-        buffer.occlusion.fill(0);
+        buffer.shadow.clear();
+        buffer.occlusion.clear();
         let light = match settings.precision {
             Precision::Auto | Precision::F32 => {
                 Shot::<f32>::new(self, settings, advance).light(&rays, buffer, None, times)
@@ -278,8 +278,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
             let driver = Driver { rays, tracer: &*tracer, advance };
-            let (layer, found) =
-                driver.new_picture(surface as u16, settings.brackets, only, parts, finish);
+            let kept = Kept { brackets: settings.brackets, caps: is_solid };
+            let (layer, found) = driver.new_picture(surface as u16, kept, only, parts, finish);
             work += found;
             // As if all threads had been busy all the time.
             let shading = shading.into_inner() / rayon::current_num_threads() as u64;

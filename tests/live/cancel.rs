@@ -81,8 +81,8 @@ fn what_is_left_off_claims_nothing() {
             let (part, whole) = (&part.buffer, &whole.buffer);
             let mut count = 0;
             for pixel in 0..256 * 64 {
-                if part.status[pixel] == Status::Undecided && part.reason[pixel] == Reason::Budget {
-                    assert!(part.distance[pixel] == 0.0 && part.bracket[pixel][0].is_nan());
+                if part.status[pixel] == Status::Undecided && part.reason(pixel) == Reason::Budget {
+                    assert!(part.distance(pixel) == 0.0 && part.bracket[pixel][0].is_nan());
                     count += 1;
                 } else {
                     assert_eq!(part.status[pixel], whole.status[pixel], "{pixel}");

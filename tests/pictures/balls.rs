@@ -166,7 +166,7 @@ fn a_solid_is_capped_by_the_sphere() {
             assert!((buffer.drawn[pixel] - (5.0 - square.sqrt())).abs() < 1e-6);
             let at = ray.at(buffer.drawn[pixel]).as_vec3();
             let normal = glam::Vec3::from(buffer.normal[pixel]);
-            assert!(buffer.cap[pixel] && normal.distance(at) < 1e-3, "{normal} at {at}");
+            assert!(buffer.is_cap(pixel) && normal.distance(at) < 1e-3, "{normal} at {at}");
         }
     }
     assert!(hits > 700, "{hits}");

@@ -83,7 +83,7 @@ fn a_method_claims_no_more_than_its_row_says() {
                     (Proves::Nothing, Status::Miss) => !meets,
                     // Where the domain cuts a solid, that it is a hit is no finding of the method.
                     (Proves::Nothing | Proves::Misses, Status::Hit) => {
-                        cut && picture.buffer.cap[pixel]
+                        cut && picture.buffer.is_cap(pixel)
                     }
                     _ => true,
                 };
@@ -155,7 +155,7 @@ fn mitchell_leaves_open_what_only_touches() {
 fn sphere_says_where_it_has_no_bound() {
     // Its slope is infinite at z = 0, and the cone's is bounded everywhere.
     let (frame, picture) = picture("cbrt(z)+x", "sphere", |_| {});
-    let steep = |pixel: usize| picture.buffer.reason[pixel] == Reason::Steep;
+    let steep = |pixel: usize| picture.buffer.reason(pixel) == Reason::Steep;
     assert!((0..SIDE * SIDE).all(|pixel| steep(pixel) != picture.buffer.is_drawn(pixel)));
     // Of each ray past it a bound is found, if its parts are short enough.
     for pixel in (0..SIDE * SIDE).filter(|&pixel| steep(pixel)) {

@@ -92,7 +92,7 @@ impl Tally {
                 continue;
             }
             let buffer = &picture.buffer;
-            let (distance, drawn) = (buffer.distance[index], buffer.drawn[index]);
+            let (distance, drawn) = (buffer.distance(index), buffer.drawn[index]);
             tally.add(pixel, buffer.status[index], distance, drawn);
             if let Some(claim) = contradiction(pixel, buffer.status[index], distance, precision) {
                 let (i, j) = (index % SIDE, index / SIDE);
@@ -215,7 +215,7 @@ pub fn check_zero_throughout(case: &Case, frame: &RayGrid, picture: &Picture) {
         });
         let Some(first) = first else { continue };
         met += 1;
-        let (status, distance) = (picture.buffer.status[index], picture.buffer.distance[index]);
+        let (status, distance) = (picture.buffer.status[index], picture.buffer.distance(index));
         assert_eq!(status, Status::Undecided, "{} pixel {index}", case.slug);
         assert!(distance <= first + rounding(Precision::F32), "{} pixel {index}", case.slug);
     }

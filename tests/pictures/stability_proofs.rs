@@ -19,7 +19,7 @@ fn settings() -> Settings {
 fn contradiction(pixel: &Pixel, picture: &Picture, index: usize) -> Option<String> {
     let buffer = &picture.buffer;
     let (status, distance, drawn) =
-        (buffer.status[index], buffer.distance[index], buffer.drawn[index]);
+        (buffer.status[index], buffer.distance(index), buffer.drawn[index]);
     // For the last digits of the reference's own rays.
     let room = 1e-9 * (1.0 + pixel.zero.min(1e9));
     let is_false = match status {

@@ -41,7 +41,7 @@ fn check_with(
     let (mut seen, mut steep) = (0, 0);
     for pixel in 0..SIDE * SIDE {
         // A method that needs bounds of the slope says so at a jump.
-        if picture.buffer.reason[pixel] == Reason::Steep {
+        if picture.buffer.reason(pixel) == Reason::Steep {
             assert!(method.name == "sphere" && !picture.buffer.is_drawn(pixel), "{formula}");
             steep += 1;
             continue;

@@ -5,13 +5,34 @@ use zeroset::picture::{Picture, Precision, Settings};
 use zeroset::program::ProgramError;
 use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, GBuffer, Pattern, UndecidedStyle};
+use zeroset_trace::{Camera, Found, GBuffer, Pattern, UndecidedStyle};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let document = read(text, &Options::default()).expect("reads");
     let (region, _) = scene::region(&document, DomainChoice::Document, None).expect("a region");
     let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("a camera");
     (Model::new(&document, &region, settings).expect("compiles"), camera)
+}
+
+/// One picture above another.
+fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
+    fn both<T: Clone>(parts: [&Vec<T>; 2]) -> Vec<T> {
+        parts.map(Vec::as_slice).concat()
+    }
+    let height = parts.iter().map(|part| part.height).sum();
+    let mut all = GBuffer::new(parts[0].width, height, 0);
+    let pixels = parts.iter().flat_map(|part| (0..part.status.len()).map(move |k| (part, k)));
+    for (pixel, (part, k)) in pixels.enumerate() {
+        let (status, distance, drawn) = (part.status[k], part.distance(k), part.drawn[k]);
+        all.set(pixel, &Found { status, distance, drawn, reason: part.reason(k), ..Found::MISS });
+    }
+    all.bracket = both(parts.map(|part| &part.bracket));
+    all.surface = both(parts.map(|part| &part.surface));
+    all.normal = both(parts.map(|part| &part.normal));
+    all.cap = both(parts.map(|part| &part.cap));
+    all.shadow = both(parts.map(|part| &part.shadow));
+    all.occlusion = both(parts.map(|part| &part.occlusion));
+    all
 }
 
 /// All strips of so many rows together, and what is told of all of them.
@@ -29,20 +50,8 @@ fn together(
             all = Some(picture.clone());
             return Ok(());
         };
-        let (buffer, more) = (&mut all.buffer, &picture.buffer);
-        assert_eq!(top, buffer.height);
-        buffer.height += more.height;
-        let GBuffer { status, reason, bracket, distance, drawn, .. } = buffer;
-        status.extend(&more.status);
-        reason.extend(&more.reason);
-        bracket.extend(&more.bracket);
-        distance.extend(&more.distance);
-        drawn.extend(&more.drawn);
-        buffer.surface.extend(&more.surface);
-        buffer.normal.extend(&more.normal);
-        buffer.cap.extend(&more.cap);
-        buffer.shadow.extend(&more.shadow);
-        buffer.occlusion.extend(&more.occlusion);
+        assert_eq!(top, all.buffer.height);
+        all.buffer = stacked([&all.buffer, &picture.buffer]);
         all.rgb.extend(&picture.rgb);
         Ok(())
     };
@@ -56,15 +65,17 @@ fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
         assert_eq!(one.len(), other.len());
         one.iter().zip(other).filter(|(one, other)| !is_same(one, other)).count()
     }
+    let pixels = || 0..one.status.len();
+    let drawn = |pixel: &usize| one.is_drawn(*pixel);
     let ends = |[near, far]: [f64; 2]| [near.to_bits(), far.to_bits()];
     [
         count(&one.status, &other.status, |a, b| a == b),
-        count(&one.reason, &other.reason, |a, b| a == b),
+        pixels().filter(|&pixel| one.reason(pixel) != other.reason(pixel)).count(),
         count(&one.bracket, &other.bracket, |a, b| ends(*a) == ends(*b)),
-        count(&one.distance, &other.distance, |a, b| a == b),
+        pixels().filter(|&pixel| one.distance(pixel) != other.distance(pixel)).count(),
         count(&one.drawn, &other.drawn, |a, b| a == b),
-        count(&one.surface, &other.surface, |a, b| a == b),
-        count(&one.normal, &other.normal, |a, b| a == b),
+        pixels().filter(drawn).filter(|&pixel| one.surface[pixel] != other.surface[pixel]).count(),
+        pixels().filter(drawn).filter(|&pixel| one.normal[pixel] != other.normal[pixel]).count(),
         count(&one.cap, &other.cap, |a, b| a == b),
         count(&one.shadow, &other.shadow, |a, b| a == b),
         count(&one.occlusion, &other.occlusion, |a, b| a == b),

@@ -10,7 +10,7 @@ use zeroset::picture::{Precision, Settings};
 use zeroset::program::Program;
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, Status};
+use zeroset_trace::{Camera, Found, GBuffer, Method, Projection, RayGrid, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -73,7 +73,7 @@ fn contradictions(
 ) -> Vec<String> {
     let mut found = Vec::new();
     for (index, pixel) in truth.pixels.iter().enumerate() {
-        let (status, distance) = (buffer.status[index], buffer.distance[index]);
+        let (status, distance) = (buffer.status[index], buffer.distance(index));
         let drawn = buffer.drawn[index];
         let lost = status == Status::Miss && pixel.zero.is_finite();
         let beyond = distance > pixel.zero + rounding(precision) * (1.0 + pixel.zero);
@@ -141,14 +141,16 @@ fn false_claims_are_noticed() {
     assert_eq!(noticed(&GBuffer::new(SIDE, SIDE, 0)), roots);
 
     let mut late = right.clone();
-    for (distance, pixel) in late.distance.iter_mut().zip(&sphere.pixels) {
-        *distance = pixel.zero * (1.0 + 4.0 * rounding(Precision::F32));
+    for (index, pixel) in sphere.pixels.iter().enumerate() {
+        let distance = pixel.zero * (1.0 + 4.0 * rounding(Precision::F32));
+        let status = Status::Undecided;
+        late.set(index, &Found { status, distance, drawn: distance, ..Found::MISS });
     }
-    late.drawn.clone_from(&late.distance);
     assert_eq!(noticed(&late), roots);
 
     let mut early = right.clone();
-    early.drawn.iter_mut().zip(&right.distance).for_each(|(drawn, from)| *drawn = from - 1e-3);
+    let drawn = early.drawn.iter_mut().enumerate();
+    drawn.for_each(|(index, drawn)| *drawn = right.distance(index) - 1e-3);
     assert_eq!(noticed(&early), right.counts().undecided);
 }
 
@@ -190,7 +192,7 @@ impl Proofs {
             }
             let crossing = if is_simple { pixel.zero } else { pixel.crossing };
             let place = (&truth.view.slug, index % SIDE, index / SIDE);
-            let distance = buffer.distance[index];
+            let distance = buffer.distance(index);
             let slack = 1e-9 * (1.0 + pixel.zero.min(1e9));
             match buffer.status[index] {
                 Status::Miss => {
@@ -214,7 +216,7 @@ impl Proofs {
                 }
                 Status::Undecided => {
                     proofs.undecided += 1;
-                    proofs.reasons[buffer.reason[index] as usize] += 1;
+                    proofs.reasons[buffer.reason(index) as usize] += 1;
                     proofs.needless += usize::from(pixel.zero == crossing);
                     if distance > pixel.zero + slack {
                         wrong.push(format!("{place:?} is open only from {distance}: {pixel:?}"));

@@ -1,6 +1,6 @@
 //! Rows of a picture: what one thread fills at a time.
 
-use crate::gbuffer::{Found, LENGTH_ERROR, Reason, Status};
+use crate::found::{Found, LENGTH_ERROR, Reason, Status};
 
 /// Some neighbouring rows of a picture, and where what is found of their pixels goes.
 pub struct Band<'a> {
@@ -12,7 +12,7 @@ pub struct Band<'a> {
     pub height: usize,
     pub(crate) status: &'a mut [Status],
     pub(crate) reason: &'a mut [Reason],
-    pub(crate) distance: &'a mut [f64],
+    pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     pub(crate) bracket: &'a mut [[f64; 2]],
     /// Whether a pixel is wanted, row by row; empty if all are.
@@ -64,10 +64,12 @@ impl Band<'_> {
     #[inline]
     pub fn set(&mut self, column: usize, row: usize, found: &Found) {
         let pixel = row * self.width + column;
+        debug_assert!(found.status != Status::Hit || found.distance == found.drawn);
         self.status[pixel] = found.status;
-        self.reason[pixel] = found.reason;
-        self.distance[pixel] = found.distance;
         self.drawn[pixel] = found.drawn;
+        if found.status == Status::Undecided {
+            (self.reason[pixel], self.open_from[pixel]) = (found.reason, found.distance);
+        }
         if let Some(bracket) = self.bracket.get_mut(pixel) {
             *bracket = found.bracket;
         }
@@ -91,7 +93,6 @@ impl Band<'_> {
         let pixel = row * self.width + column;
         if self.status[pixel] == Status::Miss {
             self.status[pixel] = Status::Hit;
-            self.distance[pixel] = distance;
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 // The distance itself is rounded.
                 let off = off + LENGTH_ERROR * distance.abs();
@@ -114,7 +115,6 @@ impl Band<'_> {
         let pixels = pixel..pixel + 4;
         if self.bracket.is_empty() && self.status[pixels.clone()] == [Status::Miss; 4] {
             self.status[pixels.clone()].fill(Status::Hit);
-            self.distance[pixels.clone()].copy_from_slice(distance);
             self.drawn[pixels].copy_from_slice(distance);
         } else {
             for k in 0..4 {

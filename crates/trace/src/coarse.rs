@@ -19,6 +19,8 @@ pub fn borrow_occlusion(
 ) {
     let (width, height) = (small_rays.width(), small_rays.height());
     let GBuffer { drawn, surface, normal, occlusion, .. } = buffer;
+    occlusion.resize(drawn.len(), 0);
+    let hidden_there = |there: usize| small.occlusion.get(there).copied().unwrap_or_default();
     let row = |(row, hidden): (usize, &mut [u8])| {
         for (column, hidden) in hidden.iter_mut().enumerate() {
             let pixel = row * rays.width() + column;
@@ -47,13 +49,13 @@ pub fn borrow_occlusion(
                     continue;
                 }
                 if off < least {
-                    (nearest, least) = (small.occlusion[there], off);
+                    (nearest, least) = (hidden_there(there), off);
                 }
                 if off <= reach {
                     let share =
                         |is_second: bool, part: f64| if is_second { part } else { 1.0 - part };
                     let weight = share(n & 1 == 1, right) * share(n >> 1 == 1, below);
-                    sum += weight * f64::from(small.occlusion[there]);
+                    sum += weight * f64::from(hidden_there(there));
                     weights += weight;
                 }
             }
@@ -81,7 +83,7 @@ mod tests {
     #[test]
     fn a_picture_of_the_same_size_gives_its_own_values() {
         let (mut small, rays) = wall(37, 21);
-        (0..37 * 21).for_each(|n| small.occlusion[n] = (n * 89 % 256) as u8);
+        small.occlusion = (0..37 * 21).map(|n| (n * 89 % 256) as u8).collect();
         let (mut part, _) = wall(37, 5);
         borrow_occlusion(&mut part, &rays.part(0..37, 16..21), &small, &rays);
         assert_eq!(part.occlusion, small.occlusion[16 * 37..]);
@@ -90,7 +92,7 @@ mod tests {
     #[test]
     fn values_are_mixed_on_one_surface_and_not_across() {
         let (mut small, small_rays) = wall(8, 8);
-        (0..64).for_each(|n| small.occlusion[n] = if n % 8 < 4 { 0 } else { 200 });
+        small.occlusion = (0..64).map(|n| if n % 8 < 4 { 0 } else { 200 }).collect();
         let occlusion = |small: &GBuffer| {
             let (mut large, rays) = wall(32, 32);
             borrow_occlusion(&mut large, &rays, small, &small_rays);

@@ -3,7 +3,8 @@
 //! How a ray is followed is not known here.
 
 use crate::camera::Ray;
-use crate::gbuffer::{Found, GBuffer};
+use crate::found::Found;
+use crate::gbuffer::{GBuffer, Kept};
 use crate::grid::{RayGrid, SIDE};
 use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
@@ -59,8 +60,8 @@ impl Driver<'_> {
         buffer.rows(BAND_ROWS).map(|mut rows| self.rows(&mut rows, only)).sum()
     }
 
-    /// A new picture of the surface with this number, otherwise as [`Driver::picture_where`] makes it, with brackets of hits if
-    /// they are wanted. Each [`BAND_ROWS`] rows are handed to `finish` while they are in the nearer caches, together with what
+    /// A new picture of the surface with this number, otherwise as [`Driver::picture_where`] makes it, with what is to be
+    /// `kept`. Each [`BAND_ROWS`] rows are handed to `finish` while they are in the nearer caches, together with what
     /// of `parts` is theirs.
     ///
     /// # Panics
@@ -68,13 +69,13 @@ impl Driver<'_> {
     pub fn new_picture<E: Send>(
         &self,
         surface: u16,
-        brackets: bool,
+        kept: Kept,
         only: &[bool],
         parts: Vec<E>,
         finish: impl Fn(&mut Rows<'_>, E) -> Work + Sync,
     ) -> (GBuffer, Work) {
         let (width, height) = (self.rays.width(), self.rays.height());
-        let mut buffer = GBuffer::unset(width, height, brackets);
+        let mut buffer = GBuffer::unset(width, height, kept);
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
         assert!(parts.len() >= height.div_ceil(BAND_ROWS), "a part for each band");
         let make = |(mut rows, part): (Rows<'_>, E)| {
@@ -159,9 +160,8 @@ impl Driver<'_> {
             }
         };
         let tiles = painted.par_chunks(LIST).map(|tile| (self.places(tile), 0));
-        for &pixel in &painted {
-            buffer.shadow[pixel] = 0;
-        }
+        buffer.shadow.clear();
+        buffer.shadow.resize(buffer.status.len(), 0);
         let mut work = Work::default();
         for (found, part) in self.follow(tiles, &segment, Start::OnSurface).into_iter().flatten() {
             work += part;

@@ -70,7 +70,7 @@ impl<'a> Side<'a> {
         Self {
             drawn: &buffer.drawn[first..][..count],
             surface: &buffer.surface[first..][..count],
-            cap: &buffer.cap[first..][..count],
+            cap: buffer.cap.get(first..first + count).unwrap_or_default(),
             normal: &buffer.normal[first..][..count],
         }
     }
@@ -102,8 +102,8 @@ fn differing<S: Simd>(
     }
     let surface = u16x16::from_slice(simd, &one.surface[here.clone()]);
     bits |= surface.simd_ne(u16x16::from_slice(simd, &other.surface[here.clone()])).to_bitmask();
-    let (cap, other_cap) = (&one.cap[here.clone()], &other.cap[here.clone()]);
-    if cap != other_cap {
+    // Both are empty if nothing is cut.
+    if one.cap.get(here.clone()) != other.cap.get(here.clone()) {
         return ALL & !empty as u32;
     }
     let [n, m] = [one, other].map(|side| side.normal[here.clone()].as_flattened());
@@ -177,7 +177,7 @@ impl Pairs<'_> {
             return !step.is_nan();
         }
         let [n, m] = pixels.map(|pixel| buffer.normal[pixel]);
-        let [one, other] = pixels.map(|pixel| (buffer.surface[pixel], buffer.cap[pixel]));
+        let [one, other] = pixels.map(|pixel| (buffer.surface[pixel], buffer.is_cap(pixel)));
         // Towards the other side, too, if the other side is seen.
         let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= SAME_WAY;
         let footprint = self.rays.footprint(a.min(b));
@@ -213,7 +213,7 @@ pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     let differs = |other: usize| {
         buffer.is_drawn(other)
             && (normal(pixel).dot(normal(other)) < SAME_WAY
-                || buffer.cap[pixel] != buffer.cap[other])
+                || buffer.is_cap(pixel) != buffer.is_cap(other))
     };
     rays.beside(pixel).into_iter().flatten().any(differs)
 }
@@ -232,7 +232,7 @@ pub fn is_smooth(buffer: &GBuffer, rays: &RayGrid, row: usize, normal: [f32; 3])
     let most = STEEPER * rays.footprint(drawn[0]);
     let [across, down] = [rays.right(), rays.up()]
         .map(|axis| most * slope_along(normal, rays, first + LANES / 2, axis).max(1.0));
-    let caps = &buffer.cap[first..first + LANES];
+    let caps = buffer.cap.get(first..first + LANES).unwrap_or_default();
     let is_below = |n: usize, next: usize, step: f64| (drawn[n + next] - drawn[n]).abs() <= step;
     caps.iter().all(|cap| *cap == caps[0])
         && (0..LANES).filter(|n| n % SIDE < SIDE - 1).all(|n| is_below(n, 1, across))
@@ -253,6 +253,7 @@ mod tests {
     /// A wall at distance 4 that faces the eye.
     fn wall(width: usize, height: usize) -> GBuffer {
         let mut buffer = GBuffer::new(width, height, 0);
+        buffer.keep_caps();
         buffer.drawn.fill(4.0);
         buffer.normal.fill([0.0, -1.0, 0.0]);
         buffer

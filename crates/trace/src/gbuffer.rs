@@ -1,131 +1,9 @@
 //! What is known of each pixel before it has a colour.
 
+use crate::found::{Found, Reason, Status};
 use crate::spare::Spares;
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// What is proven of the ray through a pixel's centre.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Status {
-    /// It meets no zero inside the region.
-    #[default]
-    Miss = 0,
-    /// It meets one.
-    Hit = 1,
-    /// Neither is proven.
-    Undecided = 2,
-}
-
-/// Why nothing is proven of an undecided ray, by the first part of it that is so.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Reason {
-    /// It is decided, or the method does not tell.
-    #[default]
-    None = 0,
-    /// The function comes as near to 0 as arithmetic can tell, and shows no change of sign: it touches 0, or the surface
-    /// meets itself.
-    Touching = 1,
-    /// It is not known to be defined there.
-    Undefined = 2,
-    /// It is not known to be continuous there.
-    Discontinuous = 3,
-    /// What was to be spent on the ray, or on the picture, was not enough.
-    Budget = 4,
-    /// The method proves nothing of such a ray, whether it draws something or not.
-    Unproven = 5,
-    /// No bound of its slope is known there, without which the method cannot go on.
-    Steep = 6,
-}
-
-impl Reason {
-    /// Every reason, in the order of its number.
-    pub const ALL: [Self; 7] = [
-        Self::None,
-        Self::Touching,
-        Self::Undefined,
-        Self::Discontinuous,
-        Self::Budget,
-        Self::Unproven,
-        Self::Steep,
-    ];
-
-    /// What it is called, in one word.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "other",
-            Self::Touching => "touching",
-            Self::Undefined => "undefined",
-            Self::Discontinuous => "discontinuous",
-            Self::Budget => "budget",
-            Self::Unproven => "unproven",
-            Self::Steep => "steep",
-        }
-    }
-
-    /// What it says of a ray, after "undecided".
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::None => "without a reason that is known",
-            Self::Touching => "where f comes near 0 and no change of sign is proven",
-            Self::Undefined => "where f may be undefined",
-            Self::Discontinuous => "where f may be discontinuous",
-            Self::Budget => "for which effort or time ran out",
-            Self::Unproven => "of which this method proves nothing",
-            Self::Steep => "where no bound of f's slope is known, which this method needs",
-        }
-    }
-}
-
-/// A relative error above that of a direction's length, and of what is multiplied by it.
-pub(crate) const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
-
-/// What became of one ray. Distances are values of its parameter t.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
-    /// What is proven, whatever the distances are.
-    pub status: Status,
-    /// Of the hit, or of the start of the first undecided part; infinite for a miss.
-    pub distance: f64,
-    /// Of what is to be painted; infinite for nothing.
-    pub drawn: f64,
-    /// Why it is undecided.
-    pub reason: Reason,
-    /// Of a hit: the part of the ray that is proven to hold its first zero, and nothing before it. Else NaN.
-    pub bracket: [f64; 2],
-}
-
-impl Found {
-    /// No zero.
-    pub const MISS: Self = Self {
-        status: Status::Miss,
-        distance: f64::INFINITY,
-        drawn: f64::INFINITY,
-        reason: Reason::None,
-        bracket: [f64::NAN; 2],
-    };
-
-    /// Whether this says anything but that there is no zero.
-    pub(crate) fn is_miss(&self) -> bool {
-        self.status == Status::Miss
-    }
-
-    /// Nothing is known of the ray, for lack of time.
-    pub(crate) const GIVEN_UP: Self =
-        Self { status: Status::Undecided, distance: 0.0, reason: Reason::Budget, ..Self::MISS };
-
-    /// The same with distances in world units, for a ray whose direction has this length.
-    pub(crate) fn scaled(self, length: f64) -> Self {
-        let [near, far] = self.bracket.map(|t| t * length);
-        Self {
-            distance: self.distance * length,
-            drawn: self.drawn * length,
-            bracket: [near - LENGTH_ERROR * near.abs(), far + LENGTH_ERROR * far.abs()],
-            ..self
-        }
-    }
-}
 
 /// How many pixels have each status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -139,7 +17,7 @@ pub struct PixelCounts {
 }
 
 /// One value per pixel and quantity, row by row from the top.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct GBuffer {
     /// Pixels in a row.
     pub width: usize,
@@ -147,27 +25,43 @@ pub struct GBuffer {
     pub height: usize,
     /// What is proven.
     pub status: Vec<Status>,
-    /// Why a pixel is undecided.
-    pub reason: Vec<Reason>,
+    /// Of undecided pixels, why they are; anything elsewhere, so that it need not be written.
+    pub(crate) reason: Vec<Reason>,
+    /// Of undecided pixels, the distance of the start of the first undecided segment; anything elsewhere.
+    pub(crate) open_from: Vec<f64>,
     /// Of hits, the distances between which the zero is proven to lie; NaN elsewhere. Empty if that is not wanted.
     pub bracket: Vec<[f64; 2]>,
-    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first
-    /// undecided segment; infinite for a miss, but the status alone says what is one. Over kernels
-    /// of `f32` it is known to some 24 bits.
-    pub distance: Vec<f64>,
-    /// Distance of the point that is painted; infinite where the background shows.
+    /// Distance from the ray's origin, in world units, of the point that is painted; infinite where the background shows. Over
+    /// kernels of `f32` it is known to some 24 bits.
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
     pub surface: Vec<u16>,
-    /// Unit normal of what is painted, towards f > 0; zero where unknown or where the background
-    /// shows.
+    /// Unit normal of what is painted, towards f > 0; meaningless where the background shows, or if none was asked for.
     pub normal: Vec<[f32; 3]>,
-    /// Whether the painted point lies on a face of the region that cuts a solid open.
+    /// Whether the painted point lies on a face of the region that cuts a solid open. Empty if none does.
     pub cap: Vec<bool>,
-    /// How much of the light is hidden from the painted point, 255 being all.
+    /// How much of the light is hidden from the painted point, 255 being all. Empty if none is.
     pub shadow: Vec<u8>,
-    /// How much of what surrounds the painted point is hidden from it by what is near, 255 being all.
+    /// How much of what surrounds the painted point is hidden from it by what is near, 255 being all. Empty if nothing is.
     pub occlusion: Vec<u8>,
+}
+
+/// What is kept of a picture that others do without.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Kept {
+    /// [`GBuffer::bracket`].
+    pub brackets: bool,
+    /// [`GBuffer::cap`].
+    pub caps: bool,
+}
+
+/// How far a ray is proven empty.
+pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
+    match status {
+        Status::Miss => f64::INFINITY,
+        Status::Hit => drawn,
+        Status::Undecided => open_from,
+    }
 }
 
 static SPARES: Spares<GBuffer> = Spares::new();
@@ -175,31 +69,50 @@ static SPARES: Spares<GBuffer> = Spares::new();
 /// Rows that one thread makes misses at a time.
 const ROWS: usize = 64;
 
+/// Of pixels of which a quantity says nothing, it may differ.
+impl PartialEq for GBuffer {
+    fn eq(&self, other: &Self) -> bool {
+        let is_same = |pixel: usize| {
+            let is_open = self.status[pixel] == Status::Undecided;
+            (!is_open
+                || self.reason[pixel] == other.reason[pixel]
+                    && self.open_from[pixel] == other.open_from[pixel])
+                && (!self.is_drawn(pixel)
+                    || self.surface[pixel] == other.surface[pixel]
+                        && self.normal[pixel] == other.normal[pixel])
+        };
+        (self.width, self.height) == (other.width, other.height)
+            && (&self.status, &self.drawn) == (&other.status, &other.drawn)
+            && (&self.bracket, &self.cap) == (&other.bracket, &other.cap)
+            && (&self.shadow, &self.occlusion) == (&other.shadow, &other.occlusion)
+            && (0..self.status.len()).all(is_same)
+    }
+}
+
 impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
     /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
-        let mut new = Self::unset(width, height, false);
+        let mut new = Self::unset(width, height, Kept::default());
         new.rows(ROWS).for_each(|mut rows| rows.clear(surface));
         new
     }
 
     /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that goes.
     pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
-        self.resize(width, height, false);
+        self.resize(width, height, Kept::default());
         self.rows(ROWS).for_each(|mut rows| rows.clear(surface));
     }
 
-    /// A picture of the given size, with brackets if they are wanted, of which all rows are still to be cleared: what it holds
-    /// is of no picture.
-    pub(crate) fn unset(width: usize, height: usize, brackets: bool) -> Self {
+    /// A picture of the given size of which all rows are still to be cleared: what it holds is of no picture.
+    pub(crate) fn unset(width: usize, height: usize, kept: Kept) -> Self {
         let spare = SPARES.take(width * height, |spare| spare.status.capacity());
         let mut unset = spare.unwrap_or_default();
-        unset.resize(width, height, brackets);
+        unset.resize(width, height, kept);
         unset
     }
 
-    fn resize(&mut self, width: usize, height: usize, brackets: bool) {
+    fn resize(&mut self, width: usize, height: usize, kept: Kept) {
         fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
             if all.capacity() < pixels {
                 // Zeros come with the pages, and those when they are first written to: by many threads.
@@ -210,16 +123,16 @@ impl GBuffer {
         }
         let pixels = width * height;
         (self.width, self.height) = (width, height);
-        resize(&mut self.bracket, if brackets { pixels } else { 0 }, [0.0; 2]);
+        resize(&mut self.bracket, if kept.brackets { pixels } else { 0 }, [0.0; 2]);
         resize(&mut self.status, pixels, Status::Miss);
         resize(&mut self.reason, pixels, Reason::None);
-        resize(&mut self.distance, pixels, 0.0);
+        resize(&mut self.open_from, pixels, 0.0);
         resize(&mut self.drawn, pixels, 0.0);
         resize(&mut self.surface, pixels, 0);
         resize(&mut self.normal, pixels, [0.0; 3]);
-        resize(&mut self.cap, pixels, false);
-        resize(&mut self.shadow, pixels, 0);
-        resize(&mut self.occlusion, pixels, 0);
+        resize(&mut self.cap, if kept.caps { pixels } else { 0 }, false);
+        self.shadow.clear();
+        self.occlusion.clear();
     }
 
     /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the process.
@@ -228,14 +141,40 @@ impl GBuffer {
     }
 
     /// Writes what became of a pixel's ray, distances in world units.
-    pub(crate) fn set(&mut self, pixel: usize, found: &Found) {
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    pub fn set(&mut self, pixel: usize, found: &Found) {
         self.status[pixel] = found.status;
-        self.distance[pixel] = found.distance;
         self.drawn[pixel] = found.drawn;
-        self.reason[pixel] = found.reason;
+        if found.status == Status::Undecided {
+            (self.reason[pixel], self.open_from[pixel]) = (found.reason, found.distance);
+        }
         if let Some(bracket) = self.bracket.get_mut(pixel) {
             *bracket = found.bracket;
         }
+    }
+
+    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first undecided segment; infinite
+    /// for a miss. Over kernels of `f32` it is known to some 24 bits.
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    pub fn distance(&self, pixel: usize) -> f64 {
+        distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
+    }
+
+    /// Why a pixel is undecided.
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    pub fn reason(&self, pixel: usize) -> Reason {
+        if self.status[pixel] == Status::Undecided { self.reason[pixel] } else { Reason::None }
+    }
+
+    /// Whether a painted point lies on a face of the region that cuts a solid open.
+    pub fn is_cap(&self, pixel: usize) -> bool {
+        self.cap.get(pixel).copied().unwrap_or_default()
     }
 
     /// Keeps brackets of hits from now on.
@@ -244,6 +183,11 @@ impl GBuffer {
         self.bracket.clear();
         self.bracket.resize(self.status.len(), [f64::NAN; 2]);
         self
+    }
+
+    /// Keeps caps from now on.
+    pub fn keep_caps(&mut self) {
+        self.cap.resize(self.status.len(), false);
     }
 
     /// Keeps only some of the rows.
@@ -261,7 +205,7 @@ impl GBuffer {
         keep(&mut self.status, pixels);
         keep(&mut self.reason, pixels);
         keep(&mut self.bracket, pixels);
-        keep(&mut self.distance, pixels);
+        keep(&mut self.open_from, pixels);
         keep(&mut self.drawn, pixels);
         keep(&mut self.surface, pixels);
         keep(&mut self.normal, pixels);
@@ -275,7 +219,7 @@ impl GBuffer {
     pub fn give_up(&mut self) {
         self.status.fill(Status::Undecided);
         self.reason.fill(Reason::Budget);
-        self.distance.fill(0.0);
+        self.open_from.fill(0.0);
         self.bracket.fill([f64::NAN; 2]);
     }
 
@@ -285,15 +229,21 @@ impl GBuffer {
     /// # Panics
     /// If the sizes differ.
     pub fn merge(&mut self, other: &Self) {
+        fn take<T: Copy + Default>(all: &mut [T], others: &[T], pixel: usize) {
+            if let Some(mine) = all.get_mut(pixel) {
+                *mine = others.get(pixel).copied().unwrap_or_default();
+            }
+        }
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
+        self.room_as(other);
         for pixel in 0..self.status.len() {
-            let (mine, theirs) = (self.distance[pixel], other.distance[pixel]);
+            let (mine, theirs) = (self.distance(pixel), other.distance(pixel));
             let is_nearer =
                 theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided);
             if is_nearer {
-                self.distance[pixel] = theirs;
                 self.status[pixel] = other.status[pixel];
                 self.reason[pixel] = other.reason[pixel];
+                self.open_from[pixel] = other.open_from[pixel];
             }
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 let unknown = [f64::NAN; 2];
@@ -310,11 +260,21 @@ impl GBuffer {
                 self.drawn[pixel] = other.drawn[pixel];
                 self.surface[pixel] = other.surface[pixel];
                 self.normal[pixel] = other.normal[pixel];
-                self.cap[pixel] = other.cap[pixel];
-                self.shadow[pixel] = other.shadow[pixel];
-                self.occlusion[pixel] = other.occlusion[pixel];
+                take(&mut self.cap, &other.cap, pixel);
+                take(&mut self.shadow, &other.shadow, pixel);
+                take(&mut self.occlusion, &other.occlusion, pixel);
             }
         }
+    }
+
+    /// Makes room for what `other` has and this buffer does without.
+    fn room_as(&mut self, other: &Self) {
+        fn room<T: Copy + Default>(all: &mut Vec<T>, others: &[T]) {
+            all.resize(all.len().max(others.len()), T::default());
+        }
+        room(&mut self.cap, &other.cap);
+        room(&mut self.shadow, &other.shadow);
+        room(&mut self.occlusion, &other.occlusion);
     }
 
     /// Takes the pixels for which `only` says so from another picture of the same rays.
@@ -322,22 +282,24 @@ impl GBuffer {
     /// # Panics
     /// If the sizes differ, or `only` is not as long as there are pixels.
     pub fn replace(&mut self, other: &Self, only: &[bool]) {
-        fn take<T: Copy>(all: &mut [T], others: &[T], only: &[bool]) {
-            let taken = all.iter_mut().zip(others).zip(only).filter(|(_, only)| **only);
-            taken.for_each(|((mine, theirs), _)| *mine = *theirs);
+        fn take<T: Copy>(all: &mut [T], others: &[T], only: &[bool], unknown: T) {
+            for (pixel, mine) in all.iter_mut().enumerate().filter(|(pixel, _)| only[*pixel]) {
+                *mine = others.get(pixel).copied().unwrap_or(unknown);
+            }
         }
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         assert_eq!(only.len(), self.status.len(), "one for each pixel");
-        take(&mut self.status, &other.status, only);
-        take(&mut self.reason, &other.reason, only);
-        take(&mut self.bracket, &other.bracket, only);
-        take(&mut self.distance, &other.distance, only);
-        take(&mut self.drawn, &other.drawn, only);
-        take(&mut self.surface, &other.surface, only);
-        take(&mut self.normal, &other.normal, only);
-        take(&mut self.cap, &other.cap, only);
-        take(&mut self.shadow, &other.shadow, only);
-        take(&mut self.occlusion, &other.occlusion, only);
+        self.room_as(other);
+        take(&mut self.status, &other.status, only, Status::Miss);
+        take(&mut self.reason, &other.reason, only, Reason::None);
+        take(&mut self.open_from, &other.open_from, only, 0.0);
+        take(&mut self.bracket, &other.bracket, only, [f64::NAN; 2]);
+        take(&mut self.drawn, &other.drawn, only, f64::INFINITY);
+        take(&mut self.surface, &other.surface, only, 0);
+        take(&mut self.normal, &other.normal, only, [0.0; 3]);
+        take(&mut self.cap, &other.cap, only, false);
+        take(&mut self.shadow, &other.shadow, only, 0);
+        take(&mut self.occlusion, &other.occlusion, only, 0);
     }
 
     /// How many pixels have each status.
@@ -374,16 +336,14 @@ mod tests {
 
     fn pixel(status: Status, distance: f64, drawn: f64, surface: u16) -> GBuffer {
         let mut buffer = GBuffer::new(1, 1, surface);
-        buffer.status[0] = status;
-        buffer.distance[0] = distance;
-        buffer.drawn[0] = drawn;
+        buffer.set(0, &Found { status, distance, drawn, ..Found::MISS });
         buffer
     }
 
     #[test]
     fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
         let mut old = pixel(Status::Hit, 5.0, 5.0, 7);
-        (old.normal[0], old.cap[0], old.shadow[0]) = ([1.0, 0.0, 0.0], true, 255);
+        (old.normal[0], old.cap, old.shadow) = ([1.0, 0.0, 0.0], vec![true], vec![255]);
         old.occlusion[0] = 9;
         old.reason[0] = Reason::Touching;
         old = old.with_brackets();
@@ -393,8 +353,8 @@ mod tests {
         let new = GBuffer::new(1, 1, 3);
         assert_eq!(new, reset);
         let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
-        assert_eq!((new.status[0], new.distance[0], new.drawn[0], new.surface[0]), expected);
-        assert_eq!((new.normal[0], new.cap[0]), ([0.0; 3], false));
+        assert_eq!((new.status[0], new.distance(0), new.drawn[0], new.surface[0]), expected);
+        assert!(new.cap.is_empty() && new.shadow.is_empty() && new.occlusion.is_empty());
         assert_eq!((new.shadow[0], new.occlusion[0]), (0, 0));
         assert!(new.reason[0] == Reason::None && new.bracket.is_empty());
         reset.reset(3, 2, 0);
@@ -407,7 +367,7 @@ mod tests {
         // is the hit's.
         let mut buffer = pixel(Status::Hit, 5.0, 5.0, 0);
         buffer.merge(&pixel(Status::Undecided, 3.0, f64::INFINITY, 1));
-        assert_eq!((buffer.status[0], buffer.distance[0]), (Status::Undecided, 3.0));
+        assert_eq!((buffer.status[0], buffer.distance(0)), (Status::Undecided, 3.0));
         assert_eq!((buffer.drawn[0], buffer.surface[0]), (5.0, 0));
         // A hit in front decides.
         buffer.merge(&pixel(Status::Hit, 2.0, 2.0, 2));
@@ -420,7 +380,7 @@ mod tests {
         };
         let mut two = bracketed(1.0, 2.0);
         two.merge(&bracketed(0.5, 4.0));
-        assert_eq!((two.distance[0], two.bracket[0]), (1.5, [0.5, 2.0]));
+        assert_eq!((two.distance(0), two.bracket[0]), (1.5, [0.5, 2.0]));
         two.merge(&GBuffer::new(1, 1, 3).with_brackets());
         assert_eq!(two.bracket[0], [0.5, 2.0]);
         two.merge(&pixel(Status::Undecided, 0.25, 0.25, 1).with_brackets());

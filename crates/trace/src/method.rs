@@ -6,7 +6,7 @@
 use crate::band::Band;
 use crate::camera::Ray;
 use crate::driver::{RAYS, patches, squares};
-use crate::gbuffer::Found;
+use crate::found::Found;
 use crate::grid::RayGrid;
 use crate::region::Region;
 use crate::scalar::Scalar;

@@ -107,7 +107,10 @@ impl<'a> Near<'a> {
                 }
             }
         };
-        buffer.occlusion.par_chunks_mut(rays.width().max(1)).enumerate().for_each(row);
+        let mut occlusion = std::mem::take(&mut buffer.occlusion);
+        occlusion.resize(buffer.status.len(), 0);
+        occlusion.par_chunks_mut(rays.width().max(1)).enumerate().for_each(row);
+        buffer.occlusion = occlusion;
     }
 
     /// The share that is hidden of what surrounds a point, by what is within `pixels` of it in the picture (Mara, `McGuire`,
@@ -232,16 +235,13 @@ mod tests {
     fn a_mean_does_not_reach_across_an_edge() {
         let (mut buffer, rays) = corner(false);
         let near = Near::new(&buffer, &rays, DVec3::ZERO);
-        for pixel in 0..64 * 64 {
-            buffer.shadow[pixel] = if pixel % 64 < 32 { 200 } else { 0 };
-        }
+        buffer.shadow = (0..64 * 64).map(|pixel| if pixel % 64 < 32 { 200 } else { 0 }).collect();
         let before = buffer.shadow.clone();
         near.mean(&mut buffer.shadow);
         assert_eq!(buffer.shadow, before);
         // Over turns it is the same for all.
-        for pixel in 0..64 * 64 {
-            buffer.shadow[pixel] = (16 * turn([pixel % 64, pixel / 64])) as u8;
-        }
+        let shadow = |pixel: usize| (16 * turn([pixel % 64, pixel / 64])) as u8;
+        buffer.shadow = (0..64 * 64).map(shadow).collect();
         near.mean(&mut buffer.shadow);
         assert!((8..24).all(|column| buffer.shadow[30 * 64 + column] == 120));
     }

@@ -7,7 +7,8 @@
 //! holds a NaN.
 
 use crate::camera::Ray;
-use crate::gbuffer::{GBuffer, Status};
+use crate::found::Status;
+use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::painted::{BAND, Window, bits};
 use crate::rows::Rows;
@@ -465,6 +466,7 @@ mod tests {
         let kernel = Plain(|[x, _, _]: [f32; 3]| x, gradient);
         let (mut buffer, rays) = striped();
         let middle = |pixel: usize| rays.ray_of(pixel).origin.as_vec3();
+        buffer.keep_caps();
         for pixel in (0..buffer.drawn.len()).filter(|&pixel| middle(pixel).x < -2.0) {
             (buffer.normal[pixel], buffer.cap[pixel]) = ([0.0, 1.0, 0.0], true);
         }

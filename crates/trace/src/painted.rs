@@ -50,10 +50,10 @@ impl Window {
         u32::BITS - self.wanted.leading_zeros()
     }
 
-    /// What `all` has of these pixels, and anything where they stick out of it; `spare` is room for that.
+    /// What `all` has of these pixels, and what `spare` holds where they stick out of it, as they do if it is empty.
     #[inline]
     pub fn load<'a, T: Copy>(&self, all: &'a [T], spare: &'a mut [T; LANES]) -> &'a [T; LANES] {
-        let all = &all[self.index..];
+        let Some(all) = all.get(self.index..) else { return spare };
         if let Some(all) = all.first_chunk() {
             return all;
         }

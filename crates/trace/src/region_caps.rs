@@ -5,7 +5,8 @@
 
 use crate::camera::Ray;
 use crate::driver::BAND_ROWS;
-use crate::gbuffer::{Found, GBuffer, Reason, Status};
+use crate::found::{Found, Reason, Status};
+use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::region::{Entry, Region};
 use crate::rows::Rows;
@@ -36,10 +37,14 @@ pub fn cap<T: Real>(
     kernel: &dyn Kernel<Enclose, T>,
     only: &[bool],
 ) -> Work {
+    buffer.keep_caps();
     buffer.rows(BAND_ROWS).map(|mut rows| cap_rows(&mut rows, rays, region, kernel, only)).sum()
 }
 
-/// As [`cap`], for some rows; `only` is of the whole picture.
+/// As [`cap`], for some rows of a picture in which caps are [kept](crate::Kept); `only` is of the whole picture.
+///
+/// # Panics
+/// If they are not kept.
 pub fn cap_rows<T: Real>(
     rows: &mut Rows<'_>,
     rays: &RayGrid,
@@ -66,13 +71,12 @@ pub fn cap_rows<T: Real>(
         match inside {
             Inside::No => continue,
             Inside::Unknown(reason) => {
-                rows.status[pixel] = Status::Undecided;
-                rows.reason[pixel] = reason;
+                // What the traverser found at the face may lie before it by a rounding.
+                rows.open_from[pixel] = rows.distance(pixel).min(distance);
+                (rows.status[pixel], rows.reason[pixel]) = (Status::Undecided, reason);
                 if let Some(bracket) = rows.bracket.get_mut(pixel) {
                     *bracket = [f64::NAN; 2];
                 }
-                // What the traverser found at the face may lie before it by a rounding.
-                rows.distance[pixel] = rows.distance[pixel].min(distance);
                 continue;
             }
             Inside::Yes => {}
@@ -81,15 +85,15 @@ pub fn cap_rows<T: Real>(
         if entry.certain {
             let found = Found { bracket: [entry.t.0, entry.t.1], ..Found::MISS };
             bracket = found.scaled(ray.distance(1.0)).bracket;
-            (rows.status[pixel], rows.reason[pixel]) = (Status::Hit, Reason::None);
+            rows.status[pixel] = Status::Hit;
         } else {
             // It may pass by an edge of the region.
             (rows.status[pixel], rows.reason[pixel]) = (Status::Undecided, Reason::Touching);
+            rows.open_from[pixel] = distance;
         }
         if let Some(place) = rows.bracket.get_mut(pixel) {
             *place = bracket;
         }
-        rows.distance[pixel] = distance;
         rows.drawn[pixel] = distance;
         rows.normal[pixel] = entry.normal.as_vec3().to_array();
         rows.cap[pixel] = true;
@@ -181,10 +185,10 @@ mod tests {
         for pixel in 0..64 {
             let expected = pixel % 8 < 5;
             assert_eq!(buffer.status[pixel] == Status::Hit, expected, "{pixel}");
-            assert_eq!(buffer.cap[pixel], expected);
+            assert_eq!(buffer.is_cap(pixel), expected);
         }
         assert_eq!(buffer.normal[0], [0.0, -1.0, 0.0]);
-        assert!((buffer.distance[0] - 4.0).abs() < 1e-6);
+        assert!((buffer.distance(0) - 4.0).abs() < 1e-6);
     }
 
     #[test]
@@ -194,7 +198,7 @@ mod tests {
             .and_then(|region| region.with_clip(clip))
             .expect("valid");
         let buffer = picture(&region);
-        assert!((buffer.distance[0] - 5.0).abs() < 1e-6);
+        assert!((buffer.distance(0) - 5.0).abs() < 1e-6);
         assert_eq!(buffer.normal[0], [0.0, -1.0, 0.0]);
         assert_eq!(buffer.status[7], Status::Miss);
     }

@@ -1,7 +1,8 @@
 //! Some rows of a picture: what one thread takes from nothing to colours while it is in the nearer caches.
 
 use crate::band::Band;
-use crate::gbuffer::{GBuffer, Reason, Status};
+use crate::found::{Reason, Status};
+use crate::gbuffer::{GBuffer, distance};
 use crate::painted::{Window, windows};
 use fearless_simd::Level;
 use rayon::prelude::*;
@@ -17,10 +18,11 @@ pub struct Rows<'a> {
     pub(crate) reason: &'a mut [Reason],
     /// Empty if they are not wanted.
     pub(crate) bracket: &'a mut [[f64; 2]],
-    pub(crate) distance: &'a mut [f64],
+    pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     pub(crate) surface: &'a mut [u16],
     pub(crate) normal: &'a mut [[f32; 3]],
+    /// These are empty if they are nowhere set.
     pub(crate) cap: &'a mut [bool],
     pub(crate) shadow: &'a mut [u8],
     pub(crate) occlusion: &'a mut [u8],
@@ -37,7 +39,7 @@ impl GBuffer {
         let mut bracket = self.bracket.chunks_mut(size);
         let mut status = self.status.chunks_mut(size);
         let mut reason = self.reason.chunks_mut(size);
-        let mut distance = self.distance.chunks_mut(size);
+        let mut open_from = self.open_from.chunks_mut(size);
         let mut drawn = self.drawn.chunks_mut(size);
         let mut surface = self.surface.chunks_mut(size);
         let mut normal = self.normal.chunks_mut(size);
@@ -50,7 +52,7 @@ impl GBuffer {
             status: status.next().unwrap_or_default(),
             reason: reason.next().unwrap_or_default(),
             bracket: bracket.next().unwrap_or_default(),
-            distance: distance.next().unwrap_or_default(),
+            open_from: open_from.next().unwrap_or_default(),
             drawn: drawn.next().unwrap_or_default(),
             surface: surface.next().unwrap_or_default(),
             normal: normal.next().unwrap_or_default(),
@@ -72,17 +74,19 @@ impl Rows<'_> {
 
     /// Makes every pixel a miss, for the surface with this number.
     pub(crate) fn clear(&mut self, surface: u16) {
+        // What says nothing of a miss stays as it is: memory takes as long as much of the computing.
         self.status.fill(Status::Miss);
-        self.reason.fill(Reason::None);
         self.bracket.fill([f64::NAN; 2]);
-        self.distance.fill(f64::INFINITY);
         self.drawn.fill(f64::INFINITY);
         self.surface.fill(surface);
-        // As numbers, so that it is the library's `memset`.
-        self.normal.as_flattened_mut().fill(0.0);
         self.cap.fill(false);
         self.shadow.fill(0);
         self.occlusion.fill(0);
+    }
+
+    /// [`GBuffer::distance`].
+    pub(crate) fn distance(&self, pixel: usize) -> f64 {
+        distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
     }
 
     /// Where they are painted. To be [given back](Self::keep), unless what is painted changes.
@@ -116,7 +120,7 @@ impl Rows<'_> {
             height: self.status.len() / self.width,
             status: &mut *self.status,
             reason: &mut *self.reason,
-            distance: &mut *self.distance,
+            open_from: &mut *self.open_from,
             drawn: &mut *self.drawn,
             bracket: &mut *self.bracket,
             only,

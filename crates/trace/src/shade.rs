@@ -174,9 +174,9 @@ fn shade_with(
             drawn: &buffer.drawn[here.clone()],
             surface: &buffer.surface[here.clone()],
             normal: &buffer.normal[here.clone()],
-            cap: &buffer.cap[here.clone()],
-            shadow: &buffer.shadow[here.clone()],
-            occlusion: &buffer.occlusion[here.clone()],
+            cap: buffer.cap.get(here.clone()).unwrap_or_default(),
+            shadow: buffer.shadow.get(here.clone()).unwrap_or_default(),
+            occlusion: buffer.occlusion.get(here.clone()).unwrap_or_default(),
             paint: paint.get(here).unwrap_or_default(),
         };
         let windows = windows(level, seen.drawn, band * BAND, rays.width());

@@ -104,7 +104,7 @@ fn steps_are_bounded_whatever_the_depth() {
         for pixel in 0..SIZE * SIZE {
             assert_eq!(buffer.status[pixel], Status::Undecided);
             // So far the way is proven empty, and no farther.
-            let distance = buffer.distance[pixel];
+            let distance = buffer.distance(pixel);
             assert!(!buffer.is_drawn(pixel) || buffer.drawn[pixel] == distance);
             assert!((4.0..6.0).contains(&distance) && distance > 4.1, "{distance}");
         }
@@ -154,8 +154,8 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
     driver.pixels(&[3, 9, 10], &mut buffer);
     for pixel in 0..SIZE * SIZE {
         let expected =
-            if [3, 9, 10].contains(&pixel) { whole.distance[pixel] } else { f64::INFINITY };
-        assert_eq!(buffer.distance[pixel], expected, "{pixel}");
+            if [3, 9, 10].contains(&pixel) { whole.distance(pixel) } else { f64::INFINITY };
+        assert_eq!(buffer.distance(pixel), expected, "{pixel}");
     }
     // What is no longer wanted stays as it was: nothing is proven of it.
     let before = buffer.clone();

@@ -56,7 +56,7 @@ pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
         let ray = frame.ray_of(index);
         let line = Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() };
         let buffer = &picture.buffer;
-        let (distance, drawn) = (buffer.distance[index], buffer.drawn[index]);
+        let (distance, drawn) = (buffer.distance(index), buffer.drawn[index]);
         assert!(drawn >= distance, "{scene}: painted at {drawn}, before {distance}");
         let normal = buffer.normal[index];
         assert!(normal.iter().all(|part| part.is_finite()), "{scene}: {normal:?}");

@@ -148,7 +148,7 @@ impl Row {
                 zero: pixel.zero,
                 crossing: pixel.crossing,
                 status: buffer.status[index],
-                distance: buffer.distance[index],
+                distance: buffer.distance(index),
                 drawn: buffer.drawn[index],
                 // Two slabs, and along a ray each is at most four times as long as along its axis.
                 reach: 8.0 * row.slab,

@@ -20,7 +20,7 @@ mod tiles;
 
 use super::knoll;
 use crate::band::Band;
-use crate::gbuffer::Found;
+use crate::found::Found;
 use crate::grid::RayGrid;
 use crate::method::{
     Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer, by_squares,

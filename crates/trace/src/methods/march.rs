@@ -4,7 +4,7 @@
 //! at a pole, a wall is drawn.
 
 use super::refine::Refiner;
-use crate::gbuffer::{Found, Reason, Status};
+use crate::found::{Found, Reason, Status};
 use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;

@@ -8,7 +8,7 @@ mod search;
 
 use super::outcome::Outcome;
 use super::way::Way;
-use crate::gbuffer::Found;
+use crate::found::Found;
 use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;

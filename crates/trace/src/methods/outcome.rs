@@ -1,6 +1,6 @@
 //! What became of a ray whose hits are proven, and how it is told.
 
-use crate::gbuffer::{Found, Reason, Status};
+use crate::found::{Found, Reason, Status};
 use zeroset_interval::Facts;
 
 /// What became of a ray. Places are values of s.

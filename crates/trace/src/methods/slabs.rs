@@ -5,7 +5,7 @@
 //! pixels are undecided. How a slab is tested is not known here.
 
 use super::refine::Refiner;
-use crate::gbuffer::{Found, Reason, Status};
+use crate::found::{Found, Reason, Status};
 use crate::method::{Options, Segment, Start, Tracer};
 use crate::packet::{Packet, RAYS};
 use crate::region::Region;

@@ -7,7 +7,7 @@
 
 use super::slope::Slopes;
 use super::way::{Way, bounds};
-use crate::gbuffer::{Found, Reason, Status};
+use crate::found::{Found, Reason, Status};
 use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;

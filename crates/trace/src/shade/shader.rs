@@ -3,7 +3,7 @@
 use super::lanes::{by_axis, dot, left, sharpened, splat, toned};
 use super::{Appearance, Paint, SurfaceColours, UndecidedStyle};
 use crate::colour::{BLACK, Codes, LinearRgb};
-use crate::gbuffer::Status;
+use crate::found::Status;
 use crate::grid::RayGrid;
 use crate::painted::{Window, bits};
 use crate::rows::Rows;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::LOOKS;
 use crate::camera::{Camera, Projection};
-use crate::gbuffer::Status;
+use crate::found::Status;
 use crate::widths::levels;
 use glam::DVec3;
 
@@ -36,7 +36,7 @@ fn the_side_that_is_seen_decides_the_colour() {
 fn shadow_leaves_the_ambient_share() {
     let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
     let lit = shade(&buffer, &rays, &headlight());
-    buffer.shadow[0] = 255;
+    buffer.shadow = vec![255];
     let dark = shade(&buffer, &rays, &headlight());
     assert!(dark[0] < lit[0] && dark[0] > 0);
 }
@@ -72,7 +72,7 @@ fn undecided_pixels_are_marked_as_asked() {
 fn a_cut_face_has_a_lighter_colour_on_either_side() {
     let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
     let outer = shade(&buffer, &rays, &headlight());
-    buffer.cap[0] = true;
+    buffer.cap = vec![true];
     let cut = shade(&buffer, &rays, &headlight());
     assert!(cut[2] > outer[2], "{cut:?} {outer:?}");
     buffer.normal[0] = [0.0, 1.0, 0.0];
@@ -85,7 +85,7 @@ fn what_is_near_takes_light_away() {
         let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
         let light = Light::Positional(DVec3::NEG_Y * 5.0);
         let open = shade(&buffer, &rays, &Appearance::new(look, light));
-        buffer.occlusion[0] = 200;
+        buffer.occlusion = vec![200];
         let hidden = shade(&buffer, &rays, &Appearance::new(look, light));
         assert!(hidden[0] < open[0] && hidden[0] > 0, "{}", look.name);
     }
@@ -101,7 +101,7 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let normal = DVec3::from_array(buffer.normal[pixel].map(f64::from));
     let (facing, ambient) = (normal.dot(to_eye), f64::from(look.ambient));
     let colours = look.surfaces[usize::from(buffer.surface[pixel]) % look.surfaces.len()];
-    let base = match (buffer.cap[pixel], facing < 0.0) {
+    let base = match (buffer.is_cap(pixel), facing < 0.0) {
         (true, _) => colours.cut,
         (false, true) => colours.negative,
         (false, false) => colours.positive,
@@ -109,8 +109,8 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let normal = if facing < 0.0 { -normal } else { normal };
     let to_light = look.light.towards(ray.at(ray.parameter(buffer.drawn[pixel]))).0;
     let halfway = (to_light + to_eye).normalize_or_zero();
-    let [lit, open] =
-        [&buffer.shadow, &buffer.occlusion].map(|hidden| 1.0 - f64::from(hidden[pixel]) / 255.0);
+    let [lit, open] = [&buffer.shadow, &buffer.occlusion]
+        .map(|hidden| 1.0 - f64::from(hidden.get(pixel).copied().unwrap_or_default()) / 255.0);
     let [ground, key, fill, rim, highlight, outline] = {
         let Look { ground, key, fill, rim, highlight, outline, .. } = look.look;
         [ground, key, fill, rim, highlight, outline].map(f64::from)
@@ -147,7 +147,10 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 16) % below
     };
-    for pixel in 0..width * height {
+    let size = width * height;
+    (buffer.cap, buffer.shadow, buffer.occlusion) =
+        (vec![false; size], vec![0; size], vec![0; size]);
+    for pixel in 0..size {
         // Runs of several lengths, and lone pixels.
         if random(8) == 0 || (pixel / 40) % 3 == 0 {
             buffer.drawn[pixel] = 3.0 + f64::from(random(100)) / 30.0;

@@ -3,7 +3,7 @@
 use super::FINE;
 use super::frame::BLURS;
 use super::narrow::{Narrower, Scratch, Step, Stop, rounding};
-use crate::gbuffer::{Found, Reason};
+use crate::found::{Found, Reason};
 use crate::method::{Options, Precision, Segment, Start};
 use crate::methods::bridge::Bridge;
 use crate::methods::outcome::{Outcome, reason};
