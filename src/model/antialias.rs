@@ -122,6 +122,7 @@ impl<T: KernelFloat> Edges<'_, T> {
         }
         let places = self.pattern.side * self.pattern.side;
         if self.is_hidden {
+            all.keep_as(self.picture);
             for (n, &pixel) in pixels.iter().enumerate().filter(|(n, _)| !is_smooth[*n]) {
                 self.borrow(all, n * places..(n + 1) * places, pixel);
             }
@@ -200,8 +201,15 @@ impl<T: KernelFloat> Edges<'_, T> {
                 }
             }
             if let Some(nearest) = nearest {
-                finer.shadow[n] = picture.shadow[nearest];
-                finer.occlusion[n] = picture.occlusion[nearest];
+                for (mine, theirs) in [
+                    (&mut finer.shadow, &picture.shadow),
+                    (&mut finer.occlusion, &picture.occlusion),
+                ] {
+                    // There is none of what is hidden nowhere.
+                    if let Some(hidden) = theirs.get(nearest) {
+                        mine[n] = *hidden;
+                    }
+                }
             }
         }
     }

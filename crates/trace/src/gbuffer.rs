@@ -235,7 +235,7 @@ impl GBuffer {
             }
         }
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
-        self.room_as(other);
+        self.keep_as(other);
         for pixel in 0..self.status.len() {
             let (mine, theirs) = (self.distance(pixel), other.distance(pixel));
             let is_nearer =
@@ -267,14 +267,17 @@ impl GBuffer {
         }
     }
 
-    /// Makes room for what `other` has and this buffer does without.
-    fn room_as(&mut self, other: &Self) {
-        fn room<T: Copy + Default>(all: &mut Vec<T>, others: &[T]) {
-            all.resize(all.len().max(others.len()), T::default());
+    /// Makes room for caps and for hidden light, as far as `other` has any.
+    pub fn keep_as(&mut self, other: &Self) {
+        fn room<T: Copy + Default>(all: &mut Vec<T>, others: &[T], pixels: usize) {
+            if !others.is_empty() {
+                all.resize(pixels, T::default());
+            }
         }
-        room(&mut self.cap, &other.cap);
-        room(&mut self.shadow, &other.shadow);
-        room(&mut self.occlusion, &other.occlusion);
+        let pixels = self.status.len();
+        room(&mut self.cap, &other.cap, pixels);
+        room(&mut self.shadow, &other.shadow, pixels);
+        room(&mut self.occlusion, &other.occlusion, pixels);
     }
 
     /// Takes the pixels for which `only` says so from another picture of the same rays.
@@ -289,7 +292,7 @@ impl GBuffer {
         }
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         assert_eq!(only.len(), self.status.len(), "one for each pixel");
-        self.room_as(other);
+        self.keep_as(other);
         take(&mut self.status, &other.status, only, Status::Miss);
         take(&mut self.reason, &other.reason, only, Reason::None);
         take(&mut self.open_from, &other.open_from, only, 0.0);
@@ -342,21 +345,26 @@ mod tests {
 
     #[test]
     fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
-        let mut old = pixel(Status::Hit, 5.0, 5.0, 7);
+        let touching = Found { status: Status::Undecided, distance: 4.0, ..Found::MISS };
+        let mut old = GBuffer::new(1, 1, 7);
+        old.set(0, &Found { drawn: 5.0, reason: Reason::Touching, ..touching });
         (old.normal[0], old.cap, old.shadow) = ([1.0, 0.0, 0.0], vec![true], vec![255]);
-        old.occlusion[0] = 9;
-        old.reason[0] = Reason::Touching;
+        old.occlusion = vec![9];
         old = old.with_brackets();
+        assert_eq!((old.distance(0), old.reason(0)), (4.0, Reason::Touching));
         let mut reset = old.clone();
         reset.reset(1, 1, 3);
         old.hand_back();
-        let new = GBuffer::new(1, 1, 3);
+        let mut new = GBuffer::new(1, 1, 3);
         assert_eq!(new, reset);
         let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
         assert_eq!((new.status[0], new.distance(0), new.drawn[0], new.surface[0]), expected);
         assert!(new.cap.is_empty() && new.shadow.is_empty() && new.occlusion.is_empty());
-        assert_eq!((new.shadow[0], new.occlusion[0]), (0, 0));
-        assert!(new.reason[0] == Reason::None && new.bracket.is_empty());
+        assert!(new.reason(0) == Reason::None && new.bracket.is_empty());
+        // Nor does a hit in the place of what was undecided.
+        new.set(0, &Found { status: Status::Hit, distance: 2.0, drawn: 2.0, ..Found::MISS });
+        assert_eq!((new.distance(0), new.reason(0)), (2.0, Reason::None));
+        assert_ne!(new, reset);
         reset.reset(3, 2, 0);
         assert_eq!(reset, GBuffer::new(3, 2, 0));
     }

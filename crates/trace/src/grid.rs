@@ -2,6 +2,7 @@
 
 use crate::camera::{Basis, Camera, Projection, Ray};
 use crate::painted::Window;
+use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
 use glam::DVec3;
 use std::ops::Range;
@@ -239,6 +240,21 @@ impl RayGrid {
         self.ray(index % self.width, index / self.width)
     }
 
+    /// Columns and rows of a window's pixels, from those of its first, in the picture that there may be patches of.
+    #[inline]
+    fn steps(&self, window: Window) -> [Lanes<f32>; 2] {
+        let [mut columns, mut rows] = [Lanes(ALONG), Lanes::splat(0.0)];
+        if self.is_patched() {
+            let place = |column: usize| [(column % SIDE) as f32, (column / SIDE) as f32];
+            let [column, row] = place(window.column);
+            for lane in 0..LANES {
+                let [across, down] = place(window.column + lane);
+                (columns[lane], rows[lane]) = (across - column, down - row);
+            }
+        }
+        [columns, rows]
+    }
+
     /// The points at these distances in world units on the rays of a window: `ray.at(ray.parameter(distance))`, bit for bit.
     #[inline(always)]
     pub(crate) fn points<S: Simd>(
@@ -249,34 +265,29 @@ impl RayGrid {
     ) -> [Lanes<f64>; 3] {
         let Basis { forward, right, up } = self.basis;
         let [first, upward] = self.offset(window.column, window.row);
-        let is_patched = self.is_patched();
+        let [columns, rows] = self.steps(window);
+        let (columns, rows) = (f32::wide(simd, &columns), f32::wide(simd, &rows));
+        let zero = f64x8::splat(simd, 0.0);
         let mut points = [Lanes::splat(0.0); 3];
-        for at in (0..LANES).step_by(8) {
-            let (mut across, mut rise) = ([0.0; 8], [upward; 8]);
-            for lane in 0..8 {
-                across[lane] = first + (2 * (at + lane)) as f64;
-                if is_patched {
-                    let place = self.offset(window.column + at + lane, window.row);
-                    [across[lane], rise[lane]] = place;
-                }
-            }
-            let across = f64x8::simd_from(simd, across) * self.unit;
-            let rise = f64x8::simd_from(simd, rise) * self.unit;
-            let zero = f64x8::splat(simd, 0.0);
+        for (k, distances) in distances.as_chunks::<8>().0.iter().enumerate() {
+            // Integers until the last step.
+            let across = (first + 2.0 * columns[k]) * self.unit;
+            let rise = (upward - 2.0 * rows[k]) * self.unit;
             let (mut origin, mut way) = ([zero; 3], [zero; 3]);
             for axis in 0..3 {
-                origin[axis] = f64x8::splat(simd, self.eye[axis]);
-                way[axis] = f64x8::splat(simd, forward[axis]);
-            }
-            let moved = if self.parallel { &mut origin } else { &mut way };
-            for (axis, moved) in moved.iter_mut().enumerate() {
-                *moved += across * right[axis] + rise * up[axis];
+                let offset = across * right[axis] + rise * up[axis];
+                let (eye, forward) = (self.eye[axis], forward[axis]);
+                if self.parallel {
+                    (origin[axis], way[axis]) = (eye + offset, f64x8::splat(simd, forward));
+                } else {
+                    (origin[axis], way[axis]) = (f64x8::splat(simd, eye), forward + offset);
+                }
             }
             let length = (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
-            let t = f64x8::from_slice(simd, &distances[at..at + 8]) / length;
+            let t = f64x8::simd_from(simd, *distances) / length;
             for axis in 0..3 {
                 let point = origin[axis] + way[axis] * t;
-                point.store_slice(&mut points[axis][at..at + 8]);
+                point.store_slice(&mut points[axis][8 * k..8 * k + 8]);
             }
         }
         points
@@ -292,22 +303,14 @@ impl RayGrid {
         let [across, upward] = self.offset(window.column, window.row);
         let first = -(forward + unit * across * right + unit * upward * up).as_vec3();
         let step = -(2.0 * unit * right).as_vec3();
-        let (mut column, mut row) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            column[lane] = lane as f32;
-            if self.is_patched() {
-                let place = window.column + lane;
-                column[lane] = (place % SIDE) as f32 - (window.column % SIDE) as f32;
-                row[lane] = (place / SIDE) as f32 - (window.column / SIDE) as f32;
-            }
-        }
-        let (column, row) = (f32x16::simd_from(simd, column), f32x16::simd_from(simd, row));
         let down = (2.0 * unit * up).as_vec3();
+        let [columns, rows] = self.steps(window);
+        let column = f32x16::from_slice(simd, &columns[..]);
         let mut way = [f32x16::splat(simd, 0.0); 3];
         for (axis, way) in way.iter_mut().enumerate() {
             *way = first[axis] + column * step[axis];
             if self.is_patched() {
-                *way += row * down[axis];
+                *way += f32x16::from_slice(simd, &rows[..]) * down[axis];
             }
         }
         let [x, y, z] = way;
@@ -315,6 +318,17 @@ impl RayGrid {
         [x * scale, y * scale, z * scale]
     }
 }
+
+/// The columns of neighbouring pixels.
+const ALONG: [f32; LANES] = {
+    let mut along = [0.0; LANES];
+    let mut lane = 1;
+    while lane < LANES {
+        along[lane] = along[lane - 1] + 1.0;
+        lane += 1;
+    }
+    along
+};
 
 /// [`RayGrid::first`] of a whole picture.
 fn first(width: usize, height: usize) -> [i64; 2] {

@@ -7,7 +7,7 @@ use crate::found::Status;
 use crate::grid::RayGrid;
 use crate::painted::{Window, bits};
 use crate::rows::Rows;
-use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16, u16x16};
+use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};
 
@@ -144,8 +144,7 @@ impl Shader<'_> {
         // One surface after another: most windows have one.
         while window.wanted != 0 {
             let first = window.wanted.trailing_zeros() as usize % LANES;
-            let surfaces = u16x16::simd_from(simd, *surface);
-            let of_surface = surfaces.simd_eq(surface[first]).to_bitmask() as u32;
+            let of_surface = bits(|lane| surface[lane] == surface[first]);
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
             let amounts = if seen.paint.is_empty() {
                 self.light::<S, false>(simd, seen, window, colours, marks.as_ref())

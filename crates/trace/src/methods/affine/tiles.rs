@@ -264,6 +264,10 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let slope = T::wide(simd, &out.slope[2]);
         let [half, error] = [T::wide(simd, &out.half), T::wide(simd, &out.error)];
         for k in 0..2 {
+            // Mostly a few lanes are in use.
+            if HALF * k >= level.count {
+                break;
+            }
             let (near, far, cut) = (near[k], far[k], cuts[k]);
             let (length, shorter) = (before[1][k] - before[0][k], far - near);
             let footprint = at_eye + growth * (self.frame.start + near);
