@@ -83,7 +83,15 @@ impl Band<'_> {
         if self.status[pixel] == Status::Miss {
             self.set(column, row, found);
         } else {
-            self.drawn[pixel] = self.drawn[pixel].min(found.drawn);
+            self.paint(pixel, found.drawn);
+        }
+    }
+
+    /// Paints a place on a ray of which something is known before it, unless that is painted: nowhere that is proven empty.
+    #[inline]
+    fn paint(&mut self, pixel: usize, distance: f64) {
+        if self.status[pixel] == Status::Undecided {
+            self.drawn[pixel] = self.drawn[pixel].min(distance.max(self.open_from[pixel]));
         }
     }
 
@@ -92,14 +100,15 @@ impl Band<'_> {
     pub fn add_hit(&mut self, column: usize, row: usize, distance: f64, off: f64) {
         let pixel = row * self.width + column;
         if self.status[pixel] == Status::Miss {
-            self.status[pixel] = Status::Hit;
+            (self.status[pixel], self.drawn[pixel]) = (Status::Hit, distance);
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 // The distance itself is rounded.
                 let off = off + LENGTH_ERROR * distance.abs();
                 *bracket = [distance - off, distance + off];
             }
+        } else {
+            self.paint(pixel, distance);
         }
-        self.drawn[pixel] = self.drawn[pixel].min(distance);
     }
 
     /// As [`Band::add_hit`] for four pixels of a row, from `column` on.

@@ -105,8 +105,9 @@ impl<T: KernelFloat> Shot<'_, T> {
         }
         let near = || Near::new(buffer, rays, model.region.centre());
         let overview = self.overview.filter(|_| occludes);
-        let near = (shadow_depth.is_some() || overview.is_none()).then(near);
-        if let Some(near) = near.as_ref().filter(|_| shadow_depth.is_some()) {
+        let smooths = shadow_depth.is_some() && self.settings.normals.is_some();
+        let near = (smooths || occludes && overview.is_none()).then(near);
+        if let Some(near) = near.as_ref().filter(|_| smooths) {
             // Twice, since beside an edge a square is not whole.
             (0..2).for_each(|_| near.mean(&mut buffer.shadow));
         }

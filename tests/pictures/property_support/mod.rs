@@ -59,7 +59,8 @@ pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
         let (distance, drawn) = (buffer.distance(index), buffer.drawn[index]);
         assert!(drawn >= distance, "{scene}: painted at {drawn}, before {distance}");
         let normal = buffer.normal[index];
-        assert!(normal.iter().all(|part| part.is_finite()), "{scene}: {normal:?}");
+        let is_number = !buffer.is_drawn(index) || normal.iter().all(|part| part.is_finite());
+        assert!(is_number, "{scene}: {normal:?}");
         let claimed = match buffer.status[index] {
             Status::Miss => Claimed::Miss,
             Status::Hit => Claimed::Hit(buffer.bracket[index].map(|end| ray.parameter(end))),
