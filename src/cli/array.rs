@@ -6,6 +6,7 @@ use npyz::{AutoSerialize, NpyWriter, WriterBuilder};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use zeroset::picture::{Picture, Precision};
+use zeroset_trace::GBuffer;
 
 /// An array that can be asked for.
 #[derive(Debug)]
@@ -39,8 +40,15 @@ pub trait Rows {
     fn end(self: Box<Self>) -> io::Result<()>;
 }
 
-fn distances(picture: &Picture) -> impl Iterator<Item = f64> {
-    (0..picture.buffer.status.len()).map(|pixel| picture.buffer.distance(pixel))
+fn distances(buffer: &GBuffer) -> impl Iterator<Item = f64> {
+    (0..buffer.status.len()).map(|pixel| buffer.distance(pixel))
+}
+
+fn normals(buffer: &GBuffer) -> impl Iterator<Item = f32> {
+    // Where the background shows a buffer may hold those of an earlier picture.
+    let normal =
+        |pixel: usize| if buffer.is_drawn(pixel) { buffer.normal[pixel] } else { [0.0; 3] };
+    (0..buffer.normal.len()).flat_map(normal)
 }
 
 /// Every array, in the order of the help.
@@ -53,11 +61,11 @@ pub const ARRAYS: &[ArrayRow] = &[
         begin: |out, [rows, columns], precision| match precision {
             // Exact, as these kernels know no more.
             Precision::F32 => array(out, &[rows, columns], |picture, array| {
-                array.extend(distances(picture).map(|distance| distance as f32))
+                array.extend(distances(&picture.buffer).map(|distance| distance as f32))
             }),
-            Precision::Auto | Precision::F64 => {
-                array(out, &[rows, columns], |picture, array| array.extend(distances(picture)))
-            }
+            Precision::Auto | Precision::F64 => array(out, &[rows, columns], |picture, array| {
+                array.extend(distances(&picture.buffer))
+            }),
         },
     },
     ArrayRow {
@@ -88,13 +96,7 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: true,
         needs_brackets: false,
         begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns, 3], |picture, array| {
-                let buffer = &picture.buffer;
-                let normal = |pixel: usize| {
-                    if buffer.is_drawn(pixel) { buffer.normal[pixel] } else { [0.0; 3] }
-                };
-                array.extend((0..buffer.normal.len()).flat_map(normal))
-            })
+            array(out, &[rows, columns, 3], |picture, array| array.extend(normals(&picture.buffer)))
         },
     },
     ArrayRow {
@@ -180,6 +182,18 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_trace::{Found, Status};
+
+    #[test]
+    fn what_memory_holds_of_an_earlier_picture_is_not_written() {
+        let mut buffer = GBuffer::new(2, 1, 0);
+        buffer.normal.fill([0.0, 0.6, 0.8]);
+        buffer.set(0, &Found { status: Status::Undecided, distance: 3.0, ..Found::MISS });
+        buffer.set(0, &Found::MISS);
+        buffer.set(1, &Found { status: Status::Hit, distance: 2.0, drawn: 2.0, ..Found::MISS });
+        assert_eq!(normals(&buffer).collect::<Vec<_>>(), [0.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
+        assert_eq!(distances(&buffer).collect::<Vec<_>>(), [f64::INFINITY, 2.0]);
+    }
 
     #[test]
     fn arrays_are_read_back() {

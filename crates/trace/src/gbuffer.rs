@@ -140,11 +140,12 @@ impl GBuffer {
         SPARES.hand_back(self);
     }
 
-    /// Writes what became of a pixel's ray, distances in world units.
+    /// Writes what became of a pixel's ray, distances in world units. What is drawn of a hit is the hit.
     ///
     /// # Panics
     /// If there is no such pixel.
     pub fn set(&mut self, pixel: usize, found: &Found) {
+        debug_assert!(found.status != Status::Hit || found.distance == found.drawn);
         self.status[pixel] = found.status;
         self.drawn[pixel] = found.drawn;
         if found.status == Status::Undecided {

@@ -74,7 +74,7 @@ impl Rows<'_> {
 
     /// Makes every pixel a miss, for the surface with this number.
     pub(crate) fn clear(&mut self, surface: u16) {
-        // What says nothing of a miss stays as it is: memory takes as long as much of the computing.
+        // What says nothing of a miss stays as it is: to write it would take time for nothing.
         self.status.fill(Status::Miss);
         self.bracket.fill([f64::NAN; 2]);
         self.drawn.fill(f64::INFINITY);
