@@ -8,6 +8,7 @@
 //! A hit is a segment on which the function is continuous and whose ends have opposite signs, behind nothing but proven
 //! empty parts. Emptiness and signs are followed down to what arithmetic can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.
 
+mod bundle;
 mod frame;
 mod level;
 mod narrow;

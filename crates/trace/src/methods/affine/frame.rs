@@ -75,7 +75,7 @@ impl Frame {
     /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within `most` of 0.
     ///
     /// Room is left for underflow, and a part is rounded to `T` first.
-    fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
+    pub fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
         let sum = |parts: &[DVec3; 3]| {
             parts[0].abs() + self.reach[0] * parts[1].abs() + self.reach[1] * parts[2].abs()
         };
@@ -143,6 +143,44 @@ impl Frame {
         }
         f64::narrow(nears, &mut ends[0]);
         f64::narrow(fars, &mut ends[1]);
+    }
+
+    /// Between which values of s single rays are certainly between the region's faces, its clipping plane apart, rounded
+    /// inward; as [`way::between_faces`] has it. No segment reaches farther than `size` from 0.
+    #[inline(always)]
+    pub fn between_faces<S: Simd, T: Scalar>(
+        &self,
+        simd: S,
+        rays: Rays<'_>,
+        region: &Region,
+        size: f64,
+    ) -> [Lanes<T>; 2] {
+        let rays = Wide::new(simd, rays);
+        let zero = f64x8::splat(simd, 0.0);
+        let (mut nears, mut fars) = ([zero - 4.0 * size; 2], [zero + 4.0 * size; 2]);
+        for (k, (near, far)) in nears.iter_mut().zip(&mut fars).enumerate() {
+            for axis in 0..3 {
+                let ([o, _], [d, _]) =
+                    (rays.range(&self.origin, k, axis), rays.range(&self.direction, k, axis));
+                let slack = self.error[axis];
+                let (low, high) = (region.low()[axis] + slack, region.high()[axis] - slack);
+                let (a, b) = ((low - o) / d, (high - o) / d);
+                let (enter, leave) = (a.min_precise(b), a.max_precise(b));
+                let is_level = d.simd_eq(0.0);
+                let beside = is_level & !(o.simd_ge(low) & o.simd_le(high));
+                // What is not a number is so on one side of both faces or between them, where it does not bound the ray.
+                let first = near.max_precise(enter + 1e-12 * enter.abs());
+                let last = far.min_precise(leave - 1e-12 * leave.abs());
+                *near = is_level.select(*near, first);
+                *far = beside.select(zero + f64::NEG_INFINITY, is_level.select(*far, last));
+            }
+            *near += T::PATH_ERROR * (near.abs() + size);
+            *far -= T::PATH_ERROR * (far.abs() + size);
+        }
+        let mut inside = [Lanes::splat(T::default()), Lanes::splat(T::default())];
+        T::narrow(nears, &mut inside[0]);
+        T::narrow(fars, &mut inside[1]);
+        inside
     }
 
     /// The lanes in which all of a tile's rays are in the region from the one end to the other, its clipping plane apart, as

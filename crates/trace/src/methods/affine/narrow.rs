@@ -75,11 +75,11 @@ pub(super) const STEADY: f64 = 0.35;
 /// What share of the tolerance is allowed where that was not so.
 pub(super) const UNSTEADY: f64 = 1.0 / 16.0;
 /// Where arithmetic stalls at segments of so many times the shortest, it is rounding that stalls it: better arithmetic goes on.
-const COARSE: f64 = 32.0;
+pub(super) const COARSE: f64 = 32.0;
 /// A segment that stays open at no more than so many times the shortest does so for lack of digits, not of effort.
 const SPENT: f64 = 1024.0;
 /// Of segments shorter than this share of what their coordinates are rounded by no more can be told.
-const BLURRED: f64 = 0.125;
+pub(super) const BLURRED: f64 = 0.125;
 /// Segments looked at on one ray before the shortest get longer.
 const PATIENCE: u32 = 96;
 

@@ -3,9 +3,10 @@
 use super::Affine;
 use super::frame::Frame;
 use super::level::Level;
-use super::narrow::Scratch;
+use super::narrow::{BLURRED, Scratch};
 use super::plane::Plane;
 use super::screens::{HALF, ones};
+use super::slots::Stack;
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::methods::way::CUT;
@@ -40,6 +41,7 @@ pub(super) fn trace<T: Scalar>(
     close_unasked(&mut open, band, across, is_patched);
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
     let size = frame.size();
+    let blur = BLURRED * frame.error_in::<T>(size).max_element();
     let mut tracer = Tracer {
         method,
         rays,
@@ -51,6 +53,8 @@ pub(super) fn trace<T: Scalar>(
         contractions: Contractions::default(),
         frame,
         scratch: Scratch::default(),
+        later: Default::default(),
+        blur,
         work,
         vectors: Vectors::new(),
     };
@@ -140,6 +144,10 @@ pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
     pub segments: Segments<T>,
     pub contractions: Contractions<T>,
     pub scratch: Scratch<T>,
+    /// What comes later on the rays of a tile.
+    pub later: [Stack<T>; LANES],
+    /// Of segments shorter than this it is rounding that they get no shorter.
+    pub blur: f64,
     pub work: &'a mut Work,
     /// Those that the processor has.
     pub vectors: Vectors,
@@ -329,10 +337,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let (within, segment) = (is(verdicts.within), [near.into(), far.into()]);
             if !finer.is_empty() {
                 self.split(level, finer, depth, slot, segment, within);
-            } else if within && self.method.options.ideas.contract {
-                self.follow_within(level, slot, segment);
             } else {
-                self.follow(level, slot, segment);
+                self.follow(level, slot, segment, within);
             }
             if !self.is_open(level.places[slot], depth) {
                 level.stacks[slot].clear();

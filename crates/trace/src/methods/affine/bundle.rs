@@ -1,0 +1,366 @@
+//! The rays of a tile of 4×4 pixels, followed together: each along what the tile's form leaves of its segment.
+//!
+//! What is left of a segment after it was asked stays in its lane: all of it where it got much shorter, else its nearer part,
+//! and the other one comes later. The few rays on which arithmetic is at its end are followed one by one.
+
+use super::super::way::{self, CUT, Way};
+use super::frame::Frame;
+use super::level::Level;
+use super::narrow::{COARSE, STALLED, STEADY, UNSTEADY};
+use super::pixels::Patch;
+use super::plane::Plane;
+use super::screens::{Ends, HALF, ones, outward};
+use super::tiles::Tracer;
+use crate::scalar::{Four, Scalar};
+use fearless_simd::{Level as Vectors, dispatch, mask64x8, prelude::*};
+use zeroset_eval::{Contractions, LANES, Lanes, Segments};
+
+/// How often the segments of a tile's rays are asked together, before those that are left are followed one by one.
+const ROUNDS: u32 = 64;
+
+/// Lengths of segments that decide what becomes of them.
+struct Limits<T: Scalar> {
+    /// Of a bracket, where the form was as good as linear.
+    tolerance: T::Four,
+    /// Of a bracket, where it was not.
+    least: T::Four,
+    /// Of the shortest segments.
+    grain: T::Four,
+    /// Of the shortest that are cut: below it is rounding that keeps them from getting shorter.
+    coarse: T::Four,
+}
+
+/// What became of segments that may hold a zero: a bit for each lane in use.
+struct Sifted {
+    /// Something is left.
+    left: u16,
+    /// It is short enough for a bracket, and got so at once, or else is far shorter; its ends have opposite signs.
+    short: u16,
+    /// It got much shorter.
+    shorter: u16,
+    /// It is cut in two.
+    cut: u16,
+}
+
+/// What is known of the rays of a tile while they are followed.
+struct Bundle<T: Scalar> {
+    /// The bits of the rays in the batch's lanes, once they have moved.
+    rays: Option<[u8; LANES]>,
+    /// By lane, between which values of s the ray is certainly in the region, unless all rays are.
+    inside: Option<[Lanes<T>; 2]>,
+    /// Between which values of s the zeros of hits, or those of which nothing is proven, are, by the rays' bits.
+    ends: Ends,
+    /// By the rays' bits, where parts that come later were put aside.
+    later: u16,
+}
+
+impl<T: Scalar> Bundle<T> {
+    /// The bits of the rays in these lanes.
+    #[inline]
+    fn bits(&self, lanes: u16) -> u16 {
+        match &self.rays {
+            Some(rays) => ones(lanes).map(|lane| 1 << rays[lane]).sum(),
+            None => lanes,
+        }
+    }
+
+    /// The bit of the ray in a lane.
+    #[inline]
+    fn bit(&self, lane: usize) -> usize {
+        self.rays.map_or(lane, |rays| usize::from(rays[lane]) % LANES)
+    }
+
+    /// Takes what is left in these lanes; returns the bits of their rays.
+    #[inline]
+    fn take(&mut self, vectors: Vectors, lanes: u16, [near, far]: [&Lanes<T>; 2]) -> u16 {
+        let [from, to] = &mut self.ends;
+        let Some(rays) = &self.rays else {
+            if lanes != 0 {
+                dispatch!(vectors, simd => {
+                    blend(simd, lanes, near, from);
+                    blend(simd, lanes, far, to);
+                });
+            }
+            return lanes;
+        };
+        for lane in ones(lanes) {
+            let bit = usize::from(rays[lane]) % LANES;
+            (from[bit], to[bit]) = (near[lane].into(), far[lane].into());
+        }
+        self.bits(lanes)
+    }
+
+    /// Tells the segments in these lanes apart by what was asked of them, and puts what is left of each, or its nearer part,
+    /// in its place.
+    #[inline]
+    fn sift(
+        &self,
+        batch: &mut Segments<T>,
+        out: &Contractions<T>,
+        live: u16,
+        limits: &Limits<T>,
+    ) -> Sifted {
+        let Limits { tolerance, least, grain, coarse } = *limits;
+        let [stalled, steady, part] =
+            [STALLED, STEADY, CUT].map(|number| T::Four::splat(T::nearest(number)));
+        let (mut empty, mut short, mut shorter, mut cut) = (0, 0, 0, 0);
+        let mut within = if self.inside.is_some() { 0 } else { u16::MAX };
+        let bits = |mask, at| (T::Four::bits(mask) as u16) << at;
+        for at in (0..batch.count as usize).step_by(4) {
+            let four =
+                |lanes: &Lanes<T>| T::Four::from_array(std::array::from_fn(|k| lanes[at + k]));
+            let asked = [four(&batch.near), four(&batch.far)];
+            if let Some([first, last]) = &self.inside {
+                let inside = four(first).at_most(asked[0]) & asked[1].at_most(four(last));
+                within |= bits(inside, at);
+            }
+            let (near, far) = (four(&out.near), four(&out.far));
+            let (length, before) = (far - near, asked[1] - asked[0]);
+            empty |= bits(length.less(T::Four::splat(T::default())), at);
+            let enough = length.at_most(tolerance) & length.at_most(before * steady);
+            short |= bits(enough, at) | bits(length.at_most(least), at);
+            let much = length.at_most(before * stalled);
+            shorter |= bits(much & grain.less(length), at);
+            // As `is_progress` of `narrow` has it.
+            let between = near + part * length;
+            let progress = (between - near).less(before) & (far - between).less(before);
+            let parts = near.less(between) & between.less(far) & progress;
+            cut |= bits(coarse.less(length) & parts, at);
+            let kept = T::Four::select(much, far, between);
+            batch.near[at..at + 4].copy_from_slice(&near.to_array());
+            batch.far[at..at + 4].copy_from_slice(&kept.to_array());
+        }
+        let left = out.possible & live & !empty;
+        let short = left & short & out.crossing & within;
+        let shorter = left & shorter & !short;
+        Sifted { left, short, shorter, cut: left & cut & !short & !shorter }
+    }
+}
+
+/// Writes some lanes over others.
+#[inline(always)]
+fn blend<S: Simd, T: Scalar>(simd: S, lanes: u16, new: &Lanes<T>, all: &mut Lanes<f64>) {
+    let (mut both, new) = (f64::wide(simd, all), T::wide(simd, new));
+    for (k, (old, new)) in both.iter_mut().zip(new).enumerate() {
+        let half = mask64x8::from_bitmask(simd, u64::from(lanes >> (HALF * k) & 0xff));
+        *old = half.select(new, *old);
+    }
+    f64::narrow(both, all);
+}
+
+impl<T: Scalar> Tracer<'_, '_, '_, T> {
+    /// Follows the rays of a tile of 4×4 that are not finished. `within`: all of the segment is in the region.
+    pub(super) fn follow(
+        &mut self,
+        level: &Level<T>,
+        slot: usize,
+        segment: [f64; 2],
+        within: bool,
+    ) {
+        let patch = self.patch(level.places[slot]);
+        let options = &self.method.options;
+        if !options.ideas.contract || !within && self.method.region.is_cut() {
+            return self.follow_apart(&patch, segment);
+        }
+        let plane = Plane::new(&level.batch, &level.out, slot);
+        let mut bundle = Bundle { rays: None, inside: None, ends: Default::default(), later: 0 };
+        let left = dispatch!(self.vectors, simd => {
+            self.place(simd, &patch, &plane, segment, within, &mut bundle.inside)
+        });
+        let mut live = left & self.open[patch.index];
+        if live == 0 {
+            return;
+        }
+        if !within {
+            self.cut_at_faces(live, &mut bundle);
+        }
+        let tolerance = self.method.tolerance * self.footprint(segment[0]);
+        let grain = T::GRAIN * self.size;
+        let coarse = (COARSE * grain).max(self.blur).max(options.least * tolerance);
+        let four = |number| T::Four::splat(T::nearest(number));
+        let limits = Limits {
+            tolerance: four(tolerance),
+            least: four((UNSTEADY * tolerance).max(grain)),
+            grain: four(grain),
+            coarse: four(coarse),
+        };
+        let (mut hits, mut hard) = (0, 0);
+        for _ in 0..ROUNDS {
+            live = self.pack(live, &mut bundle);
+            self.segments.count = LANES as u32 - live.leading_zeros();
+            self.method.follower.ask(&self.segments, &mut self.contractions);
+            self.work.segments.called(live.count_ones());
+            let out = &self.contractions;
+            let Sifted { left, mut short, shorter, cut } =
+                bundle.sift(&mut self.segments, out, live, &limits);
+            let mut open = left & !short & !shorter & !cut;
+            if self.method.cleared {
+                // A zero of the numerator is none of the function's.
+                open |= std::mem::take(&mut short);
+            }
+            let Contractions { near, far, .. } = out;
+            hits |= bundle.take(self.vectors, short, [near, far]);
+            hard |= bundle.take(self.vectors, open, [near, far]);
+            for lane in ones(cut) {
+                let bit = bundle.bit(lane);
+                bundle.later |= 1 << bit;
+                self.later[bit].push([self.segments.far[lane], far[lane]]);
+            }
+            let empty = live & !left;
+            live = shorter | cut;
+            if bundle.later != 0 {
+                live |= self.go_on(empty, &bundle);
+            }
+            if live == 0 {
+                break;
+            }
+        }
+        let Segments { near, far, .. } = &self.segments;
+        hard |= bundle.take(self.vectors, live, [near, far]);
+        if hits != 0 {
+            self.open[patch.index] &= !hits;
+            let found = dispatch!(self.vectors, simd => self.between(simd, &patch, &bundle.ends));
+            self.write(&patch, hits, &found);
+        }
+        for bit in ones(bundle.later) {
+            // What stays open of a ray reaches to the end of what was put aside.
+            if let Some([_, last]) = self.later[bit].first()
+                && hard >> bit & 1 == 1
+            {
+                bundle.ends[1][bit] = (*last).into();
+            }
+            self.later[bit].clear();
+        }
+        if hard != 0 {
+            self.follow_rest(&patch, hard, &bundle.ends, tolerance, within);
+        }
+    }
+
+    /// Goes on with what comes later on the rays in these lanes; returns those in which there was something.
+    fn go_on(&mut self, lanes: u16, bundle: &Bundle<T>) -> u16 {
+        let mut more = 0;
+        for lane in ones(lanes) {
+            if let Some([near, far]) = self.later[bundle.bit(lane)].pop() {
+                (self.segments.near[lane], self.segments.far[lane]) = (near, far);
+                more |= 1 << lane;
+            }
+        }
+        more
+    }
+
+    /// Puts parts of segments aside that lie behind where rays are certainly in the region, and those in it that lie behind
+    /// others: where a ray leaves the region no sign is known, so those parts are looked at apart.
+    fn cut_at_faces(&mut self, live: u16, bundle: &mut Bundle<T>) {
+        let Some([firsts, lasts]) = &bundle.inside else { return };
+        for lane in ones(live) {
+            let (first, last) = (firsts[lane], lasts[lane]);
+            let (near, far) = (self.segments.near[lane], self.segments.far[lane]);
+            let is_within = first <= near && far <= last;
+            if is_within || !(first < last && near < last && first < far) {
+                continue;
+            }
+            let (mut here, later) = ([near, far], &mut self.later[lane]);
+            if last < far {
+                later.push([last, far]);
+                here[1] = last;
+            }
+            if near < first {
+                later.push([first, here[1]]);
+                here[1] = first;
+            }
+            self.segments.far[lane] = here[1];
+            bundle.later |= 1 << lane;
+        }
+    }
+
+    /// Follows these rays one by one.
+    fn follow_rest(
+        &mut self,
+        patch: &Patch,
+        rays: u16,
+        ends: &Ends,
+        tolerance: f64,
+        within: bool,
+    ) {
+        let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
+        let mut count = 0;
+        for bit in ones(rays) {
+            let [origin, direction] = self.frame.ray(patch.screen(bit));
+            let (error, region) = (self.frame.error, self.method.region);
+            ways[count] = Way {
+                origin,
+                direction,
+                error,
+                start: -self.frame.start,
+                span: [ends[0][bit], ends[1][bit]],
+                inside: if within {
+                    [f64::NEG_INFINITY, f64::INFINITY]
+                } else {
+                    way::between_faces([origin, direction, error], region)
+                },
+                tolerance,
+            };
+            bits[count] = bit;
+            count += 1;
+        }
+        self.follow_ways(patch, &ways[..count], &bits);
+    }
+
+    /// Puts the rays of a tile of 4×4 into the batch, each with what a form of the tile leaves of a segment, and if that is
+    /// not `within` the region, what may be in it, and where that certainly is; returns on which anything is left.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &mut self,
+        simd: S,
+        patch: &Patch,
+        plane: &Plane,
+        segment: [f64; 2],
+        within: bool,
+        inside: &mut Option<[Lanes<T>; 2]>,
+    ) -> u16 {
+        let asked = segment.map(Lanes::splat);
+        let mut left = asked;
+        plane.narrow::<_, T>(simd, (&patch.screens, None), &mut left);
+        if !within {
+            let (rays, region) = ((&patch.screens, None), self.method.region);
+            self.frame.clip(simd, rays, region, &mut left);
+            *inside = Some(self.frame.between_faces(simd, rays, region, self.size));
+        }
+        let batch = &mut self.segments;
+        let a = f64::wide(simd, &patch.screens[0]);
+        let b = f64::wide(simd, &patch.screens[1]);
+        for axis in 0..3 {
+            let Frame { origin, direction, .. } = &self.frame;
+            for (parts, lanes) in
+                [(origin, &mut batch.origin[axis]), (direction, &mut batch.direction[axis])]
+            {
+                let mut numbers = a;
+                for (number, b) in numbers.iter_mut().zip(b) {
+                    *number = parts[0][axis] + *number * parts[1][axis] + b * parts[2][axis];
+                }
+                T::narrow(numbers, lanes);
+            }
+        }
+        outward(simd, &asked, &left, self.size, [&mut batch.near, &mut batch.far])
+    }
+
+    /// Moves the rays that are live to the first lanes, where that saves a vector; returns the lanes that are live then.
+    fn pack(&mut self, live: u16, bundle: &mut Bundle<T>) -> u16 {
+        let (count, last) = (live.count_ones(), LANES as u32 - live.leading_zeros());
+        if count.div_ceil(4) == last.div_ceil(4) {
+            return live;
+        }
+        let rays = bundle.rays.get_or_insert_with(|| std::array::from_fn(|lane| lane as u8));
+        for (to, from) in ones(live).enumerate() {
+            rays[to] = rays[from];
+        }
+        let inside = bundle.inside.iter_mut().flatten();
+        dispatch!(self.vectors, simd => {
+            let Segments { origin, direction, near, far, .. } = &mut self.segments;
+            for lanes in origin.iter_mut().chain(direction).chain([near, far]).chain(inside) {
+                T::pack(simd, lanes, live);
+            }
+        });
+        (1 << count) - 1
+    }
+}
