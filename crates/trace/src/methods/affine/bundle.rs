@@ -153,16 +153,16 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     pub(super) fn follow(
         &mut self,
         level: &Level<T>,
-        slot: usize,
+        lane: usize,
         segment: [f64; 2],
         within: bool,
     ) {
-        let patch = self.patch(level.places[slot]);
+        let patch = self.patch(level.place(lane));
         let options = &self.method.options;
         if !options.ideas.contract || !within && self.method.region.is_cut() {
             return self.follow_apart(&patch, segment);
         }
-        let plane = Plane::new(&level.batch, &level.out, slot);
+        let plane = Plane::new(&level.batch, &level.out, lane);
         let mut bundle = Bundle { rays: None, inside: None, ends: Default::default(), later: 0 };
         let left = dispatch!(self.vectors, simd => {
             self.place(simd, &patch, &plane, segment, within, &mut bundle.inside)

@@ -5,34 +5,59 @@ use super::screens::{Ends, Screens, ones, outward};
 use super::slots::Stack;
 use super::tiles::Tracer;
 use crate::scalar::Scalar;
-use fearless_simd::{dispatch, prelude::*};
+use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
-/// Up to sixteen tiles of one size, a lane each, and what is still to be looked at of them.
+/// Up to sixteen tiles of one size, and what is still to be looked at of them.
 pub(super) struct Level<T: Scalar> {
     /// Whether all of the tiles' segments are in the region.
     pub within: bool,
-    /// Lanes in use, from the first on.
-    pub count: usize,
-    pub places: [[usize; 2]; LANES],
+    /// The lanes in which there is a segment to be asked, as bits.
+    pub live: u16,
+    /// The column and row of the first tile, and how many are in a row.
+    first: [usize; 2],
+    across: usize,
+    /// Which tile a lane is about, row by row.
+    tiles: [u8; LANES],
+    /// By lane, where the tiles are.
     pub screens: Screens,
-    pub stacks: [Stack<T>; LANES],
+    /// By tile, what comes after the segment in its lane.
+    later: [Stack<T>; LANES],
     pub batch: Tiles<T>,
     pub out: Planes<T>,
 }
+
+/// Each tile in its own lane.
+const UNMOVED: [u8; LANES] = {
+    let mut tiles = [0; LANES];
+    let mut lane = 1;
+    while lane < LANES {
+        tiles[lane] = lane as u8;
+        lane += 1;
+    }
+    tiles
+};
 
 impl<T: Scalar> Level<T> {
     pub fn new(batch: Tiles<T>) -> Self {
         Self {
             within: false,
-            count: 0,
-            places: [[0; 2]; LANES],
+            live: 0,
+            first: [0; 2],
+            across: 1,
+            tiles: UNMOVED,
             screens: Screens::default(),
-            stacks: Default::default(),
+            later: Default::default(),
             batch,
             out: Planes::default(),
         }
+    }
+
+    /// Column and row of the tile in a lane, in units of tiles.
+    pub fn place(&self, lane: usize) -> [usize; 2] {
+        let tile = usize::from(self.tiles[lane]);
+        [self.first[0] + tile % self.across, self.first[1] + tile / self.across]
     }
 
     /// Takes those tiles of a level that are open, by their columns and rows in units of tiles: no more than there are lanes;
@@ -48,59 +73,52 @@ impl<T: Scalar> Level<T> {
         within: bool,
     ) {
         self.within = within;
-        self.take(tracer, places, level);
-        if self.count == 0 {
+        self.live = self.take(tracer, places, level);
+        if self.live == 0 {
             return;
         }
         let mut asked = segment.map(Lanes::splat);
         if tracer.rays.is_patched() {
-            for (slot, &place) in self.places[..self.count].iter().enumerate() {
-                [asked[0][slot], asked[1][slot]] = tracer.from(place, segment);
+            for lane in ones(self.live) {
+                [asked[0][lane], asked[1][lane]] = tracer.from(self.place(lane), segment);
             }
         }
-        let left = dispatch!(tracer.vectors, simd => self.shorten(simd, tracer, &asked, plane));
-        let all = std::mem::take(&mut self.count);
-        for slot in ones(left & (u16::MAX >> (LANES - all))) {
-            let stack = &mut self.stacks[self.count];
-            stack.clear();
-            stack.push([self.batch.near[slot], self.batch.far[slot]]);
-            self.places[self.count] = self.places[slot];
-            self.screens.copy(slot, self.count);
-            self.count += 1;
-        }
+        self.live &= dispatch!(tracer.vectors, simd => self.shorten(simd, tracer, &asked, plane));
     }
 
-    /// Finds out where the open ones of some tiles are.
+    /// Finds out where some tiles are; returns the lanes of those that are open, as bits.
     fn take(
         &mut self,
         tracer: &Tracer<'_, '_, '_, T>,
         [columns, rows]: [Range<usize>; 2],
         level: usize,
-    ) {
+    ) -> u16 {
+        self.first = [columns.start, rows.start];
+        self.across = columns.len();
+        self.tiles = UNMOVED;
         let mut across = [[0.0; 2]; LANES];
         for (extent, column) in across.iter_mut().zip(columns.clone()) {
             *extent = tracer.across(column, level);
         }
-        self.count = 0;
+        let Screens { centre, half } = &mut self.screens;
+        let (mut open, mut lane) = (0, 0);
         for row in rows {
             let upward = tracer.upward(row, level);
             if let Some(patch) = tracer.rays.patch(tracer.band.top + row) {
                 across[0] = tracer.extent(0, patch.column, patch.column + 3);
             }
             for (extent, column) in across.iter().zip(columns.clone()) {
-                if tracer.is_open([column, row], level) {
-                    self.places[self.count] = [column, row];
-                    for (axis, extent) in [extent, &upward].into_iter().enumerate() {
-                        self.screens.centre[axis][self.count] = extent[0];
-                        self.screens.half[axis][self.count] = extent[1];
-                    }
-                    self.count += 1;
+                for (axis, extent) in [extent, &upward].into_iter().enumerate() {
+                    (centre[axis][lane], half[axis][lane]) = (extent[0], extent[1]);
                 }
+                open |= u16::from(tracer.is_open([column, row], level)) << lane;
+                lane += 1;
             }
         }
+        open
     }
 
-    /// Puts what is left of segments into the batch; returns the lanes in which anything is.
+    /// Puts the tiles into the batch, and what is left of segments; returns the lanes in which anything is.
     #[inline(always)]
     fn shorten<S: Simd>(
         &mut self,
@@ -116,14 +134,7 @@ impl<T: Scalar> Level<T> {
         if !self.within {
             tracer.frame.clip(simd, self.screens.rays(), tracer.method.region, &mut left);
         }
-        let Tiles { near, far, .. } = &mut self.batch;
-        outward(simd, asked, &left, tracer.size, [near, far])
-    }
-
-    /// Puts the tiles' places into the batch.
-    #[inline(always)]
-    pub fn place<S: Simd>(&mut self, simd: S, reach: [f64; 2]) {
-        for (axis, reach) in reach.into_iter().enumerate() {
+        for (axis, reach) in tracer.frame.reach.into_iter().enumerate() {
             let (Screens { centre, half }, batch) = (&self.screens, &mut self.batch);
             T::narrow(f64::wide(simd, &centre[axis]), &mut batch.centre[axis]);
             // The centre is rounded too, and so is this.
@@ -131,35 +142,55 @@ impl<T: Scalar> Level<T> {
             let reach = T::PATH_ERROR * reach;
             T::narrow([low + reach, high + reach], &mut batch.half[axis]);
         }
+        let Tiles { near, far, .. } = &mut self.batch;
+        outward(simd, asked, &left, tracer.size, [near, far])
     }
 
-    /// Takes the next segment of each tile; returns the lanes in which there is one, as bits.
-    pub fn pop(&mut self) -> u16 {
-        let mut asked = 0;
-        for (slot, stack) in self.stacks[..self.count].iter_mut().enumerate() {
-            if let Some([near, far]) = stack.pop() {
-                (self.batch.near[slot], self.batch.far[slot]) = (near, far);
-                asked |= 1 << slot;
-            }
-        }
-        asked
+    /// Puts a part of the segment in a lane aside: it is asked after what is nearer.
+    pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
+        self.later[usize::from(self.tiles[lane])].push(part);
     }
 
-    /// Lets go of tiles of which nothing is left, where that saves a vector; returns whether others took their places.
-    pub fn pack(&mut self) -> bool {
-        let live = self.stacks[..self.count].iter().filter(|stack| !stack.is_empty()).count();
-        let saves = live.div_ceil(4) < self.count.div_ceil(4);
-        if saves {
-            let all = std::mem::take(&mut self.count);
-            for slot in 0..all {
-                if !self.stacks[slot].is_empty() {
-                    self.stacks.swap(self.count, slot);
-                    self.places[self.count] = self.places[slot];
-                    self.screens.copy(slot, self.count);
-                    self.count += 1;
+    /// Lets go of all that was put aside of the tile in a lane.
+    pub fn finish(&mut self, lane: usize) {
+        self.later[usize::from(self.tiles[lane])].clear();
+    }
+
+    /// Goes on with segments in the lanes of `kept`, and in others with what was put aside.
+    pub fn go_on(&mut self, kept: u16) {
+        for lane in ones(self.live & !kept) {
+            match self.later[usize::from(self.tiles[lane])].pop() {
+                Some([near, far]) => {
+                    (self.batch.near[lane], self.batch.far[lane]) = (near, far);
                 }
+                None => self.live &= !(1 << lane),
             }
         }
-        saves
+    }
+
+    /// Moves the live lanes to the first ones, where that saves a vector.
+    pub fn pack(&mut self, vectors: Vectors) {
+        let (count, last) = (self.live.count_ones(), LANES as u32 - self.live.leading_zeros());
+        if count.div_ceil(4) < last.div_ceil(4) {
+            for (to, from) in ones(self.live).enumerate() {
+                self.tiles[to] = self.tiles[from];
+            }
+            dispatch!(vectors, simd => self.pack_batch(simd));
+            self.live = (1 << count) - 1;
+        }
+        self.batch.count = LANES as u32 - self.live.leading_zeros();
+    }
+
+    #[inline(always)]
+    fn pack_batch<S: Simd>(&mut self, simd: S) {
+        let Tiles { centre, half, near, far, .. } = &mut self.batch;
+        for lanes in centre.iter_mut().chain(half).chain([near, far]) {
+            T::pack(simd, lanes, self.live);
+        }
+        if !self.within {
+            for lanes in self.screens.centre.iter_mut().chain(&mut self.screens.half) {
+                f64::pack(simd, lanes, self.live);
+            }
+        }
     }
 }

@@ -21,13 +21,6 @@ impl Screens {
     pub fn rays(&self) -> Rays<'_> {
         (&self.centre, Some(&self.half))
     }
-
-    /// Writes a lane over another one.
-    pub fn copy(&mut self, from: usize, to: usize) {
-        for lanes in self.centre.iter_mut().chain(&mut self.half) {
-            lanes[to] = lanes[from];
-        }
-    }
 }
 
 /// The places of the bits that are set.

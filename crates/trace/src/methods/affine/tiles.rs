@@ -112,22 +112,21 @@ fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: b
     }
 }
 
-/// What is to be done with tiles that were asked about, and that may hold a zero: a bit a lane.
+/// What is to be done with tiles that were asked about, and that may hold a zero: a bit a lane, each in one of the first four
+/// at most.
 struct Verdicts<T> {
-    /// No part of the segment is left.
-    empty: u16,
     /// The form proves a zero on each ray, and tells it from its neighbours closely enough.
     flat: u16,
     /// What is left is much shorter, and looked at once more.
     shorter: u16,
-    /// The tile's parts are looked at; the rest of the segments are cut.
+    /// The tile's parts are looked at.
     finer: u16,
+    /// What is left is cut in two.
+    cut: u16,
     /// Where all of what is left lies in the region.
     within: u16,
-    /// What is left.
-    left: [Lanes<T>; 2],
-    /// Where it would be cut.
-    cut: Lanes<T>,
+    /// The far ends of what is left.
+    far: Lanes<T>,
 }
 
 pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
@@ -222,58 +221,55 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     fn run(&mut self, levels: &mut [Level<T>], depth: usize) {
         let (level, finer) = levels.split_first_mut().expect("a level");
-        let mut moved = true;
-        while level.count > 0 {
-            if moved {
-                let reach = self.frame.reach;
-                dispatch!(self.vectors, simd => level.place(simd, reach));
-                level.batch.count = level.count as u32;
-            }
-            let asked = level.pop();
+        while level.live != 0 {
+            level.pack(self.vectors);
             self.method.tiles.ask(&level.batch, &mut level.out);
-            self.work.tiles.called(asked.count_ones());
-            let possible = asked & level.out.possible;
+            self.work.tiles.called(level.live.count_ones());
+            let possible = level.live & level.out.possible;
+            let mut kept = 0;
             if possible != 0 {
                 let verdicts =
                     dispatch!(self.vectors, simd => self.verdicts(simd, level, depth, possible));
-                for slot in ones(possible & !verdicts.empty) {
-                    self.judge(level, finer, depth, slot, &verdicts);
-                }
+                kept = verdicts.shorter | verdicts.cut;
+                self.act(level, finer, depth, &verdicts);
             }
-            moved = level.pack();
+            level.go_on(kept);
         }
     }
 
-    /// What is to be done with the tiles that may hold a zero.
+    /// What is to be done with the tiles that may hold a zero. What is left of their segments, or the nearer part of what is
+    /// cut, takes their place.
     #[inline(always)]
     fn verdicts<S: Simd>(
         &self,
         simd: S,
-        level: &Level<T>,
+        level: &mut Level<T>,
         depth: usize,
         possible: u16,
     ) -> Verdicts<T> {
         let contracts = self.method.options.ideas.contract;
         let Level { batch, out, .. } = level;
-        let left = if contracts { [out.near, out.far] } else { [batch.near, batch.far] };
         let [at_eye, growth] = self.rays.pixel();
         let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER };
         let slender = slender * SIDES[depth] as f64;
         let (mut empty, mut fine, mut stalled, mut short, mut last) = (0, 0, 0, 0, 0);
-        let mut cut = Lanes::splat(T::default());
         let before = [T::wide(simd, &batch.near), T::wide(simd, &batch.far)];
-        let [near, far] = [T::wide(simd, &left[0]), T::wide(simd, &left[1])];
+        if contracts {
+            (batch.near, batch.far) = (out.near, out.far);
+        }
+        let [near, far] = [T::wide(simd, &batch.near), T::wide(simd, &batch.far)];
         let mut cuts = near;
         for k in 0..2 {
             cuts[k] = near[k] + CUT * (far[k] - near[k]);
         }
+        let mut cut = Lanes::splat(T::default());
         T::narrow(cuts, &mut cut);
         let cuts = T::wide(simd, &cut);
         let slope = T::wide(simd, &out.slope[2]);
         let [half, error] = [T::wide(simd, &out.half), T::wide(simd, &out.error)];
         for k in 0..2 {
             // Mostly a few lanes are in use.
-            if HALF * k >= level.count {
+            if HALF * k >= batch.count as usize {
                 break;
             }
             let (near, far, cut) = (near[k], far[k], cuts[k]);
@@ -294,17 +290,16 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 & (far - cut).simd_lt(length);
             last |= bits(!progress | shorter.simd_le(T::GRAIN * self.size));
         }
-        let crossing = out.crossing;
+        let (possible, crossing) = (possible & !empty, out.crossing);
         let is_flat = contracts && !self.method.cleared;
         let mut flat = if is_flat { possible & crossing & fine } else { 0 };
-        let shorter = !stalled & !last;
-        let finer = crossing | short | last;
+        let shorter = possible & !stalled & !last;
+        let finer = possible & (crossing | short | last) & !shorter;
         let mut within = u16::MAX;
         if !level.within {
             let region = self.method.region;
             within = 0;
-            let is_wanted = region.clip().is_none() && possible & (flat | finer & !shorter) != 0;
-            if is_wanted {
+            if region.clip().is_none() && flat | finer != 0 {
                 within = self.frame.inside(simd, level.screens.rays(), region, [near, far]);
                 if flat != 0 {
                     flat &= self.frame.inside(simd, level.screens.rays(), region, before);
@@ -313,40 +308,42 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 flat = 0;
             }
         }
-        Verdicts { empty, flat, shorter, finer, within, left, cut }
+        let (shorter, finer) = (shorter & !flat, finer & !flat);
+        let cuts = possible & !(flat | shorter | finer);
+        let far = level.batch.far;
+        for lane in ones(cuts) {
+            level.batch.far[lane] = cut[lane];
+        }
+        Verdicts { flat, shorter, finer, cut: cuts, within, far }
     }
 
-    /// Does with a tile what is to be done.
-    fn judge(
+    /// Does with tiles what is to be done.
+    fn act(
         &mut self,
         level: &mut Level<T>,
         finer: &mut [Level<T>],
         depth: usize,
-        slot: usize,
         verdicts: &Verdicts<T>,
     ) {
-        let is = |bits: u16| bits >> slot & 1 == 1;
-        let [near, far] = [verdicts.left[0][slot], verdicts.left[1][slot]];
-        if is(verdicts.flat) {
-            let plane = Plane::new(&level.batch, &level.out, slot);
-            self.emit(&plane, depth, level.places[slot]);
-            level.stacks[slot].clear();
-        } else if is(verdicts.shorter) {
-            level.stacks[slot].push([near, far]);
-        } else if is(verdicts.finer) {
-            let (within, segment) = (is(verdicts.within), [near.into(), far.into()]);
-            if !finer.is_empty() {
-                self.split(level, finer, depth, slot, segment, within);
+        for lane in ones(verdicts.cut) {
+            level.put_aside(lane, [level.batch.far[lane], verdicts.far[lane]]);
+        }
+        for lane in ones(verdicts.flat) {
+            let plane = Plane::new(&level.batch, &level.out, lane);
+            self.emit(&plane, depth, level.place(lane));
+            level.finish(lane);
+        }
+        for lane in ones(verdicts.finer) {
+            let segment = [level.batch.near[lane].into(), verdicts.far[lane].into()];
+            let within = verdicts.within >> lane & 1 == 1;
+            if finer.is_empty() {
+                self.follow(level, lane, segment, within);
             } else {
-                self.follow(level, slot, segment, within);
+                self.split(level, finer, depth, lane, segment, within);
             }
-            if !self.is_open(level.places[slot], depth) {
-                level.stacks[slot].clear();
+            if !self.is_open(level.place(lane), depth) {
+                level.finish(lane);
             }
-        } else {
-            let cut = verdicts.cut[slot];
-            level.stacks[slot].push([cut, far]);
-            level.stacks[slot].push([near, cut]);
         }
     }
 
@@ -356,16 +353,16 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         level: &Level<T>,
         finer: &mut [Level<T>],
         depth: usize,
-        slot: usize,
+        lane: usize,
         segment: [f64; 2],
         within: bool,
     ) {
-        let [column, row] = level.places[slot].map(|place| 4 * place);
+        let [column, row] = level.place(lane).map(|place| 4 * place);
         let side = SIDES[depth + 1];
         let (columns, rows) = (self.band.width.div_ceil(side), self.band.height.div_ceil(side));
         let parts = [column..columns.min(column + 4), row..rows.min(row + 4)];
         let plane = self.method.options.ideas.contract;
-        let plane = plane.then(|| Plane::new(&level.batch, &level.out, slot));
+        let plane = plane.then(|| Plane::new(&level.batch, &level.out, lane));
         finer[0].start(self, parts, depth + 1, segment, plane.as_ref(), within);
         self.run(finer, depth + 1);
     }
