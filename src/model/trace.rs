@@ -236,7 +236,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
     }
 
     /// All surfaces along the rays for which `only` says so, all if that is empty; and the picture's colours, if there is a
-    /// shader for them. Rows go from nothing to colours while they are in the nearer caches.
+    /// shader for them, which needs normals. Rows go from nothing to colours while they are in the nearer caches.
     fn surfaces(
         &self,
         rays: &RayGrid,
@@ -265,10 +265,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 }
                 let mut watch = Stopwatch::start();
                 if let Some(source) = &source {
-                    work += source.face(rows, rays, self.extent() * STEP);
-                }
-                if let Some(shader) = shader {
-                    shader.rows(rows, bytes);
+                    let canvas = shader.map(|shader| shader.canvas(bytes));
+                    work += source.face(rows, rays, self.extent() * STEP, canvas);
                 }
                 shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
                 work

@@ -4,7 +4,7 @@ use crate::camera::{Basis, Camera, Projection, Ray};
 use crate::painted::Window;
 use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
@@ -297,25 +297,31 @@ impl RayGrid {
     /// which is enough for colours.
     #[inline(always)]
     pub(crate) fn ways_to_eye<S: Simd>(&self, simd: S, window: Window) -> [f32x16<S>; 3] {
-        // A parallel picture has one direction.
-        let unit = if self.parallel { 0.0 } else { self.unit };
-        let Basis { forward, right, up } = self.basis;
-        let [across, upward] = self.offset(window.column, window.row);
-        let first = -(forward + unit * across * right + unit * upward * up).as_vec3();
-        let step = -(2.0 * unit * right).as_vec3();
-        let down = (2.0 * unit * up).as_vec3();
+        let Basis { forward, .. } = self.basis;
+        let [step, rise] = self.steps_of_way();
+        // In halves of a pixel: integers, so that a part of a picture has the same ways as the whole.
+        let [across, upward] = self.offset(window.column, window.row).map(|offset| offset as f32);
         let [columns, rows] = self.steps(window);
-        let column = f32x16::from_slice(simd, &columns[..]);
-        let mut way = [f32x16::splat(simd, 0.0); 3];
+        let column = across + 2.0 * f32x16::from_slice(simd, &columns[..]);
+        let mut row = f32x16::splat(simd, upward);
+        if self.is_patched() {
+            row -= 2.0 * f32x16::from_slice(simd, &rows[..]);
+        }
+        let mut way = [row; 3];
         for (axis, way) in way.iter_mut().enumerate() {
-            *way = first[axis] + column * step[axis];
-            if self.is_patched() {
-                *way += f32x16::from_slice(simd, &rows[..]) * down[axis];
-            }
+            *way = -forward[axis] as f32 - column * step[axis] - row * rise[axis];
         }
         let [x, y, z] = way;
         let scale = 1.0 / (x * x + y * y + z * z).sqrt();
         [x * scale, y * scale, z * scale]
+    }
+
+    /// What a ray's direction changes by where it moves by half a pixel to the right, or upward.
+    #[inline(always)]
+    fn steps_of_way(&self) -> [Vec3; 2] {
+        // A parallel picture has one direction.
+        let unit = if self.parallel { 0.0 } else { self.unit };
+        [self.basis.right, self.basis.up].map(|side| (unit * side).as_vec3())
     }
 }
 

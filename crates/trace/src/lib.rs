@@ -57,7 +57,7 @@ pub use region_caps::{cap, cap_rows};
 pub use rows::Rows;
 pub use scalar::Scalar;
 pub use shade::{
-    Appearance, Paint, Shader, SurfaceColours, UndecidedStyle, hand_back_colours, shade,
+    Appearance, Canvas, Paint, Shader, SurfaceColours, UndecidedStyle, hand_back_colours, shade,
     shade_painted, unset_colours,
 };
 pub use view::StandardView;

@@ -6,17 +6,18 @@
 //! differences over growing steps, and at last by the direction to the eye, so that a picture never
 //! holds a NaN.
 
+mod gradients;
+
 use crate::camera::Ray;
-use crate::found::Status;
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
-use crate::painted::{BAND, Window, bits};
+use crate::painted::BAND;
 use crate::rows::Rows;
+use crate::shade::Canvas;
 use crate::work::Work;
-use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use glam::DVec3;
 use rayon::prelude::*;
-use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, Sample, SampleGradient};
+use zeroset_eval::{Kernel, LANES, Points, Real, Sample, SampleGradient};
 
 /// Which kernel answers for normals.
 #[derive(Clone, Copy)]
@@ -49,7 +50,7 @@ pub fn normals<T: Real>(
     source: NormalSource<'_, T>,
     step: f64,
 ) -> Work {
-    buffer.rows(BAND).map(|mut rows| source.face(&mut rows, rays, step)).sum()
+    buffer.rows(BAND).map(|mut rows| source.face(&mut rows, rays, step, None)).sum()
 }
 
 /// What is left of a ray behind the point that it paints, and the t that makes one step.
@@ -59,11 +60,19 @@ struct Seen {
 }
 
 impl<T: Real> NormalSource<'_, T> {
-    /// As [`normals`], for some rows.
-    pub fn face(&self, rows: &mut Rows<'_>, rays: &RayGrid, step: f64) -> Work {
+    /// As [`normals`], for some rows; and their colours, if there is somebody who wants them.
+    pub fn face(
+        &self,
+        rows: &mut Rows<'_>,
+        rays: &RayGrid,
+        step: f64,
+        mut canvas: Option<Canvas<'_>>,
+    ) -> Work {
         let mut work = Work::default();
         let start = rows.pixels().start;
-        let open = self.of_band(rows, rays, &mut work);
+        let windows = rows.windows();
+        let open = self.of_band(rows, rays, &windows, canvas.as_mut(), &mut work);
+        rows.keep(windows);
         let seen = |pixel: usize| {
             let ray = rays.ray_of(start + pixel);
             let t = ray.parameter(rows.drawn[pixel]);
@@ -75,43 +84,10 @@ impl<T: Real> NormalSource<'_, T> {
                 rows.normal[pixel] = found;
             }
         }
-        work
-    }
-
-    /// Sets the normals of some rows where the gradient exists, but those of caps, which have theirs; returns where it does
-    /// not.
-    fn of_band(&self, rows: &mut Rows<'_>, rays: &RayGrid, work: &mut Work) -> Vec<usize> {
-        let mut room = (Points::<T>::default(), Gradients::<T>::default());
-        let (mut open, level) = (Vec::new(), Level::new());
-        let windows = rows.windows();
-        for &(mut window) in &windows {
-            let cap = *window.load(rows.cap, &mut [false; LANES]);
-            if cap != [false; LANES] {
-                window.wanted &= !bits(|lane| cap[lane]);
-            }
-            let Self::Gradient(kernel) = self else {
-                open.extend(window.pixels());
-                continue;
-            };
-            if window.wanted == 0 {
-                continue;
-            }
-            let mut distances = *window.load(rows.drawn, &mut [0.0; LANES]);
-            let status = *window.load(rows.status, &mut [Status::Miss; LANES]);
-            if status.contains(&Status::Undecided) {
-                before(rays, &status, &mut distances);
-            }
-            work.gradient.called(window.wanted.count_ones());
-            let (units, found) = dispatch!(level, simd => {
-                gradients_at(simd, *kernel, rays, window, &distances, &mut room)
-            });
-            let missing = Window { wanted: window.wanted & !found, ..window };
-            open.extend(missing.pixels());
-            window.wanted &= found;
-            window.store(&units, rows.normal);
+        if let Some(canvas) = canvas {
+            canvas.finish(rows);
         }
-        rows.keep(windows);
-        open
+        work
     }
 
     fn of_batch(&self, seen: &[Seen], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
@@ -227,27 +203,6 @@ fn gradients<T: Real>(
         .collect()
 }
 
-/// Unit vectors along the gradients at a window's distances, and the lanes in which there is one.
-#[inline(always)]
-fn gradients_at<S: Simd, T: Real>(
-    simd: S,
-    kernel: &dyn Kernel<SampleGradient, T>,
-    rays: &RayGrid,
-    window: Window,
-    distances: &[f64; LANES],
-    (points, out): &mut (Points<T>, Gradients<T>),
-) -> ([[f32; 3]; LANES], u32) {
-    let at = rays.points(simd, window, distances);
-    for (coordinates, exact) in points.at.iter_mut().zip(&at) {
-        for (coordinate, &exact) in coordinates.iter_mut().zip(&exact.0) {
-            *coordinate = T::nearest(exact);
-        }
-    }
-    points.count = window.count();
-    kernel.ask(points, out);
-    units(simd, &out.gradient)
-}
-
 fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
     DVec3::new(component(0), component(1), component(2))
 }
@@ -255,50 +210,6 @@ fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
 fn batches<T: Real>(points: &[DVec3]) -> Vec<Points<T>> {
     let points: Vec<[f64; 3]> = points.iter().map(|point| point.to_array()).collect();
     Points::near(&points)
-}
-
-/// Moves undecided points half a pixel towards the eye. Mostly f touches 0 there: at such a point the gradient is nothing but
-/// rounding, and close before it it is not.
-fn before(rays: &RayGrid, status: &[Status; LANES], distances: &mut [f64; LANES]) {
-    for (distance, status) in distances.iter_mut().zip(status) {
-        if *status == Status::Undecided {
-            *distance = (*distance - 0.5 * rays.footprint(*distance)).max(0.5 * *distance);
-        }
-    }
-}
-
-/// The vectors at length 1, and the lanes in which that was found: not where a vector has no direction, nor where its largest
-/// component is near the ends of what `f32` has.
-#[inline(always)]
-fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([[f32; 3]; LANES], u32) {
-    /// The bits of a float that are its exponent.
-    const EXPONENT: u32 = 0xff << 23;
-    let mut vector = [f32x16::splat(simd, 0.0); 3];
-    for (component, lanes) in vector.iter_mut().zip(vectors) {
-        let mut narrow = [0.0; LANES];
-        (0..LANES).for_each(|lane| narrow[lane] = lanes[lane].into() as f32);
-        *component = f32x16::simd_from(simd, narrow);
-    }
-    let [x, y, z] = vector;
-    // Where one is not a number, so is the square of the length.
-    let largest = x.abs().max(y.abs()).max(z.abs());
-    // Steep gradients overflow when squared: a power of two brings the largest component within [1, 2).
-    let exponent: u32x16<S> = largest.to_bits() & EXPONENT;
-    let scale = f32x16::from_bits(u32x16::splat(simd, 254 << 23) - exponent);
-    let [x, y, z] = [x * scale, y * scale, z * scale];
-    let square = x * x + y * y + z * z;
-    let scale = 1.0 / square.sqrt();
-    let mut units = [[0.0; 3]; LANES];
-    for (axis, component) in [x, y, z].into_iter().enumerate() {
-        let mut lanes = [0.0; LANES];
-        (component * scale).store_slice(&mut lanes);
-        for (unit, lane) in units.iter_mut().zip(lanes) {
-            unit[axis] = lane;
-        }
-    }
-    // Not so for NaN, nor where the power is none.
-    let found = square.simd_ge(1.0) & square.simd_le(12.0);
-    (units, found.to_bitmask() as u32)
 }
 
 /// The vector at length 1, or `None` if it has no direction.
@@ -316,7 +227,7 @@ fn unit(vector: DVec3) -> Option<[f32; 3]> {
 mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
-    use zeroset_eval::{Gradients, Values};
+    use zeroset_eval::{Gradients, Lanes, Values};
 
     /// A function of a point with values and, optionally, gradients.
     struct Plain<F, G>(F, G);

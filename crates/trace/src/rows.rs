@@ -4,6 +4,7 @@ use crate::band::Band;
 use crate::found::{Reason, Status};
 use crate::gbuffer::{GBuffer, distance};
 use crate::painted::{Window, windows};
+use crate::shade::Seen;
 use fearless_simd::Level;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -93,6 +94,21 @@ impl Rows<'_> {
     pub(crate) fn windows(&mut self) -> Vec<Window> {
         let look = || windows(Level::new(), self.drawn, self.first, self.width);
         self.windows.take().unwrap_or_else(look)
+    }
+
+    /// What is to be lit: normals, and all else that counts.
+    pub(crate) fn seen(&mut self) -> (&mut [[f32; 3]], Seen<'_>) {
+        let seen = Seen {
+            status: self.status,
+            drawn: self.drawn,
+            surface: self.surface,
+            normal: &[],
+            cap: self.cap,
+            shadow: self.shadow,
+            occlusion: self.occlusion,
+            paint: &[],
+        };
+        (self.normal, seen)
     }
 
     /// Keeps what was seen of where they are painted.

@@ -12,8 +12,8 @@ use crate::painted::{BAND, windows};
 use crate::spare::Spares;
 use fearless_simd::Level;
 use rayon::prelude::*;
-use shader::Seen;
-pub use shader::Shader;
+pub(crate) use shader::Seen;
+pub use shader::{Canvas, Shader};
 
 /// The colours of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,7 +180,7 @@ fn shade_with(
             paint: paint.get(here).unwrap_or_default(),
         };
         let windows = windows(level, seen.drawn, band * BAND, rays.width());
-        shader.band(&seen, &windows, bytes);
+        shader.canvas(bytes).windows(&seen, &windows);
     });
     bytes
 }

@@ -52,38 +52,57 @@ impl<'a> Shader<'a> {
         Self { level, ..self }
     }
 
-    /// As [`shade`](super::shade), for some rows: their colours.
-    ///
-    /// # Panics
-    /// If there are not three bytes a pixel.
-    pub fn rows(&self, rows: &mut Rows<'_>, bytes: &mut [u8]) {
-        assert_eq!(bytes.len(), 3 * rows.status.len());
-        let windows = rows.windows();
-        let seen = Seen {
-            status: rows.status,
-            drawn: rows.drawn,
-            surface: rows.surface,
-            normal: rows.normal,
-            cap: rows.cap,
-            shadow: rows.shadow,
-            occlusion: rows.occlusion,
-            paint: &[],
-        };
-        self.band(&seen, &windows, bytes);
-        rows.keep(windows);
+    /// A canvas for the colours of some rows: three bytes a pixel, which are of background first.
+    pub fn canvas<'b>(&'b self, bytes: &'b mut [u8]) -> Canvas<'b> {
+        bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
+        Canvas { shader: self, bytes: bytes.as_chunks_mut().0, left: Vec::new() }
+    }
+}
+
+/// The colours of some rows, while they are computed.
+pub struct Canvas<'a> {
+    shader: &'a Shader<'a>,
+    bytes: &'a mut [[u8; 3]],
+    /// Windows that wait for normals.
+    pub(crate) left: Vec<Window>,
+}
+
+impl Canvas<'_> {
+    /// Paints a window whose normals are these.
+    #[inline(always)]
+    pub(crate) fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        seen: &Seen<'_>,
+        window: Window,
+        normals: [f32x16<S>; 3],
+    ) {
+        self.shader.paint(simd, seen, window, Some(normals), self.bytes);
     }
 
-    pub(super) fn band(&self, seen: &Seen<'_>, windows: &[Window], bytes: &mut [u8]) {
-        bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
-        let bytes = bytes.as_chunks_mut().0;
-        for &window in windows {
-            dispatch!(self.level, simd => self.paint(simd, seen, window, bytes));
+    /// Paints what is left, now that it has normals.
+    pub(crate) fn finish(mut self, rows: &mut Rows<'_>) {
+        let left = std::mem::take(&mut self.left);
+        if !left.is_empty() {
+            let (normal, seen) = rows.seen();
+            self.windows(&Seen { normal, ..seen }, &left);
         }
+    }
+
+    /// Paints windows.
+    pub(super) fn windows(&mut self, seen: &Seen<'_>, windows: &[Window]) {
+        let Self { shader, bytes, .. } = self;
+        dispatch!(shader.level, simd => {
+            for &window in windows {
+                shader.paint(simd, seen, window, None, bytes);
+            }
+        });
     }
 }
 
 /// What a buffer has of some rows.
-pub(super) struct Seen<'a> {
+#[derive(Clone, Copy)]
+pub(crate) struct Seen<'a> {
     pub status: &'a [Status],
     pub drawn: &'a [f64],
     pub surface: &'a [u16],
@@ -117,9 +136,16 @@ impl Lamps {
 }
 
 impl Shader<'_> {
-    /// Writes the bytes of a window's pixels.
+    /// Writes the bytes of a window's pixels. Where their normals are not given, they are known.
     #[inline(always)]
-    fn paint<S: Simd>(&self, simd: S, seen: &Seen<'_>, mut window: Window, bytes: &mut [[u8; 3]]) {
+    fn paint<S: Simd>(
+        &self,
+        simd: S,
+        seen: &Seen<'_>,
+        mut window: Window,
+        normals: Option<[f32x16<S>; 3]>,
+        bytes: &mut [[u8; 3]],
+    ) {
         let mut status = [Status::Miss; LANES];
         let status = window.load(seen.status, &mut status);
         let mut numbers = [0; LANES];
@@ -147,9 +173,9 @@ impl Shader<'_> {
             let of_surface = bits(|lane| surface[lane] == surface[first]);
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
             let amounts = if seen.paint.is_empty() {
-                self.light::<S, false>(simd, seen, window, colours, marks.as_ref())
+                self.light::<S, false>(simd, seen, window, normals, colours, marks.as_ref())
             } else {
-                self.light::<S, true>(simd, seen, window, colours, marks.as_ref())
+                self.light::<S, true>(simd, seen, window, normals, colours, marks.as_ref())
             };
             let colours = self.codes.bytes(simd, amounts);
             Window { wanted: window.wanted & of_surface, ..window }.store(&colours, bytes);
@@ -179,15 +205,15 @@ impl Shader<'_> {
         simd: S,
         seen: &Seen<'_>,
         window: Window,
+        normals: Option<[f32x16<S>; 3]>,
         colours: &SurfaceColours,
         marks: Option<&[Lanes<f32>; 2]>,
     ) -> [f32x16<S>; 3] {
         let Self { rays, appearance, lamps, .. } = *self;
         let Appearance { look, ambient: everywhere, .. } = appearance;
-        let (mut normal, mut is_cap) = ([[0.0; 3]; LANES], [false; LANES]);
+        let mut is_cap = [false; LANES];
         let mut spare = [[0; LANES]; 2];
         let [shadow, occlusion] = &mut spare;
-        let normal = window.load(seen.normal, &mut normal);
         let shadow = window.load(seen.shadow, shadow);
         let occlusion = window.load(seen.occlusion, occlusion);
         let is_cap = window.load(seen.cap, &mut is_cap);
@@ -204,7 +230,10 @@ impl Shader<'_> {
         let eye = rays.ways_to_eye(simd, window);
         // No closure deals with vectors: it would be compiled apart, for narrower ones.
         let one = f32x16::splat(simd, 1.0);
-        let normal = by_axis(simd, normal);
+        let normal = match normals {
+            Some(normals) => normals,
+            None => by_axis(simd, window.load(seen.normal, &mut [[0.0; 3]; LANES])),
+        };
         let facing = dot(normal, eye);
         // The side that is seen is lit.
         let side = one.copysign(facing);

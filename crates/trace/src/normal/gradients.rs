@@ -1,0 +1,164 @@
+//! Normals from gradients, sixteen pixels of a window at a time; and their colours while they are in registers.
+
+use super::NormalSource;
+use crate::found::Status;
+use crate::grid::RayGrid;
+use crate::painted::{Window, bits};
+use crate::rows::Rows;
+use crate::shade::{Canvas, Seen};
+use crate::work::Work;
+use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
+use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
+
+impl<T: Real> NormalSource<'_, T> {
+    /// Sets the normals of some rows where the gradient exists, but those of caps, which have theirs; returns where it does
+    /// not. A window of which all are found is put on the canvas.
+    pub(super) fn of_band(
+        &self,
+        rows: &mut Rows<'_>,
+        rays: &RayGrid,
+        windows: &[Window],
+        canvas: Option<&mut Canvas<'_>>,
+        work: &mut Work,
+    ) -> Vec<usize> {
+        let Self::Gradient(kernel) = self else {
+            if let Some(canvas) = canvas {
+                canvas.left.extend(windows);
+            }
+            let is_faced = |pixel: &usize| !rows.cap.get(*pixel).is_some_and(|cap| *cap);
+            return windows.iter().flat_map(|window| window.pixels()).filter(is_faced).collect();
+        };
+        let (normal, seen) = rows.seen();
+        let mut band = Band { kernel: *kernel, rays, seen, normal, canvas, open: Vec::new(), work };
+        dispatch!(Level::new(), simd => band.face(simd, windows));
+        band.open
+    }
+}
+
+/// Some rows that get their normals.
+struct Band<'a, 'c, T: Real> {
+    kernel: &'a dyn Kernel<SampleGradient, T>,
+    rays: &'a RayGrid,
+    /// All that is known of the rows but their normals.
+    seen: Seen<'a>,
+    normal: &'a mut [[f32; 3]],
+    canvas: Option<&'a mut Canvas<'c>>,
+    /// Pixels without a gradient.
+    open: Vec<usize>,
+    work: &'a mut Work,
+}
+
+impl<T: Real> Band<'_, '_, T> {
+    #[inline(always)]
+    fn face<S: Simd>(&mut self, simd: S, windows: &[Window]) {
+        let mut room = (Points::<T>::default(), Gradients::<T>::default());
+        for &all in windows {
+            let mut window = all;
+            if !self.seen.cap.is_empty() {
+                let cap = *window.load(self.seen.cap, &mut [false; LANES]);
+                window.wanted &= !bits(|lane| cap[lane]);
+            }
+            let mut found = 0;
+            let mut units = [f32x16::splat(simd, 0.0); 3];
+            if window.wanted != 0 {
+                self.work.gradient.called(window.wanted.count_ones());
+                (units, found) = self.gradients(simd, window, &mut room);
+                found &= window.wanted;
+                store(&units, Window { wanted: found, ..window }, self.normal);
+                if found != window.wanted {
+                    let missing = Window { wanted: window.wanted & !found, ..window };
+                    self.open.extend(missing.pixels());
+                }
+            }
+            if let Some(canvas) = &mut self.canvas {
+                if found == all.wanted {
+                    canvas.paint(simd, &self.seen, all, units);
+                } else {
+                    canvas.left.push(all);
+                }
+            }
+        }
+    }
+
+    /// Unit vectors along the gradients at a window's points, and the lanes in which there is one.
+    #[inline(always)]
+    fn gradients<S: Simd>(
+        &self,
+        simd: S,
+        window: Window,
+        (points, out): &mut (Points<T>, Gradients<T>),
+    ) -> ([f32x16<S>; 3], u32) {
+        let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
+        let status = window.load(self.seen.status, &mut spare.0);
+        let mut distances = window.load(self.seen.drawn, &mut spare.1);
+        let moved;
+        if status.contains(&Status::Undecided) {
+            moved = before(self.rays, status, *distances);
+            distances = &moved;
+        }
+        let at = self.rays.points(simd, window, distances);
+        for (coordinates, exact) in points.at.iter_mut().zip(&at) {
+            for (coordinate, &exact) in coordinates.iter_mut().zip(&exact.0) {
+                *coordinate = T::nearest(exact);
+            }
+        }
+        points.count = window.count();
+        self.kernel.ask(points, out);
+        units(simd, &out.gradient)
+    }
+}
+
+/// Moves undecided points half a pixel towards the eye. Mostly f touches 0 there: at such a point the gradient is nothing but
+/// rounding, and close before it it is not.
+fn before(
+    rays: &RayGrid,
+    status: &[Status; LANES],
+    mut distances: [f64; LANES],
+) -> [f64; LANES] {
+    for (distance, status) in distances.iter_mut().zip(status) {
+        if *status == Status::Undecided {
+            *distance = (*distance - 0.5 * rays.footprint(*distance)).max(0.5 * *distance);
+        }
+    }
+    distances
+}
+
+/// The vectors at length 1, and the lanes in which that was found: not where a vector has no direction, nor where its largest
+/// component is near the ends of what `f32` has.
+#[inline(always)]
+fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3], u32) {
+    /// The bits of a float that are its exponent.
+    const EXPONENT: u32 = 0xff << 23;
+    let mut vector = [f32x16::splat(simd, 0.0); 3];
+    for (component, lanes) in vector.iter_mut().zip(vectors) {
+        let mut narrow = [0.0; LANES];
+        (0..LANES).for_each(|lane| narrow[lane] = lanes[lane].into() as f32);
+        *component = f32x16::simd_from(simd, narrow);
+    }
+    let [x, y, z] = vector;
+    // Where one is not a number, so is the square of the length.
+    let largest = x.abs().max(y.abs()).max(z.abs());
+    // Steep gradients overflow when squared: a power of two brings the largest component within [1, 2).
+    let exponent: u32x16<S> = largest.to_bits() & EXPONENT;
+    let scale = f32x16::from_bits(u32x16::splat(simd, 254 << 23) - exponent);
+    let [x, y, z] = [x * scale, y * scale, z * scale];
+    let square = x * x + y * y + z * z;
+    let scale = 1.0 / square.sqrt();
+    // Not so for NaN, nor where the power is none.
+    let found = square.simd_ge(1.0) & square.simd_le(12.0);
+    ([x * scale, y * scale, z * scale], found.to_bitmask() as u32)
+}
+
+/// Writes a window's vectors.
+#[inline(always)]
+fn store<S: Simd>(units: &[f32x16<S>; 3], window: Window, all: &mut [[f32; 3]]) {
+    let mut axes = [[0.0; LANES]; 3];
+    for (lanes, unit) in axes.iter_mut().zip(units) {
+        unit.store_slice(lanes);
+    }
+    let mut vectors = [[0.0; 3]; LANES];
+    for (lane, vector) in vectors.iter_mut().enumerate() {
+        *vector = [axes[0][lane], axes[1][lane], axes[2][lane]];
+    }
+    window.store(&vectors, all);
+}
