@@ -1,6 +1,7 @@
 //! Rows of a picture: what one thread fills at a time.
 
 use crate::found::{Found, LENGTH_ERROR, Reason, Status};
+use std::ops::Range;
 
 /// Some neighbouring rows of a picture, and where what is found of their pixels goes.
 pub struct Band<'a> {
@@ -111,24 +112,35 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add_hit`] for four pixels of a row, from `column` on.
+    /// As [`Band::add_hit`] for a square of four rows of four pixels, from this column and row on: only where nothing else was
+    /// found, and no brackets are kept. Otherwise does nothing, and returns `false`.
     #[inline]
-    pub fn add_four_hits(
+    pub fn add_square_of_hits(
         &mut self,
         column: usize,
         row: usize,
-        distance: &[f64; 4],
-        off: &[f64; 4],
-    ) {
-        let pixel = row * self.width + column;
-        let pixels = pixel..pixel + 4;
-        if self.bracket.is_empty() && self.status[pixels.clone()] == [Status::Miss; 4] {
-            self.status[pixels.clone()].fill(Status::Hit);
-            self.drawn[pixels].copy_from_slice(distance);
-        } else {
-            for k in 0..4 {
-                self.add_hit(column + k, row, distance[k], off[k]);
-            }
+        distance: &[[f64; 4]; 4],
+    ) -> bool {
+        let first = row * self.width + column;
+        let pixels = first..first + 3 * self.width + 4;
+        let (Some(status), Some(drawn)) =
+            (self.status.get_mut(pixels.clone()), self.drawn.get_mut(pixels))
+        else {
+            return false;
+        };
+        let rows = [0, 1, 2, 3].map(|row| row * self.width..row * self.width + 4);
+        // All bytes of a row at once.
+        let is_miss = |row: &Range<usize>| {
+            let four = status[row.clone()].first_chunk::<4>();
+            four.map(|four| four.map(|status| status as u8)) == Some([Status::Miss as u8; 4])
+        };
+        if !self.bracket.is_empty() || !rows.iter().all(is_miss) {
+            return false;
         }
+        for (row, distance) in rows.into_iter().zip(distance) {
+            status[row.clone()].fill(Status::Hit);
+            drawn[row].copy_from_slice(distance);
+        }
+        true
     }
 }

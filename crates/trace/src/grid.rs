@@ -181,6 +181,19 @@ impl RayGrid {
         [across + columns as i64, upward - rows as i64].map(|place| place as f64 * self.unit)
     }
 
+    /// [Screen coordinates](Self::screen) of the centres of four columns of pixels, or of four rows, from this one on.
+    #[inline]
+    pub(crate) fn screens(&self, axis: usize, from: usize) -> [f64; 4] {
+        let [across, upward] = self.first;
+        // Integers until the last step.
+        let (first, step) = if axis == 0 {
+            (across + 2 * from as i64, 2.0)
+        } else {
+            (upward - 2 * from as i64, -2.0)
+        };
+        [0.0, 1.0, 2.0, 3.0].map(|k| (first as f64 + k * step) * self.unit)
+    }
+
     /// About how wide a pixel is at a distance from the eye, in the unit of that distance: of t, or of the world.
     pub fn footprint(&self, distance: f64) -> f64 {
         let [at_eye, growth] = self.pixel();
@@ -241,18 +254,9 @@ impl RayGrid {
     }
 
     /// Columns and rows of a window's pixels, from those of its first, in the picture that there may be patches of.
-    #[inline]
+    #[inline(always)]
     fn steps(&self, window: Window) -> [Lanes<f32>; 2] {
-        let [mut columns, mut rows] = [Lanes(ALONG), Lanes::splat(0.0)];
-        if self.is_patched() {
-            let place = |column: usize| [(column % SIDE) as f32, (column / SIDE) as f32];
-            let [column, row] = place(window.column);
-            for lane in 0..LANES {
-                let [across, down] = place(window.column + lane);
-                (columns[lane], rows[lane]) = (across - column, down - row);
-            }
-        }
-        [columns, rows]
+        if self.is_patched() { steps_in_patch(window.column) } else { [ALONG, Lanes([0.0; LANES])] }
     }
 
     /// The points at these distances in world units on the rays of a window: `ray.at(ray.parameter(distance))`, bit for bit.
@@ -325,15 +329,27 @@ impl RayGrid {
     }
 }
 
+/// [`RayGrid::steps`] from this pixel of a patch on.
+fn steps_in_patch(first: usize) -> [Lanes<f32>; 2] {
+    let place = |pixel: usize| [(pixel % SIDE) as f32, (pixel / SIDE) as f32];
+    let [column, row] = place(first);
+    let [mut columns, mut rows] = [Lanes([0.0; LANES]); 2];
+    for lane in 0..LANES {
+        let [across, down] = place(first + lane);
+        (columns[lane], rows[lane]) = (across - column, down - row);
+    }
+    [columns, rows]
+}
+
 /// The columns of neighbouring pixels.
-const ALONG: [f32; LANES] = {
+const ALONG: Lanes<f32> = {
     let mut along = [0.0; LANES];
     let mut lane = 1;
     while lane < LANES {
         along[lane] = along[lane - 1] + 1.0;
         lane += 1;
     }
-    along
+    Lanes(along)
 };
 
 /// [`RayGrid::first`] of a whole picture.

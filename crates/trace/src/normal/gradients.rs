@@ -110,11 +110,7 @@ impl<T: Real> Band<'_, '_, T> {
 
 /// Moves undecided points half a pixel towards the eye. Mostly f touches 0 there: at such a point the gradient is nothing but
 /// rounding, and close before it it is not.
-fn before(
-    rays: &RayGrid,
-    status: &[Status; LANES],
-    mut distances: [f64; LANES],
-) -> [f64; LANES] {
+fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES]) -> [f64; LANES] {
     for (distance, status) in distances.iter_mut().zip(status) {
         if *status == Status::Undecided {
             *distance = (*distance - 0.5 * rays.footprint(*distance)).max(0.5 * *distance);

@@ -12,7 +12,7 @@ use super::plane::Plane;
 use super::screens::{Ends, HALF, ones, outward};
 use super::tiles::Tracer;
 use crate::scalar::{Four, Scalar};
-use fearless_simd::{Level as Vectors, dispatch, mask64x8, prelude::*};
+use fearless_simd::{Level as Vectors, dispatch, f64x4, mask64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// How often the segments of a tile's rays are asked together, before those that are left are followed one by one.
@@ -274,14 +274,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Follows these rays one by one.
-    fn follow_rest(
-        &mut self,
-        patch: &Patch,
-        rays: u16,
-        ends: &Ends,
-        tolerance: f64,
-        within: bool,
-    ) {
+    fn follow_rest(&mut self, patch: &Patch, rays: u16, ends: &Ends, tolerance: f64, within: bool) {
         let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
         let mut count = 0;
         for bit in ones(rays) {
@@ -319,26 +312,27 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         inside: &mut Option<[Lanes<T>; 2]>,
     ) -> u16 {
         let asked = segment.map(Lanes::splat);
-        let mut left = asked;
-        plane.narrow::<_, T>(simd, (&patch.screens, None), &mut left);
+        let (mut left, screens) = (asked, patch.screens());
+        plane.narrow::<_, T>(simd, (&screens, None), &mut left);
         if !within {
-            let (rays, region) = ((&patch.screens, None), self.method.region);
+            let (rays, region) = ((&screens, None), self.method.region);
             self.frame.clip(simd, rays, region, &mut left);
             *inside = Some(self.frame.between_faces(simd, rays, region, self.size));
         }
         let batch = &mut self.segments;
-        let a = f64::wide(simd, &patch.screens[0]);
-        let b = f64::wide(simd, &patch.screens[1]);
+        let Frame { origin, direction, .. } = &self.frame;
         for axis in 0..3 {
-            let Frame { origin, direction, .. } = &self.frame;
             for (parts, lanes) in
                 [(origin, &mut batch.origin[axis]), (direction, &mut batch.direction[axis])]
             {
-                let mut numbers = a;
-                for (number, b) in numbers.iter_mut().zip(b) {
-                    *number = parts[0][axis] + *number * parts[1][axis] + b * parts[2][axis];
-                }
-                T::narrow(numbers, lanes);
+                // What a column of the tile has in common, and what a row has.
+                let along = parts[0][axis] + f64x4::simd_from(simd, patch.across) * parts[1][axis];
+                let up = patch.upward.map(|upward| upward * parts[2][axis]);
+                let rows = [
+                    (along + up[0]).combine(along + up[1]),
+                    (along + up[2]).combine(along + up[3]),
+                ];
+                T::narrow(rows, lanes);
             }
         }
         outward(simd, &asked, &left, self.size, [&mut batch.near, &mut batch.far])

@@ -17,13 +17,25 @@ pub(super) struct Patch {
     first: [usize; 2],
     /// How far the next row is: in columns and rows.
     next: [usize; 2],
-    /// Screen coordinates of its rays.
-    pub screens: [Lanes<f64>; 2],
+    /// Screen coordinates of its columns and rows.
+    pub across: [f64; 4],
+    pub upward: [f64; 4],
 }
 
 impl Patch {
     pub(super) fn screen(&self, bit: usize) -> [f64; 2] {
-        [self.screens[0][bit], self.screens[1][bit]]
+        [self.across[bit % 4], self.upward[bit / 4]]
+    }
+
+    /// Those of its rays.
+    #[inline(always)]
+    pub(super) fn screens(&self) -> [Lanes<f64>; 2] {
+        let mut screens = [Lanes::splat(0.0); 2];
+        for (row, upward) in self.upward.into_iter().enumerate() {
+            screens[0].as_chunks_mut().0[row] = self.across;
+            screens[1].as_chunks_mut().0[row] = [upward; 4];
+        }
+        screens
     }
 
     fn column(&self, bit: usize) -> usize {
@@ -38,20 +50,15 @@ impl Patch {
 impl<T: Scalar> Tracer<'_, '_, '_, T> {
     pub(super) fn patch(&self, [column, row]: [usize; 2]) -> Patch {
         let (mut first, mut next) = ([4 * column, 4 * row], [0, 1]);
-        let mut corner = [first[0], self.band.top + first[1]];
-        if let Some(patch) = self.rays.patch(self.band.top + row) {
-            // It lies in one row of the band.
-            (corner, first, next) = ([patch.column, patch.row], [0, row], [4, 0]);
-        }
-        let screen = |k: usize| self.rays.screen(2 * (corner[0] + k), 2 * (corner[1] + k));
-        let places = [screen(0), screen(1), screen(2), screen(3)];
-        let across = places.map(|place| place[0]);
-        let mut screens = [Lanes::splat(0.0); 2];
-        for (row, place) in places.iter().enumerate() {
-            screens[0].as_chunks_mut().0[row] = across;
-            screens[1].as_chunks_mut().0[row] = [place[1]; 4];
-        }
-        Patch { index: row * self.across + column, first, next, screens }
+        let [across, upward] = match self.rays.patch(self.band.top + row) {
+            Some(patch) => {
+                // It lies in one row of the band.
+                (first, next) = ([0, row], [4, 0]);
+                [0, 1].map(|axis| self.rays.screens(axis, [patch.column, patch.row][axis]))
+            }
+            None => [self.screens[0][column], self.screens[1][row]],
+        };
+        Patch { index: row * self.across + column, first, next, across, upward }
     }
 
     /// Writes the hits that a tile's form proves on the rays of its pixels.
@@ -79,7 +86,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     #[inline(always)]
     fn on_plane<S: Simd>(&self, simd: S, plane: &Plane, patch: &Patch) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
-        let (mut distance, mut off) = (plane.at(simd, &patch.screens), self.lengths(simd, patch));
+        let (mut distance, mut off) = (plane.at(simd, &patch.screens()), self.lengths(simd, patch));
         for (distance, off) in distance.iter_mut().zip(&mut off) {
             *distance = (self.frame.start + *distance) * *off;
             *off *= plane.reach();
@@ -112,8 +119,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         if self.rays.is_parallel() {
             return [f64x8::splat(simd, 1.0); 2];
         }
-        let mut a = f64::wide(simd, &patch.screens[0]);
-        let b = f64::wide(simd, &patch.screens[1]);
+        let screens = patch.screens();
+        let mut a = f64::wide(simd, &screens[0]);
+        let b = f64::wide(simd, &screens[1]);
         for (a, b) in a.iter_mut().zip(b) {
             *a = (1.0 + *a * *a + b * b).sqrt();
         }
@@ -123,16 +131,17 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     /// Writes hits at distances, on the rays with these bits.
     pub(super) fn write(&mut self, patch: &Patch, bits: u16, [distance, off]: &[Lanes<f64>; 2]) {
         let [distance, off] = [distance.as_chunks::<4>().0, off.as_chunks::<4>().0];
-        for row in 0..4 {
-            let four = bits >> (4 * row) & 0xf;
-            let (column, line) = (patch.column(4 * row), patch.row(4 * row));
-            if four == 0xf {
-                self.band.add_four_hits(column, line, &distance[row], &off[row]);
-            } else {
-                for k in ones(four) {
-                    self.band.add_hit(column + k, line, distance[row][k], off[row][k]);
-                }
-            }
+        let [column, row] = patch.first;
+        let is_whole = bits == u16::MAX && patch.next == [0, 1];
+        if is_whole
+            && let Some(distance) = distance.first_chunk()
+            && self.band.add_square_of_hits(column, row, distance)
+        {
+            return;
+        }
+        for bit in ones(bits) {
+            let (distance, off) = (distance[bit / 4][bit % 4], off[bit / 4][bit % 4]);
+            self.band.add_hit(patch.column(bit), patch.row(bit), distance, off);
         }
     }
 
@@ -143,7 +152,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
         let mut count = 0;
         let mut ends = segment.map(Lanes::splat);
-        dispatch!(self.vectors, simd => self.frame.clip(simd, (&patch.screens, None), region, &mut ends));
+        let screens = patch.screens();
+        dispatch!(self.vectors, simd => self.frame.clip(simd, (&screens, None), region, &mut ends));
         for bit in ones(self.open[patch.index]) {
             let [origin, direction] = self.frame.ray(patch.screen(bit));
             let mut span = [ends[0][bit], ends[1][bit]];

@@ -40,6 +40,14 @@ pub(super) fn trace<T: Scalar>(
         if is_patched { vec![u16::MAX; band.height] } else { open_pixels(band.width, band.height) };
     close_unasked(&mut open, band, across, is_patched);
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
+    let fours = |axis: usize, first: usize, count: usize| {
+        (0..count).map(|four| rays.screens(axis, first + 4 * four)).collect()
+    };
+    let screens = if is_patched {
+        Default::default()
+    } else {
+        [fours(0, 0, across), fours(1, band.top, open.len() / across)]
+    };
     let size = frame.size();
     let blur = BLURRED * frame.error_in::<T>(size).max_element();
     let mut tracer = Tracer {
@@ -48,6 +56,7 @@ pub(super) fn trace<T: Scalar>(
         band,
         open,
         across,
+        screens,
         size,
         segments: frame.segments(),
         contractions: Contractions::default(),
@@ -138,6 +147,8 @@ pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
     pub open: Vec<u16>,
     /// Tiles of 4×4 in a row.
     pub across: usize,
+    /// Screen coordinates of columns and rows of pixels, by fours; none of patches.
+    pub screens: [Vec<[f64; 4]>; 2],
     /// The farthest end of a segment.
     pub size: f64,
     pub segments: Segments<T>,
