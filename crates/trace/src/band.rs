@@ -1,6 +1,7 @@
 //! Rows of a picture: what one thread fills at a time.
 
 use crate::found::{Found, LENGTH_ERROR, Reason, Status};
+use crate::painted::are_misses;
 use std::ops::Range;
 
 /// Some neighbouring rows of a picture, and where what is found of their pixels goes.
@@ -129,11 +130,8 @@ impl Band<'_> {
             return false;
         };
         let rows = [0, 1, 2, 3].map(|row| row * self.width..row * self.width + 4);
-        // All bytes of a row at once.
-        let is_miss = |row: &Range<usize>| {
-            let four = status[row.clone()].first_chunk::<4>();
-            four.map(|four| four.map(|status| status as u8)) == Some([Status::Miss as u8; 4])
-        };
+        let is_miss =
+            |row: &Range<usize>| status[row.clone()].first_chunk::<4>().is_some_and(are_misses);
         if !self.bracket.is_empty() || !rows.iter().all(is_miss) {
             return false;
         }

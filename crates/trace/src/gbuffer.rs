@@ -31,8 +31,8 @@ pub struct GBuffer {
     pub(crate) open_from: Vec<f64>,
     /// Of hits, the distances between which the zero is proven to lie; NaN elsewhere. Empty if that is not wanted.
     pub bracket: Vec<[f64; 2]>,
-    /// Distance from the ray's origin, in world units, of the point that is painted; infinite where the background shows. Over
-    /// kernels of `f32` it is known to some 24 bits.
+    /// Distance from the ray's origin, in world units, of the point that is painted; infinite where the background shows, as
+    /// it does in every miss. Over kernels of `f32` it is known to some 24 bits.
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
     pub surface: Vec<u16>,
@@ -124,7 +124,11 @@ impl GBuffer {
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         resize(&mut self.bracket, if kept.brackets { pixels } else { 0 }, [0.0; 2]);
-        resize(&mut self.status, pixels, Status::Miss);
+        // New memory is of no miss, which says that nothing is drawn.
+        if self.drawn.capacity() < pixels {
+            self.status.clear();
+        }
+        resize(&mut self.status, pixels, Status::Undecided);
         resize(&mut self.reason, pixels, Reason::None);
         resize(&mut self.open_from, pixels, 0.0);
         resize(&mut self.drawn, pixels, 0.0);
@@ -136,7 +140,12 @@ impl GBuffer {
     }
 
     /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the process.
+    ///
+    /// # Panics
+    /// In debug builds, if a miss is painted: those who get the memory count on it.
     pub fn hand_back(self) {
+        let mut pixels = self.status.iter().zip(&self.drawn);
+        debug_assert!(pixels.all(|(status, drawn)| *status != Status::Miss || !drawn.is_finite()));
         SPARES.hand_back(self);
     }
 
@@ -146,6 +155,7 @@ impl GBuffer {
     /// If there is no such pixel.
     pub fn set(&mut self, pixel: usize, found: &Found) {
         debug_assert!(found.status != Status::Hit || found.distance == found.drawn);
+        debug_assert!(found.status != Status::Miss || !found.drawn.is_finite());
         self.status[pixel] = found.status;
         self.drawn[pixel] = found.drawn;
         if found.status == Status::Undecided {
@@ -371,6 +381,27 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_painted_in_the_memory_of_an_earlier_picture() {
+        let mut buffer = GBuffer::default();
+        for (width, height) in [(100, 3), (33, 2), (40, 30), (100, 12), (7, 1), (40, 30)] {
+            buffer.reset(width, height, 0);
+            let pixels = 0..width * height;
+            let is_clear = |pixel: usize| {
+                (buffer.status[pixel], buffer.drawn[pixel]) == (Status::Miss, f64::INFINITY)
+            };
+            assert!(pixels.clone().all(is_clear), "{width}×{height}");
+            for pixel in pixels.filter(|pixel| pixel % 45 < 2 || pixel % 256 < 50) {
+                let (status, drawn) = match pixel % 3 {
+                    0 => (Status::Hit, 2.0),
+                    1 => (Status::Undecided, 3.0),
+                    _ => (Status::Undecided, f64::INFINITY),
+                };
+                buffer.set(pixel, &Found { status, distance: 2.0, drawn, ..Found::MISS });
+            }
+        }
+    }
+
+    #[test]
     fn the_nearer_claim_and_the_nearer_paint_win_apart() {
         // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint
         // is the hit's.
@@ -399,7 +430,7 @@ mod tests {
         buffer.merge(&GBuffer::new(1, 1, 3));
         assert_eq!(buffer, before);
         // Nor does what is not wanted.
-        buffer.replace(&pixel(Status::Miss, 9.0, 9.0, 9), &[false]);
+        buffer.replace(&pixel(Status::Undecided, 9.0, 9.0, 9), &[false]);
         assert_eq!(buffer, before);
         let another = pixel(Status::Undecided, 9.0, 9.0, 9);
         let mut replaced = before.clone();

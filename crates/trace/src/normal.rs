@@ -227,6 +227,7 @@ fn unit(vector: DVec3) -> Option<[f32; 3]> {
 mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
+    use crate::found::Status;
     use zeroset_eval::{Gradients, Lanes, Values};
 
     /// A function of a point with values and, optionally, gradients.
@@ -268,7 +269,7 @@ mod tests {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let mut buffer = GBuffer::new(1, 1, 0);
-        buffer.drawn[0] = 4.0;
+        (buffer.status[0], buffer.drawn[0]) = (Status::Hit, 4.0);
         normals(&mut buffer, &camera.expect("valid").rays(1, 1), source, 1e-3);
         buffer.normal[0]
     }
@@ -351,8 +352,9 @@ mod tests {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let mut buffer = GBuffer::new(80, 20, 0);
-        let drawn = buffer.drawn.iter_mut().enumerate().filter(|(pixel, _)| pixel % 3 != 0);
-        drawn.for_each(|(_, distance)| *distance = 5.0);
+        for pixel in (0..80 * 20).filter(|pixel| pixel % 3 != 0) {
+            (buffer.status[pixel], buffer.drawn[pixel]) = (Status::Hit, 5.0);
+        }
         (buffer, camera.expect("valid").rays(80, 20))
     }
 

@@ -2,6 +2,7 @@
 //!
 //! What is done with the pixels is not known here.
 
+use crate::found::Status;
 use fearless_simd::{Level, dispatch, f64x8, prelude::*};
 use zeroset_eval::LANES;
 
@@ -96,19 +97,37 @@ pub(crate) fn bits(holds: impl Fn(usize) -> bool) -> u32 {
     }
 }
 
-/// Windows over all that is painted in a band that begins in row `first` of a picture of this width, given its distances.
-/// Each starts with a painted pixel; no two overlap.
-pub(crate) fn windows(vectors: Level, drawn: &[f64], first: usize, width: usize) -> Vec<Window> {
+/// Windows over all that is painted in a band that begins in row `first` of a picture of this width, given what its pixels
+/// are and how far. Each starts with a painted pixel; no two overlap.
+pub(crate) fn windows(
+    vectors: Level,
+    status: &[Status],
+    drawn: &[f64],
+    first: usize,
+    width: usize,
+) -> Vec<Window> {
     let mut found = Vec::new();
-    dispatch!(vectors, simd => look(simd, drawn, first, width.max(1), &mut found));
+    dispatch!(vectors, simd => look(simd, status, drawn, first, width.max(1), &mut found));
     found
 }
 
 #[inline(always)]
-fn look<S: Simd>(simd: S, drawn: &[f64], first: usize, width: usize, found: &mut Vec<Window>) {
-    for (row, drawn) in drawn.chunks(width).enumerate() {
+fn look<S: Simd>(
+    simd: S,
+    status: &[Status],
+    drawn: &[f64],
+    first: usize,
+    width: usize,
+    found: &mut Vec<Window>,
+) {
+    for (row, (status, drawn)) in status.chunks(width).zip(drawn.chunks(width)).enumerate() {
         let mut column = 0;
         while column < drawn.len() {
+            // Most of what is not painted is seen by a byte each.
+            if status[column..].first_chunk::<LANES>().is_some_and(are_misses) {
+                column += LANES;
+                continue;
+            }
             let mut wanted = painted(simd, &drawn[column..]);
             // Once more from the first painted pixel on, so that few windows have lanes to spare.
             if wanted & 1 == 0 {
@@ -122,6 +141,12 @@ fn look<S: Simd>(simd: S, drawn: &[f64], first: usize, width: usize, found: &mut
             column += LANES;
         }
     }
+}
+
+/// Whether nothing is painted, since all of these are misses.
+#[inline]
+pub(crate) fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
+    status.iter().fold(0, |any, status| any | *status as u8) == Status::Miss as u8
 }
 
 /// Which of the first sixteen of these distances are painted.
@@ -150,9 +175,11 @@ mod tests {
             for step in [1, 2, 3, 17] {
                 let paint = |pixel| if pixel % step == 0 { pixel as f64 } else { f64::INFINITY };
                 let drawn: Vec<f64> = (0..width * height).map(paint).collect();
+                let hit = |drawn: &f64| if drawn.is_finite() { Status::Hit } else { Status::Miss };
+                let status: Vec<Status> = drawn.iter().map(hit).collect();
                 let mut copied = vec![f64::INFINITY; drawn.len()];
                 let mut seen = Vec::new();
-                for window in windows(Level::new(), &drawn, 40, width) {
+                for window in windows(Level::new(), &status, &drawn, 40, width) {
                     assert_eq!(window.index, (window.row - 40) * width + window.column);
                     assert!(window.wanted & 1 == 1 && (1..=16).contains(&window.count()));
                     seen.extend(window.pixels());

@@ -3,11 +3,14 @@
 use crate::band::Band;
 use crate::found::{Reason, Status};
 use crate::gbuffer::{GBuffer, distance};
-use crate::painted::{Window, windows};
+use crate::painted::{Window, are_misses, windows};
 use crate::shade::Seen;
 use fearless_simd::Level;
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// Pixels that are made misses at a time.
+const CLEARED: usize = 32;
 
 /// Some neighbouring rows of a [`GBuffer`], all that is known of their pixels.
 pub struct Rows<'a> {
@@ -75,10 +78,16 @@ impl Rows<'_> {
 
     /// Makes every pixel a miss, for the surface with this number.
     pub(crate) fn clear(&mut self, surface: u16) {
-        // What says nothing of a miss stays as it is: to write it would take time for nothing.
-        self.status.fill(Status::Miss);
+        // What says nothing of a miss stays as it is: to write it would take time for nothing. Nor need it be written that
+        // nothing is painted where the memory holds a miss of an earlier picture.
+        let parts = self.status.chunks_mut(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
+        for (status, drawn) in parts {
+            if !status.first_chunk::<CLEARED>().is_some_and(are_misses) {
+                status.fill(Status::Miss);
+                drawn.fill(f64::INFINITY);
+            }
+        }
         self.bracket.fill([f64::NAN; 2]);
-        self.drawn.fill(f64::INFINITY);
         self.surface.fill(surface);
         self.cap.fill(false);
         self.shadow.fill(0);
@@ -92,7 +101,7 @@ impl Rows<'_> {
 
     /// Where they are painted. To be [given back](Self::keep), unless what is painted changes.
     pub(crate) fn windows(&mut self) -> Vec<Window> {
-        let look = || windows(Level::new(), self.drawn, self.first, self.width);
+        let look = || windows(Level::new(), self.status, self.drawn, self.first, self.width);
         self.windows.take().unwrap_or_else(look)
     }
 

@@ -179,7 +179,7 @@ fn shade_with(
             occlusion: buffer.occlusion.get(here.clone()).unwrap_or_default(),
             paint: paint.get(here).unwrap_or_default(),
         };
-        let windows = windows(level, seen.drawn, band * BAND, rays.width());
+        let windows = windows(level, seen.status, seen.drawn, band * BAND, rays.width());
         shader.canvas(bytes).windows(&seen, &windows);
     });
     bytes

@@ -153,6 +153,7 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
     for pixel in 0..size {
         // Runs of several lengths, and lone pixels.
         if random(8) == 0 || (pixel / 40) % 3 == 0 {
+            buffer.status[pixel] = Status::Hit;
             buffer.drawn[pixel] = 3.0 + f64::from(random(100)) / 30.0;
         }
         let normal = [(); 3].map(|()| f64::from(random(201)) - 100.0);
