@@ -81,9 +81,14 @@ impl<'a, T: Scalar> Affine<'a, T> {
         options: Options,
     ) -> Result<Self, KernelError> {
         let kernels = T::kernels(surface);
-        // Each is compiled while the other is.
-        let (tiles, follower) =
-            rayon::join(|| kernels.tiles(), || Follower::new(surface, region, options));
+        let follower = || Follower::new(surface, region, options);
+        let (tiles, follower) = if rayon::current_thread_index().is_some() {
+            // Each is compiled while the other is.
+            rayon::join(|| kernels.tiles(), follower)
+        } else {
+            // Mostly they were compiled before, and to hand this over to another thread would take longer.
+            (kernels.tiles(), follower())
+        };
         Ok(Self {
             tiles: tiles?,
             follower: follower?,
@@ -100,9 +105,14 @@ impl<'a, T: Scalar> Affine<'a, T> {
 impl<'a, T: Scalar> Affine<'a, T> {
     /// The same in `f64` alone.
     fn double(&self) -> Option<&Affine<'a, f64>> {
+        if let Some(double) = self.double.get() {
+            return double.as_deref();
+        }
         let options = Options { precision: Precision::F64, ..self.options };
-        let make = || Affine::new(self.surface, self.region, options).ok().map(Box::new);
-        self.double.get_or_init(make).as_deref()
+        // Not made while others are kept waiting: a thread that waits for the half of this that another one makes takes up
+        // another band meanwhile, which would then wait for this very thread.
+        let made = Affine::new(self.surface, self.region, options).ok().map(Box::new);
+        self.double.get_or_init(|| made).as_deref()
     }
 }
 

@@ -1,0 +1,75 @@
+//! Kernels that are made while a picture is traced keep no thread waiting for itself.
+
+use glam::DVec3;
+use std::sync::mpsc;
+use std::time::Duration;
+use zeroset_eval::{
+    Asked, ContractSegments, ContractTiles, Contractions, Enclose, Kernel, KernelError, Kernels,
+    Planes, Real, Segments, Surface, Tiles,
+};
+use zeroset_trace::{
+    Camera, Driver, GBuffer, Method, Options, Precision, Projection, Region, Status,
+};
+
+/// A function without zeros, whose kernels take their time to be made.
+struct Late;
+
+impl<T: Real> Kernel<ContractTiles, T> for Late {
+    fn ask(&self, _: &Tiles<T>, out: &mut Planes<T>) {
+        *out = Planes::default();
+    }
+}
+
+impl<T: Real> Kernel<ContractSegments, T> for Late {
+    fn ask(&self, _: &Segments<T>, out: &mut Contractions<T>) {
+        *out = Contractions::default();
+    }
+}
+
+impl<T: Real> Kernels<T> for Late {
+    fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
+        Ok(None)
+    }
+    fn segments(&self) -> Asked<'_, ContractSegments, T> {
+        std::thread::sleep(Duration::from_millis(30));
+        Ok(self)
+    }
+    fn tiles(&self) -> Asked<'_, ContractTiles, T> {
+        std::thread::sleep(Duration::from_millis(10));
+        Ok(self)
+    }
+}
+
+impl Surface for Late {
+    fn single(&self) -> &dyn Kernels<f32> {
+        self
+    }
+    fn double(&self) -> &dyn Kernels<f64> {
+        self
+    }
+}
+
+#[test]
+fn bands_do_not_wait_for_each_other() {
+    const SIZE: usize = 512;
+    let (done, finished) = mpsc::channel();
+    // More threads than this machine may have: what matters is that one waits while others have bands left.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("threads");
+    pool.spawn(move || {
+        let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
+        let parallel = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
+        let rays = camera.expect("valid").rays(SIZE, SIZE);
+        // So near that no ray is followed in f32.
+        let options = Options { precision: Precision::Auto, tolerance: 1e-6, ..Options::default() };
+        for _ in 0..10 {
+            let affine = Method::named("affine").expect("a row");
+            let tracer = affine.prepare(&Late, &region, options).expect("kernels");
+            let mut buffer = GBuffer::new(SIZE, SIZE, 0);
+            Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
+            assert!(buffer.status.iter().all(|status| *status == Status::Miss));
+        }
+        done.send(()).expect("somebody who waits");
+    });
+    finished.recv_timeout(Duration::from_secs(60)).expect("a thread waits for itself");
+}
