@@ -2,15 +2,17 @@
 //!
 //! `cargo bench --bench shade` takes 512×512 pixels on one thread and prints ns per drawn pixel, or per pixel of the
 //! background; names are `shade/case`. Surfaces are spheres whose distances are known, and the kernel asked for gradients
-//! hands its points on.
+//! hands its points on. The first columns are of one step after another over the whole picture; the last two are of a frame, in
+//! which a few rows at a time go from nothing to colours.
 
 use glam::DVec3;
 use std::hint::black_box;
 use std::time::Instant;
 use zeroset_eval::{Gradients, Kernel, Points, Real, SampleGradient};
 use zeroset_trace::{
-    Appearance, Camera, Found, GBuffer, Light, NormalSource, Projection, RayGrid, StandardView,
-    Status, hand_back_colours, normals, shade,
+    Appearance, BAND_ROWS, Band, Camera, Driver, Found, GBuffer, Kept, Light, NormalSource,
+    Projection, RayGrid, Segment, Shader, StandardView, Start, Status, Tracer, Work,
+    hand_back_colours, normals, shade, unset_colours,
 };
 
 const SIZE: usize = 512;
@@ -41,17 +43,50 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
     buffer
 }
 
+/// Finds what is known.
+struct Known<'a>(&'a GBuffer);
+
+impl Tracer for Known<'_> {
+    fn follow(&self, _: &[Segment], _: Start, _: &mut [Found], _: &mut Work) {}
+
+    fn band(&self, _: &RayGrid, band: &mut Band<'_>, _: &mut Work) {
+        for row in 0..band.height {
+            let first = (band.top + row) * band.width;
+            for column in 0..band.width {
+                let (status, drawn) = (self.0.status[first + column], self.0.drawn[first + column]);
+                if status == Status::Hit {
+                    let found = Found { status, distance: drawn, drawn, ..Found::MISS };
+                    band.set(column, row, &found);
+                }
+            }
+        }
+    }
+}
+
 /// What is measured, in the order of the columns.
-const STAGES: [&str; 6] = ["new", "handed back", "normals", "in f64", "colours", "near light"];
+const STAGES: [&str; 8] = [
+    "new",
+    "handed back",
+    "normals",
+    "in f64",
+    "colours",
+    "near light",
+    "frame set up",
+    "frame lit",
+];
+/// Those that are the same for each pixel.
+const OF_EACH: [usize; 3] = [0, 1, 6];
 
 /// Seconds that each stage takes: of interleaved rounds one in twenty was faster. A busy machine slows all others down, and
 /// there is no rival that it would slow down as much.
-fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; 6] {
+fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     let far = Appearance::new(Default::default(), Light::above_left(rays));
     let near = Appearance::new(Default::default(), Light::Positional(DVec3::new(3.0, -3.0, 3.0)));
     let gradients = NormalSource::<f32>::Gradient(&HandedOn);
     let gradients_in_f64 = NormalSource::<f64>::Gradient(&HandedOn);
-    let mut times = [const { Vec::new() }; 6];
+    let nothing = GBuffer::new(SIZE, SIZE, 0);
+    let shader = Shader::new(rays, &far);
+    let mut times = [const { Vec::new() }; STAGES.len() + 1];
     for _ in 0..ROUNDS {
         let mut stage = 0;
         let mut lap = |work: &mut dyn FnMut()| {
@@ -74,11 +109,37 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; 6] {
         hand_back_colours(shade(buffer, rays, &far));
         lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &far))));
         lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &near))));
+        // The memory of each of these is of a picture that was painted.
+        for (known, is_lit) in [(&nothing, false), (&*buffer, false), (&*buffer, true)] {
+            frame(rays, buffer, Some(&shader));
+            lap(&mut || frame(rays, known, is_lit.then_some(&shader)));
+        }
     }
-    times.map(|mut times| {
+    let sorted = times.map(|mut times| {
         times.sort_by(f64::total_cmp);
         times[ROUNDS / 20]
-    })
+    });
+    let [times @ .., traced, lit] = sorted;
+    let mut all = [0.0; STAGES.len()];
+    let [first @ .., last] = &mut all;
+    first.copy_from_slice(&times);
+    *last = lit - traced;
+    all
+}
+
+/// A frame of what is known, with normals and colours if there is a shader.
+fn frame(rays: &RayGrid, known: &GBuffer, shader: Option<&Shader<'_>>) {
+    let driver = Driver { rays, tracer: &Known(known), advance: &|_| true };
+    let mut colours = unset_colours(SIZE * SIZE);
+    let parts = colours.chunks_mut(3 * BAND_ROWS * SIZE).collect();
+    let source = NormalSource::<f32>::Gradient(&HandedOn);
+    let (buffer, _) = driver.new_picture(0, Kept::default(), &[], parts, |rows, bytes| {
+        let canvas = shader.map(|shader| shader.canvas(bytes));
+        canvas.map_or_else(Work::default, |canvas| source.face(rows, rays, 1e-3, Some(canvas)))
+    });
+    black_box(&buffer);
+    buffer.hand_back();
+    hand_back_colours(colours);
 }
 
 fn main() {
@@ -88,7 +149,7 @@ fn main() {
     let camera = Camera::new(offset, DVec3::ZERO, up, projection).expect("valid");
     let rays = camera.rays(SIZE, SIZE);
     println!("{:20}{:>9}{}", "ns per pixel", "pixels", STAGES.map(|s| format!("{s:>13}")).concat());
-    let print = |name: &str, pixels: usize, times: [f64; 6]| {
+    let print = |name: &str, pixels: usize, times: [f64; STAGES.len()]| {
         let columns = times.map(|time| format!("{:13.2}", 1e9 * time / pixels as f64)).concat();
         println!("{:20}{pixels:9}{columns}", format!("shade/{name}"));
     };
@@ -101,7 +162,7 @@ fn main() {
         // Set-up is the same for each pixel; of the rest, what the background takes is not counted.
         let (share, mut times) = ((all - drawn) as f64 / all as f64, time(&rays, &mut buffer));
         for (stage, time) in times.iter_mut().enumerate() {
-            *time = if stage < 2 {
+            *time = if OF_EACH.contains(&stage) {
                 *time * drawn as f64 / all as f64
             } else {
                 *time - share * background[stage]
