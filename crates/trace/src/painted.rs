@@ -24,7 +24,7 @@ pub(crate) struct Window {
 }
 
 /// All lanes.
-const FULL: u32 = (1 << LANES) - 1;
+pub(crate) const FULL: u32 = (1 << LANES) - 1;
 
 impl Window {
     /// The lanes that are wanted.

@@ -92,7 +92,8 @@ impl<T: Real> Band<'_, '_, T> {
         let status = window.load(self.seen.status, &mut spare.0);
         let mut distances = window.load(self.seen.drawn, &mut spare.1);
         let moved;
-        if status.contains(&Status::Undecided) {
+        // All at once.
+        if status.iter().fold(false, |any, status| any | (*status == Status::Undecided)) {
             moved = before(self.rays, status, *distances);
             distances = &moved;
         }

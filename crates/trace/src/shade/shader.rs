@@ -5,7 +5,7 @@ use super::{Appearance, Paint, SurfaceColours, UndecidedStyle};
 use crate::colour::{BLACK, Codes, LinearRgb};
 use crate::found::Status;
 use crate::grid::RayGrid;
-use crate::painted::{Window, bits};
+use crate::painted::{FULL, Window, bits};
 use crate::rows::Rows;
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
@@ -170,7 +170,9 @@ impl Shader<'_> {
         // One surface after another: most windows have one.
         while window.wanted != 0 {
             let first = window.wanted.trailing_zeros() as usize % LANES;
-            let of_surface = bits(|lane| surface[lane] == surface[first]);
+            let differ = surface.iter().fold(0, |any, number| any | (number ^ surface[first]));
+            let of_surface =
+                if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
             let amounts = if seen.paint.is_empty() {
                 self.light::<S, false>(simd, seen, window, normals, colours, marks.as_ref())
