@@ -43,17 +43,18 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
     buffer
 }
 
-/// Finds what is known.
-struct Known<'a>(&'a GBuffer);
+/// Finds what is known, if anything is.
+struct Known<'a>(Option<&'a GBuffer>);
 
 impl Tracer for Known<'_> {
     fn follow(&self, _: &[Segment], _: Start, _: &mut [Found], _: &mut Work) {}
 
     fn band(&self, _: &RayGrid, band: &mut Band<'_>, _: &mut Work) {
+        let Some(known) = self.0 else { return };
         for row in 0..band.height {
             let first = (band.top + row) * band.width;
             for column in 0..band.width {
-                let (status, drawn) = (self.0.status[first + column], self.0.drawn[first + column]);
+                let (status, drawn) = (known.status[first + column], known.drawn[first + column]);
                 if status == Status::Hit {
                     let found = Found { status, distance: drawn, drawn, ..Found::MISS };
                     band.set(column, row, &found);
@@ -84,7 +85,6 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     let near = Appearance::new(Default::default(), Light::Positional(DVec3::new(3.0, -3.0, 3.0)));
     let gradients = NormalSource::<f32>::Gradient(&HandedOn);
     let gradients_in_f64 = NormalSource::<f64>::Gradient(&HandedOn);
-    let nothing = GBuffer::new(SIZE, SIZE, 0);
     let shader = Shader::new(rays, &far);
     let mut times = [const { Vec::new() }; STAGES.len() + 1];
     for _ in 0..ROUNDS {
@@ -110,8 +110,9 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &far))));
         lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &near))));
         // The memory of each of these is of a picture that was painted.
-        for (known, is_lit) in [(&nothing, false), (&*buffer, false), (&*buffer, true)] {
-            frame(rays, buffer, Some(&shader));
+        let known = Some(&*buffer);
+        for (known, is_lit) in [(None, false), (known, false), (known, true)] {
+            frame(rays, Some(buffer), Some(&shader));
             lap(&mut || frame(rays, known, is_lit.then_some(&shader)));
         }
     }
@@ -128,7 +129,7 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
 }
 
 /// A frame of what is known, with normals and colours if there is a shader.
-fn frame(rays: &RayGrid, known: &GBuffer, shader: Option<&Shader<'_>>) {
+fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     let driver = Driver { rays, tracer: &Known(known), advance: &|_| true };
     let mut colours = unset_colours(SIZE * SIZE);
     let parts = colours.chunks_mut(3 * BAND_ROWS * SIZE).collect();
