@@ -71,5 +71,5 @@ fn bands_do_not_wait_for_each_other() {
         }
         done.send(()).expect("somebody who waits");
     });
-    finished.recv_timeout(Duration::from_secs(60)).expect("a thread waits for itself");
+    finished.recv_timeout(Duration::from_mins(1)).expect("a thread waits for itself");
 }

@@ -92,8 +92,9 @@ impl<T: Real> Band<'_, '_, T> {
         let status = window.load(self.seen.status, &mut spare.0);
         let mut distances = window.load(self.seen.drawn, &mut spare.1);
         let moved;
+        let is_open = |status: &Status| u8::from(*status == Status::Undecided);
         // All at once.
-        if status.iter().fold(false, |any, status| any | (*status == Status::Undecided)) {
+        if status.iter().map(is_open).max() == Some(1) {
             moved = before(self.rays, status, *distances);
             distances = &moved;
         }
