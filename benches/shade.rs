@@ -2,8 +2,9 @@
 //!
 //! `cargo bench --bench shade` takes 512×512 pixels on one thread and prints ns per drawn pixel, or per pixel of the
 //! background; names are `shade/case`. Surfaces are spheres whose distances are known, and the kernel asked for gradients
-//! hands its points on. The first columns are of one step after another over the whole picture; the last two are of a frame, in
-//! which a few rows at a time go from nothing to colours.
+//! hands its points on. The first columns are of one step after another over the whole picture: set-up in new memory, and in that
+//! of an empty picture, then the rest. The last two are of a frame, in which a few rows at a time go from nothing to colours, in
+//! the memory of the frame before.
 
 use glam::DVec3;
 use std::hint::black_box;
@@ -100,7 +101,7 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         written.reset(SIZE, SIZE, 0);
         written.hand_back();
         lap(&mut || black_box(GBuffer::new(SIZE, SIZE, 0)).hand_back());
-        // The next round begins without.
+        // That was the last of it.
         drop(GBuffer::new(SIZE, SIZE, 0));
         buffer.normal.fill([0.0; 3]);
         lap(&mut || _ = black_box(normals(buffer, rays, gradients, 1e-3)));
@@ -115,6 +116,8 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
             frame(rays, Some(buffer), Some(&shader));
             lap(&mut || frame(rays, known, is_lit.then_some(&shader)));
         }
+        // The next round begins without memory of earlier pictures.
+        drop([(); 2].map(|()| GBuffer::new(SIZE, SIZE, 0)));
     }
     let sorted = times.map(|mut times| {
         times.sort_by(f64::total_cmp);
@@ -160,7 +163,7 @@ fn main() {
     for (name, radius) in [("full", 10.0), ("sphere", 1.0)] {
         let mut buffer = paint(&rays, radius);
         let drawn = (0..all).filter(|&pixel| buffer.is_drawn(pixel)).count();
-        // Set-up is the same for each pixel; of the rest, what the background takes is not counted.
+        // Set-up is shared by all pixels; of the rest, what the background takes is not counted.
         let (share, mut times) = ((all - drawn) as f64 / all as f64, time(&rays, &mut buffer));
         for (stage, time) in times.iter_mut().enumerate() {
             *time = if OF_EACH.contains(&stage) {

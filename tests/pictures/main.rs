@@ -11,6 +11,7 @@ mod paints;
 mod properties;
 mod property_support;
 mod reference;
+mod settled;
 mod soundness;
 mod stability;
 mod stability_proofs;

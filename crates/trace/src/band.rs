@@ -67,6 +67,7 @@ impl Band<'_> {
     pub fn set(&mut self, column: usize, row: usize, found: &Found) {
         let pixel = row * self.width + column;
         debug_assert!(found.status != Status::Hit || found.distance == found.drawn);
+        debug_assert!(found.status != Status::Miss || !found.drawn.is_finite());
         self.status[pixel] = found.status;
         self.drawn[pixel] = found.drawn;
         if found.status == Status::Undecided {

@@ -99,7 +99,11 @@ impl GBuffer {
     }
 
     /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that goes.
+    ///
+    /// # Panics
+    /// As [`GBuffer::hand_back`].
     pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
+        self.check();
         self.resize(width, height, Kept::default());
         self.rows(ROWS).for_each(|mut rows| rows.clear(surface));
     }
@@ -110,6 +114,12 @@ impl GBuffer {
         let mut unset = spare.unwrap_or_default();
         unset.resize(width, height, kept);
         unset
+    }
+
+    /// No miss is painted.
+    fn check(&self) {
+        let mut pixels = self.status.iter().zip(&self.drawn);
+        debug_assert!(pixels.all(|(status, drawn)| *status != Status::Miss || !drawn.is_finite()));
     }
 
     fn resize(&mut self, width: usize, height: usize, kept: Kept) {
@@ -144,8 +154,7 @@ impl GBuffer {
     /// # Panics
     /// In debug builds, if a miss is painted: those who get the memory count on it.
     pub fn hand_back(self) {
-        let mut pixels = self.status.iter().zip(&self.drawn);
-        debug_assert!(pixels.all(|(status, drawn)| *status != Status::Miss || !drawn.is_finite()));
+        self.check();
         SPARES.hand_back(self);
     }
 

@@ -72,7 +72,6 @@ impl<T: Real> NormalSource<'_, T> {
         let start = rows.pixels().start;
         let windows = rows.windows();
         let open = self.of_band(rows, rays, &windows, canvas.as_mut(), &mut work);
-        rows.keep(windows);
         let seen = |pixel: usize| {
             let ray = rays.ray_of(start + pixel);
             let t = ray.parameter(rows.drawn[pixel]);

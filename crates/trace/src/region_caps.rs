@@ -52,7 +52,6 @@ pub fn cap_rows<T: Real>(
     kernel: &dyn Kernel<Enclose, T>,
     only: &[bool],
 ) -> Work {
-    rows.forget();
     let pixels = rows.pixels();
     let first = pixels.start;
     let entries: Vec<(usize, Entry)> = pixels

@@ -30,8 +30,6 @@ pub struct Rows<'a> {
     pub(crate) cap: &'a mut [bool],
     pub(crate) shadow: &'a mut [u8],
     pub(crate) occlusion: &'a mut [u8],
-    /// Where they are painted, if somebody looked.
-    windows: Option<Vec<Window>>,
 }
 
 impl GBuffer {
@@ -63,7 +61,6 @@ impl GBuffer {
             cap: cap.next().unwrap_or_default(),
             shadow: shadow.next().unwrap_or_default(),
             occlusion: occlusion.next().unwrap_or_default(),
-            windows: None,
         };
         (0..count).map(part).collect::<Vec<_>>().into_par_iter()
     }
@@ -99,10 +96,9 @@ impl Rows<'_> {
         distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
     }
 
-    /// Where they are painted. To be [given back](Self::keep), unless what is painted changes.
-    pub(crate) fn windows(&mut self) -> Vec<Window> {
-        let look = || windows(Level::new(), self.status, self.drawn, self.first, self.width);
-        self.windows.take().unwrap_or_else(look)
+    /// Where they are painted.
+    pub(crate) fn windows(&self) -> Vec<Window> {
+        windows(Level::new(), self.status, self.drawn, self.first, self.width)
     }
 
     /// What is to be lit: normals, and all else that counts.
@@ -120,16 +116,6 @@ impl Rows<'_> {
         (self.normal, seen)
     }
 
-    /// Keeps what was seen of where they are painted.
-    pub(crate) fn keep(&mut self, windows: Vec<Window>) {
-        self.windows = Some(windows);
-    }
-
-    /// Forgets it: what is painted changes.
-    pub(crate) fn forget(&mut self) {
-        self.windows = None;
-    }
-
     /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is wanted, if not all are;
     /// `wanted` whether the work is to go on.
     pub(crate) fn band<'a>(
@@ -138,7 +124,6 @@ impl Rows<'_> {
         wanted: &'a (dyn Fn() -> bool + Sync),
     ) -> Band<'a> {
         let only = if only.is_empty() { only } else { &only[self.pixels()] };
-        self.forget();
         Band {
             top: self.first,
             width: self.width,

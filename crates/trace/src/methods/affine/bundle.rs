@@ -1,7 +1,8 @@
 //! The rays of a tile of 4×4 pixels, followed together: each along what the tile's form leaves of its segment.
 //!
 //! What is left of a segment after it was asked stays in its lane: all of it where it got much shorter, else its nearer part,
-//! and the other one comes later. The few rays on which arithmetic is at its end are followed one by one.
+//! and the other one comes later. Followed one by one are rays on which the arithmetic of tiles is at its end, what may be a hit
+//! of a cleared form, and all rays of tiles that a clipping plane or the edge of a ball cuts.
 
 use super::super::way::{self, CUT, Way};
 use super::frame::Frame;
@@ -176,11 +177,11 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         }
         let tolerance = self.method.tolerance * self.footprint(segment[0]);
         let grain = T::GRAIN * self.size;
-        let coarse = (COARSE * grain).max(self.blur).max(options.least * tolerance);
+        let coarse = (COARSE * grain).max(self.blur);
         let four = |number| T::Four::splat(T::nearest(number));
         let limits = Limits {
             tolerance: four(tolerance),
-            least: four((UNSTEADY * tolerance).max(grain)),
+            least: four(UNSTEADY * tolerance),
             grain: four(grain),
             coarse: four(coarse),
         };

@@ -168,7 +168,8 @@ impl Frame {
                 let (enter, leave) = (a.min_precise(b), a.max_precise(b));
                 let is_level = d.simd_eq(0.0);
                 let beside = is_level & !(o.simd_ge(low) & o.simd_le(high));
-                // What is not a number is so on one side of both faces or between them, where it does not bound the ray.
+                // Infinite ends give no number here only where they do not bound the ray: it came in long before, or leaves long
+                // after.
                 let first = near.max_precise(enter + 1e-12 * enter.abs());
                 let last = far.min_precise(leave - 1e-12 * leave.abs());
                 *near = is_level.select(*near, first);

@@ -20,7 +20,7 @@ pub(super) struct Level<T: Scalar> {
     across: usize,
     /// Which tile a lane is about, row by row.
     tiles: [u8; LANES],
-    /// By lane, where the tiles are.
+    /// Where the tiles are: by lane, or, if they are `within` the region, where they were before lanes were moved.
     pub screens: Screens,
     /// By tile, what comes after the segment in its lane.
     later: [Stack<T>; LANES],
