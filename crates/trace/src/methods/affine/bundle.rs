@@ -278,26 +278,30 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     fn follow_rest(&mut self, patch: &Patch, rays: u16, ends: &Ends, tolerance: f64, within: bool) {
         let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
         let mut count = 0;
+        let (mut ends, error, region) = (*ends, self.frame.error, self.method.region);
+        if !within {
+            // As closely as f64 knows where they leave the region, which may be all that is left to tell.
+            let screens = patch.screens();
+            dispatch!(self.vectors, simd => self.frame.clip(simd, (&screens, None), region, &mut ends));
+        }
         for bit in ones(rays) {
             let [origin, direction] = self.frame.ray(patch.screen(bit));
-            let (error, region) = (self.frame.error, self.method.region);
-            ways[count] = Way {
-                origin,
-                direction,
-                error,
-                start: -self.frame.start,
-                span: [ends[0][bit], ends[1][bit]],
-                inside: if within {
-                    [f64::NEG_INFINITY, f64::INFINITY]
-                } else {
-                    way::between_faces([origin, direction, error], region)
-                },
-                tolerance,
+            let (start, span) = (-self.frame.start, [ends[0][bit], ends[1][bit]]);
+            if span[0] > span[1] {
+                continue;
+            }
+            let inside = if within {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            } else {
+                way::between_faces([origin, direction, error], region)
             };
+            ways[count] = Way { origin, direction, error, start, span, inside, tolerance };
             bits[count] = bit;
             count += 1;
         }
-        self.follow_ways(patch, &ways[..count], &bits);
+        if count > 0 {
+            self.follow_ways(patch, &ways[..count], &bits);
+        }
     }
 
     /// Puts the rays of a tile of 4×4 into the batch, each with what a form of the tile leaves of a segment, and if that is
