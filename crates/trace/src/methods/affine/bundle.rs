@@ -4,13 +4,13 @@
 //! and the other one comes later. Followed one by one are rays on which the arithmetic of tiles is at its end, what may be a hit
 //! of a cleared form, and all rays of tiles that a clipping plane or the edge of a ball cuts.
 
-use super::super::way::{self, CUT, Way};
+use super::super::way::CUT;
 use super::frame::Frame;
 use super::level::Level;
-use super::narrow::{COARSE, STALLED, STEADY, UNSTEADY};
+use super::narrow::{STALLED, STEADY, UNSTEADY};
 use super::pixels::Patch;
 use super::plane::Plane;
-use super::screens::{Ends, HALF, ones, outward};
+use super::screens::{Ends, HALF, UNMOVED, move_to_first, ones, outward, saves_a_vector};
 use super::tiles::Tracer;
 use crate::scalar::{Four, Scalar};
 use fearless_simd::{Level as Vectors, dispatch, f64x4, mask64x8, prelude::*};
@@ -159,9 +159,10 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         within: bool,
     ) {
         let patch = self.patch(level.place(lane));
-        let options = &self.method.options;
-        if !options.ideas.contract || !within && self.method.region.is_cut() {
-            return self.follow_apart(&patch, segment);
+        let tolerance = self.method.tolerance * self.footprint(segment[0]);
+        if !self.method.options.ideas.contract || !within && self.method.region.is_cut() {
+            let (rays, ends) = (self.open[patch.index], segment.map(Lanes::splat));
+            return self.follow_apart(&patch, rays, ends, tolerance, within);
         }
         let plane = Plane::new(&level.batch, &level.out, lane);
         let mut bundle = Bundle { rays: None, inside: None, ends: Default::default(), later: 0 };
@@ -175,15 +176,12 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         if !within {
             self.cut_at_faces(live, &mut bundle);
         }
-        let tolerance = self.method.tolerance * self.footprint(segment[0]);
-        let grain = T::GRAIN * self.size;
-        let coarse = (COARSE * grain).max(self.blur);
         let four = |number| T::Four::splat(T::nearest(number));
         let limits = Limits {
             tolerance: four(tolerance),
             least: four(UNSTEADY * tolerance),
-            grain: four(grain),
-            coarse: four(coarse),
+            grain: four(T::GRAIN * self.size),
+            coarse: four(self.coarse),
         };
         let (mut hits, mut hard) = (0, 0);
         for _ in 0..ROUNDS {
@@ -233,7 +231,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             self.later[bit].clear();
         }
         if hard != 0 {
-            self.follow_rest(&patch, hard, &bundle.ends, tolerance, within);
+            self.follow_apart(&patch, hard, bundle.ends, tolerance, within);
         }
     }
 
@@ -271,36 +269,6 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             }
             self.segments.far[lane] = here[1];
             bundle.later |= 1 << lane;
-        }
-    }
-
-    /// Follows these rays one by one.
-    fn follow_rest(&mut self, patch: &Patch, rays: u16, ends: &Ends, tolerance: f64, within: bool) {
-        let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
-        let mut count = 0;
-        let (mut ends, error, region) = (*ends, self.frame.error, self.method.region);
-        if !within {
-            // As closely as f64 knows where they leave the region, which may be all that is left to tell.
-            let screens = patch.screens();
-            dispatch!(self.vectors, simd => self.frame.clip(simd, (&screens, None), region, &mut ends));
-        }
-        for bit in ones(rays) {
-            let [origin, direction] = self.frame.ray(patch.screen(bit));
-            let (start, span) = (-self.frame.start, [ends[0][bit], ends[1][bit]]);
-            if span[0] > span[1] {
-                continue;
-            }
-            let inside = if within {
-                [f64::NEG_INFINITY, f64::INFINITY]
-            } else {
-                way::between_faces([origin, direction, error], region)
-            };
-            ways[count] = Way { origin, direction, error, start, span, inside, tolerance };
-            bits[count] = bit;
-            count += 1;
-        }
-        if count > 0 {
-            self.follow_ways(patch, &ways[..count], &bits);
         }
     }
 
@@ -345,14 +313,10 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Moves the rays that are live to the first lanes, where that saves a vector; returns the lanes that are live then.
     fn pack(&mut self, live: u16, bundle: &mut Bundle<T>) -> u16 {
-        let (count, last) = (live.count_ones(), LANES as u32 - live.leading_zeros());
-        if count.div_ceil(4) == last.div_ceil(4) {
+        if !saves_a_vector(live) {
             return live;
         }
-        let rays = bundle.rays.get_or_insert_with(|| std::array::from_fn(|lane| lane as u8));
-        for (to, from) in ones(live).enumerate() {
-            rays[to] = rays[from];
-        }
+        let first = move_to_first(bundle.rays.get_or_insert(UNMOVED), live);
         let inside = bundle.inside.iter_mut().flatten();
         dispatch!(self.vectors, simd => {
             let Segments { origin, direction, near, far, .. } = &mut self.segments;
@@ -360,6 +324,6 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 T::pack(simd, lanes, live);
             }
         });
-        (1 << count) - 1
+        first
     }
 }

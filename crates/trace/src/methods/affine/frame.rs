@@ -258,3 +258,59 @@ impl<S: Simd> Wide<S> {
         [middle - reach, middle + reach]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Projection};
+    use crate::methods::way;
+    use crate::widths::levels;
+    use fearless_simd::dispatch;
+
+    #[test]
+    fn sixteen_rays_leave_the_faces_where_each_does() {
+        let region = Region::new(DVec3::new(-1.0, -0.5, -2.0), DVec3::new(1.5, 1.0, 2.0));
+        let region = region.expect("valid");
+        let wide = Projection::Perspective { fov: 70.0 };
+        let parallel = Projection::Orthographic { height: 6.0 };
+        let (mut crossed, mut beside) = (0, 0);
+        // From outside, from within, and along an axis, where rays are level with four faces.
+        for (eye, projection) in [
+            (DVec3::new(3.0, -4.0, 2.0), wide),
+            (DVec3::new(0.1, 0.2, 0.3), wide),
+            (DVec3::new(0.0, -5.0, 0.0), parallel),
+        ] {
+            let rays = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
+            let rays = rays.rays(24, 24);
+            let frame = Frame::new(&rays, &region);
+            for (column, row) in (0..24).step_by(4).flat_map(|i| (0..24).map(move |j| (i, j))) {
+                let mut screens = [Lanes::splat(0.0); 2];
+                for lane in 0..LANES {
+                    let [a, b] = rays.screen(2 * (column + lane % 4), 2 * row + lane / 4);
+                    (screens[0][lane], screens[1][lane]) = (a, b);
+                }
+                for level in levels() {
+                    let [near, far]: [Lanes<f64>; 2] = dispatch!(level, simd => {
+                        frame.between_faces(simd, (&screens, None), &region, frame.size())
+                    });
+                    for lane in 0..LANES {
+                        let [origin, direction] = frame.ray([screens[0][lane], screens[1][lane]]);
+                        let [first, last] =
+                            way::between_faces([origin, direction, frame.error], &region);
+                        let is_beside = first > last;
+                        assert_eq!(near[lane] > far[lane], is_beside, "{first} {last}");
+                        if is_beside {
+                            beside += 1;
+                            continue;
+                        }
+                        crossed += 1;
+                        // Rounded inward, and by little.
+                        assert!(first <= near[lane] && near[lane] < first + 1e-10, "{first}");
+                        assert!(far[lane] <= last && last - 1e-10 < far[lane], "{last}");
+                    }
+                }
+            }
+        }
+        assert!(crossed > 1000 && beside > 1000, "{crossed} {beside}");
+    }
+}

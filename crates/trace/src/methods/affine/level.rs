@@ -1,7 +1,7 @@
 //! Up to sixteen tiles at once: where they are, and what is still to be looked at of them.
 
 use super::plane::Plane;
-use super::screens::{Ends, Screens, ones, outward};
+use super::screens::{Ends, Screens, UNMOVED, move_to_first, ones, outward, saves_a_vector};
 use super::slots::Stack;
 use super::tiles::Tracer;
 use crate::scalar::Scalar;
@@ -27,17 +27,6 @@ pub(super) struct Level<T: Scalar> {
     pub batch: Tiles<T>,
     pub out: Planes<T>,
 }
-
-/// Each tile in its own lane.
-const UNMOVED: [u8; LANES] = {
-    let mut tiles = [0; LANES];
-    let mut lane = 1;
-    while lane < LANES {
-        tiles[lane] = lane as u8;
-        lane += 1;
-    }
-    tiles
-};
 
 impl<T: Scalar> Level<T> {
     pub fn new(batch: Tiles<T>) -> Self {
@@ -170,13 +159,9 @@ impl<T: Scalar> Level<T> {
 
     /// Moves the live lanes to the first ones, where that saves a vector.
     pub fn pack(&mut self, vectors: Vectors) {
-        let (count, last) = (self.live.count_ones(), LANES as u32 - self.live.leading_zeros());
-        if count.div_ceil(4) < last.div_ceil(4) {
-            for (to, from) in ones(self.live).enumerate() {
-                self.tiles[to] = self.tiles[from];
-            }
+        if saves_a_vector(self.live) {
             dispatch!(vectors, simd => self.pack_batch(simd));
-            self.live = (1 << count) - 1;
+            self.live = move_to_first(&mut self.tiles, self.live);
         }
         self.batch.count = LANES as u32 - self.live.leading_zeros();
     }

@@ -145,22 +145,35 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         }
     }
 
-    /// Follows the rays of a tile of 4×4 that are not finished one by one, each as far as it is in the region.
-    pub(super) fn follow_apart(&mut self, patch: &Patch, segment: [f64; 2]) {
-        let region = self.method.region;
-        let tolerance = self.method.tolerance * self.footprint(segment[0]);
+    /// Follows these rays of a tile of 4×4 one by one between `ends`, each as far as it is in the region, unless all is
+    /// `within` it.
+    pub(super) fn follow_apart(
+        &mut self,
+        patch: &Patch,
+        rays: u16,
+        mut ends: Ends,
+        tolerance: f64,
+        within: bool,
+    ) {
+        let (region, error, start) = (self.method.region, self.frame.error, self.frame.start);
+        let mut insides = [f64::NEG_INFINITY, f64::INFINITY].map(Lanes::splat);
+        if !within {
+            // As closely as f64 knows where they leave the region, which may be all that is left to tell.
+            let screens = patch.screens();
+            dispatch!(self.vectors, simd => {
+                let rays = (&screens, None);
+                self.frame.clip(simd, rays, region, &mut ends);
+                insides = self.frame.between_faces(simd, rays, region, self.size);
+            });
+        }
         let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
         let mut count = 0;
-        let mut ends = segment.map(Lanes::splat);
-        let screens = patch.screens();
-        dispatch!(self.vectors, simd => self.frame.clip(simd, (&screens, None), region, &mut ends));
-        for bit in ones(self.open[patch.index]) {
+        for bit in ones(rays) {
             let [origin, direction] = self.frame.ray(patch.screen(bit));
-            let mut span = [ends[0][bit], ends[1][bit]];
-            let mut inside = way::between_faces([origin, direction, self.frame.error], region);
-            if region.is_cut() {
+            let mut span = ends.map(|ends| ends[bit]);
+            let mut inside = insides.map(|ends| ends[bit]);
+            if !within && region.is_cut() {
                 let ray = self.rays.ray(patch.column(bit), self.band.top + patch.row(bit));
-                let start = self.frame.start;
                 let Some((near, far)) = region.span(&ray) else { continue };
                 let slack = 1e-15 * (near.abs() + start.abs());
                 span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
@@ -171,8 +184,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             if !is_left {
                 continue;
             }
-            let (error, start) = (self.frame.error, -self.frame.start);
-            ways[count] = Way { origin, direction, error, start, span, inside, tolerance };
+            ways[count] = Way { origin, direction, error, start: -start, span, inside, tolerance };
             bits[count] = bit;
             count += 1;
         }
@@ -188,7 +200,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Follows rays of a tile of 4×4, given by their bits, one by one to the end.
-    pub(super) fn follow_ways(&mut self, patch: &Patch, ways: &[Way], bits: &[usize; LANES]) {
+    fn follow_ways(&mut self, patch: &Patch, ways: &[Way], bits: &[usize; LANES]) {
         let follower = &self.method.follower;
         let outcomes = follower.follow(ways, Start::Anywhere, &mut self.scratch, self.work);
         for (outcome, &bit) in outcomes[..ways.len()].iter().zip(bits) {

@@ -32,6 +32,34 @@ pub(super) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     })
 }
 
+/// What lanes are about before any has moved: each about its own.
+pub(super) const UNMOVED: [u8; LANES] = {
+    let mut things = [0; LANES];
+    let mut lane = 1;
+    while lane < LANES {
+        things[lane] = lane as u8;
+        lane += 1;
+    }
+    things
+};
+
+/// Whether fewer vectors hold the live lanes once they are the first ones.
+#[inline]
+pub(super) fn saves_a_vector(live: u16) -> bool {
+    let last = LANES as u32 - live.leading_zeros();
+    live.count_ones().div_ceil(4) < last.div_ceil(4)
+}
+
+/// Notes what lanes are about when the live ones move to the first; returns which are live then.
+#[inline]
+pub(super) fn move_to_first(things: &mut [u8; LANES], live: u16) -> u16 {
+    for (to, from) in ones(live).enumerate() {
+        things[to] = things[from];
+    }
+    // Not all are live, or no vector would be saved.
+    (1 << live.count_ones()) - 1
+}
+
 /// The parts of segments that are left, a lane each: from the first to the second.
 pub(super) type Ends = [Lanes<f64>; 2];
 

@@ -3,7 +3,7 @@
 use super::Affine;
 use super::frame::Frame;
 use super::level::Level;
-use super::narrow::{BLURRED, Scratch};
+use super::narrow::{BLURRED, COARSE, Scratch};
 use super::plane::Plane;
 use super::screens::{HALF, ones};
 use super::slots::Stack;
@@ -50,6 +50,7 @@ pub(super) fn trace<T: Scalar>(
     };
     let size = frame.size();
     let blur = BLURRED * frame.error_in::<T>(size).max_element();
+    let coarse = (COARSE * T::GRAIN * size).max(blur);
     let mut tracer = Tracer {
         method,
         rays,
@@ -63,7 +64,7 @@ pub(super) fn trace<T: Scalar>(
         frame,
         scratch: Scratch::default(),
         later: Default::default(),
-        blur,
+        coarse,
         work,
         vectors: Vectors::new(),
     };
@@ -157,7 +158,7 @@ pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
     /// What comes later on the rays of a tile.
     pub later: [Stack<T>; LANES],
     /// Of segments shorter than this it is rounding that they get no shorter.
-    pub blur: f64,
+    pub coarse: f64,
     pub work: &'a mut Work,
     /// Those that the processor has.
     pub vectors: Vectors,
