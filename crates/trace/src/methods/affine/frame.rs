@@ -284,11 +284,12 @@ mod tests {
             let rays = rays.rays(24, 24);
             let frame = Frame::new(&rays, &region);
             for (column, row) in (0..24).step_by(4).flat_map(|i| (0..24).map(move |j| (i, j))) {
-                let mut screens = [Lanes::splat(0.0); 2];
+                let [mut across, mut down] = [Lanes::splat(0.0); 2];
                 for lane in 0..LANES {
-                    let [a, b] = rays.screen(2 * (column + lane % 4), 2 * row + lane / 4);
-                    (screens[0][lane], screens[1][lane]) = (a, b);
+                    let at = [2 * (column + lane % 4), 2 * row + lane / 4];
+                    [across[lane], down[lane]] = rays.screen(at[0], at[1]);
                 }
+                let screens = [across, down];
                 for level in levels() {
                     let [near, far]: [Lanes<f64>; 2] = dispatch!(level, simd => {
                         frame.between_faces(simd, (&screens, None), &region, frame.size())
