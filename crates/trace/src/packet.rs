@@ -4,27 +4,60 @@
 //! given by its share τ of that extent, from 0 where rays enter to 1 where they leave, so one τ is one plane for all
 //! rays of the packet. Everything here is in the kernel's floats with explicit slack, and encloses the exact rays.
 
-use crate::camera::Ray;
 use crate::method::Segment;
 use crate::region::Region;
 use crate::scalar::{Four, Scalar};
 use glam::DVec3;
-use zeroset_eval::{Boxes, Segments};
+use std::array::from_fn;
+use zeroset_eval::{Boxes, LANES, Segments};
 
-/// Rays in a packet.
-pub(crate) const RAYS: usize = 4;
+/// The most rays in a packet, four at a time.
+pub(crate) const RAYS: usize = LANES;
+const FOURS: usize = RAYS / 4;
 
-/// Four rays, and what they share.
+/// A number of each ray.
+type Each<F> = [F; FOURS];
+
+/// Up to sixteen rays, and what they share. Lanes that no ray has repeat the last one's.
 #[derive(Clone, Debug)]
 pub(crate) struct Packet<T: Scalar> {
     planes: Planes,
+    /// How many rays there are.
+    count: usize,
     /// Per axis, the region's bounds as (−lo, hi), rounded outward, in all lanes.
     bounds: [[T::Four; 2]; 3],
-    /// By axis.
-    sides: [Side<T::Four>; 3],
+    /// By axis, then by fours.
+    sides: [Each<Side<T::Four>>; 3],
     /// A ray is within the region only between these τ.
-    enter: T::Four,
-    leave: T::Four,
+    enter: Each<T::Four>,
+    leave: Each<T::Four>,
+}
+
+/// Origins and directions of a packet's rays, and up to which t they are looked at.
+struct Lines {
+    origin: [[f64; RAYS]; 3],
+    direction: [[f64; RAYS]; 3],
+    to: [f64; RAYS],
+}
+
+impl Lines {
+    #[inline]
+    fn new(segments: &[Segment]) -> Self {
+        let mut lines = Self {
+            origin: [[0.0; RAYS]; 3],
+            direction: [[0.0; RAYS]; 3],
+            to: [f64::INFINITY; RAYS],
+        };
+        for lane in 0..RAYS {
+            let Segment { ray, to, .. } = &segments[lane.min(segments.len() - 1)];
+            for axis in 0..3 {
+                lines.origin[axis][lane] = ray.origin[axis];
+                lines.direction[axis][lane] = ray.direction[axis];
+            }
+            lines.to[lane] = *to;
+        }
+        lines
+    }
 }
 
 /// The planes τ = 0 and τ = 1.
@@ -68,34 +101,40 @@ impl<T: Scalar> Packet<T> {
     pub fn new(region: &Region) -> Self {
         let zero = T::Four::default();
         let bound = |end: f64| T::Four::splat(T::above(end));
+        let side = Side { start: zero, extent: zero, slack: zero };
         Self {
             planes: Planes { k: 0, start: 0.0, extent: 0.0, inverse: 0.0 },
+            count: 0,
             bounds: [0, 1, 2].map(|k| [bound(-region.low()[k]), bound(region.high()[k])]),
-            sides: [Side { start: zero, extent: zero, slack: zero }; 3],
-            enter: zero,
-            leave: zero,
+            sides: [[side; FOURS]; 3],
+            enter: [zero; FOURS],
+            leave: [zero; FOURS],
         }
     }
 
-    /// Takes these rays, advancing on the first one's fastest axis. Returns whether they all advance together: otherwise
-    /// they need packets of their own.
-    #[inline]
-    pub fn take(&mut self, segments: &[&Segment; RAYS], region: &Region) -> bool {
-        let first = segments[0].ray.direction;
-        let k = fastest_axis(first);
-        let forward = first[k] > 0.0;
-        for segment in segments {
-            let d = segment.ray.direction;
+    /// Takes these rays, one to [`RAYS`], advancing on the first one's fastest axis. Returns whether they all advance
+    /// together: otherwise they need packets of their own.
+    pub fn take(&mut self, segments: &[Segment], region: &Region) -> bool {
+        let lines = Lines::new(segments);
+        let k = fastest_axis(segments[0].ray.direction);
+        let forward = lines.direction[k][0] > 0.0;
+        let mut together = true;
+        for lane in 0..RAYS {
+            let [x, y, z] = [0, 1, 2].map(|axis| lines.direction[axis][lane].abs());
+            let along = lines.direction[k][lane];
             // Written so that NaN directions are rejected too.
-            let fast = d[k].abs() >= LEAST_SHARE * d.abs().max_element();
-            if !fast || (d[k] > 0.0) != forward {
-                return false;
-            }
+            let fast = |other: f64| along.abs() >= LEAST_SHARE * other;
+            together &= fast(x) & fast(y) & fast(z) & ((along > 0.0) == forward);
+        }
+        if !together {
+            return false;
         }
         let (low, high) = (region.low()[k], region.high()[k]);
         let (start, end) = if forward { (low, high) } else { (high, low) };
         self.planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
-        self.place(segments, region);
+        self.count = segments.len();
+        self.place(&lines, region);
+        self.round(segments, region);
         true
     }
 
@@ -103,49 +142,44 @@ impl<T: Scalar> Packet<T> {
     /// farther; as a value of t.
     pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
         let Planes { k, start, extent, .. } = self.planes;
-        let share = share.into().max(self.enter.to_array()[lane].into());
+        let share = share.into().max(self.enter[lane / 4].to_array()[lane % 4].into());
         let plane = start + share * extent;
         ((plane - segment.ray.origin[k]) / segment.ray.direction[k]).max(0.0)
     }
 
-    /// Boxes around the rays between each two of some planes in order, clipped to the region: those of the first two planes
-    /// in the first lanes, and so on.
+    /// Boxes around the rays between two planes in order, clipped to the region: those of rays up to the last of some, which
+    /// are bits.
     #[inline]
-    pub fn boxes<const PLANES: usize>(&self, planes: [T; PLANES], out: &mut Boxes<T>) {
-        out.count = (RAYS * (PLANES - 1)) as u32;
-        for axis in 0..3 {
-            let side = &self.sides[axis];
+    pub fn boxes(&self, [from, to]: [T; 2], rays: u16, out: &mut Boxes<T>) {
+        out.count = LANES as u32 - rays.leading_zeros();
+        let (from, to) = (T::Four::splat(from), T::Four::splat(to));
+        let fours = (out.count as usize).div_ceil(4);
+        for (axis, sides) in self.sides.iter().enumerate() {
             let [neg_lo, hi] = self.bounds[axis];
-            let mut a = side.at(planes[0]);
-            for (slab, &plane) in planes[1..].iter().enumerate() {
-                let b = side.at(plane);
-                let lower = (side.slack - a.min(b)).min(neg_lo).to_array();
-                let upper = (side.slack + a.max(b)).min(hi).to_array();
-                let lanes = RAYS * slab..RAYS * (slab + 1);
-                out.neg_lo[axis][lanes.clone()].copy_from_slice(&lower);
-                out.hi[axis][lanes].copy_from_slice(&upper);
-                a = b;
+            let lowers = out.neg_lo[axis].as_chunks_mut::<4>().0;
+            let uppers = out.hi[axis].as_chunks_mut::<4>().0;
+            for ((side, lower), upper) in sides[..fours].iter().zip(lowers).zip(uppers) {
+                let (a, b) = (side.start + from * side.extent, side.start + to * side.extent);
+                *lower = (side.slack - a.min(b)).min(neg_lo).to_array();
+                *upper = (side.slack + a.max(b)).min(hi).to_array();
             }
         }
     }
 
-    /// The rays between each two of some planes in order, as segments in which t is τ: in lanes as [`Packet::boxes`].
+    /// The rays between two planes in order, as segments in which t is τ: in lanes as [`Packet::boxes`].
     #[inline]
-    pub fn segments<const PLANES: usize>(&self, planes: [T; PLANES], out: &mut Segments<T>) {
-        let used = RAYS * (PLANES - 1);
-        out.count = used as u32;
-        for lane in 0..used {
-            (out.near[lane], out.far[lane]) = (planes[lane / RAYS], planes[lane / RAYS + 1]);
-        }
+    pub fn segments(&self, [from, to]: [T; 2], rays: u16, out: &mut Segments<T>) {
+        out.count = LANES as u32 - rays.leading_zeros();
+        (out.near.0, out.far.0) = ([from; LANES], [to; LANES]);
         // The slack is for τ within [0, 1], all of a packet's; what kernels round is added to it, generously.
         let rounding = T::Four::splat(T::nearest(2.0 * T::PATH_ERROR));
         let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
         let least = T::Four::splat(least + least);
-        for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
-            let error = *slack + rounding * (start.abs() + extent.abs()) + least;
-            let [origin, direction, error] = [*start, *extent, error].map(Four::to_array);
-            for first in (0..used).step_by(RAYS) {
-                let lanes = first..first + RAYS;
+        for (axis, sides) in self.sides.iter().enumerate() {
+            for (four, Side { start, extent, slack }) in sides.iter().enumerate() {
+                let error = *slack + rounding * (start.abs() + extent.abs()) + least;
+                let [origin, direction, error] = [*start, *extent, error].map(Four::to_array);
+                let lanes = 4 * four..4 * four + 4;
                 out.origin[axis][lanes.clone()].copy_from_slice(&origin);
                 out.direction[axis][lanes.clone()].copy_from_slice(&direction);
                 out.error[axis][lanes].copy_from_slice(&error);
@@ -155,56 +189,66 @@ impl<T: Scalar> Packet<T> {
 
     /// Finds where the rays are.
     #[inline]
-    fn place(&mut self, segments: &[&Segment; RAYS], region: &Region) {
+    fn place(&mut self, lines: &Lines, region: &Region) {
         let Planes { k, start, extent, inverse } = self.planes;
         // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way from there to τ = 1.
-        let (mut from, mut to) = ([T::integer(0); 4], [T::integer(1); 4]);
-        let (mut t0, mut dt) = ([0.0_f64; 4], [0.0_f64; 4]);
-        for (lane, segment) in segments.iter().enumerate() {
-            let (origin, direction) = (segment.ray.origin[k], segment.ray.direction[k]);
+        let (mut from, mut to) = ([T::integer(0); RAYS], [T::integer(1); RAYS]);
+        let (mut t0, mut dt) = ([0.0_f64; RAYS], [0.0_f64; RAYS]);
+        for lane in 0..RAYS {
+            let (origin, direction) = (lines.origin[k][lane], lines.direction[k][lane]);
             let first = start - origin;
             let per_k = 1.0 / direction;
             (t0[lane], dt[lane]) = (first * per_k, extent * per_k);
             let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * (origin * inverse).abs();
             from[lane] = T::nearest(-first * inverse - error);
-            if segment.to.is_finite() {
-                let advance = segment.to * direction;
-                let error = error + DOUBLE_ERROR * (advance * inverse).abs();
-                to[lane] = T::nearest((advance - first) * inverse + error);
+        }
+        if lines.to.iter().any(|to| to.is_finite()) {
+            for lane in (0..RAYS).filter(|&lane| lines.to[lane].is_finite()) {
+                let (origin, direction) = (lines.origin[k][lane], lines.direction[k][lane]);
+                let advance = lines.to[lane] * direction;
+                let sizes = (origin * inverse).abs() + (advance * inverse).abs();
+                let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * sizes;
+                to[lane] = T::nearest((advance - (start - origin)) * inverse + error);
             }
         }
-        self.enter = T::Four::from_array(from).max(T::Four::splat(-T::SHARE_ERROR));
-        self.leave = T::Four::from_array(to).min(T::Four::splat(T::integer(1) + T::SHARE_ERROR));
+        let (from, to) = (fours::<T>(&from), fours::<T>(&to));
+        let most = T::Four::splat(T::integer(1) + T::SHARE_ERROR);
+        for four in 0..FOURS {
+            self.enter[four] = from[four].max(T::Four::splat(-T::SHARE_ERROR));
+            self.leave[four] = to[four].min(most);
+        }
         for axis in 0..3 {
-            let [mut starts, mut extents, mut reach] = [[T::integer(0); 4]; 3];
-            for lane in 0..4 {
-                let Ray { origin, direction } = segments[lane].ray;
-                let step = t0[lane] * direction[axis];
-                starts[lane] = T::nearest(origin[axis] + step);
-                extents[lane] = T::nearest(dt[lane] * direction[axis]);
-                reach[lane] = T::nearest(2.0 * DOUBLE_ERROR * (origin[axis].abs() + step.abs()));
+            let [mut starts, mut extents, mut reach] = [[T::integer(0); RAYS]; 3];
+            for lane in 0..RAYS {
+                let (origin, direction) = (lines.origin[axis][lane], lines.direction[axis][lane]);
+                let step = t0[lane] * direction;
+                starts[lane] = T::nearest(origin + step);
+                extents[lane] = T::nearest(dt[lane] * direction);
+                reach[lane] = T::nearest(2.0 * DOUBLE_ERROR * (origin.abs() + step.abs()));
             }
-            let (start, extent) = (T::Four::from_array(starts), T::Four::from_array(extents));
-            let size = T::Four::splat(T::COORDINATE_ERROR) * (start.abs() + extent.abs());
-            let slack = size + (T::Four::from_array(reach) + T::Four::splat(T::LEAST_NORMAL));
-            self.sides[axis] = Side { start, extent, slack };
-            if axis != k {
-                let [neg_lo, hi] = self.bounds[axis];
-                self.cut(start + (slack + neg_lo), extent);
-                self.cut((slack + hi) - start, -extent);
+            let [starts, extents, reach] = [starts, extents, reach].map(|lanes| fours::<T>(&lanes));
+            let [neg_lo, hi] = self.bounds[axis];
+            for four in 0..FOURS {
+                let (start, extent) = (starts[four], extents[four]);
+                let size = T::Four::splat(T::COORDINATE_ERROR) * (start.abs() + extent.abs());
+                let slack = size + (reach[four] + T::Four::splat(T::LEAST_NORMAL));
+                self.sides[axis][four] = Side { start, extent, slack };
+                if axis != k {
+                    self.cut(four, start + (slack + neg_lo), extent);
+                    self.cut(four, (slack + hi) - start, -extent);
+                }
             }
         }
-        self.clip(segments, &t0, &dt, region);
-        self.round(segments, region);
+        self.clip(lines, &t0, &dt, region);
     }
 
     /// Keeps only τ in the region's ball.
-    fn round(&mut self, segments: &[&Segment; RAYS], region: &Region) {
+    fn round(&mut self, segments: &[Segment], region: &Region) {
         if region.ball().is_none() {
             return;
         }
         let Planes { k, start, inverse, .. } = self.planes;
-        let (mut from, mut to) = ([T::integer(1); 4], [-T::integer(1); 4]);
+        let (mut from, mut to) = ([T::integer(1); RAYS], [-T::integer(1); RAYS]);
         for (lane, segment) in segments.iter().enumerate() {
             // What the box keeps of the ray is cut by the ball alone: no end moves that the ball does not move.
             let Some((near, far)) = region.span(&segment.ray) else { continue };
@@ -217,38 +261,45 @@ impl<T: Scalar> Packet<T> {
             };
             (from[lane], to[lane]) = (share(near, -1.0), share(far, 1.0));
         }
-        // In this order, what is not a number gives way.
-        self.enter = T::Four::from_array(from).max(self.enter);
-        self.leave = T::Four::from_array(to).min(self.leave);
+        let (from, to) = (fours::<T>(&from), fours::<T>(&to));
+        for four in 0..FOURS {
+            // In this order, what is not a number gives way.
+            self.enter[four] = from[four].max(self.enter[four]);
+            self.leave[four] = to[four].min(self.leave[four]);
+        }
     }
 
     /// Keeps only τ in the region's half-space.
     #[inline]
-    fn clip(&mut self, segments: &[&Segment; RAYS], t0: &[f64; 4], dt: &[f64; 4], region: &Region) {
+    fn clip(&mut self, lines: &Lines, t0: &[f64; RAYS], dt: &[f64; RAYS], region: &Region) {
         let Some(half) = region.clip() else { return };
         // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0. Both are sums of terms that may cancel; each
         // takes at most eight operations of half a unit in the last place of `f64`.
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
-        let [mut room, mut change, mut terms] = [[T::integer(0); 4]; 3];
-        for (lane, segment) in segments.iter().enumerate() {
-            let Ray { origin, direction } = segment.ray;
+        let [mut room, mut change, mut terms] = [[T::integer(0); RAYS]; 3];
+        for lane in 0..RAYS {
+            let [origin, direction] = [&lines.origin, &lines.direction]
+                .map(|all| DVec3::new(all[0][lane], all[1][lane], all[2][lane]));
             let at = origin + t0[lane] * direction;
             room[lane] = T::nearest((half.offset - half.normal.dot(at)) * scale);
             change[lane] = T::nearest(-half.normal.dot(direction) * dt[lane] * scale);
             let moved = size.dot(direction.abs()) * dt[lane].abs();
             terms[lane] = T::nearest((size.dot(at.abs()) + half.offset.abs() + moved) * scale);
         }
-        let (room, change) = (T::Four::from_array(room), T::Four::from_array(change));
-        let terms = room.abs() + change.abs() + T::Four::from_array(terms);
-        let slack = T::Four::splat(T::COORDINATE_ERROR) * terms;
-        let sides = self.sides[0].slack + self.sides[1].slack + self.sides[2].slack;
-        self.cut(room + (slack + sides), change);
+        let [room, change, terms] = [room, change, terms].map(|lanes| fours::<T>(&lanes));
+        for four in 0..FOURS {
+            let terms = room[four].abs() + change[four].abs() + terms[four];
+            let slack = T::Four::splat(T::COORDINATE_ERROR) * terms;
+            let [x, y, z] = self.sides.each_ref().map(|sides| sides[four].slack);
+            self.cut(four, room[four] + (slack + (x + y + z)), change[four]);
+        }
     }
 
-    /// Keeps only τ with `room + τ · change ≥ 0`.
+    /// Keeps only τ with `room + τ · change ≥ 0`, on four of the rays.
     #[inline]
-    fn cut(&mut self, room: T::Four, change: T::Four) {
+    fn cut(&mut self, four: usize, room: T::Four, change: T::Four) {
+        let (enter, leave) = (&mut self.enter[four], &mut self.leave[four]);
         let zero = T::Four::default();
         let crossing = -room / change;
         let slack = T::Four::splat(T::SHARE_ERROR);
@@ -256,32 +307,41 @@ impl<T: Scalar> Packet<T> {
         let rising = zero.less(change);
         let falling = change.less(zero);
         let never = change.equal(zero) & room.less(zero);
-        let enter = T::Four::select(rising, crossing - slack, self.enter);
-        let leave = T::Four::select(falling, crossing + slack, self.leave);
+        let first = T::Four::select(rising, crossing - slack, *enter);
+        let last = T::Four::select(falling, crossing + slack, *leave);
         // What is not a number comes first, so that it gives way: of an overflow nothing is concluded.
-        self.enter = enter.max(self.enter);
+        *enter = first.max(*enter);
         let nowhere = T::Four::splat(-T::integer(1));
-        self.leave = T::Four::select(never, nowhere, leave.min(self.leave));
+        *leave = T::Four::select(never, nowhere, last.min(*leave));
     }
 
-    /// The lanes whose part inside the region meets the planes from `from` to `to`, as bits.
+    /// The rays whose part inside the region meets the planes from `from` to `to`, as bits.
     #[inline]
-    pub fn meets(&self, from: T, to: T) -> u8 {
-        let begun = self.enter.at_most(T::Four::splat(to));
-        T::Four::bits(begun & T::Four::splat(from).at_most(self.leave)) as u8
+    pub fn meets(&self, from: T, to: T) -> u16 {
+        let (from, to) = (T::Four::splat(from), T::Four::splat(to));
+        let meets = |four: usize| {
+            T::Four::bits(self.enter[four].at_most(to) & from.at_most(self.leave[four])) as u16
+        };
+        self.rays() & (0..FOURS).map(|four| meets(four) << (4 * four)).sum::<u16>()
     }
 
-    /// The lanes that have no part inside the region, as bits.
-    pub fn outside(&self) -> u8 {
-        T::Four::bits(self.leave.less(self.enter)) as u8
+    /// The rays that have no part inside the region, as bits.
+    pub fn outside(&self) -> u16 {
+        let outside = |four: usize| T::Four::bits(self.leave[four].less(self.enter[four])) as u16;
+        self.rays() & (0..FOURS).map(|four| outside(four) << (4 * four)).sum::<u16>()
+    }
+
+    /// All rays, as bits.
+    #[inline]
+    pub fn rays(&self) -> u16 {
+        u16::MAX >> (RAYS - self.count)
     }
 }
 
-impl<F: Four> Side<F> {
-    #[inline]
-    fn at(&self, share: F::Lane) -> F {
-        self.start + F::splat(share) * self.extent
-    }
+/// The numbers of all rays, by fours.
+#[inline]
+fn fours<T: Scalar>(lanes: &[T; RAYS]) -> Each<T::Four> {
+    from_fn(|four| T::Four::from_array(from_fn(|lane| lanes[4 * four + lane])))
 }
 
 #[cfg(test)]

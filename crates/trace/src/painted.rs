@@ -30,12 +30,7 @@ impl Window {
     /// The lanes that are wanted.
     #[inline]
     pub fn lanes(self) -> impl Iterator<Item = usize> {
-        let mut left = self.wanted;
-        std::iter::from_fn(move || {
-            let lane = left.trailing_zeros() as usize;
-            left &= left.wrapping_sub(1);
-            (lane < LANES).then_some(lane)
-        })
+        ones(self.wanted as u16)
     }
 
     /// The indices of the pixels that are wanted.
@@ -95,6 +90,16 @@ pub(crate) fn bits(holds: impl Fn(usize) -> bool) -> u32 {
         (_, true) => FULL,
         _ => (0..LANES).fold(0, |bits, lane| bits | u32::from(holds(lane)) << lane),
     }
+}
+
+/// The places of the bits that are set: the other way round.
+#[inline]
+pub(crate) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        bit
+    })
 }
 
 /// Windows over all that is painted in a band that begins in row `first` of a picture of this width, given what its pixels

@@ -34,17 +34,17 @@ impl<T: Scalar> SlabTest<T> for Intervals<'_, T> {
     type Batch = Boxes<T>;
 
     #[inline]
-    fn ask<const PLANES: usize>(
+    fn ask(
         &self,
         packet: &Packet<T>,
-        planes: [T; PLANES],
+        planes: [T; 2],
+        rays: u16,
         _: bool,
         boxes: &mut Boxes<T>,
         work: &mut Work,
-        wanted: u32,
     ) -> Told {
-        work.interval.called(wanted);
-        packet.boxes(planes, boxes);
+        work.interval.called(rays.count_ones());
+        packet.boxes(planes, rays, boxes);
         let mut zeros = Zeros::default();
         self.kernel.ask(boxes, &mut zeros);
         Told { possible: zeros.possible, unbounded: zeros.unbounded }

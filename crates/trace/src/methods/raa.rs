@@ -6,7 +6,7 @@
 
 use super::slabs::{SlabTest, Slabs, Told};
 use crate::method::{Method, MethodOption, Options, Proves, Tracer};
-use crate::packet::{Packet, RAYS};
+use crate::packet::Packet;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -60,26 +60,25 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
     type Batch = Batch<T>;
 
     #[inline]
-    fn ask<const PLANES: usize>(
+    fn ask(
         &self,
         packet: &Packet<T>,
-        planes: [T; PLANES],
+        planes: [T; 2],
+        rays: u16,
         is_last: bool,
         batch: &mut Batch<T>,
         work: &mut Work,
-        wanted: u32,
     ) -> Told {
-        work.segments.called(wanted);
-        packet.segments(planes, &mut batch.segments);
+        work.segments.called(rays.count_ones());
+        packet.segments(planes, rays, &mut batch.segments);
         self.kernel.ask(&batch.segments, &mut batch.out);
         let mut told = Told { possible: batch.out.possible, unbounded: 0 };
-        let used = u16::MAX >> (u16::BITS as usize - RAYS * (PLANES - 1));
         if let Some(kernel) = self.bounded
             && is_last
-            && told.possible & used != 0
+            && told.possible & rays != 0
         {
-            work.interval.called(wanted);
-            packet.boxes(planes, &mut batch.boxes);
+            work.interval.called(rays.count_ones());
+            packet.boxes(planes, rays, &mut batch.boxes);
             let mut zeros = Zeros::default();
             kernel.ask(&batch.boxes, &mut zeros);
             told.unbounded = zeros.unbounded;

@@ -21,13 +21,26 @@ pub(super) struct Refiner<'a, T: Scalar> {
 }
 
 /// A part of a ray, and samples at its ends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Bracket {
+    /// Which ray.
+    lane: usize,
     ends: [f64; 2],
     values: [f64; 2],
     /// How long it was, and how long it may be.
     length: f64,
     enough: f64,
+    /// How long halving, begun one round later, would have left it.
+    halved: f64,
+    /// Where it is sampled next.
+    next: f64,
+}
+
+/// What kernels are asked, and what they answer.
+#[derive(Default)]
+struct Room<T: Scalar> {
+    points: Points<T>,
+    values: Values<T>,
 }
 
 impl<'a, T: Scalar> Refiner<'a, T> {
@@ -54,74 +67,84 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         work: &mut Work,
     ) -> [Option<f64>; LANES] {
         let mut places = [None; LANES];
-        let lanes: Vec<usize> = (0..parts.len()).filter(|&lane| parts[lane].is_some()).collect();
-        if lanes.is_empty() {
+        let (mut brackets, mut count) = ([Bracket::default(); LANES], 0);
+        for (lane, part) in parts.iter().enumerate() {
+            if let Some(ends) = *part {
+                brackets[count] = Bracket { lane, ends, ..Bracket::default() };
+                count += 1;
+            }
+        }
+        if count == 0 {
             return places;
         }
-        let part = |lane: usize| parts[lane].unwrap_or_default();
-        let values = [0, 1].map(|end| self.sample(rays, &lanes, |lane| part(lane)[end], work));
-        let mut brackets: Vec<(usize, Bracket)> = Vec::with_capacity(LANES);
-        for &lane in &lanes {
-            let (ends, values) = (part(lane), [values[0][lane], values[1][lane]]);
+        let mut room = Room::default();
+        for end in 0..2 {
+            let brackets = &mut brackets[..count];
+            self.sample(rays, brackets, |bracket| bracket.ends[end], &mut room, work);
+            for (bracket, value) in brackets.iter_mut().zip(&room.values.value.0) {
+                bracket.values[end] = (*value).into();
+            }
+        }
+        let all = &mut brackets[..count];
+        count = 0;
+        for k in 0..all.len() {
+            let Bracket { lane, ends, values, .. } = all[k];
             if self.is_crossing(values) {
                 let ray = &rays[lane];
                 // Below what a coordinate is rounded by, signs are those of other points.
                 let grain = 2.0 * T::UNIT * size_along(ray, ends);
                 let enough = (self.tolerance * ray.footprint(ends[0])).max(grain);
-                let bracket = Bracket { ends, values, length: ends[1] - ends[0], enough };
-                brackets.push((lane, bracket));
+                all[count] = Bracket::new(lane, ends, values, enough);
+                count += 1;
             }
         }
-        for round in 0..ROUNDS {
-            brackets.retain(|(lane, bracket)| {
-                let done = bracket.is_done();
-                if done {
-                    places[*lane] = Some(bracket.place());
+        for _ in 0..ROUNDS {
+            let all = &mut brackets[..count];
+            count = 0;
+            for k in 0..all.len() {
+                let mut bracket = all[k];
+                if bracket.is_done() {
+                    places[bracket.lane] = Some(bracket.place());
+                } else {
+                    bracket.go_on();
+                    all[count] = bracket;
+                    count += 1;
                 }
-                !done
-            });
-            if brackets.is_empty() {
+            }
+            if count == 0 {
                 break;
             }
-            let lanes: Vec<usize> = brackets.iter().map(|(lane, _)| *lane).collect();
-            let mut next = [0.0; LANES];
-            for (lane, bracket) in &brackets {
-                next[*lane] = bracket.next(round);
-            }
-            let values = self.sample(rays, &lanes, |lane| next[lane], work);
-            for (lane, bracket) in &mut brackets {
-                bracket.narrow(next[*lane], values[*lane], self.solid);
+            let brackets = &mut brackets[..count];
+            self.sample(rays, brackets, |bracket| bracket.next, &mut room, work);
+            for (bracket, value) in brackets.iter_mut().zip(&room.values.value.0) {
+                bracket.narrow((*value).into(), self.solid);
             }
         }
-        for (lane, bracket) in brackets {
-            places[lane] = Some(bracket.place());
+        for bracket in &brackets[..count] {
+            places[bracket.lane] = Some(bracket.place());
         }
         places
     }
 
-    /// Samples on these rays, by lane.
+    /// Samples on the rays of some brackets, in their order.
+    #[inline]
     fn sample(
         &self,
         rays: &[Segment],
-        lanes: &[usize],
-        at: impl Fn(usize) -> f64,
+        brackets: &[Bracket],
+        at: impl Fn(&Bracket) -> f64,
+        Room { points, values }: &mut Room<T>,
         work: &mut Work,
-    ) -> [f64; LANES] {
-        let (mut points, mut values) = (Points::default(), Values::default());
-        points.count = lanes.len() as u32;
-        for (slot, &lane) in lanes.iter().enumerate() {
-            let point = rays[lane].ray.at(at(lane));
+    ) {
+        points.count = brackets.len() as u32;
+        for (slot, bracket) in brackets.iter().enumerate() {
+            let point = rays[bracket.lane].ray.at(at(bracket));
             for axis in 0..3 {
                 points.at[axis][slot] = T::nearest(point[axis]);
             }
         }
-        self.kernel.ask(&points, &mut values);
+        self.kernel.ask(points, values);
         work.point.called(points.count);
-        let mut by_lane = [0.0; LANES];
-        for (slot, &lane) in lanes.iter().enumerate() {
-            by_lane[lane] = values.value[slot].into();
-        }
-        by_lane
     }
 }
 
@@ -134,6 +157,16 @@ fn size_along(segment: &Segment, [near, far]: [f64; 2]) -> f64 {
 }
 
 impl Bracket {
+    fn new(lane: usize, ends: [f64; 2], values: [f64; 2], enough: f64) -> Self {
+        /// The bits of a float behind its point.
+        const FRACTION: u64 = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
+        let length = ends[1] - ends[0];
+        // `enough` as often doubled as halving takes to come below it: by the next power of two.
+        let times = (length / enough).clamp(1.0, 2_f64.powi(1000));
+        let halved = enough * f64::from_bits((times.to_bits() + FRACTION) & !FRACTION);
+        Self { lane, ends, values, length, enough, halved, next: ends[0] }
+    }
+
     fn is_done(&self) -> bool {
         let [near, far] = self.ends;
         let middle = 0.5 * (near + far);
@@ -147,15 +180,19 @@ impl Bracket {
         if near <= place && place <= far { place } else { 0.5 * (near + far) }
     }
 
-    /// Where to sample next: ITP (Oliveira and Takahashi 2020, "An Enhancement of the Bisection Method Average Performance
-    /// Preserving Minmax Optimality"), with κ₁ = 0.2 over the first length, κ₂ = 2 and n₀ = 1.
-    fn next(&self, round: u32) -> f64 {
+    /// Finds where to sample next: ITP (Oliveira and Takahashi 2020, "An Enhancement of the Bisection Method Average
+    /// Performance Preserving Minmax Optimality"), with κ₁ = 0.2 over the first length, κ₂ = 2 and n₀ = 1.
+    fn go_on(&mut self) {
         let ([near, far], [a, b]) = (self.ends, self.values);
         let (length, middle) = (far - near, 0.5 * (near + far));
+        // No farther from the middle than halving would be behind.
+        let reach = (self.halved - 0.5 * length).max(0.0);
+        self.halved *= 0.5;
+        self.next = middle;
         let interpolated = (near * b - far * a) / (b - a);
         // Nothing to interpolate at a pole, or where there is no value.
         if !interpolated.is_finite() {
-            return middle;
+            return;
         }
         let towards = (middle - interpolated).signum();
         let truncation = 0.2 * length * length / self.length;
@@ -164,18 +201,16 @@ impl Bracket {
         } else {
             middle
         };
-        // No farther from the middle than halving would be behind.
-        let halvings = (self.length / self.enough).log2().ceil().max(0.0) + 1.0;
-        let reach = 0.5 * self.enough * (halvings - f64::from(round)).exp2() - 0.5 * length;
-        let reach = reach.max(0.0);
         let next =
             if (truncated - middle).abs() <= reach { truncated } else { middle - towards * reach };
-        if near < next && next < far { next } else { middle }
+        if near < next && next < far {
+            self.next = next;
+        }
     }
 
-    /// Keeps the part before or after a sample.
-    fn narrow(&mut self, at: f64, value: f64, solid: bool) {
-        let [near, far] = self.values;
+    /// Keeps the part before or after the sample that was taken.
+    fn narrow(&mut self, value: f64, solid: bool) {
+        let ([near, far], at) = (self.values, self.next);
         // What has no value in a bracket with signs is on neither side: it is taken for the far one.
         let is_near = if solid || !value.is_nan() {
             (value < 0.0) == (near < 0.0) && value != 0.0
@@ -197,12 +232,11 @@ mod tests {
 
     /// How many samples of a function a part of a ray takes, and where they end.
     fn refine(f: impl Fn(f64) -> f64, ends: [f64; 2], solid: bool) -> (u32, f64) {
-        let (values, length) = (ends.map(&f), ends[1] - ends[0]);
-        let mut bracket = Bracket { ends, values, length, enough: 1e-6 };
+        let mut bracket = Bracket::new(0, ends, ends.map(&f), 1e-6);
         let mut round = 0;
         while !bracket.is_done() {
-            let next = bracket.next(round);
-            bracket.narrow(next, f(next), solid);
+            bracket.go_on();
+            bracket.narrow(f(bracket.next), solid);
             round += 1;
         }
         (round, bracket.place())

@@ -1,6 +1,7 @@
 //! Boxes and ranges of τ against exact points of exact rays.
 
 use super::*;
+use crate::camera::Ray;
 use crate::region::HalfSpace;
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -34,8 +35,8 @@ fn exact(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
 }
 
-/// A region, four rays that meet its box, perhaps a clipping plane or a ball, of all sizes and from near and very far.
-fn scene(random: &mut Random) -> (Region, [Segment; 4]) {
+/// A region, some rays that meet its box, perhaps a clipping plane or a ball, of all sizes and from near and very far.
+fn scene(random: &mut Random) -> (Region, Vec<Segment>) {
     let size = random.scale(3);
     let away = size * random.scale(2);
     let centre = random.vector(away);
@@ -58,12 +59,14 @@ fn scene(random: &mut Random) -> (Region, [Segment; 4]) {
         1 => 1e-3,
         _ => 0.3,
     };
-    let segments = std::array::from_fn(|_| {
+    let count = [1, 4, 7, RAYS][random.next() as usize % 4];
+    let mut segment = || {
         let aim = target + half * random.vector(spread);
         let direction = (aim - origin) * random.scale(2);
         let to = if random.next().is_multiple_of(4) { 0.9 } else { f64::INFINITY };
         Segment { ray: Ray { origin, direction }, to, pixel: [0.0; 2] }
-    });
+    };
+    let segments = (0..count).map(|_| segment()).collect();
     (region, segments)
 }
 
@@ -99,7 +102,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     for _ in 0..3_000 {
         let (region, segments) = scene(&mut random);
         let mut packet = Packet::<T>::new(&region);
-        if !packet.take(&segments.each_ref(), &region) {
+        if !packet.take(&segments, &region) {
             refused += 1;
             continue;
         }
@@ -115,11 +118,11 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
             };
             let at = |i: u64| T::nearest(i as f64 / count as f64);
             let planes = [at(index), at(index + 1), at(index + 2)];
-            let mut boxes = Boxes::default();
-            packet.boxes(planes, &mut boxes);
-            let mut ways = Segments::<T>::default();
-            packet.segments(planes, &mut ways);
             for half in 0..2 {
+                let (mut boxes, mut ways) = (Boxes::default(), Segments::<T>::default());
+                packet.boxes([planes[half], planes[half + 1]], packet.rays(), &mut boxes);
+                packet.segments([planes[half], planes[half + 1]], packet.rays(), &mut ways);
+                assert_eq!([boxes.count, ways.count], [segments.len() as u32; 2]);
                 // A place within the slab: an end, or anywhere between.
                 let share = match random.next() % 4 {
                     0 => exact(planes[half].into()),
@@ -153,24 +156,23 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                     );
                     assert!(packet.outside() >> lane & 1 == 0, "{segment:?}");
                     for (axis, point) in point.iter().enumerate() {
-                        let lo = exact(-boxes.neg_lo[axis][RAYS * half + lane].into());
-                        let hi = exact(boxes.hi[axis][RAYS * half + lane].into());
+                        let lo = exact(-boxes.neg_lo[axis][lane].into());
+                        let hi = exact(boxes.hi[axis][lane].into());
                         assert!(
                             lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
                         );
                         // Along the segment the point is where τ says, with room for what kernels round.
-                        let slot = RAYS * half + lane;
                         let [o, d, error]: [f64; 3] = [&ways.origin, &ways.direction, &ways.error]
-                            .map(|part| part[axis][slot].into());
+                            .map(|part| part[axis][lane].into());
                         let off = exact(o) + &share * exact(d) - point;
                         let room = exact(error) - exact(T::PATH_ERROR * (o.abs() + d.abs()));
                         assert!(
                             -&room <= off && off <= room,
                             "axis {axis} of {segment:?} in {region:?}"
                         );
-                        assert_eq!(ways.near[slot], planes[half]);
-                        assert_eq!(ways.far[slot], planes[half + 1]);
+                        assert_eq!(ways.near[lane], planes[half]);
+                        assert_eq!(ways.far[lane], planes[half + 1]);
                     }
                 }
             }
@@ -189,8 +191,8 @@ fn rays_that_do_not_advance_together_are_refused() {
         pixel: [0.0; 2],
     };
     let packet = |other| {
-        let three = ray(DVec3::X);
-        Packet::<f32>::new(&region).take(&[&three, &three, &three, &ray(other)], &region)
+        let rays = [ray(DVec3::X), ray(DVec3::X), ray(other)];
+        Packet::<f32>::new(&region).take(&rays, &region)
     };
     assert!(packet(DVec3::new(1.0, 0.5, 0.0)));
     assert!(!packet(DVec3::NEG_X));
@@ -219,16 +221,16 @@ fn from_very_far<T: Scalar>(seed: u64) {
             let segment =
                 Segment { ray: Ray { origin, direction }, to: f64::INFINITY, pixel: [0.0; 2] };
             let mut packet = Packet::<T>::new(&region);
-            assert!(packet.take(&[&segment; RAYS], &region), "together");
+            assert!(packet.take(&[segment; 3], &region), "together");
             let half = T::halved(1);
             let (zero, one) = (T::integer(0), T::integer(1));
-            let mut boxes = Boxes::default();
-            packet.boxes([zero, half, one], &mut boxes);
             assert_eq!(packet.outside(), 0, "{segment:?} in {region:?}");
-            for (from, to, lane) in [(zero, half, 0), (half, one, RAYS)] {
-                assert_eq!(packet.meets(from, to), 15, "{segment:?} in {region:?}");
+            for (from, to) in [(zero, half), (half, one)] {
+                let mut boxes = Boxes::default();
+                packet.boxes([from, to], packet.rays(), &mut boxes);
+                assert_eq!(packet.meets(from, to), 0b111, "{segment:?} in {region:?}");
                 let holds =
-                    |axis: usize| boxes.neg_lo[axis][lane] >= zero && boxes.hi[axis][lane] >= zero;
+                    |axis: usize| boxes.neg_lo[axis][2] >= zero && boxes.hi[axis][2] >= zero;
                 assert!((0..3).all(holds), "{segment:?} in {region:?}: {boxes:?}");
             }
         }

@@ -1,9 +1,10 @@
 //! Up to sixteen tiles at once: where they are, and what is still to be looked at of them.
 
 use super::plane::Plane;
-use super::screens::{Ends, Screens, UNMOVED, move_to_first, ones, outward, saves_a_vector};
+use super::screens::{Ends, Screens, UNMOVED, move_to_first, outward, saves_a_vector};
 use super::slots::Stack;
 use super::tiles::Tracer;
+use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use std::ops::Range;

@@ -2,9 +2,10 @@
 
 use super::super::way::{self, Way};
 use super::plane::Plane;
-use super::screens::{Ends, ones};
+use super::screens::Ends;
 use super::tiles::Tracer;
 use crate::method::Start;
+use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{dispatch, f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes};

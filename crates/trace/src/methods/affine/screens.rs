@@ -1,5 +1,6 @@
 //! Where up to sixteen tiles are on the screen, and what is left of segments of theirs or of rays.
 
+use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
 use zeroset_eval::{LANES, Lanes};
@@ -21,15 +22,6 @@ impl Screens {
     pub fn rays(&self) -> Rays<'_> {
         (&self.centre, Some(&self.half))
     }
-}
-
-/// The places of the bits that are set.
-pub(super) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
-        bits &= bits.wrapping_sub(1);
-        bit
-    })
 }
 
 /// What lanes are about before any has moved: each about its own.
