@@ -278,8 +278,12 @@ pub(crate) fn squares(width: usize, height: usize) -> impl Iterator<Item = Vec<[
     let side = RAYS.isqrt();
     let corners = (0..height.div_ceil(side))
         .flat_map(move |down| (0..width.div_ceil(side)).map(move |right| [right, down]));
-    corners.map(move |corner| {
-        let place = |&[x, y]: &[usize; 2]| [side * corner[0] + x, side * corner[1] + y];
+    corners.map(move |[right, down]| {
+        let (left, top) = (side * right, side * down);
+        let place = |&[x, y]: &[usize; 2]| [left + x, top + y];
+        if left + side <= width && top + side <= height {
+            return ORDER.iter().map(place).collect();
+        }
         let reaches = |&[x, y]: &[usize; 2]| (x & !1) < width && (y & !1) < height;
         let inside = ORDER.iter().map(place).filter(reaches);
         inside.map(|[x, y]| [x.min(width - 1), y.min(height - 1)]).collect()

@@ -31,7 +31,6 @@ mod scalar;
 mod shade;
 mod spare;
 mod view;
-#[cfg(test)]
 mod widths;
 mod work;
 

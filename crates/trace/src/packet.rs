@@ -6,17 +6,15 @@
 
 use crate::method::Segment;
 use crate::region::Region;
-use crate::scalar::{Four, Scalar};
+use crate::scalar::Scalar;
+use crate::widths::parts;
+use fearless_simd::prelude::*;
 use glam::DVec3;
-use std::array::from_fn;
-use zeroset_eval::{Boxes, LANES, Segments};
+use std::ops::Range;
+use zeroset_eval::{Boxes, LANES, Lanes, Segments};
 
-/// The most rays in a packet, four at a time.
+/// The most rays in a packet.
 pub(crate) const RAYS: usize = LANES;
-const FOURS: usize = RAYS / 4;
-
-/// A number of each ray.
-type Each<F> = [F; FOURS];
 
 /// Up to sixteen rays, and what they share. Lanes that no ray has repeat the last one's.
 #[derive(Clone, Debug)]
@@ -24,37 +22,40 @@ pub(crate) struct Packet<T: Scalar> {
     planes: Planes,
     /// How many rays there are.
     count: usize,
-    /// Per axis, the region's bounds as (−lo, hi), rounded outward, in all lanes.
-    bounds: [[T::Four; 2]; 3],
-    /// By axis, then by fours.
-    sides: [Each<Side<T::Four>>; 3],
+    /// Per axis, the region's bounds as (−lo, hi), rounded outward.
+    bounds: [[T; 2]; 3],
+    /// By axis.
+    sides: [Side<T>; 3],
     /// A ray is within the region only between these τ.
-    enter: Each<T::Four>,
-    leave: Each<T::Four>,
+    enter: Lanes<T>,
+    leave: Lanes<T>,
 }
 
-/// Origins and directions of a packet's rays, and up to which t they are looked at.
-struct Lines {
-    origin: [[f64; RAYS]; 3],
-    direction: [[f64; RAYS]; 3],
-    to: [f64; RAYS],
+/// Up to [`RAYS`] rays by their coordinates. Lanes that no ray has repeat the last one's.
+pub(crate) struct Lines {
+    pub origin: [Lanes<f64>; 3],
+    pub direction: [Lanes<f64>; 3],
+    /// Up to which t they are looked at.
+    to: Lanes<f64>,
+    /// [`Segment::pixel`].
+    pub pixel: [Lanes<f64>; 2],
 }
 
 impl Lines {
+    /// Of one ray at least.
     #[inline]
-    fn new(segments: &[Segment]) -> Self {
-        let mut lines = Self {
-            origin: [[0.0; RAYS]; 3],
-            direction: [[0.0; RAYS]; 3],
-            to: [f64::INFINITY; RAYS],
-        };
+    pub fn new(segments: &[Segment]) -> Self {
+        let zero = Lanes::splat(0.0);
+        let mut lines =
+            Self { origin: [zero; 3], direction: [zero; 3], to: zero, pixel: [zero; 2] };
         for lane in 0..RAYS {
-            let Segment { ray, to, .. } = &segments[lane.min(segments.len() - 1)];
+            let Segment { ray, to, pixel } = &segments[lane.min(segments.len() - 1)];
             for axis in 0..3 {
                 lines.origin[axis][lane] = ray.origin[axis];
                 lines.direction[axis][lane] = ray.direction[axis];
             }
             lines.to[lane] = *to;
+            (lines.pixel[0][lane], lines.pixel[1][lane]) = (pixel[0], pixel[1]);
         }
         lines
     }
@@ -70,12 +71,12 @@ struct Planes {
     inverse: f64,
 }
 
-/// One coordinate of four rays: within `slack` of `start + τ · extent`.
+/// One coordinate of the rays: within `slack` of `start + τ · extent`.
 #[derive(Clone, Copy, Debug, Default)]
-struct Side<F> {
-    start: F,
-    extent: F,
-    slack: F,
+struct Side<T> {
+    start: Lanes<T>,
+    extent: Lanes<T>,
+    slack: Lanes<T>,
 }
 
 /// Relative error of what is computed in `f64` from coordinates of a ray's origin, which may be far away: eight
@@ -99,22 +100,20 @@ fn fastest_axis(direction: DVec3) -> usize {
 impl<T: Scalar> Packet<T> {
     /// A packet through `region`, without rays.
     pub fn new(region: &Region) -> Self {
-        let zero = T::Four::default();
-        let bound = |end: f64| T::Four::splat(T::above(end));
-        let side = Side { start: zero, extent: zero, slack: zero };
         Self {
             planes: Planes { k: 0, start: 0.0, extent: 0.0, inverse: 0.0 },
             count: 0,
-            bounds: [0, 1, 2].map(|k| [bound(-region.low()[k]), bound(region.high()[k])]),
-            sides: [[side; FOURS]; 3],
-            enter: [zero; FOURS],
-            leave: [zero; FOURS],
+            bounds: [0, 1, 2].map(|k| [T::above(-region.low()[k]), T::above(region.high()[k])]),
+            sides: [Side::default(); 3],
+            enter: Lanes::default(),
+            leave: Lanes::default(),
         }
     }
 
     /// Takes these rays, one to [`RAYS`], advancing on the first one's fastest axis. Returns whether they all advance
     /// together: otherwise they need packets of their own.
-    pub fn take(&mut self, segments: &[Segment], region: &Region) -> bool {
+    #[inline(always)]
+    pub fn take<S: Simd>(&mut self, simd: S, segments: &[Segment], region: &Region) -> bool {
         let lines = Lines::new(segments);
         let k = fastest_axis(segments[0].ray.direction);
         let forward = lines.direction[k][0] > 0.0;
@@ -133,8 +132,8 @@ impl<T: Scalar> Packet<T> {
         let (start, end) = if forward { (low, high) } else { (high, low) };
         self.planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
         self.count = segments.len();
-        self.place(&lines, region);
-        self.round(segments, region);
+        self.place(simd, &lines, region);
+        self.round(simd, segments, region);
         true
     }
 
@@ -142,57 +141,62 @@ impl<T: Scalar> Packet<T> {
     /// farther; as a value of t.
     pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
         let Planes { k, start, extent, .. } = self.planes;
-        let share = share.into().max(self.enter[lane / 4].to_array()[lane % 4].into());
+        let share = share.into().max(self.enter[lane].into());
         let plane = start + share * extent;
         ((plane - segment.ray.origin[k]) / segment.ray.direction[k]).max(0.0)
     }
 
     /// Boxes around the rays between two planes in order, clipped to the region: those of rays up to the last of some, which
     /// are bits.
-    #[inline]
-    pub fn boxes(&self, [from, to]: [T; 2], rays: u16, out: &mut Boxes<T>) {
+    #[inline(always)]
+    pub fn boxes<S: Simd>(&self, simd: S, [from, to]: [T; 2], rays: u16, out: &mut Boxes<T>) {
         out.count = LANES as u32 - rays.leading_zeros();
-        let (from, to) = (T::Four::splat(from), T::Four::splat(to));
-        let fours = (out.count as usize).div_ceil(4);
-        for (axis, sides) in self.sides.iter().enumerate() {
-            let [neg_lo, hi] = self.bounds[axis];
-            let lowers = out.neg_lo[axis].as_chunks_mut::<4>().0;
-            let uppers = out.hi[axis].as_chunks_mut::<4>().0;
-            for ((side, lower), upper) in sides[..fours].iter().zip(lowers).zip(uppers) {
-                let (a, b) = (side.start + from * side.extent, side.start + to * side.extent);
-                *lower = (side.slack - a.min(b)).min(neg_lo).to_array();
-                *upper = (side.slack + a.max(b)).min(hi).to_array();
+        for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
+            let [neg_lo, hi] = self.bounds[axis].map(
+                #[inline(always)]
+                |bound| T::Vector::splat(simd, bound),
+            );
+            for lanes in parts::<T::Vector<S>, S>(out.count as usize) {
+                let start = T::Vector::from_slice(simd, &start[lanes.clone()]);
+                let extent = T::Vector::from_slice(simd, &extent[lanes.clone()]);
+                let slack = T::Vector::from_slice(simd, &slack[lanes.clone()]);
+                let (a, b) = (start + extent * from, start + extent * to);
+                // Where anything overflows so does the slack, and the region's bounds are left.
+                let lower = (slack - a.min(b)).min_precise(neg_lo);
+                let upper = (slack + a.max(b)).min_precise(hi);
+                lower.store_slice(&mut out.neg_lo[axis][lanes.clone()]);
+                upper.store_slice(&mut out.hi[axis][lanes]);
             }
         }
     }
 
     /// The rays between two planes in order, as segments in which t is τ: in lanes as [`Packet::boxes`].
-    #[inline]
-    pub fn segments(&self, [from, to]: [T; 2], rays: u16, out: &mut Segments<T>) {
+    #[inline(always)]
+    pub fn segments<S: Simd>(&self, simd: S, [from, to]: [T; 2], rays: u16, out: &mut Segments<T>) {
         out.count = LANES as u32 - rays.leading_zeros();
-        (out.near.0, out.far.0) = ([from; LANES], [to; LANES]);
+        (out.near, out.far) = (Lanes::splat(from), Lanes::splat(to));
         // The slack is for τ within [0, 1], all of a packet's; what kernels round is added to it, generously.
-        let rounding = T::Four::splat(T::nearest(2.0 * T::PATH_ERROR));
+        let rounding = T::nearest(2.0 * T::PATH_ERROR);
         let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
-        let least = T::Four::splat(least + least);
-        for (axis, sides) in self.sides.iter().enumerate() {
-            for (four, Side { start, extent, slack }) in sides.iter().enumerate() {
-                let error = *slack + rounding * (start.abs() + extent.abs()) + least;
-                let [origin, direction, error] = [*start, *extent, error].map(Four::to_array);
-                let lanes = 4 * four..4 * four + 4;
-                out.origin[axis][lanes.clone()].copy_from_slice(&origin);
-                out.direction[axis][lanes.clone()].copy_from_slice(&direction);
-                out.error[axis][lanes].copy_from_slice(&error);
+        for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
+            (out.origin[axis], out.direction[axis]) = (*start, *extent);
+            for lanes in parts::<T::Vector<S>, S>(LANES) {
+                let start = T::Vector::from_slice(simd, &start[lanes.clone()]);
+                let extent = T::Vector::from_slice(simd, &extent[lanes.clone()]);
+                let slack = T::Vector::from_slice(simd, &slack[lanes.clone()]);
+                let error = slack + (start.abs() + extent.abs()) * rounding + (least + least);
+                error.store_slice(&mut out.error[axis][lanes]);
             }
         }
     }
 
     /// Finds where the rays are.
-    #[inline]
-    fn place(&mut self, lines: &Lines, region: &Region) {
+    #[inline(always)]
+    fn place<S: Simd>(&mut self, simd: S, lines: &Lines, region: &Region) {
         let Planes { k, start, extent, inverse } = self.planes;
         // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way from there to τ = 1.
-        let (mut from, mut to) = ([T::integer(0); RAYS], [T::integer(1); RAYS]);
+        let most = T::integer(1) + T::SHARE_ERROR;
+        let (mut from, mut to) = (Lanes::splat(T::integer(0)), Lanes::splat(most));
         let (mut t0, mut dt) = ([0.0_f64; RAYS], [0.0_f64; RAYS]);
         for lane in 0..RAYS {
             let (origin, direction) = (lines.origin[k][lane], lines.direction[k][lane]);
@@ -202,53 +206,63 @@ impl<T: Scalar> Packet<T> {
             let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * (origin * inverse).abs();
             from[lane] = T::nearest(-first * inverse - error);
         }
-        if lines.to.iter().any(|to| to.is_finite()) {
-            for lane in (0..RAYS).filter(|&lane| lines.to[lane].is_finite()) {
-                let (origin, direction) = (lines.origin[k][lane], lines.direction[k][lane]);
-                let advance = lines.to[lane] * direction;
-                let sizes = (origin * inverse).abs() + (advance * inverse).abs();
-                let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * sizes;
-                to[lane] = T::nearest((advance - (start - origin)) * inverse + error);
-            }
+        for lane in (0..RAYS).filter(|&lane| lines.to[lane].is_finite()) {
+            let (origin, direction) = (lines.origin[k][lane], lines.direction[k][lane]);
+            let advance = lines.to[lane] * direction;
+            let sizes = (origin * inverse).abs() + (advance * inverse).abs();
+            let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * sizes;
+            to[lane] = T::nearest((advance - (start - origin)) * inverse + error);
         }
-        let (from, to) = (fours::<T>(&from), fours::<T>(&to));
-        let most = T::Four::splat(T::integer(1) + T::SHARE_ERROR);
-        for four in 0..FOURS {
-            self.enter[four] = from[four].max(T::Four::splat(-T::SHARE_ERROR));
-            self.leave[four] = to[four].min(most);
-        }
+        (self.enter, self.leave) = (Lanes::splat(-T::SHARE_ERROR), Lanes::splat(most));
+        self.keep_between(simd, &from, &to);
         for axis in 0..3 {
-            let [mut starts, mut extents, mut reach] = [[T::integer(0); RAYS]; 3];
+            let mut side = Side::default();
             for lane in 0..RAYS {
                 let (origin, direction) = (lines.origin[axis][lane], lines.direction[axis][lane]);
                 let step = t0[lane] * direction;
-                starts[lane] = T::nearest(origin + step);
-                extents[lane] = T::nearest(dt[lane] * direction);
-                reach[lane] = T::nearest(2.0 * DOUBLE_ERROR * (origin.abs() + step.abs()));
+                side.start[lane] = T::nearest(origin + step);
+                side.extent[lane] = T::nearest(dt[lane] * direction);
+                side.slack[lane] = T::nearest(2.0 * DOUBLE_ERROR * (origin.abs() + step.abs()));
             }
-            let [starts, extents, reach] = [starts, extents, reach].map(|lanes| fours::<T>(&lanes));
             let [neg_lo, hi] = self.bounds[axis];
-            for four in 0..FOURS {
-                let (start, extent) = (starts[four], extents[four]);
-                let size = T::Four::splat(T::COORDINATE_ERROR) * (start.abs() + extent.abs());
-                let slack = size + (reach[four] + T::Four::splat(T::LEAST_NORMAL));
-                self.sides[axis][four] = Side { start, extent, slack };
+            for lanes in parts::<T::Vector<S>, S>(LANES) {
+                let start = T::Vector::from_slice(simd, &side.start[lanes.clone()]);
+                let extent = T::Vector::from_slice(simd, &side.extent[lanes.clone()]);
+                let reach = T::Vector::from_slice(simd, &side.slack[lanes.clone()]);
+                let size = (start.abs() + extent.abs()) * T::COORDINATE_ERROR;
+                let slack = size + (reach + T::LEAST_NORMAL);
+                slack.store_slice(&mut side.slack[lanes.clone()]);
                 if axis != k {
-                    self.cut(four, start + (slack + neg_lo), extent);
-                    self.cut(four, (slack + hi) - start, -extent);
+                    self.cut(simd, &lanes, start + (slack + neg_lo), extent);
+                    self.cut(simd, &lanes, (slack + hi) - start, -extent);
                 }
             }
+            self.sides[axis] = side;
         }
-        self.clip(lines, &t0, &dt, region);
+        self.clip(simd, lines, &t0, &dt, region);
+    }
+
+    /// Keeps only these τ. What is not a number gives way.
+    #[inline(always)]
+    fn keep_between<S: Simd>(&mut self, simd: S, from: &Lanes<T>, to: &Lanes<T>) {
+        for lanes in parts::<T::Vector<S>, S>(LANES) {
+            let enter = T::Vector::from_slice(simd, &self.enter[lanes.clone()]);
+            let leave = T::Vector::from_slice(simd, &self.leave[lanes.clone()]);
+            let enter = enter.max_precise(T::Vector::from_slice(simd, &from[lanes.clone()]));
+            let leave = leave.min_precise(T::Vector::from_slice(simd, &to[lanes.clone()]));
+            enter.store_slice(&mut self.enter[lanes.clone()]);
+            leave.store_slice(&mut self.leave[lanes]);
+        }
     }
 
     /// Keeps only τ in the region's ball.
-    fn round(&mut self, segments: &[Segment], region: &Region) {
+    #[inline(always)]
+    fn round<S: Simd>(&mut self, simd: S, segments: &[Segment], region: &Region) {
         if region.ball().is_none() {
             return;
         }
         let Planes { k, start, inverse, .. } = self.planes;
-        let (mut from, mut to) = ([T::integer(1); RAYS], [-T::integer(1); RAYS]);
+        let (mut from, mut to) = (Lanes::splat(T::integer(1)), Lanes::splat(-T::integer(1)));
         for (lane, segment) in segments.iter().enumerate() {
             // What the box keeps of the ray is cut by the ball alone: no end moves that the ball does not move.
             let Some((near, far)) = region.span(&segment.ray) else { continue };
@@ -261,74 +275,90 @@ impl<T: Scalar> Packet<T> {
             };
             (from[lane], to[lane]) = (share(near, -1.0), share(far, 1.0));
         }
-        let (from, to) = (fours::<T>(&from), fours::<T>(&to));
-        for four in 0..FOURS {
-            // In this order, what is not a number gives way.
-            self.enter[four] = from[four].max(self.enter[four]);
-            self.leave[four] = to[four].min(self.leave[four]);
-        }
+        self.keep_between(simd, &from, &to);
     }
 
     /// Keeps only τ in the region's half-space.
-    #[inline]
-    fn clip(&mut self, lines: &Lines, t0: &[f64; RAYS], dt: &[f64; RAYS], region: &Region) {
+    #[inline(always)]
+    fn clip<S: Simd>(
+        &mut self,
+        simd: S,
+        lines: &Lines,
+        t0: &[f64; RAYS],
+        dt: &[f64; RAYS],
+        region: &Region,
+    ) {
         let Some(half) = region.clip() else { return };
         // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0. Both are sums of terms that may cancel; each
         // takes at most eight operations of half a unit in the last place of `f64`.
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
-        let [mut room, mut change, mut terms] = [[T::integer(0); RAYS]; 3];
+        let [mut room, mut change, mut terms] = [Lanes::splat(T::integer(0)); 3];
         for lane in 0..RAYS {
-            let [origin, direction] = [&lines.origin, &lines.direction]
-                .map(|all| DVec3::new(all[0][lane], all[1][lane], all[2][lane]));
+            let [x, y, z] = &lines.origin;
+            let origin = DVec3::new(x[lane], y[lane], z[lane]);
+            let [x, y, z] = &lines.direction;
+            let direction = DVec3::new(x[lane], y[lane], z[lane]);
             let at = origin + t0[lane] * direction;
             room[lane] = T::nearest((half.offset - half.normal.dot(at)) * scale);
             change[lane] = T::nearest(-half.normal.dot(direction) * dt[lane] * scale);
             let moved = size.dot(direction.abs()) * dt[lane].abs();
             terms[lane] = T::nearest((size.dot(at.abs()) + half.offset.abs() + moved) * scale);
         }
-        let [room, change, terms] = [room, change, terms].map(|lanes| fours::<T>(&lanes));
-        for four in 0..FOURS {
-            let terms = room[four].abs() + change[four].abs() + terms[four];
-            let slack = T::Four::splat(T::COORDINATE_ERROR) * terms;
-            let [x, y, z] = self.sides.each_ref().map(|sides| sides[four].slack);
-            self.cut(four, room[four] + (slack + (x + y + z)), change[four]);
+        for lanes in parts::<T::Vector<S>, S>(LANES) {
+            let room = T::Vector::from_slice(simd, &room[lanes.clone()]);
+            let change = T::Vector::from_slice(simd, &change[lanes.clone()]);
+            let terms = T::Vector::from_slice(simd, &terms[lanes.clone()]);
+            let mut slack = (room.abs() + change.abs() + terms) * T::COORDINATE_ERROR;
+            for side in &self.sides {
+                slack += T::Vector::from_slice(simd, &side.slack[lanes.clone()]);
+            }
+            self.cut(simd, &lanes, room + slack, change);
         }
     }
 
-    /// Keeps only τ with `room + τ · change ≥ 0`, on four of the rays.
-    #[inline]
-    fn cut(&mut self, four: usize, room: T::Four, change: T::Four) {
-        let (enter, leave) = (&mut self.enter[four], &mut self.leave[four]);
-        let zero = T::Four::default();
+    /// Keeps only τ with `room + τ · change ≥ 0`, on some of the rays.
+    #[inline(always)]
+    fn cut<S: Simd>(
+        &mut self,
+        simd: S,
+        lanes: &Range<usize>,
+        room: T::Vector<S>,
+        change: T::Vector<S>,
+    ) {
+        let enter = T::Vector::from_slice(simd, &self.enter[lanes.clone()]);
+        let leave = T::Vector::from_slice(simd, &self.leave[lanes.clone()]);
+        let zero = T::Vector::splat(simd, T::integer(0));
         let crossing = -room / change;
-        let slack = T::Four::splat(T::SHARE_ERROR);
         // NaN only for 0/0: such a ray stays. Comparisons with NaN are false.
-        let rising = zero.less(change);
-        let falling = change.less(zero);
-        let never = change.equal(zero) & room.less(zero);
-        let first = T::Four::select(rising, crossing - slack, *enter);
-        let last = T::Four::select(falling, crossing + slack, *leave);
-        // What is not a number comes first, so that it gives way: of an overflow nothing is concluded.
-        *enter = first.max(*enter);
-        let nowhere = T::Four::splat(-T::integer(1));
-        *leave = T::Four::select(never, nowhere, last.min(*leave));
+        let (rising, falling) = (change.simd_gt(zero), change.simd_lt(zero));
+        let never = change.simd_eq(zero) & room.simd_lt(zero);
+        let first = rising.select(crossing - T::SHARE_ERROR, enter);
+        let last = falling.select(crossing + T::SHARE_ERROR, leave);
+        // What is not a number gives way: of an overflow nothing is concluded.
+        let nowhere = T::Vector::splat(simd, -T::integer(1));
+        let leave = never.select(nowhere, leave.min_precise(last));
+        enter.max_precise(first).store_slice(&mut self.enter[lanes.clone()]);
+        leave.store_slice(&mut self.leave[lanes.clone()]);
     }
 
     /// The rays whose part inside the region meets the planes from `from` to `to`, as bits.
-    #[inline]
-    pub fn meets(&self, from: T, to: T) -> u16 {
-        let (from, to) = (T::Four::splat(from), T::Four::splat(to));
-        let meets = |four: usize| {
-            T::Four::bits(self.enter[four].at_most(to) & from.at_most(self.leave[four])) as u16
-        };
-        self.rays() & (0..FOURS).map(|four| meets(four) << (4 * four)).sum::<u16>()
+    #[inline(always)]
+    pub fn meets<S: Simd>(&self, simd: S, from: T, to: T) -> u16 {
+        let mut meets = 0;
+        for lanes in parts::<T::Vector<S>, S>(LANES) {
+            let enter = T::Vector::from_slice(simd, &self.enter[lanes.clone()]);
+            let leave = T::Vector::from_slice(simd, &self.leave[lanes.clone()]);
+            let inside = enter.simd_le(to) & leave.simd_ge(from);
+            meets |= (inside.to_bitmask() as u16) << lanes.start;
+        }
+        meets & self.rays()
     }
 
     /// The rays that have no part inside the region, as bits.
     pub fn outside(&self) -> u16 {
-        let outside = |four: usize| T::Four::bits(self.leave[four].less(self.enter[four])) as u16;
-        self.rays() & (0..FOURS).map(|four| outside(four) << (4 * four)).sum::<u16>()
+        let is_outside = |lane: &usize| self.leave[*lane] < self.enter[*lane];
+        (0..self.count).filter(is_outside).map(|lane| 1 << lane).sum()
     }
 
     /// All rays, as bits.
@@ -336,12 +366,6 @@ impl<T: Scalar> Packet<T> {
     pub fn rays(&self) -> u16 {
         u16::MAX >> (RAYS - self.count)
     }
-}
-
-/// The numbers of all rays, by fours.
-#[inline]
-fn fours<T: Scalar>(lanes: &[T; RAYS]) -> Each<T::Four> {
-    from_fn(|four| T::Four::from_array(from_fn(|lane| lanes[4 * four + lane])))
 }
 
 #[cfg(test)]

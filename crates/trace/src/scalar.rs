@@ -2,16 +2,18 @@
 //!
 //! Everything here rounds to nearest; what that costs is added as slack by whoever computes with it.
 
-use fearless_simd::{f32x16, f64x8, mask32x16, mask64x8, prelude::*};
+use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
 use glam::{BVec4, BVec4A, DVec4, Vec4};
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
 use zeroset_eval::{KernelFloat, Lanes, PATH_UNITS};
 
 /// A float type in which a traverser follows rays: that of the kernel which it asks.
-pub trait Scalar: KernelFloat + Add<Output = Self> + Mul<Output = Self> {
+pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Output = Self> {
     /// Four numbers.
     type Four: Four<Lane = Self>;
+    /// As many numbers as a vector holds.
+    type Vector<S: Simd>: SimdFloat<S, Element = Self>;
 
     /// Largest depth of a traversal. Slabs of 2⁻²⁰ of the region are near the resolution of `f32`. In `f64`, those of
     /// 2⁻⁴⁰ are still hundreds of times as thick as what rounding adds to a coordinate of the region's size.
@@ -43,6 +45,7 @@ pub trait Scalar: KernelFloat + Add<Output = Self> + Mul<Output = Self> {
 
 impl Scalar for f32 {
     type Four = Vec4;
+    type Vector<S: Simd> = S::f32s;
     const MAX_DEPTH: u32 = 20;
     const COORDINATE_ERROR: Self = 1.0 / 2_097_152.0; // 2^-21
     const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
@@ -74,6 +77,7 @@ impl Scalar for f32 {
 
 impl Scalar for f64 {
     type Four = DVec4;
+    type Vector<S: Simd> = S::f64s;
     const MAX_DEPTH: u32 = 40;
     const COORDINATE_ERROR: Self = 8.0 * Self::EPSILON; // 2^-49
     const SHARE_ERROR: Self = 8.0 * Self::EPSILON;

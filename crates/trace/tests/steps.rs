@@ -67,8 +67,8 @@ impl Surface for Stubborn {
 }
 
 const SIZE: usize = 4;
-/// 2×2 packets.
-const PACKETS: u64 = (SIZE * SIZE / 4) as u64;
+/// Of 4×4 rays.
+const PACKETS: u64 = (SIZE * SIZE / 16) as u64;
 
 /// Looks up along z.
 fn frame() -> RayGrid {

@@ -7,6 +7,7 @@ use crate::packet::Packet;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
+use fearless_simd::Simd;
 use zeroset_eval::{Boxes, FindZeros, Kernel, KernelError, Surface, Zeros};
 
 pub(crate) const METHOD: Method = Method {
@@ -33,9 +34,10 @@ struct Intervals<'a, T: Scalar> {
 impl<T: Scalar> SlabTest<T> for Intervals<'_, T> {
     type Batch = Boxes<T>;
 
-    #[inline]
-    fn ask(
+    #[inline(always)]
+    fn ask<S: Simd>(
         &self,
+        simd: S,
         packet: &Packet<T>,
         planes: [T; 2],
         rays: u16,
@@ -44,7 +46,7 @@ impl<T: Scalar> SlabTest<T> for Intervals<'_, T> {
         work: &mut Work,
     ) -> Told {
         work.interval.called(rays.count_ones());
-        packet.boxes(planes, rays, boxes);
+        packet.boxes(simd, planes, rays, boxes);
         let mut zeros = Zeros::default();
         self.kernel.ask(boxes, &mut zeros);
         Told { possible: zeros.possible, unbounded: zeros.unbounded }

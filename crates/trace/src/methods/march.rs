@@ -3,9 +3,10 @@
 //! It proves nothing. What is thinner than the way between two samples is passed over, and where the function changes sign
 //! at a pole, a wall is drawn.
 
-use super::refine::Refiner;
+use super::refine::{Parts, Refiner};
 use crate::found::{Found, Reason, Status};
 use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Tracer};
+use crate::painted::ones;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -83,8 +84,8 @@ impl<'a, T: Scalar> March<'a, T> {
 impl<T: Scalar> Tracer for March<'_, T> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
         for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
-            let mut cells = [None; LANES];
-            for ((segment, found), cell) in rays.iter().zip(&mut *found).zip(&mut cells) {
+            let mut cells = Parts::default();
+            for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
                 *found = Found::MISS;
                 let Some((near, far)) = self.region.span(&segment.ray) else { continue };
                 let far = far.min(segment.to);
@@ -94,13 +95,15 @@ impl<T: Scalar> Tracer for March<'_, T> {
                 // A miss would be a claim. Before the region there is nothing.
                 let (status, reason) = (Status::Undecided, Reason::Unproven);
                 *found = Found { status, reason, distance: near, ..Found::MISS };
-                if far.is_finite() {
-                    *cell = self.cell(segment, [near, far], start, work);
+                if far.is_finite()
+                    && let Some(cell) = self.cell(segment, [near, far], start, work)
+                {
+                    cells.set(lane, cell);
                 }
             }
-            let places = self.refiner.places(rays, &cells[..rays.len()], work);
-            for (found, place) in found.iter_mut().zip(places) {
-                found.drawn = place.map_or(f64::INFINITY, |place| place.max(found.distance));
+            let places = self.refiner.places(rays, &cells, work);
+            for lane in ones(cells.rays) {
+                found[lane].drawn = places[lane].max(found[lane].distance);
             }
         }
     }

@@ -10,6 +10,7 @@ use crate::packet::Packet;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
+use fearless_simd::Simd;
 use zeroset_eval::{
     Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelError, Segments, Surface, Zeros,
 };
@@ -59,9 +60,10 @@ impl<T: Scalar> Default for Batch<T> {
 impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
     type Batch = Batch<T>;
 
-    #[inline]
-    fn ask(
+    #[inline(always)]
+    fn ask<S: Simd>(
         &self,
+        simd: S,
         packet: &Packet<T>,
         planes: [T; 2],
         rays: u16,
@@ -70,7 +72,7 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
         work: &mut Work,
     ) -> Told {
         work.segments.called(rays.count_ones());
-        packet.segments(planes, rays, &mut batch.segments);
+        packet.segments(simd, planes, rays, &mut batch.segments);
         self.kernel.ask(&batch.segments, &mut batch.out);
         let mut told = Told { possible: batch.out.possible, unbounded: 0 };
         if let Some(kernel) = self.bounded
@@ -78,7 +80,7 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
             && told.possible & rays != 0
         {
             work.interval.called(rays.count_ones());
-            packet.boxes(planes, rays, &mut batch.boxes);
+            packet.boxes(simd, planes, rays, &mut batch.boxes);
             let mut zeros = Zeros::default();
             kernel.ask(&batch.boxes, &mut zeros);
             told.unbounded = zeros.unbounded;

@@ -3,9 +3,13 @@
 //! Samples prove nothing, and neither does this: it moves what is painted, never what is claimed.
 
 use crate::method::{Options, Segment};
+use crate::packet::Lines;
+use crate::painted::ones;
 use crate::scalar::Scalar;
+use crate::widths::parts;
 use crate::work::Work;
-use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
+use fearless_simd::{Level as Vectors, dispatch, prelude::*};
+use zeroset_eval::{Kernel, LANES, Lanes, Points, Sample, Values};
 
 /// Rounds, at most: as many as halving a whole ray down to what `f64` can tell needs. More than halving needs at least, ITP
 /// takes only one.
@@ -20,27 +24,34 @@ pub(super) struct Refiner<'a, T: Scalar> {
     pub solid: bool,
 }
 
-/// A part of a ray, and samples at its ends.
-#[derive(Clone, Copy, Debug, Default)]
-struct Bracket {
-    /// Which ray.
-    lane: usize,
-    ends: [f64; 2],
-    values: [f64; 2],
-    /// How long it was, and how long it may be.
-    length: f64,
-    enough: f64,
-    /// How long halving, begun one round later, would have left it.
-    halved: f64,
-    /// Where it is sampled next.
-    next: f64,
+/// Parts of up to [`LANES`] rays.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Parts {
+    /// The rays that have one, as bits.
+    pub rays: u16,
+    /// By ray, the values of t between which it is.
+    pub ends: [Lanes<f64>; 2],
 }
 
-/// What kernels are asked, and what they answer.
-#[derive(Default)]
-struct Room<T: Scalar> {
-    points: Points<T>,
-    values: Values<T>,
+impl Parts {
+    /// Sets that of one ray.
+    pub fn set(&mut self, ray: usize, [near, far]: [f64; 2]) {
+        self.rays |= 1 << ray;
+        (self.ends[0][ray], self.ends[1][ray]) = (near, far);
+    }
+}
+
+/// Parts of rays at whose ends samples differ in sign, a lane each.
+struct Brackets {
+    ends: [Lanes<f64>; 2],
+    values: [Lanes<f64>; 2],
+    /// How long they were, and how long they may be.
+    length: Lanes<f64>,
+    enough: Lanes<f64>,
+    /// How long halving, begun one round later, would have left them.
+    halved: Lanes<f64>,
+    /// Where they are sampled next.
+    next: Lanes<f64>,
 }
 
 impl<'a, T: Scalar> Refiner<'a, T> {
@@ -58,171 +69,192 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         a.is_finite() && b.is_finite() && (a == 0.0 || b == 0.0 || (a < 0.0) != (b < 0.0))
     }
 
-    /// For up to [`LANES`] rays, the place in a part of each at which samples change sign; `None` where those at its ends
-    /// do not.
-    pub fn places(
-        &self,
-        rays: &[Segment],
-        parts: &[Option<[f64; 2]>],
-        work: &mut Work,
-    ) -> [Option<f64>; LANES] {
-        let mut places = [None; LANES];
-        let (mut brackets, mut count) = ([Bracket::default(); LANES], 0);
-        for (lane, part) in parts.iter().enumerate() {
-            if let Some(ends) = *part {
-                brackets[count] = Bracket { lane, ends, ..Bracket::default() };
-                count += 1;
-            }
-        }
-        if count == 0 {
+    /// The places in parts of rays at which samples change sign; of other rays infinity.
+    pub fn places(&self, rays: &[Segment], parts: &Parts, work: &mut Work) -> Lanes<f64> {
+        let mut places = Lanes::splat(f64::INFINITY);
+        if parts.rays == 0 {
             return places;
         }
-        let mut room = Room::default();
-        for end in 0..2 {
-            let brackets = &mut brackets[..count];
-            self.sample(rays, brackets, |bracket| bracket.ends[end], &mut room, work);
-            for (bracket, value) in brackets.iter_mut().zip(&room.values.value.0) {
-                bracket.values[end] = (*value).into();
+        let (vectors, lines) = (Vectors::new(), Lines::new(rays));
+        let (mut points, mut values) = (Points::default(), Values::default());
+        let mut sample = |at: &Lanes<f64>, lanes: u16, work: &mut Work| {
+            points.count = LANES as u32 - lanes.leading_zeros();
+            dispatch!(vectors, simd => place(simd, &lines, at, &mut points));
+            self.kernel.ask(&points, &mut values);
+            work.point.called(lanes.count_ones());
+            Lanes(values.value.map(Into::into))
+        };
+        let ends = parts.ends;
+        let values = [sample(&ends[0], parts.rays, work), sample(&ends[1], parts.rays, work)];
+        let is_crossing = |lane: &usize| self.is_crossing([values[0][*lane], values[1][*lane]]);
+        let mut live: u16 = ones(parts.rays).filter(is_crossing).map(|lane| 1 << lane).sum();
+        let enough =
+            dispatch!(vectors, simd => enough::<T, _>(simd, &lines, self.tolerance, &ends));
+        let mut brackets = dispatch!(vectors, simd => Brackets::new(simd, ends, values, enough));
+        for round in 0.. {
+            let found = dispatch!(vectors, simd => brackets.go_on(simd, live));
+            let done = if round == ROUNDS { live } else { live & found };
+            for lane in ones(done) {
+                places[lane] = brackets.place(lane);
             }
-        }
-        let all = &mut brackets[..count];
-        count = 0;
-        for k in 0..all.len() {
-            let Bracket { lane, ends, values, .. } = all[k];
-            if self.is_crossing(values) {
-                let ray = &rays[lane];
-                // Below what a coordinate is rounded by, signs are those of other points.
-                let grain = 2.0 * T::UNIT * size_along(ray, ends);
-                let enough = (self.tolerance * ray.footprint(ends[0])).max(grain);
-                all[count] = Bracket::new(lane, ends, values, enough);
-                count += 1;
-            }
-        }
-        for _ in 0..ROUNDS {
-            let all = &mut brackets[..count];
-            count = 0;
-            for k in 0..all.len() {
-                let mut bracket = all[k];
-                if bracket.is_done() {
-                    places[bracket.lane] = Some(bracket.place());
-                } else {
-                    bracket.go_on();
-                    all[count] = bracket;
-                    count += 1;
-                }
-            }
-            if count == 0 {
+            live &= !done;
+            if live == 0 {
                 break;
             }
-            let brackets = &mut brackets[..count];
-            self.sample(rays, brackets, |bracket| bracket.next, &mut room, work);
-            for (bracket, value) in brackets.iter_mut().zip(&room.values.value.0) {
-                bracket.narrow((*value).into(), self.solid);
-            }
-        }
-        for bracket in &brackets[..count] {
-            places[bracket.lane] = Some(bracket.place());
+            let values = sample(&brackets.next, live, work);
+            dispatch!(vectors, simd => brackets.narrow(simd, &values, self.solid));
         }
         places
     }
+}
 
-    /// Samples on the rays of some brackets, in their order.
-    #[inline]
-    fn sample(
-        &self,
-        rays: &[Segment],
-        brackets: &[Bracket],
-        at: impl Fn(&Bracket) -> f64,
-        Room { points, values }: &mut Room<T>,
-        work: &mut Work,
-    ) {
-        points.count = brackets.len() as u32;
-        for (slot, bracket) in brackets.iter().enumerate() {
-            let point = rays[bracket.lane].ray.at(at(bracket));
-            for axis in 0..3 {
-                points.at[axis][slot] = T::nearest(point[axis]);
-            }
-        }
-        self.kernel.ask(points, values);
-        work.point.called(points.count);
+/// Puts points of rays into a batch.
+#[inline(always)]
+fn place<S: Simd, T: Scalar>(simd: S, lines: &Lines, at: &Lanes<f64>, points: &mut Points<T>) {
+    for axis in 0..3 {
+        let (origin, direction) = (&lines.origin[axis], &lines.direction[axis]);
+        let [mut low, mut high] = f64::wide(simd, direction);
+        let [first, second] = f64::wide(simd, at);
+        (low, high) = (low * first, high * second);
+        let [first, second] = f64::wide(simd, origin);
+        T::narrow([first + low, second + high], &mut points.at[axis]);
     }
 }
 
-/// How large t is at which a ray's coordinates are as large as its largest ones in a part of it.
-fn size_along(segment: &Segment, [near, far]: [f64; 2]) -> f64 {
-    let (origin, direction) = (segment.ray.origin.abs(), segment.ray.direction.abs());
-    let size = segment.ray.at(near).abs().max(segment.ray.at(far).abs()).max_element();
-    // Far from the eye t is rounded too.
-    (size / direction.max_element()).max(f64::EPSILON * (origin.max_element() + far.abs()))
+/// How long brackets of rays may be that have these ends.
+#[inline(always)]
+fn enough<T: Scalar, S: Simd>(
+    simd: S,
+    lines: &Lines,
+    tolerance: f64,
+    [near, far]: &[Lanes<f64>; 2],
+) -> Lanes<f64> {
+    let mut enough = Lanes::splat(0.0);
+    for lanes in parts::<S::f64s, S>(LANES) {
+        let load = lanes.clone();
+        let (near, far) = (
+            S::f64s::from_slice(simd, &near[load.clone()]),
+            S::f64s::from_slice(simd, &far[load.clone()]),
+        );
+        let zero = S::f64s::splat(simd, 0.0);
+        let (mut size, mut start, mut way) = (zero, zero, zero);
+        for axis in 0..3 {
+            let origin = S::f64s::from_slice(simd, &lines.origin[axis][load.clone()]);
+            let direction = S::f64s::from_slice(simd, &lines.direction[axis][load.clone()]);
+            let ends = (origin + direction * near).abs().max((origin + direction * far).abs());
+            (size, start) = (size.max(ends), start.max(origin.abs()));
+            way = way.max(direction.abs());
+        }
+        // How large t is at which coordinates are as large as their largest ones are here. Far from the eye t is rounded too.
+        let size = (size / way).max((start + far.abs()) * f64::EPSILON);
+        let [at_eye, growth] = &lines.pixel;
+        let growth = S::f64s::from_slice(simd, &growth[load.clone()]);
+        let footprint = S::f64s::from_slice(simd, &at_eye[load]) + near * growth;
+        // Below what a coordinate is rounded by, signs are those of other points.
+        (footprint * tolerance).max(size * (2.0 * T::UNIT)).store_slice(&mut enough[lanes]);
+    }
+    enough
 }
 
-impl Bracket {
-    fn new(lane: usize, ends: [f64; 2], values: [f64; 2], enough: f64) -> Self {
+impl Brackets {
+    #[inline(always)]
+    fn new<S: Simd>(
+        simd: S,
+        ends: [Lanes<f64>; 2],
+        values: [Lanes<f64>; 2],
+        enough: Lanes<f64>,
+    ) -> Self {
         /// The bits of a float behind its point.
         const FRACTION: u64 = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
-        let length = ends[1] - ends[0];
-        // `enough` as often doubled as halving takes to come below it: by the next power of two.
-        let times = (length / enough).clamp(1.0, 2_f64.powi(1000));
-        let halved = enough * f64::from_bits((times.to_bits() + FRACTION) & !FRACTION);
-        Self { lane, ends, values, length, enough, halved, next: ends[0] }
-    }
-
-    fn is_done(&self) -> bool {
-        let [near, far] = self.ends;
-        let middle = 0.5 * (near + far);
-        self.values.contains(&0.0) || !(far - near > self.enough && near < middle && middle < far)
-    }
-
-    /// Where a line through the samples at both ends meets 0, which costs nothing more.
-    fn place(&self) -> f64 {
-        let ([near, far], [a, b]) = (self.ends, self.values);
-        let place = near - a * ((far - near) / (b - a));
-        if near <= place && place <= far { place } else { 0.5 * (near + far) }
+        let (mut length, mut halved) = (Lanes::splat(0.0), Lanes::splat(0.0));
+        for lanes in parts::<S::f64s, S>(LANES) {
+            let load = lanes.clone();
+            let near = S::f64s::from_slice(simd, &ends[0][load.clone()]);
+            let far = S::f64s::from_slice(simd, &ends[1][load.clone()]);
+            let enough = S::f64s::from_slice(simd, &enough[load.clone()]);
+            (far - near).store_slice(&mut length[load.clone()]);
+            // `enough` as often doubled as halving takes to come below it: by the next power of two.
+            let times = ((far - near) / enough).max(1.0).min(2_f64.powi(1000));
+            let bits: S::u64s = times.bitcast();
+            let power: S::f64s = ((bits + FRACTION) & !FRACTION).bitcast();
+            (enough * power).store_slice(&mut halved[load]);
+        }
+        Self { ends, values, length, enough, halved, next: ends[0] }
     }
 
     /// Finds where to sample next: ITP (Oliveira and Takahashi 2020, "An Enhancement of the Bisection Method Average
-    /// Performance Preserving Minmax Optimality"), with κ₁ = 0.2 over the first length, κ₂ = 2 and n₀ = 1.
-    fn go_on(&mut self) {
-        let ([near, far], [a, b]) = (self.ends, self.values);
-        let (length, middle) = (far - near, 0.5 * (near + far));
-        // No farther from the middle than halving would be behind.
-        let reach = (self.halved - 0.5 * length).max(0.0);
-        self.halved *= 0.5;
-        self.next = middle;
-        let interpolated = (near * b - far * a) / (b - a);
-        // Nothing to interpolate at a pole, or where there is no value.
-        if !interpolated.is_finite() {
-            return;
+    /// Performance Preserving Minmax Optimality"), with κ₁ = 0.2 over the first length, κ₂ = 2 and n₀ = 1. Returns of which
+    /// of some lanes nothing needs to be sampled any more.
+    #[inline(always)]
+    fn go_on<S: Simd>(&mut self, simd: S, live: u16) -> u16 {
+        let mut done = 0;
+        for lanes in parts::<S::f64s, S>(LANES - live.leading_zeros() as usize) {
+            let load = lanes.clone();
+            let zero = S::f64s::splat(simd, 0.0);
+            let near = S::f64s::from_slice(simd, &self.ends[0][load.clone()]);
+            let far = S::f64s::from_slice(simd, &self.ends[1][load.clone()]);
+            let a = S::f64s::from_slice(simd, &self.values[0][load.clone()]);
+            let b = S::f64s::from_slice(simd, &self.values[1][load.clone()]);
+            let enough = S::f64s::from_slice(simd, &self.enough[load.clone()]);
+            let first = S::f64s::from_slice(simd, &self.length[load.clone()]);
+            let halved = S::f64s::from_slice(simd, &self.halved[load.clone()]);
+            let (length, middle) = (far - near, (near + far) * 0.5);
+            let is_long = length.simd_gt(enough) & near.simd_lt(middle) & middle.simd_lt(far);
+            let is_done = a.simd_eq(zero) | b.simd_eq(zero) | !is_long;
+            done |= (is_done.to_bitmask() as u16) << lanes.start;
+            // No farther from the middle than halving would be behind.
+            let reach = (halved - length * 0.5).max(0.0);
+            (halved * 0.5).store_slice(&mut self.halved[load.clone()]);
+            let interpolated = (near * b - far * a) / (b - a);
+            let off = middle - interpolated;
+            let one = S::f64s::splat(simd, 1.0);
+            let towards = one.copysign(off);
+            let truncation = length * 0.2 * length / first;
+            let truncated = interpolated + towards * truncation;
+            let truncated = truncation.simd_le(off.abs()).select(truncated, middle);
+            let is_near = (truncated - middle).abs().simd_le(reach);
+            let next = is_near.select(truncated, middle - towards * reach);
+            // Nothing to interpolate at a pole, or where there is no value.
+            let within = near.simd_lt(next) & next.simd_lt(far) & off.is_finite();
+            within.select(next, middle).store_slice(&mut self.next[load]);
         }
-        let towards = (middle - interpolated).signum();
-        let truncation = 0.2 * length * length / self.length;
-        let truncated = if truncation <= (middle - interpolated).abs() {
-            interpolated + towards * truncation
-        } else {
-            middle
-        };
-        let next =
-            if (truncated - middle).abs() <= reach { truncated } else { middle - towards * reach };
-        if near < next && next < far {
-            self.next = next;
+        done
+    }
+
+    /// Keeps the part before or after the sample that was taken of each.
+    #[inline(always)]
+    fn narrow<S: Simd>(&mut self, simd: S, values: &Lanes<f64>, solid: bool) {
+        for lanes in parts::<S::f64s, S>(LANES) {
+            let load = lanes.clone();
+            let zero = S::f64s::splat(simd, 0.0);
+            let a = S::f64s::from_slice(simd, &self.values[0][load.clone()]);
+            let b = S::f64s::from_slice(simd, &self.values[1][load.clone()]);
+            let near = S::f64s::from_slice(simd, &self.ends[0][load.clone()]);
+            let far = S::f64s::from_slice(simd, &self.ends[1][load.clone()]);
+            let at = S::f64s::from_slice(simd, &self.next[load.clone()]);
+            let value = S::f64s::from_slice(simd, &values[load.clone()]);
+            let differ = value.simd_lt(zero) ^ a.simd_lt(zero);
+            let is_zero = value.simd_eq(zero) | a.simd_eq(zero);
+            let (mut is_near, mut value_there) = (!(differ | is_zero), value);
+            if !solid {
+                // What has no value in a bracket with signs is on neither side: it is taken for the far one.
+                let is_nan = value.is_nan();
+                is_near = is_near & !is_nan;
+                value_there = is_nan.select(b, value);
+            }
+            is_near.select(at, near).store_slice(&mut self.ends[0][load.clone()]);
+            is_near.select(value, a).store_slice(&mut self.values[0][load.clone()]);
+            is_near.select(far, at).store_slice(&mut self.ends[1][load.clone()]);
+            is_near.select(b, value_there).store_slice(&mut self.values[1][load]);
         }
     }
 
-    /// Keeps the part before or after the sample that was taken.
-    fn narrow(&mut self, value: f64, solid: bool) {
-        let ([near, far], at) = (self.values, self.next);
-        // What has no value in a bracket with signs is on neither side: it is taken for the far one.
-        let is_near = if solid || !value.is_nan() {
-            (value < 0.0) == (near < 0.0) && value != 0.0
-        } else {
-            false
-        };
-        if is_near && near != 0.0 {
-            (self.ends[0], self.values[0]) = (at, value);
-        } else {
-            let value = if value.is_nan() && !solid { far } else { value };
-            (self.ends[1], self.values[1]) = (at, value);
-        }
+    /// Where a line through the samples at both ends meets 0, which costs nothing more.
+    fn place(&self, lane: usize) -> f64 {
+        let [near, far] = self.ends.each_ref().map(|ends| ends[lane]);
+        let [a, b] = self.values.each_ref().map(|values| values[lane]);
+        let place = near - a * ((far - near) / (b - a));
+        if near <= place && place <= far { place } else { 0.5 * (near + far) }
     }
 }
 
@@ -232,14 +264,17 @@ mod tests {
 
     /// How many samples of a function a part of a ray takes, and where they end.
     fn refine(f: impl Fn(f64) -> f64, ends: [f64; 2], solid: bool) -> (u32, f64) {
-        let mut bracket = Bracket::new(0, ends, ends.map(&f), 1e-6);
+        let all = |numbers: [f64; 2]| numbers.map(Lanes::splat);
+        let mut brackets = dispatch!(Vectors::new(), simd => {
+            Brackets::new(simd, all(ends), all(ends.map(&f)), Lanes::splat(1e-6))
+        });
         let mut round = 0;
-        while !bracket.is_done() {
-            bracket.go_on();
-            bracket.narrow(f(bracket.next), solid);
+        while dispatch!(Vectors::new(), simd => brackets.go_on(simd, u16::MAX)) == 0 {
+            let values = Lanes(brackets.next.map(&f));
+            dispatch!(Vectors::new(), simd => brackets.narrow(simd, &values, solid));
             round += 1;
         }
-        (round, bracket.place())
+        (round, brackets.place(LANES - 1))
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! It proves misses only. Where a slab of the last depth may hold a root one is drawn; nothing says that there is one, so such
 //! pixels are undecided. How a slab is tested is not known here.
 
-use super::refine::Refiner;
+use super::refine::{Parts, Refiner};
 use crate::found::{Found, Reason, Status};
 use crate::method::{Options, Segment, Start, Tracer};
 use crate::packet::{Packet, RAYS};
@@ -12,6 +12,8 @@ use crate::painted::ones;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
+use fearless_simd::{Level as Vectors, Simd, dispatch};
+use std::ops::Range;
 use zeroset_eval::Surface;
 
 /// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only deeper pictures can
@@ -26,8 +28,9 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
     /// Asks about some rays, which are bits, between two planes in order. What is told of others says nothing. `is_last` if
     /// slabs in which a zero is possible are not halved, and so whether they are bounded matters. What kernels are asked is
     /// added to `work`.
-    fn ask(
+    fn ask<V: Simd>(
         &self,
+        simd: V,
         packet: &Packet<T>,
         planes: [T; 2],
         rays: u16,
@@ -52,20 +55,25 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
     /// `None` if nothing samples the function: then slabs are drawn where they begin.
     refiner: Option<Refiner<'a, T>>,
     region: &'a Region,
+    vectors: Vectors,
     /// The level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. Rays that are not through after
     /// [`STEPS`] end in the slab that was looked at last, as if it were of this level; what is behind it stays unknown.
     last: u32,
     suppress_asymptotes: bool,
 }
 
-/// What became of one ray, as shares of its packet's extent.
-#[derive(Clone, Copy, Debug)]
-struct Outcome<T> {
-    /// τ between which a root is drawn: the slab, and the next one, since bounds are wider than the function and reach 0
-    /// before it does.
-    drawn: Option<[T; 2]>,
-    /// τ at the start of the first slab that was passed over.
-    suppressed: Option<T>,
+/// What became of a packet's rays, as shares of its extent. Rays are bits.
+#[derive(Clone, Copy, Debug, Default)]
+struct Outcomes<T> {
+    /// On which a root is drawn.
+    drawn: u16,
+    /// By ray, τ between which it is: the slab, and the next one, since bounds are wider than the function and reach 0 before
+    /// it does.
+    ends: [[T; 2]; RAYS],
+    /// On which slabs were passed over.
+    suppressed: u16,
+    /// By ray, τ at the start of the first of these.
+    first: [T; RAYS],
 }
 
 impl<'a, T: Scalar, S: SlabTest<T>> Slabs<'a, T, S> {
@@ -75,6 +83,7 @@ impl<'a, T: Scalar, S: SlabTest<T>> Slabs<'a, T, S> {
             test,
             refiner: values.map(|values| Refiner::new(values, options)),
             region,
+            vectors: Vectors::new(),
             last: options.depth.clamp(1, T::MAX_DEPTH) - 1,
             suppress_asymptotes: options.suppress_asymptotes,
         }
@@ -85,60 +94,66 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
         let (mut batch, mut packet) = (S::Batch::default(), Packet::new(self.region));
         for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
-            let mut slabs = [None; RAYS];
-            let slabs = &mut slabs[..rays.len()];
-            self.some(rays, &mut packet, &mut batch, start, found, slabs, work);
+            let mut slabs = Parts::default();
+            let room = (&mut packet, &mut batch);
+            self.some(rays, 0..rays.len(), room, start, found, &mut slabs, work);
             let Some(refiner) = &self.refiner else { continue };
-            let places = refiner.places(rays, slabs, work);
-            for (found, place) in found.iter_mut().zip(places) {
+            let places = refiner.places(rays, &slabs, work);
+            for lane in ones(slabs.rays).filter(|lane| places[*lane].is_finite()) {
                 // What is claimed of the slab stays.
-                found.drawn = place.map_or(found.drawn, |place| place.max(found.drawn));
+                found[lane].drawn = found[lane].drawn.max(places[lane]);
             }
         }
     }
 }
 
 impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
-    /// Follows up to [`RAYS`] rays: says what became of them, and in which part of each a root is drawn.
+    /// Follows some of up to [`RAYS`] rays: says what became of them, and in which part of each a root is drawn.
     #[allow(clippy::too_many_arguments, reason = "memory that is used again and again")]
     fn some(
         &self,
         rays: &[Segment],
-        packet: &mut Packet<T>,
-        batch: &mut S::Batch,
+        some: Range<usize>,
+        (packet, batch): (&mut Packet<T>, &mut S::Batch),
         start: Start,
         found: &mut [Found],
-        slabs: &mut [Option<[f64; 2]>],
+        slabs: &mut Parts,
         work: &mut Work,
     ) {
-        if packet.take(rays, self.region) {
-            let outcomes = self.packet(packet, batch, start, work);
-            for (lane, ray) in rays.iter().enumerate() {
-                (found[lane], slabs[lane]) = outcomes[lane].found(packet, lane, ray);
+        if dispatch!(self.vectors, simd => packet.take(simd, &rays[some.clone()], self.region)) {
+            let outcomes = dispatch!(self.vectors, simd => {
+                self.packet(simd, packet, batch, start, work)
+            });
+            found[some.clone()].fill(Found::MISS);
+            for lane in ones(outcomes.drawn | outcomes.suppressed) {
+                let ray = some.start + lane;
+                found[ray] = outcomes.found(packet, lane, &rays[ray], |slab| slabs.set(ray, slab));
             }
             return;
         }
-        if rays.len() == 1 {
+        if some.len() == 1 {
             // One ray always advances with itself. Were it not so (a direction that is not a number), nothing would be known.
-            found[0] = Found { status: Status::Undecided, distance: 0.0, ..Found::MISS };
+            found[some.start] = Found { status: Status::Undecided, distance: 0.0, ..Found::MISS };
             return;
         }
         // Neighbours by fours, then each alone.
-        let size = if rays.len() > 4 { 4 } else { 1 };
-        let parts = found.chunks_mut(size).zip(slabs.chunks_mut(size));
-        for (rays, (found, slabs)) in rays.chunks(size).zip(parts) {
-            self.some(rays, packet, batch, start, found, slabs, work);
+        let size = if some.len() > 4 { 4 } else { 1 };
+        for first in some.clone().step_by(size) {
+            let fewer = first..some.end.min(first + size);
+            self.some(rays, fewer, (packet, batch), start, found, slabs, work);
         }
     }
 
-    fn packet(
+    #[inline(always)]
+    fn packet<V: Simd>(
         &self,
+        simd: V,
         packet: &Packet<T>,
         batch: &mut S::Batch,
         start: Start,
         work: &mut Work,
-    ) -> [Outcome<T>; RAYS] {
-        let mut outcomes = [Outcome { drawn: None, suppressed: None }; RAYS];
+    ) -> Outcomes<T> {
+        let mut outcomes = Outcomes::default();
         let mut alive = packet.rays() & !packet.outside();
         let mut leaving = match start {
             Start::Anywhere => 0,
@@ -151,12 +166,12 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             let size = T::halved(level + 1);
             let from = T::integer(index) * size;
             let planes = [from, from + size];
-            let active = alive & packet.meets(from, planes[1]);
+            let active = alive & packet.meets(simd, from, planes[1]);
             let mut told = Told::default();
             if active != 0 {
                 let is_last = level == self.last;
-                told = self.test.ask(packet, planes, active, is_last, batch, &mut done);
-            } else if alive & packet.meets(from, T::integer(2)) == 0 {
+                told = self.test.ask(simd, packet, planes, active, is_last, batch, &mut done);
+            } else if alive & packet.meets(simd, from, T::integer(2)) == 0 {
                 break;
             }
             let mut vanishing = told.possible & active;
@@ -183,13 +198,9 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             if is_last {
                 // What is behind this slab stays unknown; what was found in front of it does not change by that.
                 let behind = planes[1];
-                let left = alive & packet.meets(behind, T::integer(2));
+                let left = alive & packet.meets(simd, behind, T::integer(2));
                 done.given_up += u64::from((left | vanishing).count_ones());
-                for (lane, outcome) in outcomes.iter_mut().enumerate() {
-                    if left >> lane & 1 == 1 {
-                        outcome.suppressed.get_or_insert(behind);
-                    }
-                }
+                outcomes.pass_over(left, behind);
                 break;
             }
             // On to the next slab, and up to the largest that starts there.
@@ -207,35 +218,52 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
 
     /// Notes a slab of the last depth in which rays may meet a zero, and those on which nothing bounds the function there;
     /// returns those that are drawn there.
+    #[inline(always)]
     fn record(
         &self,
         vanishing: u16,
         unbounded: u16,
         ends: [T; 2],
-        outcomes: &mut [Outcome<T>; RAYS],
+        outcomes: &mut Outcomes<T>,
     ) -> u16 {
         let drawn = if self.suppress_asymptotes { vanishing & !unbounded } else { vanishing };
+        outcomes.drawn |= drawn;
         for lane in ones(drawn) {
-            outcomes[lane].drawn = Some(ends);
+            outcomes.ends[lane] = ends;
         }
-        for lane in ones(vanishing & !drawn) {
-            outcomes[lane].suppressed.get_or_insert(ends[0]);
-        }
+        outcomes.pass_over(vanishing & !drawn, ends[0]);
         drawn
     }
 }
 
-impl<T: Scalar> Outcome<T> {
-    /// The same as a finding, and the part of the ray in which a root is drawn.
-    fn found(&self, packet: &Packet<T>, lane: usize, ray: &Segment) -> (Found, Option<[f64; 2]>) {
-        let at = |share: T| packet.distance(share, lane, ray);
-        let slab = self.drawn.map(|ends| ends.map(at));
-        let drawn = slab.map_or(f64::INFINITY, |[near, _]| near);
-        let distance = self.suppressed.map_or(f64::INFINITY, at).min(drawn);
-        if distance == f64::INFINITY && self.drawn.is_none() && self.suppressed.is_none() {
-            return (Found::MISS, None);
+impl<T: Scalar> Outcomes<T> {
+    /// Notes rays of which nothing is known from some τ on.
+    #[inline(always)]
+    fn pass_over(&mut self, rays: u16, from: T) {
+        for lane in ones(rays & !self.suppressed) {
+            self.first[lane] = from;
         }
+        self.suppressed |= rays;
+    }
+
+    /// What was found of a ray; tells in which part of it a root is drawn, if one is.
+    fn found(
+        &self,
+        packet: &Packet<T>,
+        lane: usize,
+        ray: &Segment,
+        tell: impl FnOnce([f64; 2]),
+    ) -> Found {
+        let at = |share: T| packet.distance(share, lane, ray);
+        let mut drawn = f64::INFINITY;
+        if self.drawn >> lane & 1 == 1 {
+            let slab = self.ends[lane].map(at);
+            drawn = slab[0];
+            tell(slab);
+        }
+        let is_suppressed = self.suppressed >> lane & 1 == 1;
+        let distance = if is_suppressed { at(self.first[lane]).min(drawn) } else { drawn };
         let (status, reason) = (Status::Undecided, Reason::Unproven);
-        (Found { status, distance, drawn, reason, ..Found::MISS }, slab)
+        Found { status, distance, drawn, reason, ..Found::MISS }
     }
 }

@@ -3,6 +3,8 @@
 use super::*;
 use crate::camera::Ray;
 use crate::region::HalfSpace;
+use crate::widths::levels;
+use fearless_simd::{Level, dispatch};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 
@@ -96,20 +98,22 @@ fn points_of_rays_lie_in_their_boxes_and_ranges() {
 
 fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     println!("seed {seed:#x}");
-    let mut random = Random(seed);
+    let (mut random, levels) = (Random(seed), levels());
     let mut checked = 0_u32;
     let mut refused = 0_u32;
     for _ in 0..3_000 {
         let (region, segments) = scene(&mut random);
         let mut packet = Packet::<T>::new(&region);
-        if !packet.take(&segments, &region) {
+        // All widths of vectors take turns.
+        let level = levels[random.next() as usize % levels.len()];
+        if !dispatch!(level, simd => packet.take(simd, &segments, &region)) {
             refused += 1;
             continue;
         }
         let Planes { k, start, extent, .. } = packet.planes;
         for _ in 0..6 {
-            let level = random.next() % u64::from(T::MAX_DEPTH - 4);
-            let count = 1_u64 << (level + 1);
+            let depth = random.next() % u64::from(T::MAX_DEPTH - 4);
+            let count = 1_u64 << (depth + 1);
             // The first and the last slabs are where a range that is too short would show.
             let index = match random.next() % 8 {
                 0 => 0,
@@ -120,8 +124,12 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
             let planes = [at(index), at(index + 1), at(index + 2)];
             for half in 0..2 {
                 let (mut boxes, mut ways) = (Boxes::default(), Segments::<T>::default());
-                packet.boxes([planes[half], planes[half + 1]], packet.rays(), &mut boxes);
-                packet.segments([planes[half], planes[half + 1]], packet.rays(), &mut ways);
+                let slab = [planes[half], planes[half + 1]];
+                let meets = dispatch!(level, simd => {
+                    packet.boxes(simd, slab, packet.rays(), &mut boxes);
+                    packet.segments(simd, slab, packet.rays(), &mut ways);
+                    packet.meets(simd, slab[0], slab[1])
+                });
                 assert_eq!([boxes.count, ways.count], [segments.len() as u32; 2]);
                 // A place within the slab: an end, or anywhere between.
                 let share = match random.next() % 4 {
@@ -149,7 +157,6 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                         continue;
                     }
                     checked += 1;
-                    let meets = packet.meets(planes[half], planes[half + 1]);
                     assert!(
                         meets >> lane & 1 == 1,
                         "out of range: {segment:?} {region:?} {planes:?}"
@@ -192,7 +199,8 @@ fn rays_that_do_not_advance_together_are_refused() {
     };
     let packet = |other| {
         let rays = [ray(DVec3::X), ray(DVec3::X), ray(other)];
-        Packet::<f32>::new(&region).take(&rays, &region)
+        let mut packet = Packet::<f32>::new(&region);
+        dispatch!(Level::new(), simd => packet.take(simd, &rays, &region))
     };
     assert!(packet(DVec3::new(1.0, 0.5, 0.0)));
     assert!(!packet(DVec3::NEG_X));
@@ -221,14 +229,18 @@ fn from_very_far<T: Scalar>(seed: u64) {
             let segment =
                 Segment { ray: Ray { origin, direction }, to: f64::INFINITY, pixel: [0.0; 2] };
             let mut packet = Packet::<T>::new(&region);
-            assert!(packet.take(&[segment; 3], &region), "together");
+            let taken = dispatch!(Level::new(), simd => packet.take(simd, &[segment; 3], &region));
+            assert!(taken, "together");
             let half = T::halved(1);
             let (zero, one) = (T::integer(0), T::integer(1));
             assert_eq!(packet.outside(), 0, "{segment:?} in {region:?}");
             for (from, to) in [(zero, half), (half, one)] {
                 let mut boxes = Boxes::default();
-                packet.boxes([from, to], packet.rays(), &mut boxes);
-                assert_eq!(packet.meets(from, to), 0b111, "{segment:?} in {region:?}");
+                let meets = dispatch!(Level::new(), simd => {
+                    packet.boxes(simd, [from, to], packet.rays(), &mut boxes);
+                    packet.meets(simd, from, to)
+                });
+                assert_eq!(meets, 0b111, "{segment:?} in {region:?}");
                 let holds =
                     |axis: usize| boxes.neg_lo[axis][2] >= zero && boxes.hi[axis][2] >= zero;
                 assert!((0..3).all(holds), "{segment:?} in {region:?}: {boxes:?}");
