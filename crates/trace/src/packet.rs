@@ -113,6 +113,7 @@ impl<T: Scalar> Packet<T> {
     /// Takes these rays, one to [`RAYS`], advancing on the first one's fastest axis. Returns whether they all advance
     /// together: otherwise they need packets of their own.
     #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
     pub fn take<S: Simd>(&mut self, simd: S, segments: &[Segment], region: &Region) -> bool {
         let lines = Lines::new(segments);
         let k = fastest_axis(segments[0].ray.direction);
@@ -355,10 +356,16 @@ impl<T: Scalar> Packet<T> {
         meets & self.rays()
     }
 
-    /// The rays that have no part inside the region, as bits.
-    pub fn outside(&self) -> u16 {
-        let is_outside = |lane: &usize| self.leave[*lane] < self.enter[*lane];
-        (0..self.count).filter(is_outside).map(|lane| 1 << lane).sum()
+    /// The rays that have some part inside the region, as bits.
+    #[inline(always)]
+    pub fn inside<S: Simd>(&self, simd: S) -> u16 {
+        let mut outside = 0;
+        for lanes in parts::<T::Vector<S>, S>(LANES) {
+            let enter = T::Vector::from_slice(simd, &self.enter[lanes.clone()]);
+            let leave = T::Vector::from_slice(simd, &self.leave[lanes.clone()]);
+            outside |= (leave.simd_lt(enter).to_bitmask() as u16) << lanes.start;
+        }
+        self.rays() & !outside
     }
 
     /// All rays, as bits.

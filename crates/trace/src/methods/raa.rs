@@ -4,7 +4,7 @@
 //!
 //! A form is only asked whether it reaches 0: slabs are halved, not contracted. That is what sets it apart from `affine`.
 
-use super::slabs::{SlabTest, Slabs, Told};
+use super::slabs::{Slab, SlabTest, Slabs, Told};
 use crate::method::{Method, MethodOption, Options, Proves, Tracer};
 use crate::packet::Packet;
 use crate::region::Region;
@@ -65,12 +65,11 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
         &self,
         simd: S,
         packet: &Packet<T>,
-        planes: [T; 2],
-        rays: u16,
-        is_last: bool,
+        slab: &Slab<T>,
         batch: &mut Batch<T>,
         work: &mut Work,
     ) -> Told {
+        let Slab { planes, rays, is_last } = *slab;
         work.segments.called(rays.count_ones());
         packet.segments(simd, planes, rays, &mut batch.segments);
         self.kernel.ask(&batch.segments, &mut batch.out);

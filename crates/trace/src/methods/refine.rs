@@ -239,7 +239,7 @@ impl Brackets {
             if !solid {
                 // What has no value in a bracket with signs is on neither side: it is taken for the far one.
                 let is_nan = value.is_nan();
-                is_near = is_near & !is_nan;
+                is_near &= !is_nan;
                 value_there = is_nan.select(b, value);
             }
             is_near.select(at, near).store_slice(&mut self.ends[0][load.clone()]);

@@ -25,19 +25,27 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
     /// Memory that is used again and again.
     type Batch: Default;
 
-    /// Asks about some rays, which are bits, between two planes in order. What is told of others says nothing. `is_last` if
-    /// slabs in which a zero is possible are not halved, and so whether they are bounded matters. What kernels are asked is
-    /// added to `work`.
+    /// Asks whether rays may meet a zero in a slab. What is told of other rays says nothing. What kernels are asked is added
+    /// to `work`.
     fn ask<V: Simd>(
         &self,
         simd: V,
         packet: &Packet<T>,
-        planes: [T; 2],
-        rays: u16,
-        is_last: bool,
+        slab: &Slab<T>,
         batch: &mut Self::Batch,
         work: &mut Work,
     ) -> Told;
+}
+
+/// What is asked about.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slab<T> {
+    /// The τ between which it is, in order.
+    pub planes: [T; 2],
+    /// The rays, as bits.
+    pub rays: u16,
+    /// Whether slabs in which a zero is possible are not halved: then it matters whether they are bounded.
+    pub is_last: bool,
 }
 
 /// What is known of rays between planes, a bit for each.
@@ -154,7 +162,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         work: &mut Work,
     ) -> Outcomes<T> {
         let mut outcomes = Outcomes::default();
-        let mut alive = packet.rays() & !packet.outside();
+        let mut alive = packet.inside(simd);
         let mut leaving = match start {
             Start::Anywhere => 0,
             Start::OnSurface => alive,
@@ -169,8 +177,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             let active = alive & packet.meets(simd, from, planes[1]);
             let mut told = Told::default();
             if active != 0 {
-                let is_last = level == self.last;
-                told = self.test.ask(simd, packet, planes, active, is_last, batch, &mut done);
+                let slab = Slab { planes, rays: active, is_last: level == self.last };
+                told = self.test.ask(simd, packet, &slab, batch, &mut done);
             } else if alive & packet.meets(simd, from, T::integer(2)) == 0 {
                 break;
             }
