@@ -168,13 +168,15 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             Start::OnSurface => alive,
         };
         let mut done = Work::default();
+        // By level, the rays that may meet a zero in the slab of the level above: of others the parts need no look.
+        let mut possible = [u16::MAX; <f64 as Scalar>::MAX_DEPTH as usize];
         // Slab `index` of 2^(level + 1) spans τ from index · 2^−(level + 1) to the next: exact.
         let (mut level, mut index) = (0_u32, 0_u64);
         loop {
             let size = T::halved(level + 1);
             let from = T::integer(index) * size;
             let planes = [from, from + size];
-            let active = alive & packet.meets(simd, from, planes[1]);
+            let active = alive & possible[level as usize] & packet.meets(simd, from, planes[1]);
             let mut told = Told::default();
             if active != 0 {
                 let slab = Slab { planes, rays: active, is_last: level == self.last };
@@ -193,6 +195,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 if level < self.last && !is_last {
                     level += 1;
                     index *= 2;
+                    possible[level as usize] = vanishing;
                     continue;
                 }
                 vanishing &= !leaving;
