@@ -251,7 +251,7 @@ pub struct KernelArgs {
     pub tolerance: f64,
 
     /// How many times a ray's path through the domain is halved: at most 20, or 40 in f64; beyond
-    /// 14, rays that stay undecided are given up after 16384 steps
+    /// 14, rays that stay undecided are given up after 32768 steps
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
 

@@ -5,7 +5,7 @@
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
 use glam::{BVec4, BVec4A, DVec4, Vec4};
 use std::fmt::Debug;
-use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, Mul, Sub};
 use zeroset_eval::{KernelFloat, Lanes, PATH_UNITS};
 
 /// A float type in which a traverser follows rays: that of the kernel which it asks.
@@ -112,18 +112,10 @@ impl Scalar for f64 {
     }
 }
 
-/// Four numbers, and what is asked of all at once. A minimum or maximum with a first operand that is NaN is the second
-/// one; comparisons with NaN are false.
+/// Four numbers, and what is asked of all at once. Comparisons with what is not a number are false.
 #[allow(missing_docs, reason = "each is what its name says, lane by lane")]
 pub trait Four:
-    Copy
-    + Debug
-    + Default
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
     type Lane;
     /// A truth per lane.
@@ -132,15 +124,8 @@ pub trait Four:
     fn splat(value: Self::Lane) -> Self;
     fn from_array(lanes: [Self::Lane; 4]) -> Self;
     fn to_array(self) -> [Self::Lane; 4];
-    #[must_use]
-    fn abs(self) -> Self;
-    #[must_use]
-    fn min(self, other: Self) -> Self;
-    #[must_use]
-    fn max(self, other: Self) -> Self;
     fn less(self, other: Self) -> Self::Mask;
     fn at_most(self, other: Self) -> Self::Mask;
-    fn equal(self, other: Self) -> Self::Mask;
     #[must_use]
     fn select(mask: Self::Mask, if_set: Self, otherwise: Self) -> Self;
     /// The lanes in which a mask is set, as the lowest four bits.
@@ -166,37 +151,12 @@ macro_rules! four {
                 Self::to_array(&self)
             }
             #[inline]
-            fn abs(self) -> Self {
-                Self::abs(self)
-            }
-            // One instruction on x86-64, which gives the second operand for NaN. Those of AArch64 hand NaN on.
-            #[inline]
-            fn min(self, other: Self) -> Self {
-                if cfg!(target_arch = "x86_64") {
-                    Self::min(self, other)
-                } else {
-                    Self::select(self.cmplt(other), self, other)
-                }
-            }
-            #[inline]
-            fn max(self, other: Self) -> Self {
-                if cfg!(target_arch = "x86_64") {
-                    Self::max(self, other)
-                } else {
-                    Self::select(other.cmplt(self), self, other)
-                }
-            }
-            #[inline]
             fn less(self, other: Self) -> $mask {
                 self.cmplt(other)
             }
             #[inline]
             fn at_most(self, other: Self) -> $mask {
                 self.cmple(other)
-            }
-            #[inline]
-            fn equal(self, other: Self) -> $mask {
-                self.cmpeq(other)
             }
             #[inline]
             fn select(mask: $mask, if_set: Self, otherwise: Self) -> Self {
@@ -228,12 +188,13 @@ mod tests {
     }
 
     #[test]
-    fn a_nan_gives_way_to_the_second_operand() {
+    fn nothing_holds_of_what_is_not_a_number() {
         fn check<F: Four<Lane = T>, T: Scalar>() {
-            let number = |x: f64| F::splat(T::nearest(x));
-            let chosen = [number(f64::NAN).min(number(1.0)), number(f64::NAN).max(number(1.0))];
-            assert_eq!(chosen.map(|four| four.to_array()[3].into()), [1.0; 2]);
-            assert_eq!(F::bits(number(f64::NAN).at_most(number(1.0))), 0);
+            let [nan, one] = [f64::NAN, 1.0].map(|x| F::splat(T::nearest(x)));
+            for (a, b) in [(nan, one), (one, nan)] {
+                assert_eq!([F::bits(a.less(b)), F::bits(a.at_most(b))], [0; 2]);
+            }
+            assert_eq!([F::bits(one.less(one)), F::bits(one.at_most(one))], [0, 15]);
         }
         check::<Vec4, f32>();
         check::<DVec4, f64>();

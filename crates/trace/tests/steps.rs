@@ -7,8 +7,8 @@ use zeroset_eval::{
     Zeros,
 };
 use zeroset_trace::{
-    Camera, Driver, GBuffer, Method, Options, Precision, Projection, RayGrid, Region, STEPS,
-    Status, Work,
+    Camera, Driver, Found, GBuffer, Method, Options, Precision, Projection, Ray, RayGrid, Region,
+    STEPS, Segment, Start, Status, Work,
 };
 
 /// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than `finest`; above, it is 0.
@@ -57,6 +57,62 @@ impl Kernels<f32> for Stubborn {
     }
     fn segments(&self) -> Asked<'_, ContractSegments, f32> {
         Ok(self)
+    }
+}
+
+/// x² + y² + z² = 1/2, in bounds that round to nearest.
+struct Ball;
+
+impl Ball {
+    fn possible(count: u32, bounds: impl Fn(usize) -> [[f32; 2]; 3]) -> u16 {
+        let is_possible = |lane: usize| {
+            let squares = bounds(lane).map(|[low, high]| {
+                let (a, b) = (low * low, high * high);
+                [if low < 0.0 && high > 0.0 { 0.0 } else { a.min(b) }, a.max(b)]
+            });
+            let end = |k: usize| squares.iter().map(|square| square[k]).sum::<f32>();
+            end(0) <= 0.5 && end(1) >= 0.5
+        };
+        (0..count as usize).map(|lane| u16::from(is_possible(lane)) << lane).sum()
+    }
+}
+
+impl Kernel<FindZeros> for Ball {
+    fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
+        *zeros = Zeros::default();
+        let bounds = |lane: usize| {
+            [0, 1, 2].map(|axis: usize| [-boxes.neg_lo[axis][lane], boxes.hi[axis][lane]])
+        };
+        zeros.possible = Self::possible(boxes.count, bounds);
+    }
+}
+
+impl Kernel<ContractSegments> for Ball {
+    fn ask(&self, segments: &Segments, out: &mut Contractions) {
+        *out = Contractions::default();
+        let bounds = |lane: usize| {
+            [0, 1, 2].map(|axis: usize| {
+                let [o, d] = [segments.origin[axis][lane], segments.direction[axis][lane]];
+                let [a, b] = [segments.near[lane], segments.far[lane]].map(|t| o + t * d);
+                [a.min(b), a.max(b)]
+            })
+        };
+        out.possible = Self::possible(segments.count, bounds);
+    }
+}
+
+impl Kernels<f32> for Ball {
+    fn zeros(&self) -> Asked<'_, FindZeros, f32> {
+        Ok(self)
+    }
+    fn segments(&self) -> Asked<'_, ContractSegments, f32> {
+        Ok(self)
+    }
+}
+
+impl Surface for Ball {
+    fn single(&self) -> &dyn Kernels<f32> {
+        self
     }
 }
 
@@ -162,4 +218,33 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
     let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| false };
     driver.pixels(&[3, 9, 10], &mut buffer);
     assert_eq!(buffer, before);
+}
+
+#[test]
+fn what_is_found_of_a_ray_does_not_hang_on_its_neighbours() {
+    let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
+    // Past the ball, through its edge and through its middle; each along z first.
+    let rays: Vec<Segment> = (0..16)
+        .map(|n: i32| {
+            let [i, j] = [n % 4, n / 4].map(f64::from);
+            let origin = DVec3::new(0.3 * i, 0.25 * j, -4.0);
+            let ray = Ray { origin, direction: DVec3::new(0.02 * j, -0.03 * i, 1.0) };
+            Segment { ray, to: f64::INFINITY, pixel: [1e-3; 2] }
+        })
+        .collect();
+    for method in ["knoll", "raa"] {
+        let options = Options { precision: Precision::F32, ..Options::default() };
+        let method = Method::named(method).expect("a row");
+        let tracer = method.prepare(&Ball, &region, options).expect("a kernel");
+        let follow = |rays: &[Segment]| {
+            let mut found = vec![Found::MISS; rays.len()];
+            tracer.follow(rays, Start::Anywhere, &mut found, &mut Work::default());
+            found.iter().map(|f| (f.status, f.distance, f.drawn)).collect::<Vec<_>>()
+        };
+        let together = follow(&rays);
+        let alone: Vec<_> = rays.iter().flat_map(|ray| follow(&[*ray])).collect();
+        assert_eq!(together, alone, "{}", method.name);
+        let missed = together.iter().filter(|found| found.0 == Status::Miss).count();
+        assert!((4..12).contains(&missed), "{missed}");
+    }
 }

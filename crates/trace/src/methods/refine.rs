@@ -70,9 +70,9 @@ impl<'a, T: Scalar> Refiner<'a, T> {
     }
 
     /// The places in parts of rays at which samples change sign; of other rays infinity.
-    pub fn places(&self, rays: &[Segment], parts: &Parts, work: &mut Work) -> Lanes<f64> {
+    pub fn places(&self, rays: &[Segment], wanted: &Parts, work: &mut Work) -> Lanes<f64> {
         let mut places = Lanes::splat(f64::INFINITY);
-        if parts.rays == 0 {
+        if wanted.rays == 0 {
             return places;
         }
         let (vectors, lines) = (Vectors::new(), Lines::new(rays));
@@ -84,10 +84,10 @@ impl<'a, T: Scalar> Refiner<'a, T> {
             work.point.called(lanes.count_ones());
             Lanes(values.value.map(Into::into))
         };
-        let ends = parts.ends;
-        let values = [sample(&ends[0], parts.rays, work), sample(&ends[1], parts.rays, work)];
+        let ends = wanted.ends;
+        let values = [sample(&ends[0], wanted.rays, work), sample(&ends[1], wanted.rays, work)];
         let is_crossing = |lane: &usize| self.is_crossing([values[0][*lane], values[1][*lane]]);
-        let mut live: u16 = ones(parts.rays).filter(is_crossing).map(|lane| 1 << lane).sum();
+        let mut live: u16 = ones(wanted.rays).filter(is_crossing).map(|lane| 1 << lane).sum();
         let enough =
             dispatch!(vectors, simd => enough::<T, _>(simd, &lines, self.tolerance, &ends));
         let mut brackets = dispatch!(vectors, simd => Brackets::new(simd, ends, values, enough));
@@ -151,7 +151,7 @@ fn enough<T: Scalar, S: Simd>(
         let growth = S::f64s::from_slice(simd, &growth[load.clone()]);
         let footprint = S::f64s::from_slice(simd, &at_eye[load]) + near * growth;
         // Below what a coordinate is rounded by, signs are those of other points.
-        (footprint * tolerance).max(size * (2.0 * T::UNIT)).store_slice(&mut enough[lanes]);
+        (footprint * tolerance).max_precise(size * (2.0 * T::UNIT)).store_slice(&mut enough[lanes]);
     }
     enough
 }
@@ -261,6 +261,7 @@ impl Brackets {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::widths::levels;
 
     /// How many samples of a function a part of a ray takes, and where they end.
     fn refine(f: impl Fn(f64) -> f64, ends: [f64; 2], solid: bool) -> (u32, f64) {
@@ -303,6 +304,32 @@ mod tests {
         ] {
             let (rounds, place) = refine(f, [0.0, 1.0], true);
             assert!((place - 0.4).abs() <= 1e-6 && rounds <= 22, "{place}, {rounds}");
+        }
+    }
+
+    #[test]
+    fn each_lane_is_about_its_own_bracket() {
+        let root = |lane: usize| 0.05 + 0.06 * lane as f64;
+        let value = |lane: usize, t: f64| (t - root(lane)) * (1.0 + t * t);
+        let lanes = |f: &dyn Fn(usize) -> f64| Lanes(std::array::from_fn(f));
+        for level in levels() {
+            let ends = [lanes(&|lane| -0.1 * lane as f64), lanes(&|lane| 1.0 + lane as f64)];
+            let values = ends.each_ref().map(|ends| lanes(&|lane| value(lane, ends[lane])));
+            let enough = lanes(&|lane| 1e-6 * (1.0 + lane as f64));
+            let mut brackets = dispatch!(level, simd => Brackets::new(simd, ends, values, enough));
+            let (mut live, mut rounds) = (u16::MAX, 0);
+            while live != 0 && rounds < 40 {
+                let done = live & dispatch!(level, simd => brackets.go_on(simd, live));
+                for lane in ones(done) {
+                    let off = brackets.place(lane) - root(lane);
+                    assert!(off.abs() <= enough[lane], "{lane}: {off}");
+                }
+                live &= !done;
+                let values = lanes(&|lane| value(lane, brackets.next[lane]));
+                dispatch!(level, simd => brackets.narrow(simd, &values, false));
+                rounds += 1;
+            }
+            assert_eq!(live, 0, "{level:?}");
         }
     }
 }

@@ -1,5 +1,6 @@
-//! Packets of up to sixteen rays march through slabs of their dominant axis, halving those in which the function may vanish, down to a
-//! fixed depth: what `knoll` and `raa` share.
+//! Packets of up to sixteen rays march through slabs of their dominant axis, halving those in which the function may vanish, down
+//! to a fixed depth: what `knoll` and `raa` share. A ray of which a slab is proven empty is not asked about in its parts, though
+//! others of its packet are: what is found of a ray hangs on its neighbours only by the axis, and by the steps that are left.
 //!
 //! It proves misses only. Where a slab of the last depth may hold a root one is drawn; nothing says that there is one, so such
 //! pixels are undecided. How a slab is tested is not known here.
@@ -17,7 +18,7 @@ use std::ops::Range;
 use zeroset_eval::Surface;
 
 /// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only deeper pictures can
-/// reach it. A packet that hits a surface well needs some per level; one whose slabs stay undecided would need 2 to the depth.
+/// reach it. A packet that hits a surface well needs a few per level; one whose slabs stay undecided would need 2 to the depth.
 pub const STEPS: u64 = 1 << 15;
 
 /// Which rays of a packet may meet a zero between planes.

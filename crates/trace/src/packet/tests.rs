@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::camera::Ray;
+use crate::painted::ones;
 use crate::region::HalfSpace;
 use crate::widths::levels;
 use fearless_simd::{Level, dispatch};
@@ -126,12 +127,15 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
             for half in 0..2 {
                 let (mut boxes, mut ways) = (Boxes::default(), Segments::<T>::default());
                 let slab = [planes[half], planes[half + 1]];
+                // Some of the rays, or all.
+                let some = packet.rays() & random.next() as u16 | 1;
+                let asked = if random.next().is_multiple_of(2) { some } else { packet.rays() };
                 let meets = dispatch!(level, simd => {
-                    packet.boxes(simd, slab, packet.rays(), &mut boxes);
-                    packet.segments(simd, slab, packet.rays(), &mut ways);
+                    packet.boxes(simd, slab, asked, &mut boxes);
+                    packet.segments(simd, slab, asked, &mut ways);
                     packet.meets(simd, slab[0], slab[1])
                 });
-                assert_eq!([boxes.count, ways.count], [segments.len() as u32; 2]);
+                assert_eq!([boxes.count, ways.count], [16 - asked.leading_zeros(); 2]);
                 // A place within the slab: an end, or anywhere between.
                 let share = match random.next() % 4 {
                     0 => exact(planes[half].into()),
@@ -143,7 +147,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                         exact(planes[half].into()) + part * width
                     }
                 };
-                for (lane, segment) in segments.iter().enumerate() {
+                for lane in ones(asked) {
+                    let segment = &segments[lane];
                     // extent is the rounded end − start: a plane anywhere near stands for the same slab's contents as
                     // long as it lies between the exact end planes.
                     let plane = exact(start) + &share * exact(extent);
