@@ -7,10 +7,9 @@
 use crate::method::Segment;
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::widths::parts;
+use crate::widths::{Part, parts};
 use fearless_simd::prelude::*;
 use glam::DVec3;
-use std::ops::Range;
 use zeroset_eval::{Boxes, LANES, Lanes, Segments};
 
 /// The most rays in a packet.
@@ -71,6 +70,19 @@ struct Planes {
     inverse: f64,
 }
 
+impl Planes {
+    /// τ at the t of a ray with this origin and direction along K, moved out by more than its error: forward if `outward` is
+    /// 1, back if it is −1.
+    #[inline]
+    fn share<T: Scalar>(&self, [origin, direction]: [f64; 2], t: f64, outward: f64) -> T {
+        let Self { start, inverse, .. } = *self;
+        let advance = t * direction;
+        let sizes = (origin * inverse).abs() + (advance * inverse).abs();
+        let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * sizes;
+        T::nearest((advance - (start - origin)) * inverse + outward * error)
+    }
+}
+
 /// One coordinate of the rays: within `slack` of `start + τ · extent`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Side<T> {
@@ -110,12 +122,17 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Takes these rays, one to [`RAYS`], advancing on the first one's fastest axis. Returns whether they all advance
+    /// Takes these rays, one to [`RAYS`], of which `lines` are the coordinates, advancing on the first one's fastest axis. Returns whether they all advance
     /// together: otherwise they need packets of their own.
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
-    pub fn take<S: Simd>(&mut self, simd: S, segments: &[Segment], region: &Region) -> bool {
-        let lines = Lines::new(segments);
+    pub fn take<S: Simd>(
+        &mut self,
+        simd: S,
+        segments: &[Segment],
+        lines: &Lines,
+        region: &Region,
+    ) -> bool {
         let k = fastest_axis(segments[0].ray.direction);
         let forward = lines.direction[k][0] > 0.0;
         let mut together = true;
@@ -133,7 +150,7 @@ impl<T: Scalar> Packet<T> {
         let (start, end) = if forward { (low, high) } else { (high, low) };
         self.planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
         self.count = segments.len();
-        self.place(simd, &lines, region);
+        self.place(simd, lines, region);
         self.round(simd, segments, region);
         true
     }
@@ -153,40 +170,33 @@ impl<T: Scalar> Packet<T> {
     pub fn boxes<S: Simd>(&self, simd: S, [from, to]: [T; 2], rays: u16, out: &mut Boxes<T>) {
         out.count = LANES as u32 - rays.leading_zeros();
         for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
-            let [neg_lo, hi] = self.bounds[axis].map(
-                #[inline(always)]
-                |bound| T::Vector::splat(simd, bound),
-            );
-            for lanes in parts::<T::Vector<S>, S>(out.count as usize) {
-                let start = T::Vector::from_slice(simd, &start[lanes.clone()]);
-                let extent = T::Vector::from_slice(simd, &extent[lanes.clone()]);
-                let slack = T::Vector::from_slice(simd, &slack[lanes.clone()]);
+            let [neg_lo, hi] = self.bounds[axis];
+            for part in parts::<S, T::Vector<S>>(simd, out.count as usize) {
+                let start = part.load(start);
+                let extent = part.load(extent);
+                let slack = part.load(slack);
                 let (a, b) = (start + extent * from, start + extent * to);
                 // Where anything overflows so does the slack, and the region's bounds are left.
-                let lower = (slack - a.min(b)).min_precise(neg_lo);
-                let upper = (slack + a.max(b)).min_precise(hi);
-                lower.store_slice(&mut out.neg_lo[axis][lanes.clone()]);
-                upper.store_slice(&mut out.hi[axis][lanes]);
+                let lower = (slack - a.min(b)).min_precise(part.splat(neg_lo));
+                let upper = (slack + a.max(b)).min_precise(part.splat(hi));
+                part.store(lower, &mut out.neg_lo[axis]);
+                part.store(upper, &mut out.hi[axis]);
             }
         }
     }
 
-    /// The rays between two planes in order, as segments in which t is τ: in lanes as [`Packet::boxes`].
+    /// The rays as lines of which t is τ: what does not hang on planes.
     #[inline(always)]
-    pub fn segments<S: Simd>(&self, simd: S, [from, to]: [T; 2], rays: u16, out: &mut Segments<T>) {
-        out.count = LANES as u32 - rays.leading_zeros();
-        (out.near, out.far) = (Lanes::splat(from), Lanes::splat(to));
+    pub fn lines<S: Simd>(&self, simd: S, out: &mut Segments<T>) {
         // The slack is for τ within [0, 1], all of a packet's; what kernels round is added to it, generously.
         let rounding = T::nearest(2.0 * T::PATH_ERROR);
         let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
         for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
             (out.origin[axis], out.direction[axis]) = (*start, *extent);
-            for lanes in parts::<T::Vector<S>, S>(LANES) {
-                let start = T::Vector::from_slice(simd, &start[lanes.clone()]);
-                let extent = T::Vector::from_slice(simd, &extent[lanes.clone()]);
-                let slack = T::Vector::from_slice(simd, &slack[lanes.clone()]);
-                let error = slack + (start.abs() + extent.abs()) * rounding + (least + least);
-                error.store_slice(&mut out.error[axis][lanes]);
+            for part in parts::<S, T::Vector<S>>(simd, LANES) {
+                let size = part.load(start).abs() + part.load(extent).abs();
+                let error = part.load(slack) + size * rounding + (least + least);
+                part.store(error, &mut out.error[axis]);
             }
         }
     }
@@ -208,11 +218,8 @@ impl<T: Scalar> Packet<T> {
             from[lane] = T::nearest(-first * inverse - error);
         }
         for lane in (0..RAYS).filter(|&lane| lines.to[lane].is_finite()) {
-            let (origin, direction) = (lines.origin[k][lane], lines.direction[k][lane]);
-            let advance = lines.to[lane] * direction;
-            let sizes = (origin * inverse).abs() + (advance * inverse).abs();
-            let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * sizes;
-            to[lane] = T::nearest((advance - (start - origin)) * inverse + error);
+            let ray = [lines.origin[k][lane], lines.direction[k][lane]];
+            to[lane] = self.planes.share(ray, lines.to[lane], 1.0);
         }
         (self.enter, self.leave) = (Lanes::splat(-T::SHARE_ERROR), Lanes::splat(most));
         self.keep_between(simd, &from, &to);
@@ -226,16 +233,16 @@ impl<T: Scalar> Packet<T> {
                 side.slack[lane] = T::nearest(2.0 * DOUBLE_ERROR * (origin.abs() + step.abs()));
             }
             let [neg_lo, hi] = self.bounds[axis];
-            for lanes in parts::<T::Vector<S>, S>(LANES) {
-                let start = T::Vector::from_slice(simd, &side.start[lanes.clone()]);
-                let extent = T::Vector::from_slice(simd, &side.extent[lanes.clone()]);
-                let reach = T::Vector::from_slice(simd, &side.slack[lanes.clone()]);
+            for part in parts::<S, T::Vector<S>>(simd, LANES) {
+                let start = part.load(&side.start);
+                let extent = part.load(&side.extent);
+                let reach = part.load(&side.slack);
                 let size = (start.abs() + extent.abs()) * T::COORDINATE_ERROR;
                 let slack = size + (reach + T::LEAST_NORMAL);
-                slack.store_slice(&mut side.slack[lanes.clone()]);
+                part.store(slack, &mut side.slack);
                 if axis != k {
-                    self.cut(simd, &lanes, start + (slack + neg_lo), extent);
-                    self.cut(simd, &lanes, (slack + hi) - start, -extent);
+                    self.cut(part, start + (slack + neg_lo), extent);
+                    self.cut(part, (slack + hi) - start, -extent);
                 }
             }
             self.sides[axis] = side;
@@ -246,13 +253,13 @@ impl<T: Scalar> Packet<T> {
     /// Keeps only these τ. What is not a number gives way.
     #[inline(always)]
     fn keep_between<S: Simd>(&mut self, simd: S, from: &Lanes<T>, to: &Lanes<T>) {
-        for lanes in parts::<T::Vector<S>, S>(LANES) {
-            let enter = T::Vector::from_slice(simd, &self.enter[lanes.clone()]);
-            let leave = T::Vector::from_slice(simd, &self.leave[lanes.clone()]);
-            let enter = enter.max_precise(T::Vector::from_slice(simd, &from[lanes.clone()]));
-            let leave = leave.min_precise(T::Vector::from_slice(simd, &to[lanes.clone()]));
-            enter.store_slice(&mut self.enter[lanes.clone()]);
-            leave.store_slice(&mut self.leave[lanes]);
+        for part in parts::<S, T::Vector<S>>(simd, LANES) {
+            let enter = part.load(&self.enter);
+            let leave = part.load(&self.leave);
+            let enter = enter.max_precise(part.load(from));
+            let leave = leave.min_precise(part.load(to));
+            part.store(enter, &mut self.enter);
+            part.store(leave, &mut self.leave);
         }
     }
 
@@ -262,18 +269,13 @@ impl<T: Scalar> Packet<T> {
         if region.ball().is_none() {
             return;
         }
-        let Planes { k, start, inverse, .. } = self.planes;
+        let k = self.planes.k;
         let (mut from, mut to) = (Lanes::splat(T::integer(1)), Lanes::splat(-T::integer(1)));
         for (lane, segment) in segments.iter().enumerate() {
             // What the box keeps of the ray is cut by the ball alone: no end moves that the ball does not move.
             let Some((near, far)) = region.span(&segment.ray) else { continue };
-            let (origin, direction) = (segment.ray.origin[k], segment.ray.direction[k]);
-            let share = |t: f64, outward: f64| {
-                let advance = t * direction;
-                let sizes = (origin * inverse).abs() + (advance * inverse).abs();
-                let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * sizes;
-                T::nearest((advance - (start - origin)) * inverse + outward * error)
-            };
+            let ray = [segment.ray.origin, segment.ray.direction].map(|vector| vector[k]);
+            let share = |t: f64, outward: f64| self.planes.share(ray, t, outward);
             (from[lane], to[lane]) = (share(near, -1.0), share(far, 1.0));
         }
         self.keep_between(simd, &from, &to);
@@ -306,15 +308,15 @@ impl<T: Scalar> Packet<T> {
             let moved = size.dot(direction.abs()) * dt[lane].abs();
             terms[lane] = T::nearest((size.dot(at.abs()) + half.offset.abs() + moved) * scale);
         }
-        for lanes in parts::<T::Vector<S>, S>(LANES) {
-            let room = T::Vector::from_slice(simd, &room[lanes.clone()]);
-            let change = T::Vector::from_slice(simd, &change[lanes.clone()]);
-            let terms = T::Vector::from_slice(simd, &terms[lanes.clone()]);
+        for part in parts::<S, T::Vector<S>>(simd, LANES) {
+            let room = part.load(&room);
+            let change = part.load(&change);
+            let terms = part.load(&terms);
             let mut slack = (room.abs() + change.abs() + terms) * T::COORDINATE_ERROR;
             for side in &self.sides {
-                slack += T::Vector::from_slice(simd, &side.slack[lanes.clone()]);
+                slack += part.load(&side.slack);
             }
-            self.cut(simd, &lanes, room + slack, change);
+            self.cut(part, room + slack, change);
         }
     }
 
@@ -322,14 +324,13 @@ impl<T: Scalar> Packet<T> {
     #[inline(always)]
     fn cut<S: Simd>(
         &mut self,
-        simd: S,
-        lanes: &Range<usize>,
+        part: Part<S, T::Vector<S>>,
         room: T::Vector<S>,
         change: T::Vector<S>,
     ) {
-        let enter = T::Vector::from_slice(simd, &self.enter[lanes.clone()]);
-        let leave = T::Vector::from_slice(simd, &self.leave[lanes.clone()]);
-        let zero = T::Vector::splat(simd, T::integer(0));
+        let enter = part.load(&self.enter);
+        let leave = part.load(&self.leave);
+        let zero = part.splat(T::integer(0));
         let crossing = -room / change;
         // NaN only for 0/0: such a ray stays. Comparisons with NaN are false.
         let (rising, falling) = (change.simd_gt(zero), change.simd_lt(zero));
@@ -337,21 +338,21 @@ impl<T: Scalar> Packet<T> {
         let first = rising.select(crossing - T::SHARE_ERROR, enter);
         let last = falling.select(crossing + T::SHARE_ERROR, leave);
         // What is not a number gives way: of an overflow nothing is concluded.
-        let nowhere = T::Vector::splat(simd, -T::integer(1));
+        let nowhere = part.splat(-T::integer(1));
         let leave = never.select(nowhere, leave.min_precise(last));
-        enter.max_precise(first).store_slice(&mut self.enter[lanes.clone()]);
-        leave.store_slice(&mut self.leave[lanes.clone()]);
+        part.store(enter.max_precise(first), &mut self.enter);
+        part.store(leave, &mut self.leave);
     }
 
     /// The rays whose part inside the region meets the planes from `from` to `to`, as bits.
     #[inline(always)]
     pub fn meets<S: Simd>(&self, simd: S, from: T, to: T) -> u16 {
         let mut meets = 0;
-        for lanes in parts::<T::Vector<S>, S>(LANES) {
-            let enter = T::Vector::from_slice(simd, &self.enter[lanes.clone()]);
-            let leave = T::Vector::from_slice(simd, &self.leave[lanes.clone()]);
+        for part in parts::<S, T::Vector<S>>(simd, LANES) {
+            let enter = part.load(&self.enter);
+            let leave = part.load(&self.leave);
             let inside = enter.simd_le(to) & leave.simd_ge(from);
-            meets |= (inside.to_bitmask() as u16) << lanes.start;
+            meets |= part.bits(inside);
         }
         meets & self.rays()
     }
@@ -360,10 +361,10 @@ impl<T: Scalar> Packet<T> {
     #[inline(always)]
     pub fn inside<S: Simd>(&self, simd: S) -> u16 {
         let mut outside = 0;
-        for lanes in parts::<T::Vector<S>, S>(LANES) {
-            let enter = T::Vector::from_slice(simd, &self.enter[lanes.clone()]);
-            let leave = T::Vector::from_slice(simd, &self.leave[lanes.clone()]);
-            outside |= (leave.simd_lt(enter).to_bitmask() as u16) << lanes.start;
+        for part in parts::<S, T::Vector<S>>(simd, LANES) {
+            let enter = part.load(&self.enter);
+            let leave = part.load(&self.leave);
+            outside |= part.bits(leave.simd_lt(enter));
         }
         self.rays() & !outside
     }

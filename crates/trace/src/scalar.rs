@@ -1,17 +1,13 @@
-//! The floats in which rays and slabs are followed, and four of them.
+//! The floats in which rays and slabs are followed, and vectors of them.
 //!
 //! Everything here rounds to nearest; what that costs is added as slack by whoever computes with it.
 
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
-use glam::{BVec4, BVec4A, DVec4, Vec4};
-use std::fmt::Debug;
-use std::ops::{Add, BitAnd, Mul, Sub};
+use std::ops::{Add, Mul};
 use zeroset_eval::{KernelFloat, Lanes, PATH_UNITS};
 
 /// A float type in which a traverser follows rays: that of the kernel which it asks.
 pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Output = Self> {
-    /// Four numbers.
-    type Four: Four<Lane = Self>;
     /// As many numbers as a vector holds.
     type Vector<S: Simd>: SimdFloat<S, Element = Self>;
 
@@ -44,7 +40,6 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
 }
 
 impl Scalar for f32 {
-    type Four = Vec4;
     type Vector<S: Simd> = S::f32s;
     const MAX_DEPTH: u32 = 20;
     const COORDINATE_ERROR: Self = 1.0 / 2_097_152.0; // 2^-21
@@ -76,7 +71,6 @@ impl Scalar for f32 {
 }
 
 impl Scalar for f64 {
-    type Four = DVec4;
     type Vector<S: Simd> = S::f64s;
     const MAX_DEPTH: u32 = 40;
     const COORDINATE_ERROR: Self = 8.0 * Self::EPSILON; // 2^-49
@@ -112,67 +106,6 @@ impl Scalar for f64 {
     }
 }
 
-/// Four numbers, and what is asked of all at once. Comparisons with what is not a number are false.
-#[allow(missing_docs, reason = "each is what its name says, lane by lane")]
-pub trait Four:
-    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
-{
-    type Lane;
-    /// A truth per lane.
-    type Mask: Copy + BitAnd<Output = Self::Mask>;
-
-    fn splat(value: Self::Lane) -> Self;
-    fn from_array(lanes: [Self::Lane; 4]) -> Self;
-    fn to_array(self) -> [Self::Lane; 4];
-    fn less(self, other: Self) -> Self::Mask;
-    fn at_most(self, other: Self) -> Self::Mask;
-    #[must_use]
-    fn select(mask: Self::Mask, if_set: Self, otherwise: Self) -> Self;
-    /// The lanes in which a mask is set, as the lowest four bits.
-    fn bits(mask: Self::Mask) -> u32;
-}
-
-macro_rules! four {
-    ($four:ty, $lane:ty, $mask:ty) => {
-        impl Four for $four {
-            type Lane = $lane;
-            type Mask = $mask;
-
-            #[inline]
-            fn splat(value: $lane) -> Self {
-                Self::splat(value)
-            }
-            #[inline]
-            fn from_array(lanes: [$lane; 4]) -> Self {
-                Self::from_array(lanes)
-            }
-            #[inline]
-            fn to_array(self) -> [$lane; 4] {
-                Self::to_array(&self)
-            }
-            #[inline]
-            fn less(self, other: Self) -> $mask {
-                self.cmplt(other)
-            }
-            #[inline]
-            fn at_most(self, other: Self) -> $mask {
-                self.cmple(other)
-            }
-            #[inline]
-            fn select(mask: $mask, if_set: Self, otherwise: Self) -> Self {
-                Self::select(mask, if_set, otherwise)
-            }
-            #[inline]
-            fn bits(mask: $mask) -> u32 {
-                mask.bitmask()
-            }
-        }
-    };
-}
-
-four!(Vec4, f32, BVec4A);
-four!(DVec4, f64, BVec4);
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,18 +118,5 @@ mod tests {
         for n in 0..=f64::MAX_DEPTH {
             assert_eq!(f64::halved(n), 0.5_f64.powi(n as i32));
         }
-    }
-
-    #[test]
-    fn nothing_holds_of_what_is_not_a_number() {
-        fn check<F: Four<Lane = T>, T: Scalar>() {
-            let [nan, one] = [f64::NAN, 1.0].map(|x| F::splat(T::nearest(x)));
-            for (a, b) in [(nan, one), (one, nan)] {
-                assert_eq!([F::bits(a.less(b)), F::bits(a.at_most(b))], [0; 2]);
-            }
-            assert_eq!([F::bits(one.less(one)), F::bits(one.at_most(one))], [0, 15]);
-        }
-        check::<Vec4, f32>();
-        check::<DVec4, f64>();
     }
 }

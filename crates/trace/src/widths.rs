@@ -1,16 +1,53 @@
 //! Sixteen lanes in vectors of whatever width the processor has.
 
 use fearless_simd::prelude::*;
-use std::ops::Range;
+use std::marker::PhantomData;
 use zeroset_eval::LANES;
 
-/// The first lanes of sixteen, as many at a time as one vector holds.
+/// As many of sixteen lanes as a vector holds.
+#[derive(Clone, Copy)]
+pub(crate) struct Part<S, V> {
+    simd: S,
+    first: usize,
+    vector: PhantomData<V>,
+}
+
+/// The first lanes of sixteen, part by part.
 #[inline(always)]
-pub(crate) fn parts<V: SimdBase<S>, S: Simd>(count: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..count.min(LANES).div_ceil(V::LEN)).map(
+pub(crate) fn parts<S: Simd, V: SimdBase<S>>(
+    simd: S,
+    count: usize,
+) -> impl Iterator<Item = Part<S, V>> {
+    (0..count.min(LANES)).step_by(V::LEN).map(
         #[inline(always)]
-        |part| part * V::LEN..(part + 1) * V::LEN,
+        move |first| Part { simd, first, vector: PhantomData },
     )
+}
+
+impl<S: Simd, V: SimdBase<S>> Part<S, V> {
+    /// The number in all lanes.
+    #[inline(always)]
+    pub fn splat(self, number: V::Element) -> V {
+        V::splat(self.simd, number)
+    }
+
+    /// What is in these lanes.
+    #[inline(always)]
+    pub fn load(self, all: &[V::Element; LANES]) -> V {
+        V::from_slice(self.simd, &all[self.first..self.first + V::LEN])
+    }
+
+    /// Writes these lanes.
+    #[inline(always)]
+    pub fn store(self, vector: V, all: &mut [V::Element; LANES]) {
+        vector.store_slice(&mut all[self.first..self.first + V::LEN]);
+    }
+
+    /// The lanes in which a mask is set, as bits among all sixteen.
+    #[inline(always)]
+    pub fn bits(self, mask: V::Mask) -> u16 {
+        (mask.to_bitmask() as u16) << self.first
+    }
 }
 
 /// All widths of vectors that this processor has: what is computed in them does not hang on it.

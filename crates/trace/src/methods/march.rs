@@ -6,6 +6,7 @@
 use super::refine::{Parts, Refiner};
 use crate::found::{Found, Reason, Status};
 use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Tracer};
+use crate::packet::Lines;
 use crate::painted::ones;
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -101,7 +102,7 @@ impl<T: Scalar> Tracer for March<'_, T> {
                     cells.set(lane, cell);
                 }
             }
-            let places = self.refiner.places(rays, &cells, work);
+            let places = self.refiner.places(&Lines::new(rays), &cells, work);
             for lane in ones(cells.rays) {
                 found[lane].drawn = places[lane].max(found[lane].distance);
             }

@@ -12,7 +12,8 @@ use crate::scalar::Scalar;
 use crate::work::Work;
 use fearless_simd::Simd;
 use zeroset_eval::{
-    Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelError, Segments, Surface, Zeros,
+    Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelError, Lanes, Segments,
+    Surface, Zeros,
 };
 
 pub(crate) const METHOD: Method = Method {
@@ -61,6 +62,11 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
     type Batch = Batch<T>;
 
     #[inline(always)]
+    fn begin<S: Simd>(&self, simd: S, packet: &Packet<T>, batch: &mut Batch<T>) {
+        packet.lines(simd, &mut batch.segments);
+    }
+
+    #[inline(always)]
     fn ask<S: Simd>(
         &self,
         simd: S,
@@ -71,7 +77,9 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
     ) -> Told {
         let Slab { planes, rays, is_last } = *slab;
         work.segments.called(rays.count_ones());
-        packet.segments(simd, planes, rays, &mut batch.segments);
+        let segments = &mut batch.segments;
+        (segments.near, segments.far) = (Lanes::splat(planes[0]), Lanes::splat(planes[1]));
+        segments.count = u16::BITS - rays.leading_zeros();
         self.kernel.ask(&batch.segments, &mut batch.out);
         let mut told = Told { possible: batch.out.possible, unbounded: 0 };
         if let Some(kernel) = self.bounded

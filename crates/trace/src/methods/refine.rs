@@ -2,7 +2,7 @@
 //!
 //! Samples prove nothing, and neither does this: it moves what is painted, never what is claimed.
 
-use crate::method::{Options, Segment};
+use crate::method::Options;
 use crate::packet::Lines;
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -69,17 +69,17 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         a.is_finite() && b.is_finite() && (a == 0.0 || b == 0.0 || (a < 0.0) != (b < 0.0))
     }
 
-    /// The places in parts of rays at which samples change sign; of other rays infinity.
-    pub fn places(&self, rays: &[Segment], wanted: &Parts, work: &mut Work) -> Lanes<f64> {
+    /// The places in parts of these rays at which samples change sign; of other rays infinity.
+    pub fn places(&self, lines: &Lines, wanted: &Parts, work: &mut Work) -> Lanes<f64> {
         let mut places = Lanes::splat(f64::INFINITY);
         if wanted.rays == 0 {
             return places;
         }
-        let (vectors, lines) = (Vectors::new(), Lines::new(rays));
+        let vectors = Vectors::new();
         let (mut points, mut values) = (Points::default(), Values::default());
         let mut sample = |at: &Lanes<f64>, lanes: u16, work: &mut Work| {
             points.count = LANES as u32 - lanes.leading_zeros();
-            dispatch!(vectors, simd => place(simd, &lines, at, &mut points));
+            dispatch!(vectors, simd => place(simd, lines, at, &mut points));
             self.kernel.ask(&points, &mut values);
             work.point.called(lanes.count_ones());
             Lanes(values.value.map(Into::into))
@@ -88,8 +88,7 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         let values = [sample(&ends[0], wanted.rays, work), sample(&ends[1], wanted.rays, work)];
         let is_crossing = |lane: &usize| self.is_crossing([values[0][*lane], values[1][*lane]]);
         let mut live: u16 = ones(wanted.rays).filter(is_crossing).map(|lane| 1 << lane).sum();
-        let enough =
-            dispatch!(vectors, simd => enough::<T, _>(simd, &lines, self.tolerance, &ends));
+        let enough = dispatch!(vectors, simd => enough::<T, _>(simd, lines, self.tolerance, &ends));
         let mut brackets = dispatch!(vectors, simd => Brackets::new(simd, ends, values, enough));
         for round in 0.. {
             let found = dispatch!(vectors, simd => brackets.go_on(simd, live));
@@ -130,17 +129,13 @@ fn enough<T: Scalar, S: Simd>(
     [near, far]: &[Lanes<f64>; 2],
 ) -> Lanes<f64> {
     let mut enough = Lanes::splat(0.0);
-    for lanes in parts::<S::f64s, S>(LANES) {
-        let load = lanes.clone();
-        let (near, far) = (
-            S::f64s::from_slice(simd, &near[load.clone()]),
-            S::f64s::from_slice(simd, &far[load.clone()]),
-        );
-        let zero = S::f64s::splat(simd, 0.0);
+    for part in parts::<S, S::f64s>(simd, LANES) {
+        let (near, far) = (part.load(near), part.load(far));
+        let zero = part.splat(0.0);
         let (mut size, mut start, mut way) = (zero, zero, zero);
         for axis in 0..3 {
-            let origin = S::f64s::from_slice(simd, &lines.origin[axis][load.clone()]);
-            let direction = S::f64s::from_slice(simd, &lines.direction[axis][load.clone()]);
+            let origin = part.load(&lines.origin[axis]);
+            let direction = part.load(&lines.direction[axis]);
             let ends = (origin + direction * near).abs().max((origin + direction * far).abs());
             (size, start) = (size.max(ends), start.max(origin.abs()));
             way = way.max(direction.abs());
@@ -148,10 +143,10 @@ fn enough<T: Scalar, S: Simd>(
         // How large t is at which coordinates are as large as their largest ones are here. Far from the eye t is rounded too.
         let size = (size / way).max((start + far.abs()) * f64::EPSILON);
         let [at_eye, growth] = &lines.pixel;
-        let growth = S::f64s::from_slice(simd, &growth[load.clone()]);
-        let footprint = S::f64s::from_slice(simd, &at_eye[load]) + near * growth;
+        let growth = part.load(growth);
+        let footprint = part.load(at_eye) + near * growth;
         // Below what a coordinate is rounded by, signs are those of other points.
-        (footprint * tolerance).max_precise(size * (2.0 * T::UNIT)).store_slice(&mut enough[lanes]);
+        part.store((footprint * tolerance).max_precise(size * (2.0 * T::UNIT)), &mut enough);
     }
     enough
 }
@@ -167,17 +162,16 @@ impl Brackets {
         /// The bits of a float behind its point.
         const FRACTION: u64 = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
         let (mut length, mut halved) = (Lanes::splat(0.0), Lanes::splat(0.0));
-        for lanes in parts::<S::f64s, S>(LANES) {
-            let load = lanes.clone();
-            let near = S::f64s::from_slice(simd, &ends[0][load.clone()]);
-            let far = S::f64s::from_slice(simd, &ends[1][load.clone()]);
-            let enough = S::f64s::from_slice(simd, &enough[load.clone()]);
-            (far - near).store_slice(&mut length[load.clone()]);
+        for part in parts::<S, S::f64s>(simd, LANES) {
+            let near = part.load(&ends[0]);
+            let far = part.load(&ends[1]);
+            let enough = part.load(&enough);
+            part.store(far - near, &mut length);
             // `enough` as often doubled as halving takes to come below it: by the next power of two.
             let times = ((far - near) / enough).max(1.0).min(2_f64.powi(1000));
             let bits: S::u64s = times.bitcast();
             let power: S::f64s = ((bits + FRACTION) & !FRACTION).bitcast();
-            (enough * power).store_slice(&mut halved[load]);
+            part.store(enough * power, &mut halved);
         }
         Self { ends, values, length, enough, halved, next: ends[0] }
     }
@@ -188,26 +182,25 @@ impl Brackets {
     #[inline(always)]
     fn go_on<S: Simd>(&mut self, simd: S, live: u16) -> u16 {
         let mut done = 0;
-        for lanes in parts::<S::f64s, S>(LANES - live.leading_zeros() as usize) {
-            let load = lanes.clone();
-            let zero = S::f64s::splat(simd, 0.0);
-            let near = S::f64s::from_slice(simd, &self.ends[0][load.clone()]);
-            let far = S::f64s::from_slice(simd, &self.ends[1][load.clone()]);
-            let a = S::f64s::from_slice(simd, &self.values[0][load.clone()]);
-            let b = S::f64s::from_slice(simd, &self.values[1][load.clone()]);
-            let enough = S::f64s::from_slice(simd, &self.enough[load.clone()]);
-            let first = S::f64s::from_slice(simd, &self.length[load.clone()]);
-            let halved = S::f64s::from_slice(simd, &self.halved[load.clone()]);
+        for part in parts::<S, S::f64s>(simd, LANES - live.leading_zeros() as usize) {
+            let zero = part.splat(0.0);
+            let near = part.load(&self.ends[0]);
+            let far = part.load(&self.ends[1]);
+            let a = part.load(&self.values[0]);
+            let b = part.load(&self.values[1]);
+            let enough = part.load(&self.enough);
+            let first = part.load(&self.length);
+            let halved = part.load(&self.halved);
             let (length, middle) = (far - near, (near + far) * 0.5);
             let is_long = length.simd_gt(enough) & near.simd_lt(middle) & middle.simd_lt(far);
             let is_done = a.simd_eq(zero) | b.simd_eq(zero) | !is_long;
-            done |= (is_done.to_bitmask() as u16) << lanes.start;
+            done |= part.bits(is_done);
             // No farther from the middle than halving would be behind.
             let reach = (halved - length * 0.5).max(0.0);
-            (halved * 0.5).store_slice(&mut self.halved[load.clone()]);
+            part.store(halved * 0.5, &mut self.halved);
             let interpolated = (near * b - far * a) / (b - a);
             let off = middle - interpolated;
-            let one = S::f64s::splat(simd, 1.0);
+            let one = part.splat(1.0);
             let towards = one.copysign(off);
             let truncation = length * 0.2 * length / first;
             let truncated = interpolated + towards * truncation;
@@ -216,7 +209,7 @@ impl Brackets {
             let next = is_near.select(truncated, middle - towards * reach);
             // Nothing to interpolate at a pole, or where there is no value.
             let within = near.simd_lt(next) & next.simd_lt(far) & off.is_finite();
-            within.select(next, middle).store_slice(&mut self.next[load]);
+            part.store(within.select(next, middle), &mut self.next);
         }
         done
     }
@@ -224,15 +217,14 @@ impl Brackets {
     /// Keeps the part before or after the sample that was taken of each.
     #[inline(always)]
     fn narrow<S: Simd>(&mut self, simd: S, values: &Lanes<f64>, solid: bool) {
-        for lanes in parts::<S::f64s, S>(LANES) {
-            let load = lanes.clone();
-            let zero = S::f64s::splat(simd, 0.0);
-            let a = S::f64s::from_slice(simd, &self.values[0][load.clone()]);
-            let b = S::f64s::from_slice(simd, &self.values[1][load.clone()]);
-            let near = S::f64s::from_slice(simd, &self.ends[0][load.clone()]);
-            let far = S::f64s::from_slice(simd, &self.ends[1][load.clone()]);
-            let at = S::f64s::from_slice(simd, &self.next[load.clone()]);
-            let value = S::f64s::from_slice(simd, &values[load.clone()]);
+        for part in parts::<S, S::f64s>(simd, LANES) {
+            let zero = part.splat(0.0);
+            let a = part.load(&self.values[0]);
+            let b = part.load(&self.values[1]);
+            let near = part.load(&self.ends[0]);
+            let far = part.load(&self.ends[1]);
+            let at = part.load(&self.next);
+            let value = part.load(values);
             let differ = value.simd_lt(zero) ^ a.simd_lt(zero);
             let is_zero = value.simd_eq(zero) | a.simd_eq(zero);
             let (mut is_near, mut value_there) = (!(differ | is_zero), value);
@@ -242,10 +234,10 @@ impl Brackets {
                 is_near &= !is_nan;
                 value_there = is_nan.select(b, value);
             }
-            is_near.select(at, near).store_slice(&mut self.ends[0][load.clone()]);
-            is_near.select(value, a).store_slice(&mut self.values[0][load.clone()]);
-            is_near.select(far, at).store_slice(&mut self.ends[1][load.clone()]);
-            is_near.select(b, value_there).store_slice(&mut self.values[1][load]);
+            part.store(is_near.select(at, near), &mut self.ends[0]);
+            part.store(is_near.select(value, a), &mut self.values[0]);
+            part.store(is_near.select(far, at), &mut self.ends[1]);
+            part.store(is_near.select(b, value_there), &mut self.values[1]);
         }
     }
 

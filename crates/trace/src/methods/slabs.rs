@@ -8,7 +8,7 @@
 use super::refine::{Parts, Refiner};
 use crate::found::{Found, Reason, Status};
 use crate::method::{Options, Segment, Start, Tracer};
-use crate::packet::{Packet, RAYS};
+use crate::packet::{Lines, Packet, RAYS};
 use crate::painted::ones;
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -25,6 +25,10 @@ pub const STEPS: u64 = 1 << 15;
 pub(super) trait SlabTest<T: Scalar>: Sync {
     /// Memory that is used again and again.
     type Batch: Default;
+
+    /// Notes what is the same in all slabs of a packet.
+    #[inline(always)]
+    fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Batch) {}
 
     /// Asks whether rays may meet a zero in a slab. What is told of other rays says nothing. What kernels are asked is added
     /// to `work`.
@@ -103,11 +107,11 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
         let (mut batch, mut packet) = (S::Batch::default(), Packet::new(self.region));
         for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
-            let mut slabs = Parts::default();
+            let (mut slabs, lines) = (Parts::default(), Lines::new(rays));
             let room = (&mut packet, &mut batch);
-            self.some(rays, 0..rays.len(), room, start, found, &mut slabs, work);
+            self.some(rays, (0..rays.len(), &lines), room, start, found, &mut slabs, work);
             let Some(refiner) = &self.refiner else { continue };
-            let places = refiner.places(rays, &slabs, work);
+            let places = refiner.places(&lines, &slabs, work);
             for lane in ones(slabs.rays).filter(|lane| places[*lane].is_finite()) {
                 // What is claimed of the slab stays.
                 found[lane].drawn = found[lane].drawn.max(places[lane]);
@@ -117,19 +121,22 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
 }
 
 impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
-    /// Follows some of up to [`RAYS`] rays: says what became of them, and in which part of each a root is drawn.
+    /// Follows some of up to [`RAYS`] rays, of which `lines` are the coordinates: says what became of them, and in which part of each a root is drawn.
     #[allow(clippy::too_many_arguments, reason = "memory that is used again and again")]
     fn some(
         &self,
         rays: &[Segment],
-        some: Range<usize>,
+        (some, lines): (Range<usize>, &Lines),
         (packet, batch): (&mut Packet<T>, &mut S::Batch),
         start: Start,
         found: &mut [Found],
         slabs: &mut Parts,
         work: &mut Work,
     ) {
-        if dispatch!(self.vectors, simd => packet.take(simd, &rays[some.clone()], self.region)) {
+        let taken = dispatch!(self.vectors, simd => {
+            packet.take(simd, &rays[some.clone()], lines, self.region)
+        });
+        if taken {
             let outcomes = dispatch!(self.vectors, simd => {
                 self.packet(simd, packet, batch, start, work)
             });
@@ -149,7 +156,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         let size = if some.len() > 4 { 4 } else { 1 };
         for first in some.clone().step_by(size) {
             let fewer = first..some.end.min(first + size);
-            self.some(rays, fewer, (packet, batch), start, found, slabs, work);
+            let lines = Lines::new(&rays[fewer.clone()]);
+            self.some(rays, (fewer, &lines), (packet, batch), start, found, slabs, work);
         }
     }
 
@@ -162,6 +170,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         start: Start,
         work: &mut Work,
     ) -> Outcomes<T> {
+        self.test.begin(simd, packet, batch);
         let mut outcomes = Outcomes::default();
         let mut alive = packet.inside(simd);
         let mut leaving = match start {

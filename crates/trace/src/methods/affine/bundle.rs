@@ -13,7 +13,8 @@ use super::plane::Plane;
 use super::screens::{Ends, HALF, UNMOVED, move_to_first, outward, saves_a_vector};
 use super::tiles::Tracer;
 use crate::painted::ones;
-use crate::scalar::{Four, Scalar};
+use crate::scalar::Scalar;
+use crate::widths::parts;
 use fearless_simd::{Level as Vectors, dispatch, f64x4, mask64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
@@ -21,15 +22,15 @@ use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 const ROUNDS: u32 = 64;
 
 /// Lengths of segments that decide what becomes of them.
-struct Limits<T: Scalar> {
+struct Limits<T> {
     /// Of a bracket, where the form was as good as linear.
-    tolerance: T::Four,
+    tolerance: T,
     /// Of a bracket, where it was not.
-    least: T::Four,
+    least: T,
     /// Of the shortest segments.
-    grain: T::Four,
+    grain: T,
     /// Of the shortest that are cut: below it is rounding that keeps them from getting shorter.
-    coarse: T::Four,
+    coarse: T,
 }
 
 /// What became of segments that may hold a zero: a bit for each lane in use.
@@ -94,43 +95,39 @@ impl<T: Scalar> Bundle<T> {
 
     /// Tells the segments in these lanes apart by what was asked of them, and puts what is left of each, or its nearer part,
     /// in its place.
-    #[inline]
-    fn sift(
+    #[inline(always)]
+    fn sift<S: Simd>(
         &self,
+        simd: S,
         batch: &mut Segments<T>,
         out: &Contractions<T>,
         live: u16,
         limits: &Limits<T>,
     ) -> Sifted {
         let Limits { tolerance, least, grain, coarse } = *limits;
-        let [stalled, steady, part] =
-            [STALLED, STEADY, CUT].map(|number| T::Four::splat(T::nearest(number)));
+        let [stalled, steady, share] = [STALLED, STEADY, CUT].map(T::nearest);
         let (mut empty, mut short, mut shorter, mut cut) = (0, 0, 0, 0);
         let mut within = if self.inside.is_some() { 0 } else { u16::MAX };
-        let bits = |mask, at| (T::Four::bits(mask) as u16) << at;
-        for at in (0..batch.count as usize).step_by(4) {
-            let four =
-                |lanes: &Lanes<T>| T::Four::from_array(std::array::from_fn(|k| lanes[at + k]));
-            let asked = [four(&batch.near), four(&batch.far)];
+        for part in parts::<S, T::Vector<S>>(simd, batch.count as usize) {
+            let asked = [part.load(&batch.near), part.load(&batch.far)];
             if let Some([first, last]) = &self.inside {
-                let inside = four(first).at_most(asked[0]) & asked[1].at_most(four(last));
-                within |= bits(inside, at);
+                let inside = part.load(first).simd_le(asked[0]) & asked[1].simd_le(part.load(last));
+                within |= part.bits(inside);
             }
-            let (near, far) = (four(&out.near), four(&out.far));
+            let (near, far) = (part.load(&out.near), part.load(&out.far));
             let (length, before) = (far - near, asked[1] - asked[0]);
-            empty |= bits(length.less(T::Four::splat(T::default())), at);
-            let enough = length.at_most(tolerance) & length.at_most(before * steady);
-            short |= bits(enough, at) | bits(length.at_most(least), at);
-            let much = length.at_most(before * stalled);
-            shorter |= bits(much & grain.less(length), at);
+            empty |= part.bits(length.simd_lt(T::default()));
+            let enough = length.simd_le(tolerance) & length.simd_le(before * steady);
+            short |= part.bits(enough | length.simd_le(least));
+            let much = length.simd_le(before * stalled);
+            shorter |= part.bits(much & length.simd_gt(grain));
             // As `is_progress` of `narrow` has it.
-            let between = near + part * length;
-            let progress = (between - near).less(before) & (far - between).less(before);
-            let parts = near.less(between) & between.less(far) & progress;
-            cut |= bits(coarse.less(length) & parts, at);
-            let kept = T::Four::select(much, far, between);
-            batch.near[at..at + 4].copy_from_slice(&near.to_array());
-            batch.far[at..at + 4].copy_from_slice(&kept.to_array());
+            let between = near + length * share;
+            let progress = (between - near).simd_lt(before) & (far - between).simd_lt(before);
+            let halves = near.simd_lt(between) & between.simd_lt(far) & progress;
+            cut |= part.bits(length.simd_gt(coarse) & halves);
+            part.store(near, &mut batch.near);
+            part.store(much.select(far, between), &mut batch.far);
         }
         let left = out.possible & live & !empty;
         let short = left & short & out.crossing & within;
@@ -177,12 +174,11 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         if !within {
             self.cut_at_faces(live, &mut bundle);
         }
-        let four = |number| T::Four::splat(T::nearest(number));
         let limits = Limits {
-            tolerance: four(tolerance),
-            least: four(UNSTEADY * tolerance),
-            grain: four(T::GRAIN * self.size),
-            coarse: four(self.coarse),
+            tolerance: T::nearest(tolerance),
+            least: T::nearest(UNSTEADY * tolerance),
+            grain: T::nearest(T::GRAIN * self.size),
+            coarse: T::nearest(self.coarse),
         };
         let (mut hits, mut hard) = (0, 0);
         for _ in 0..ROUNDS {
@@ -191,8 +187,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             self.method.follower.ask(&self.segments, &mut self.contractions);
             self.work.segments.called(live.count_ones());
             let out = &self.contractions;
+            let batch = &mut self.segments;
             let Sifted { left, mut short, shorter, cut } =
-                bundle.sift(&mut self.segments, out, live, &limits);
+                dispatch!(self.vectors, simd => bundle.sift(simd, batch, out, live, &limits));
             let mut open = left & !short & !shorter & !cut;
             if self.method.cleared {
                 // A zero of the numerator is none of the function's.
