@@ -16,18 +16,10 @@ pub(crate) trait Path<M: Machine, const N: usize> {
 }
 
 /// Segments of rays, from a batch of [`Segments`](crate::Segments).
-pub(crate) struct Along<V> {
-    middle: V,
-    half: V,
-}
+pub(crate) struct Along<V>(pub Depth<V>);
 
 /// Tiles of rays, from a batch of [`Tiles`](crate::Tiles).
-pub(crate) struct Across<V> {
-    centre: [V; 2],
-    reach: [V; 2],
-    middle: V,
-    half: V,
-}
+pub(crate) struct Across<V>(pub Depth<V>);
 
 /// Affine forms of points on a path.
 pub(crate) struct Forms<'a, T, I, P, const N: usize> {
@@ -36,39 +28,34 @@ pub(crate) struct Forms<'a, T, I, P, const N: usize> {
     pub format: PhantomData<T>,
 }
 
-/// The ends of a segment, and its middle and half: t is within `middle` ± `half` for t from the one end to the other.
-pub(crate) struct Ends<V> {
-    pub at: [V; 2],
+/// How far along a ray: t is within `middle` ± `half` for t from the one end of a segment to the other.
+#[derive(Clone, Copy)]
+pub(crate) struct Depth<V> {
     pub middle: V,
     pub half: V,
 }
 
-impl<V: Copy> Ends<V> {
-    /// Reads the ends from quantities of the input.
-    pub fn load<M: Machine<V = V>>(
-        m: &mut M,
-        format: Format,
-        loader: &mut impl Loader<M>,
-        quantities: [usize; 2],
-    ) -> Self {
-        let ends = quantities.map(|quantity| loader.input(m, quantity));
+impl<V: Copy> Depth<V> {
+    /// Between two ends.
+    pub fn between<M: Machine<V = V>>(m: &mut M, format: Format, ends: [V; 2]) -> Self {
         let half = m.number(format, 0.5);
         let middle = m.nearly(|m| {
             let sum = m.add(ends[0], ends[1]);
             m.mul(sum, half)
         });
         let (after, before) = (m.sub(ends[1], middle), m.sub(middle, ends[0]));
-        Self { at: ends, middle, half: m.max(after, before) }
+        Self { middle, half: m.max(after, before) }
     }
 }
 
-impl<V: Copy> Along<V> {
+impl<V> Along<V> {
     /// The places of the ends among the quantities.
     pub const ENDS: [usize; 2] = [9, 10];
+}
 
-    pub fn new(ends: &Ends<V>) -> Self {
-        Self { middle: ends.middle, half: ends.half }
-    }
+impl<V> Across<V> {
+    /// As above.
+    pub const ENDS: [usize; 2] = [4, 5];
 }
 
 impl<M: Machine> Path<M, 1> for Along<M::V> {
@@ -77,54 +64,42 @@ impl<M: Machine> Path<M, 1> for Along<M::V> {
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
         // The error has room for what is rounded here.
         let (centre, slope) = m.nearly(|m| {
-            let way = m.mul(self.middle, direction);
-            (m.add(origin, way), m.mul(self.half, direction))
+            let slope = m.mul(self.0.half, direction);
+            (m.mul_add(direction, self.0.middle, origin), slope)
         });
         Form::coordinate(centre, [slope], error)
     }
 }
 
-impl<V: Copy> Across<V> {
-    /// The places of the ends among the quantities.
-    pub const ENDS: [usize; 2] = [4, 5];
-
-    pub fn load<M: Machine<V = V>>(m: &mut M, loader: &mut impl Loader<M>, ends: &Ends<V>) -> Self {
-        let centre = [0, 1].map(|quantity| loader.input(m, quantity));
-        let reach = [2, 3].map(|quantity| loader.input(m, quantity));
-        Self { centre, reach, middle: ends.middle, half: ends.half }
-    }
-}
-
 impl<M: Machine> Path<M, 3> for Across<M::V> {
     fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, 3> {
+        // Read again for each axis: what is kept for long goes to memory and back.
+        let centre = [0, 1].map(|quantity| loader.input(m, quantity));
+        let reach = [2, 3].map(|quantity| loader.input(m, quantity));
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
         let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
         let error = loader.input(m, 24 + axis as usize);
+        let Depth { middle, half } = self.0;
+        // Screen and depth together: rays spread.
+        let sizes = [d_a, d_b].map(|d| m.abs(d));
+        let spread = m.mul(reach[0], sizes[0]);
+        let spread = m.mul_add(sizes[1], reach[1], spread);
+        let error = m.mul_add(spread, half, error);
         // As above.
         let (centre, slopes) = m.nearly(|m| {
+            let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
+                let per_unit = m.mul_add(middle, d, o);
+                m.mul(reach[axis], per_unit)
+            });
             let mut through_centre = |base, a, b| {
-                let (a, b) = (m.mul(self.centre[0], a), m.mul(self.centre[1], b));
-                let sum = m.add(base, a);
-                m.add(sum, b)
+                let sum = m.mul_add(a, centre[0], base);
+                m.mul_add(b, centre[1], sum)
             };
             let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
-            let way = m.mul(self.middle, direction);
-            let centre = m.add(origin, way);
-            let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
-                let way = m.mul(self.middle, d);
-                let per_unit = m.add(o, way);
-                m.mul(self.reach[axis], per_unit)
-            });
-            (centre, [across, upward, m.mul(self.half, direction)])
+            let depth = m.mul(half, direction);
+            (m.mul_add(direction, middle, origin), [across, upward, depth])
         });
-        // Screen and depth together: rays spread.
-        let [spread_a, spread_b] = [(d_a, 0), (d_b, 1)].map(|(d, axis)| {
-            let size = m.abs(d);
-            m.mul(self.reach[axis], size)
-        });
-        let spread = m.add(spread_a, spread_b);
-        let spread = m.mul(self.half, spread);
-        Form::coordinate(centre, slopes, m.add(spread, error))
+        Form::coordinate(centre, slopes, error)
     }
 }
 

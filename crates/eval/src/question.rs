@@ -10,7 +10,7 @@ use crate::batch::{
 use crate::binding::Binding;
 use crate::differentiable::Differentiable;
 use crate::domain::{Bounds, Loader, Samples};
-use crate::forms::{Across, Along, Ends, Forms};
+use crate::forms::{Across, Along, Depth, Forms};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
@@ -216,10 +216,13 @@ impl Question for ContractSegments {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V> {
-        let ends = Ends::load(m, T::FORMAT, loader, Along::<M::V>::ENDS);
-        let path = Along::new(&ends);
+        let ends = Along::<M::V>::ENDS.map(|quantity| loader.input(m, quantity));
+        let depth = Depth::between(m, T::FORMAT, ends);
+        let path = Along(depth);
         let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
-        let Ends { at: ends, middle, half } = ends;
+        // Read again: what is kept for long goes to memory and back.
+        let ends = Along::<M::V>::ENDS.map(|quantity| loader.input(m, quantity));
+        let Depth { middle, half } = depth;
         let new = contract(m, T::FORMAT, &form, [middle, half], ends);
         Answer { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
     }
@@ -236,10 +239,13 @@ impl Question for ContractTiles {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V> {
-        let ends = Ends::load(m, T::FORMAT, loader, Across::<M::V>::ENDS);
-        let path = Across::load(m, loader, &ends);
+        let ends = Across::<M::V>::ENDS.map(|quantity| loader.input(m, quantity));
+        let depth = Depth::between(m, T::FORMAT, ends);
+        let path = Across(depth);
         let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
-        let Ends { at: ends, middle, half } = ends;
+        // Read again: what is kept for long goes to memory and back.
+        let ends = Across::<M::V>::ENDS.map(|quantity| loader.input(m, quantity));
+        let Depth { middle, half } = depth;
         let new = contract(m, T::FORMAT, &form, [middle, half], ends);
         let zero = m.number(T::FORMAT, 0.0);
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);

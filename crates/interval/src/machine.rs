@@ -9,12 +9,21 @@ pub enum Format {
     F64,
 }
 
+/// Whether this processor has an instruction for a·b + c that rounds once. All machines do as it does, so that they agree.
+#[must_use]
+pub fn fuses() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("fma");
+    #[cfg(not(target_arch = "x86_64"))]
+    cfg!(target_arch = "aarch64")
+}
+
 /// A machine with 128-bit vectors that rounds up.
 ///
 /// Rules are written once over this trait. One implementation emits native code, the other
 /// ([`Software`](crate::Software)) computes; both give the same bits (NaN apart, which no rule lets
-/// through). Arithmetic rounds to +∞, subnormals are kept, nothing is fused. Operands of one call
-/// share a [`Format`]. A mask is a vector whose lanes are all ones or all zeros.
+/// through). Arithmetic rounds to +∞, subnormals are kept, nothing is fused but [`Machine::mul_add`].
+/// Operands of one call share a [`Format`]. A mask is a vector whose lanes are all ones or all zeros.
 pub trait Machine {
     /// A vector.
     type V: Copy;
@@ -30,6 +39,14 @@ pub trait Machine {
     fn sub(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// a · b.
     fn mul(&mut self, a: Self::V, b: Self::V) -> Self::V;
+    /// a · b + c: rounded once where the processor [fuses](crate::fuses), else after each step. Its instruction overwrites a,
+    /// which is best a value that is not needed any more.
+    fn mul_add(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
+    /// a · b − c, rounded as [`Machine::mul_add`].
+    fn mul_sub(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+        let opposite = self.neg(c);
+        self.mul_add(a, b, opposite)
+    }
     /// a / b.
     fn div(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// √a.

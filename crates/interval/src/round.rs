@@ -54,6 +54,13 @@ pub mod f32_up {
         demote(f64::from(a) * f64::from(b), 0.0)
     }
 
+    /// `a · b + c`, rounded once.
+    pub fn mul_add(a: f32, b: f32, c: f32) -> f32 {
+        let (product, c) = (f64::from(a) * f64::from(b), f64::from(c));
+        let sum = product + c;
+        demote(sum, super::sum_error(product, c, sum))
+    }
+
     /// `a / b`.
     pub fn div(a: f32, b: f32) -> f32 {
         let (a, b) = (f64::from(a), f64::from(b));
@@ -103,6 +110,56 @@ pub mod f64_up {
         let ((a, i), (b, j)) = (split(a), split(b));
         let product = a * b;
         scale(product, a.mul_add(b, -product), i + j)
+    }
+
+    /// `a · b + c`, rounded once.
+    pub fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+        if !(a.is_finite() && b.is_finite() && c.is_finite()) || a == 0.0 || b == 0.0 {
+            return add(a * b, c);
+        }
+        if c == 0.0 {
+            return mul(a, b);
+        }
+        // Both terms as whole numbers: the product of 105 or 106 bits, c of 53, each with an exponent.
+        let whole = |a: f64| {
+            let (a, exponent) = split(a);
+            ((a * power(52)) as i128, exponent - 52)
+        };
+        let ((a, i), (b, j), (c, k)) = (whole(a), whole(b), whole(c));
+        let (product, places) = (a * b, k - (i + j));
+        match places {
+            // What of c lies below the product's last place is no more than a sign that there is something.
+            ..0 => {
+                let below = places.unsigned_abs().min(64);
+                round_up(product + (c >> below), c % (1 << below) != 0, i + j)
+            }
+            0..=73 => round_up(product + (c << places), false, i + j),
+            _ => {
+                let below = (places - 60).min(127);
+                round_up((c << 60) + (product >> below), product % (1 << below) != 0, k - 60)
+            }
+        }
+    }
+
+    /// (`whole` + δ) · 2^`exponent` rounded up, where δ is between 0 and 1 if there is `more`, else 0; then `whole` has more than
+    /// 54 bits.
+    fn round_up(whole: i128, more: bool, exponent: i32) -> f64 {
+        // Below 0 the size goes down, by what is more, too.
+        let down = whole < 0;
+        let size = whole.unsigned_abs() - u128::from(down && more);
+        let bits = 128 - size.leading_zeros() as i32;
+        // The last place of the result, above that of the least number.
+        let cut = (bits - 53).max(-1074 - exponent).max(0);
+        let (kept, rest) = if cut < 128 { (size >> cut, size % (1 << cut)) } else { (0, size) };
+        let up = !down && (more || rest != 0);
+        let value = (kept + u128::from(up)) as f64;
+        let last = exponent + cut;
+        let value = value * power(last / 2) * power(last - last / 2);
+        match (down, value.is_finite()) {
+            (false, _) => value,
+            (true, true) => -value,
+            (true, false) => -f64::MAX,
+        }
     }
 
     /// `a / b`.

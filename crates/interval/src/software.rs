@@ -1,6 +1,6 @@
 //! The machine that computes: the reference for every kernel.
 
-use crate::machine::{Format, Machine};
+use crate::machine::{Format, Machine, fuses};
 use crate::round::{f32_up, f64_up};
 
 /// A vector's lanes, as bits.
@@ -151,6 +151,23 @@ impl Machine for Software {
     }
     fn mul(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         binary(a, b, f32_up::mul, f64_up::mul)
+    }
+    fn mul_add(&mut self, a: Vector128, b: Vector128, c: Vector128) -> Vector128 {
+        if !fuses() {
+            let product = self.mul(a, b);
+            return self.add(product, c);
+        }
+        match (a, b, c) {
+            (Vector128::F32(_), Vector128::F32(_), Vector128::F32(_)) => {
+                let (a, b, c) = (a.f32(), b.f32(), c.f32());
+                Vector128::from_f32(std::array::from_fn(|i| f32_up::mul_add(a[i], b[i], c[i])))
+            }
+            (Vector128::F64(_), Vector128::F64(_), Vector128::F64(_)) => {
+                let (a, b, c) = (a.f64(), b.f64(), c.f64());
+                Vector128::from_f64(std::array::from_fn(|i| f64_up::mul_add(a[i], b[i], c[i])))
+            }
+            _ => panic!("operands of one operation share a format"),
+        }
     }
     fn div(&mut self, a: Vector128, b: Vector128) -> Vector128 {
         binary(a, b, f32_up::div, f64_up::div)

@@ -10,7 +10,7 @@ use crate::lanes::{Emitter, Vector};
 use crate::rounding::{call_rounding_to_nearest, call_rounding_up};
 use std::marker::PhantomData;
 use zeroset_eval::{Binding, Input, Kernel, Loader, Question, Real, Tape};
-use zeroset_interval::{Format, Machine};
+use zeroset_interval::{Format, Machine, fuses};
 
 /// How results are rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -81,7 +81,6 @@ impl<Q: Question, T: Real> Kernel<Q, T> for Compared<Q, T> {
                 (&raw mut *output).cast(),
                 input.count(),
                 self.binding.quantities().as_ptr().cast(),
-                self.code.constants(),
             );
         }
     }
@@ -148,6 +147,15 @@ macro_rules! rounded {
 
 impl Machine for Nearest<'_, '_, '_> {
     type V = Vector;
+
+    fn mul_add(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
+        if fuses() {
+            let result = self.emitter.mul_add(a, b, c);
+            return self.widened(result);
+        }
+        let product = self.mul(a, b);
+        self.add(product, c)
+    }
 
     rounded! {
         add(a: Vector, b: Vector);

@@ -92,9 +92,9 @@ fn check_processor() -> Result<(), Error> {
 /// If the tape computes another number of expressions than the question needs.
 pub fn compile<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Code, Error> {
     check_processor()?;
-    let (function, constants) = build::<Q, T>(tape)?;
+    let function = build::<Q, T>(tape)?;
     let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
-    generate(function, constants, tier)
+    generate(function, tier)
 }
 
 /// As [`compile`], written on the machine that `other` puts around the one that emits, by the slower tier whatever its size.
@@ -104,12 +104,12 @@ pub fn compile_for_comparison<Q: Question, T: Real>(
     other: impl FnOnce(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
 ) -> Result<Code, Error> {
     check_processor()?;
-    let (function, constants) = build_with::<Q, T>(tape, other)?;
-    generate(function, constants, Tier::Optimised)
+    let function = build_with::<Q, T>(tape, other)?;
+    generate(function, Tier::Optimised)
 }
 
 /// From intermediate code to memory.
-fn generate(function: Function, constants: Vec<u128>, tier: Tier) -> Result<Code, Error> {
+fn generate(function: Function, tier: Tier) -> Result<Code, Error> {
     check_stack(function.fixed_stack_size())?;
     let isa = target(tier)?;
     let builder = JITBuilder::with_isa(isa, default_libcall_names());
@@ -124,7 +124,7 @@ fn generate(function: Function, constants: Vec<u128>, tier: Tier) -> Result<Code
     check_stack(layout.map_or(0, |layout| layout.frame_to_fp_offset))?;
     module.finalize_definitions().map_err(report)?;
     let bytes = context.compiled_code().map_or(0, |code| code.code_info().total_size);
-    Ok(Code::new(memory, id, constants, bytes as usize))
+    Ok(Code::new(memory, id, bytes as usize))
 }
 
 fn check_stack(bytes: u32) -> Result<(), Error> {
@@ -139,7 +139,7 @@ fn check_stack(bytes: u32) -> Result<(), Error> {
 /// # Panics
 /// If the tape computes another number of expressions than the question needs.
 pub fn intermediate_code<Q: Question, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
-    Ok(build::<Q, T>(tape)?.0.display().to_string())
+    Ok(build::<Q, T>(tape)?.display().to_string())
 }
 
 /// The machine code of a kernel, as assembly text.
@@ -151,7 +151,7 @@ pub fn intermediate_code<Q: Question, T: Real>(tape: &Tape<T>) -> Result<String,
 /// If the tape computes another number of expressions than the question needs.
 pub fn machine_code<Q: Question, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
     check_processor()?;
-    let mut context = Context::for_function(build::<Q, T>(tape)?.0);
+    let mut context = Context::for_function(build::<Q, T>(tape)?);
     context.set_disasm(true);
     let code = context
         .compile(target(Tier::Optimised)?.as_ref(), &mut ControlPlane::default())
@@ -167,7 +167,7 @@ fn signature() -> Signature {
         CallConv::SystemV
     };
     let mut signature = Signature::new(convention);
-    signature.params.extend([AbiParam::new(I64); 6]);
+    signature.params.extend([AbiParam::new(I64); 5]);
     signature
 }
 
@@ -202,8 +202,8 @@ fn trusted() -> MemFlagsData {
     MemFlagsData::trusted()
 }
 
-/// The function, and the constants that its pool must hold.
-fn build<Q: Question, T: Real>(tape: &Tape<T>) -> Result<(Function, Vec<u128>), Error> {
+/// The function.
+fn build<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Function, Error> {
     build_with::<Q, T>(tape, |emitter, cursor| Q::answer(tape, emitter, cursor))
 }
 
@@ -211,7 +211,7 @@ fn build<Q: Question, T: Real>(tape: &Tape<T>) -> Result<(Function, Vec<u128>), 
 fn build_with<Q: Question, T: Real>(
     tape: &Tape<T>,
     write: impl FnOnce(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
-) -> Result<(Function, Vec<u128>), Error> {
+) -> Result<Function, Error> {
     assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
     if tape.operations() > LIMIT {
         return Err(Error::TooLarge { operations: tape.operations(), limit: LIMIT });
@@ -229,8 +229,8 @@ fn build_with<Q: Question, T: Real>(
     builder.append_block_params_for_function_params(entry);
     builder.switch_to_block(entry);
     let arguments: Vec<Value> = builder.block_params(entry).to_vec();
-    let [inputs, outputs, count, parameters, constants, _guards] = arguments[..] else {
-        unreachable!("the signature has six parameters");
+    let [inputs, outputs, count, parameters, _guards] = arguments[..] else {
+        unreachable!("the signature has five parameters");
     };
     let (body, end) = (builder.create_block(), builder.create_block());
     // As parameters of the block: the batches from the lanes on that are next, the first of these lanes, and the masks.
@@ -239,10 +239,8 @@ fn build_with<Q: Question, T: Real>(
     builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));
 
     builder.switch_to_block(body);
-    // The pool's address is read anew in each round, so that no load from it is moved out of the loop.
-    let pool = builder.ins().load(I64, trusted(), constants, 0);
     let mut cursor = Cursor::<T> { input, parameters, format: PhantomData };
-    let mut emitter = Emitter::new(&mut builder, pool);
+    let mut emitter = Emitter::new(&mut builder);
     let answer = write(&mut emitter, &mut cursor);
     for (number, value) in answer.quantities.into_iter().enumerate() {
         let value = emitter.value(value);
@@ -264,7 +262,6 @@ fn build_with<Q: Question, T: Real>(
             }
         }
     }
-    let pool = emitter.finish();
     let mut all = masks;
     if let Some(found) = found {
         let found = builder.ins().ishl(found, lane);
@@ -287,7 +284,7 @@ fn build_with<Q: Question, T: Real>(
     builder.ins().return_(&[]);
     builder.seal_all_blocks();
     builder.finalize(target(Tier::Optimised)?.frontend_config());
-    Ok((function, pool))
+    Ok(function)
 }
 
 fn args(values: &[Value]) -> Vec<BlockArg> {

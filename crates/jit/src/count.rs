@@ -27,6 +27,8 @@ impl Machine for Counter {
         add(a: (), b: ()) -> () = ();
         sub(a: (), b: ()) -> () = ();
         mul(a: (), b: ()) -> () = ();
+        mul_add(a: (), b: (), c: ()) -> () = ();
+        mul_sub(a: (), b: (), c: ()) -> () = ();
         div(a: (), b: ()) -> () = ();
         sqrt(a: ()) -> () = ();
         neg(a: ()) -> () = ();

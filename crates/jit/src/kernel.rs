@@ -95,7 +95,6 @@ impl<Q: Question, T: Real> Kernel<Q, T> for Native<Q, T> {
                 (&raw mut *output).cast(),
                 input.count(),
                 self.binding.quantities().as_ptr().cast(),
-                code.constants(),
             );
         }
     }

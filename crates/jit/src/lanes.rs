@@ -9,7 +9,7 @@ use cranelift_codegen::ir::{
 };
 use cranelift_frontend::FunctionBuilder;
 use std::collections::HashMap;
-use zeroset_interval::{Format, Machine};
+use zeroset_interval::{Format, Machine, fuses};
 
 /// Bytes of a vector, and the binary logarithm of that.
 pub const VECTOR: usize = 16;
@@ -29,23 +29,19 @@ pub enum Vector {
 /// Vectors are always of a float type; integer operations reinterpret them. Nothing here is a library call on
 /// x86-64 with SSE4.1 or on `AArch64`.
 ///
-/// Constants come from a pool in memory that the caller passes to the kernel. Each use has a place of its own in it, so
-/// that each load becomes an operand of one instruction: a constant in a register would be loaded on every call, and
-/// on larger formulas spilled and loaded again (6 % on Barth's sextic, and more per call of one packet).
+/// A constant is one value wherever it is used. A load of its own for each use would not become that instruction's operand
+/// where its result is used twice, as nearly all of a form's are (frames take 3 % more instructions on Barth's sextic, 7 % on
+/// the gyroid, with loads).
 pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
-    /// Base address of the pool.
-    pool: Value,
-    /// What the pool must hold.
-    constants: Vec<u128>,
-    /// Constants that stay in registers.
-    kept: HashMap<(Type, u128), Value>,
+    /// Constants in use.
+    constants: HashMap<(Type, u128), Value>,
 }
 
 impl<'a, 'b> Emitter<'a, 'b> {
-    /// An emitter that appends to the current block of `builder`; `pool` is the address of the constants.
-    pub fn new(builder: &'a mut FunctionBuilder<'b>, pool: Value) -> Self {
-        Self { builder, pool, constants: Vec::new(), kept: HashMap::new() }
+    /// An emitter that appends to the current block of `builder`.
+    pub fn new(builder: &'a mut FunctionBuilder<'b>) -> Self {
+        Self { builder, constants: HashMap::new() }
     }
 
     /// The function being built.
@@ -53,25 +49,20 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder
     }
 
-    /// What the pool must hold: the vectors in the order of their use.
-    pub fn finish(self) -> Vec<u128> {
-        self.constants
-    }
-
-    /// The vector as a value that any number of instructions may use.
+    /// The vector as a value.
     pub fn value(&mut self, vector: Vector) -> Value {
         let (format, bits) = match vector {
             Vector::Value(value) => return value,
             Vector::Constant(format, bits) => (format, bits),
         };
         let ty = type_of(format);
-        if let Some(&value) = self.kept.get(&(ty, bits)) {
+        if let Some(&value) = self.constants.get(&(ty, bits)) {
             return value;
         }
         let data = ConstantData::from(V128Imm(bits.to_le_bytes()).0.as_slice());
         let handle = self.builder.func.dfg.constants.insert(data);
         let value = self.builder.ins().vconst(ty, handle);
-        self.kept.insert((ty, bits), value);
+        self.constants.insert((ty, bits), value);
         value
     }
 
@@ -82,33 +73,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder.ins().vhigh_bits(I32, integers)
     }
 
-    /// The vector as a value for one instruction.
-    fn operand(&mut self, vector: Vector) -> Value {
-        match vector {
-            Vector::Value(value) => value,
-            Vector::Constant(format, bits) => {
-                let offset = (16 * self.constants.len()) as i32;
-                self.constants.push(bits);
-                let flags = MemFlagsData::trusted().with_readonly().with_can_move();
-                self.builder.ins().load(type_of(format), flags, self.pool, offset)
-            }
-        }
-    }
-
-    /// Both operands of an instruction, of which the second may be left in memory.
-    fn operands(&mut self, a: Vector, b: Vector) -> (Value, Value) {
-        (self.value(a), self.operand(b))
-    }
-
-    /// As [`Emitter::operands`], for an instruction to which the order does not matter.
-    fn unordered(&mut self, a: Vector, b: Vector) -> (Value, Value) {
-        match a {
-            Vector::Constant(..) => self.operands(b, a),
-            Vector::Value(_) => self.operands(a, b),
-        }
-    }
-
-    /// Both operands in registers: where an instruction pattern uses each twice.
+    /// Both operands of an instruction.
     fn values(&mut self, a: Vector, b: Vector) -> (Value, Value) {
         (self.value(a), self.value(b))
     }
@@ -126,7 +91,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
     }
 
     fn comparison(&mut self, condition: FloatCC, a: Vector, b: Vector) -> Vector {
-        let (a, b) = self.operands(a, b);
+        let (a, b) = self.values(a, b);
         Vector::Value(self.compare(condition, a, b))
     }
 
@@ -255,11 +220,11 @@ macro_rules! unary {
     )*};
 }
 
-/// An instruction of two operands, one of which may come from memory.
+/// An instruction of two operands.
 macro_rules! binary {
-    ($order:ident: $($name:ident => $instruction:ident),* $(,)?) => {$(
+    ($($name:ident => $instruction:ident),* $(,)?) => {$(
         fn $name(&mut self, a: Vector, b: Vector) -> Vector {
-            let (a, b) = self.$order(a, b);
+            let (a, b) = self.values(a, b);
             Vector::Value(self.builder.ins().$instruction(a, b))
         }
     )*};
@@ -269,7 +234,7 @@ macro_rules! binary {
 macro_rules! integer {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
         fn $name(&mut self, a: Vector, b: Vector) -> Vector {
-            let (a, b) = self.operands(a, b);
+            let (a, b) = self.values(a, b);
             let ((ty, a), (_, b)) = (self.integers(a), self.integers(b));
             let result = self.builder.ins().$instruction(a, b);
             Vector::Value(self.cast(ty, result))
@@ -303,8 +268,25 @@ impl Machine for Emitter<'_, '_> {
         Vector::Constant(format, splat(format, bits))
     }
 
-    binary! { unordered: add => fadd, mul => fmul, and => band, or => bor, xor => bxor }
-    binary! { operands: sub => fsub, div => fdiv }
+    binary! { add => fadd, sub => fsub, mul => fmul, div => fdiv, and => band, or => bor, xor => bxor }
+    fn mul_add(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
+        if !fuses() {
+            let product = self.mul(a, b);
+            return self.add(product, c);
+        }
+        let ((a, b), c) = (self.values(a, b), self.value(c));
+        Vector::Value(self.builder.ins().fma(a, b, c))
+    }
+    fn mul_sub(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
+        if !fuses() {
+            let product = self.mul(a, b);
+            return self.sub(product, c);
+        }
+        let ((a, b), c) = (self.values(a, b), self.value(c));
+        // The negation becomes part of the instruction.
+        let c = self.builder.ins().fneg(c);
+        Vector::Value(self.builder.ins().fma(a, b, c))
+    }
     unary! { sqrt => sqrt, floor => floor, ceil => ceil, trunc => trunc, nearest => nearest }
     integer! { int_add => iadd, int_sub => isub }
     shift! { shift_left => ishl_imm_u, shift_right => ushr_imm_u }

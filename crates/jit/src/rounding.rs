@@ -1,8 +1,8 @@
 //! The one place where the rounding mode changes: a call into native code and back.
 
 /// A kernel's first instruction. It is called by the System V convention on `x86_64` and by AAPCS64 on `aarch64`, whatever
-/// the operating system's own may be, with: the input batch, the output batch, lanes in use, parameters, the address of the
-/// address of the constants, guard words (reserved: null for now).
+/// the operating system's own may be, with: the input batch, the output batch, lanes in use, parameters, guard words (reserved:
+/// null for now).
 pub type Entry = *const u8;
 
 /// MXCSR: all exceptions masked, subnormals kept, rounding to +∞ or (the default everywhere else) to nearest.
@@ -23,23 +23,22 @@ pub unsafe fn call_rounding_to_nearest(
     output: *mut u8,
     count: usize,
     parameters: *const u8,
-    constants: *const u8,
 ) {
     #[cfg(not(target_arch = "x86_64"))]
-    type Kernel = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, *const u8, usize);
+    type Kernel = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, usize);
     #[cfg(target_arch = "x86_64")]
-    type Kernel = unsafe extern "sysv64" fn(*const u8, *mut u8, usize, *const u8, *const u8, usize);
+    type Kernel = unsafe extern "sysv64" fn(*const u8, *mut u8, usize, *const u8, usize);
     // SAFETY: the caller's promise; kernels have this signature and convention, and know nothing of the mode.
     unsafe {
         let kernel: Kernel = std::mem::transmute(entry);
-        kernel(input, output, count, parameters, constants, 0);
+        kernel(input, output, count, parameters, 0);
     }
 }
 
 /// Calls `entry` with the rounding mode set to +∞, and restores the default mode.
 ///
 /// # Safety
-/// `entry` must be a kernel whose input, output, parameters and constants these pointers satisfy. It must not unwind.
+/// `entry` must be a kernel whose input, output and parameters these pointers satisfy. It must not unwind.
 #[inline]
 pub unsafe fn call_rounding_up(
     entry: Entry,
@@ -47,7 +46,6 @@ pub unsafe fn call_rounding_up(
     output: *mut u8,
     count: usize,
     parameters: *const u8,
-    constants: *const u8,
 ) {
     // SAFETY: the block declares every register that a function of this convention may change, keeps `entry` in one that
     // the callee preserves, and leaves MXCSR at the default that Rust code assumes. The stack is aligned because
@@ -66,8 +64,7 @@ pub unsafe fn call_rounding_up(
             in("rsi") output,
             in("rdx") count,
             in("rcx") parameters,
-            in("r8") constants,
-            in("r9") 0usize,
+            in("r8") 0usize,
             clobber_abi("sysv64"),
         );
     }
@@ -86,14 +83,13 @@ pub unsafe fn call_rounding_up(
             in("x1") output,
             in("x2") count,
             in("x3") parameters,
-            in("x4") constants,
-            in("x5") 0u64,
+            in("x4") 0u64,
             clobber_abi("C"),
         );
     }
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     {
-        let _ = (entry, input, output, count, parameters, constants);
+        let _ = (entry, input, output, count, parameters);
         unreachable!("no kernel is ever compiled for this processor");
     }
 }

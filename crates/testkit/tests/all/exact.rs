@@ -8,6 +8,7 @@
 use num_bigint::BigInt;
 use num_traits::Zero;
 use std::f64::consts::{FRAC_PI_4, LN_2};
+use zeroset_interval::round::{f32_up, f64_up};
 use zeroset_interval::{Facts, Interval, fold};
 use zeroset_ops::Op;
 use zeroset_testkit::Rng;
@@ -176,4 +177,63 @@ fn enclosures_of_points_hold_the_exact_value() {
         }
         println!("{name}: {POINTS} points");
     }
+}
+
+/// In units of 2⁻²¹⁴⁸, of which products of two `f64` are whole numbers.
+fn whole(x: f64) -> BigInt {
+    let bits = x.to_bits();
+    let exponent = (bits >> 52 & 0x7ff) as i32;
+    let magnitude = BigInt::from(bits & ((1 << 52) - 1) | u64::from(exponent != 0) << 52);
+    let magnitude = magnitude << (exponent.max(1) - 1 + 1074);
+    if x.is_sign_negative() { -magnitude } else { magnitude }
+}
+
+/// a·b + c.
+fn product_and([a, b, c]: [f64; 3]) -> BigInt {
+    ((whole(a) * whole(b)) >> 2148) + whole(c)
+}
+
+/// Terms that cancel, that are far apart, subnormal or too large.
+#[test]
+fn products_are_added_to_with_one_rounding_up() {
+    println!("seed {SEED:#x}");
+    let mut rng = Rng::with_seed(SEED);
+    let float = |rng: &mut Rng, spread: u64| {
+        let exponent = 1023 + rng.u64(0..=2 * spread) - spread;
+        // Few digits, so that some sums are exact.
+        let digits = (rng.u64(..) >> 12) & (u64::MAX << rng.u32(0..53));
+        f64::from_bits(rng.u64(0..2) << 63 | exponent << 52 | digits)
+    };
+    let (mut exact, mut infinite, mut tried) = (0, 0, 0);
+    for round in 0..100_000 {
+        let spread = [2, 60, 540, 1023][round % 4];
+        let (a, b) = (float(&mut rng, spread), float(&mut rng, spread));
+        let c = match rng.u32(0..4) {
+            0 => -(a * b),
+            1 => (-(a * b)).next_up(),
+            2 => f64::from_bits(rng.u64(0..1 << 54)),
+            _ => float(&mut rng, spread),
+        };
+        let narrow = [a, b, c].map(|x| x as f32);
+        if [a, b, c].iter().all(|x| x.is_finite()) {
+            let (sum, result) = (product_and([a, b, c]), f64_up::mul_add(a, b, c));
+            let below = result.next_down();
+            let reaches = result == f64::INFINITY || whole(result) >= sum;
+            let is_least = below == f64::NEG_INFINITY || whole(below) < sum;
+            assert!(reaches && is_least, "{a:e} · {b:e} + {c:e}: {result:e}");
+            tried += 1;
+            infinite += usize::from(result == f64::INFINITY);
+            exact += usize::from(result.is_finite() && whole(result) == sum);
+        }
+        if narrow.iter().all(|x| x.is_finite()) {
+            let [a, b, c] = narrow;
+            let (sum, result) = (product_and(narrow.map(f64::from)), f32_up::mul_add(a, b, c));
+            let below = result.next_down();
+            let reaches = result == f32::INFINITY || whole(result.into()) >= sum;
+            let is_least = below == f32::NEG_INFINITY || whole(below.into()) < sum;
+            assert!(reaches && is_least, "{a:e} · {b:e} + {c:e}: {result:e}");
+        }
+    }
+    println!("{tried} sums of f64, {exact} of them exact, {infinite} too large");
+    assert!(exact > tried / 20 && infinite > tried / 100);
 }

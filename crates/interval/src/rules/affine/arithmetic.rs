@@ -39,10 +39,9 @@ impl<M: Machine> Rule<'_, M> {
             return error.unwrap_or_else(|| self.zero());
         }
         let units = self.number(units * self.unit());
-        let rounding = self.m.mul(magnitude, units);
         match error {
-            Some(error) => self.m.add(error, rounding),
-            None => rounding,
+            Some(error) => self.m.mul_add(magnitude, units, error),
+            None => self.m.mul(magnitude, units),
         }
     }
 
@@ -51,9 +50,33 @@ impl<M: Machine> Rule<'_, M> {
         a: &Form<M::V, N>,
         b: &Form<M::V, N>,
     ) -> Form<M::V, N> {
-        let [centre] = self.pairwise([a.centre], [b.centre], M::add);
+        self.form_sum_by(M::add, a, b)
+    }
+
+    /// As the sum with −b, without negating it.
+    pub(super) fn form_difference<const N: usize>(
+        &mut self,
+        a: &Form<M::V, N>,
+        b: &Form<M::V, N>,
+    ) -> Form<M::V, N> {
+        if a.slopes.is_none() {
+            let b = self.form_neg(b);
+            return self.form_sum(a, &b);
+        }
+        let b = Form { bounds: b.bounds.map(|[neg_lo, hi]| [hi, neg_lo]), ..*b };
+        self.form_sum_by(M::sub, a, &b)
+    }
+
+    /// a + b, or a − b of which the bounds are negated: centres and slopes by `op`.
+    fn form_sum_by<const N: usize>(
+        &mut self,
+        op: impl Fn(&mut M, M::V, M::V) -> M::V + Copy,
+        a: &Form<M::V, N>,
+        b: &Form<M::V, N>,
+    ) -> Form<M::V, N> {
+        let [centre] = self.pairwise([a.centre], [b.centre], op);
         let slopes = match (a.slopes, b.slopes) {
-            (Some(a), Some(b)) => Some(self.pairwise(a, b, M::add)),
+            (Some(a), Some(b)) => Some(self.pairwise(a, b, op)),
             (a, b) => a.or(b),
         };
         let (a_magnitude, b_magnitude) = (self.magnitude_of(a), self.magnitude_of(b));
@@ -113,7 +136,10 @@ impl<M: Machine> Rule<'_, M> {
         };
         let a_magnitude = self.magnitude_of(a);
         let magnitude = self.m.mul(a_magnitude, size);
-        let mut error = a.error.map(|error| self.m.mul(error, size));
+        let mut error = self.tiny();
+        if let Some(a_error) = a.error {
+            error = Some(self.product_and(a_error, size, error));
+        }
         if factor.range.singleton().is_none()
             && let Some(factor_error) = b.error
         {
@@ -122,10 +148,8 @@ impl<M: Machine> Rule<'_, M> {
                 Some(error) => self.m.add(a_magnitude, error),
                 None => a_magnitude,
             };
-            let off = self.m.mul(most, factor_error);
-            error = self.sum_of(error, Some(off));
+            error = Some(self.product_and(most, factor_error, error));
         }
-        let error = self.above_tiny(error);
         Form {
             centre: self.m.nearly(|m| m.mul(a.centre, by)),
             slopes,
@@ -149,41 +173,34 @@ impl<M: Machine> Rule<'_, M> {
         let half = self.number(0.5);
         let (depth, centre, slopes) = self.m.nearly(|m| {
             let depth = m.mul(a_slopes[N - 1], b_slopes[N - 1]);
-            let middle = m.mul(depth, half);
             let centre = m.mul(a.centre, b.centre);
-            let centre = m.add(centre, middle);
+            let centre = m.mul_add(depth, half, centre);
             let slopes = std::array::from_fn(|k| {
                 let first = m.mul(a.centre, b_slopes[k]);
-                let second = m.mul(b.centre, a_slopes[k]);
-                m.add(first, second)
+                m.mul_add(a_slopes[k], b.centre, first)
             });
             (depth, centre, slopes)
         });
         // Of all products of symbols, the half that is now in the centre need not be counted, but for its rounding.
         let size = self.m.abs(depth);
-        let error = if N == 1 {
-            self.m.mul(size, half)
+        let tiny = self.tiny();
+        let mut error = if N == 1 {
+            self.product_and(size, half, tiny)
         } else {
-            let spreads = self.m.mul(a_spread, b_spread);
             let share = self.number(-0.5 * (1.0 - 8.0 * self.unit()));
-            let counted = self.m.mul(size, share);
-            self.m.add(spreads, counted)
+            let counted = self.product_and(size, share, tiny);
+            self.m.mul_add(a_spread, b_spread, counted)
         };
-        let mut error = error;
         let mut b_most = b_magnitude;
         if let Some(b_error) = b.error {
-            let off = self.m.mul(a_magnitude, b_error);
-            error = self.m.add(error, off);
             b_most = self.m.add(b_magnitude, b_error);
+            error = self.m.mul_add(b_error, a_magnitude, error);
         }
         if let Some(a_error) = a.error {
-            let off = self.m.mul(a_error, b_most);
-            error = self.m.add(error, off);
+            error = self.m.mul_add(b_most, a_error, error);
         }
-        let error = self.above_tiny(Some(error)).expect("an error");
         // The error is more than the centre got of it: a centre that overflows has an infinite magnitude.
-        let magnitude = self.m.mul(a_magnitude, b_magnitude);
-        let magnitude = self.m.add(magnitude, error);
+        let magnitude = self.m.mul_add(a_magnitude, b_magnitude, error);
         Form {
             centre,
             slopes: Some(slopes),
@@ -216,19 +233,16 @@ impl<M: Machine> Rule<'_, M> {
         let half = self.number(0.5);
         let curved = self.m.mul(spread, spread);
         let curved = self.m.mul(curved, half);
-        let [centre] = self.pairwise([a.centre], [a.centre], M::mul);
         let [twice] = self.pairwise([a.centre], [a.centre], M::add);
         let mut error = self.above_tiny(Some(curved)).expect("an error");
-        let magnitude = self.m.mul(most, most);
-        let magnitude = self.m.add(magnitude, error);
+        let magnitude = self.m.mul_add(most, most, error);
         if let Some(a_error) = a.error {
-            let both = self.m.add(most, most);
-            let both = self.m.add(both, a_error);
-            let off = self.m.mul(a_error, both);
-            error = self.m.add(error, off);
+            let two = self.number(2.0);
+            let both = self.m.mul_add(most, two, a_error);
+            error = self.m.mul_add(both, a_error, error);
         }
         Form {
-            centre: self.m.nearly(|m| m.add(centre, curved)),
+            centre: self.m.nearly(|m| m.mul_add(a.centre, a.centre, curved)),
             slopes: Some(self.pairwise([twice; N], slopes, M::mul)),
             error: Some(self.rounded(Some(error), 3.0, magnitude)),
             magnitude: Some(magnitude),
@@ -278,8 +292,7 @@ impl<M: Machine> Rule<'_, M> {
         let steep = self.m.div(one, product);
         let [at_near, at_far] = [near, far].map(|end| {
             let inverse = self.m.div(one, end);
-            let linear = self.m.mul(steep, end);
-            self.m.add(inverse, linear)
+            self.m.mul_add(steep, end, inverse)
         });
         let most = self.m.max(at_near, at_far);
         // −2√β rounded up: −β over √β rounded up.
@@ -308,18 +321,15 @@ impl<M: Machine> Rule<'_, M> {
     ) -> Form<M::V, N> {
         let size = self.m.abs(slope);
         let a_magnitude = self.magnitude_of(a);
-        let magnitude = self.m.mul(a_magnitude, size);
         let offset = self.m.abs(middle);
-        let magnitude = self.m.add(magnitude, offset);
-        let [centre] = self.pairwise([a.centre], [slope], M::mul);
+        let magnitude = self.m.mul_add(a_magnitude, size, offset);
         let mut error = half;
         if let Some(a_error) = a.error {
-            let carried = self.m.mul(a_error, size);
-            error = self.m.add(error, carried);
+            error = self.m.mul_add(a_error, size, error);
         }
         let error = self.above_tiny(Some(error));
         Form {
-            centre: self.m.nearly(|m| m.add(centre, middle)),
+            centre: self.m.nearly(|m| m.mul_add(a.centre, slope, middle)),
             slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope; N], M::mul)),
             error: Some(self.rounded(error, 2.5, magnitude)),
             magnitude: Some(magnitude),

@@ -132,10 +132,7 @@ pub fn linearise<M: Machine, const N: usize>(
     match op {
         Op::Neg => rule.form_neg(&a.value),
         Op::Add => rule.form_sum(&a.value, &operands[1].value),
-        Op::Sub => {
-            let b = rule.form_neg(&operands[1].value);
-            rule.form_sum(&a.value, &b)
-        }
+        Op::Sub => rule.form_difference(&a.value, &operands[1].value),
         Op::Mul => rule.form_product(a, &operands[1]),
         Op::Div => rule.form_quotient(a, &operands[1]),
         Op::Sqr => rule.form_square(a),
@@ -205,11 +202,21 @@ impl<M: Machine> Rule<'_, M> {
 
     /// The error, and more than a dozen results below the normal numbers can err by together.
     fn above_tiny(&mut self, error: Option<M::V>) -> Option<M::V> {
-        if !self.m.counts_rounding() {
-            return error;
+        let tiny = self.tiny();
+        self.sum_of(error, tiny)
+    }
+
+    /// More than a dozen results below the normal numbers can err by together; `None` if that does not count.
+    fn tiny(&mut self) -> Option<M::V> {
+        self.m.counts_rounding().then(|| self.m.bits(self.format, 64))
+    }
+
+    /// a · b, and what there is besides.
+    fn product_and(&mut self, a: M::V, b: M::V, more: Option<M::V>) -> M::V {
+        match more {
+            Some(more) => self.m.mul_add(a, b, more),
+            None => self.m.mul(a, b),
         }
-        let tiny = self.m.bits(self.format, 64);
-        self.sum_of(error, Some(tiny))
     }
 
     /// An operation by its interval rule alone.

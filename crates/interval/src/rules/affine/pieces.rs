@@ -63,8 +63,7 @@ impl<M: Machine> Rule<'_, M> {
         let (a_bounds, b_bounds) = (self.operand(a), self.operand(b));
         let value = self.max(&a_bounds, &b_bounds);
         let (zero, one) = (self.zero(), self.number(1.0));
-        let opposite = self.form_neg(&b.value);
-        let difference = self.form_sum(&a.value, &opposite);
+        let difference = self.form_difference(&a.value, &b.value);
         let operand = whole(difference);
         let bounds = self.operand(&operand);
         let Enclosure { neg_lo, hi, .. } = bounds.value;
@@ -122,8 +121,7 @@ impl<M: Machine> Rule<'_, M> {
         let value = self.fract(&bounds, Branch::Whole);
         let floor = self.floor(&bounds, Branch::Whole);
         let floor = self.form_between(&floor);
-        let opposite = self.form_neg(&floor);
-        let form = self.form_sum(&a.value, &opposite);
+        let form = self.form_difference(&a.value, &floor);
         self.beside(&form, &value)
     }
 
@@ -145,8 +143,7 @@ impl<M: Machine> Rule<'_, M> {
             let product = self.mul(&bounds[0], &bounds[1]);
             self.form_between(&product)
         };
-        let opposite = self.form_neg(&multiple);
-        let form = self.form_sum(&a.value, &opposite);
+        let form = self.form_difference(&a.value, &multiple);
         self.beside(&form, &value)
     }
 

@@ -57,10 +57,8 @@ pub fn contract<M: Machine, const N: usize>(
     });
     let neg_lo = rule.m.select_signed(depth, below_share, above_share);
     let hi = rule.m.select_signed(depth, above_share, below_share);
-    let [neg_near, farthest] = {
-        let (first, last) = (rule.m.mul(half, neg_lo), rule.m.mul(half, hi));
-        [rule.m.sub(first, middle), rule.m.add(last, middle)]
-    };
+    let neg_near = rule.m.mul_sub(neg_lo, half, middle);
+    let farthest = rule.m.mul_add(hi, half, middle);
     let nearest = rule.m.neg(neg_near);
     let new = [rule.m.max(nearest, near), rule.m.min(farthest, far)];
     // Both ends are outside of the zeros' bounds, one on either side. A segment of a few floats may have its middle at an

@@ -93,22 +93,17 @@ impl<M: Machine> Rule<'_, M> {
         });
         let curved = self.m.add(q, p);
         let with_rounding = self.number(1.0 + 4.0 * self.unit());
-        let error = self.m.mul(curved, with_rounding);
-        let turned = self.m.mul(slope.off, place.reach);
-        let mut error = self.m.add(error, turned);
-        error = self.m.add(error, here.off);
+        let mut error = self.m.mul_add(curved, with_rounding, here.off);
+        error = self.m.mul_add(slope.off, place.reach, error);
         if let Some(a_error) = a.error {
-            let carried = self.m.mul(a_error, slope.size);
-            error = self.m.add(error, carried);
+            error = self.m.mul_add(a_error, slope.size, error);
         }
         let error = self.above_tiny(Some(error));
         let magnitude = self.magnitude_of(a);
-        let magnitude = self.m.mul(magnitude, slope.size);
-        let magnitude = self.m.add(magnitude, here.size);
+        let magnitude = self.m.mul_add(magnitude, slope.size, here.size);
         let error = self.rounded(error, 2.5, magnitude);
-        let [centre] = self.pairwise([a.centre], [slope.value], M::mul);
         let form = Form {
-            centre: self.m.nearly(|m| m.add(centre, offset)),
+            centre: self.m.nearly(|m| m.mul_add(a.centre, slope.value, offset)),
             slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope.value; N], M::mul)),
             error: Some(error),
             magnitude: None,

@@ -74,18 +74,16 @@ impl<M: Machine> Approximator<'_, M> {
         let (last, rest) = coefficients.split_last().expect("a series has a term");
         let mut sum = self.number(*last);
         for &c in rest.iter().rev() {
-            let product = self.m.mul(sum, z);
             let c = self.number(c);
-            sum = self.m.add(product, c);
+            sum = self.m.mul_add(sum, z, c);
         }
         sum
     }
 
     /// x − k·c.
     pub(super) fn subtract_multiple(&mut self, x: M::V, k: M::V, c: f64) -> M::V {
-        let c = self.number(c);
-        let multiple = self.m.mul(k, c);
-        self.m.sub(x, multiple)
+        let c = self.number(-c);
+        self.m.mul_add(k, c, x)
     }
 
     /// 2^k for integral k with −1022 ≤ k ≤ 1023.

@@ -191,16 +191,15 @@ impl<M: Machine> Rule<'_, M> {
         let quarters = self.m.mul(x, two_over_pi);
         let k = self.m.nearest(quarters);
         let constants = self.constants();
-        let [first, second, third] = constants.half_pi.map(|part| {
-            let part = self.number(part);
-            self.m.mul(k, part)
-        });
-        let near = self.m.sub(x, first);
+        let [first, second, third] = constants.half_pi;
+        let (first, second, third) = (self.number(-first), self.number(second), self.number(third));
+        let near = self.m.mul_add(k, first, x);
+        let second = self.m.mul(k, second);
         let rest = self.m.sub(near, second);
         // rest − near is exact, and so is what rounding added to `rest`.
         let moved = self.m.sub(rest, near);
         let added = self.m.add(second, moved);
-        let correction = self.m.add(added, third);
+        let correction = self.m.mul_add(k, third, added);
         let magic = self.number(constants.integer);
         Turned { bits: self.m.add(k, magic), rest, correction }
     }
@@ -210,21 +209,18 @@ impl<M: Machine> Rule<'_, M> {
         let Turned { rest: s, correction: n, .. } = *turned;
         let z = self.m.mul(s, s);
         // cos s = 1 − z/2 + z²(1/24 − …); n·s stands for n·sin s.
-        let half = self.number(0.5);
-        let (one, half) = (self.number(1.0), self.m.mul(z, half));
-        let nearly = self.m.sub(one, half);
+        let (one, minus_half) = (self.number(1.0), self.number(-0.5));
+        let nearly = self.m.mul_add(z, minus_half, one);
         let constants = self.constants();
         let series = self.near_series(z, constants.cos);
         let fourth = self.m.mul(z, z);
-        let fourth = self.m.mul(fourth, series);
         let moved = self.m.mul(n, s);
-        let cos = Estimate { head: nearly, tail: self.m.add(fourth, moved) };
+        let cos = Estimate { head: nearly, tail: self.m.mul_add(fourth, series, moved) };
         // sin s = s − s·z(1/6 − …); n·(1 − z/2) stands for n·cos s.
         let cube = self.m.mul(s, z);
         let series = self.near_series(z, constants.sin);
-        let product = self.m.mul(cube, series);
         let moved = self.m.mul(n, nearly);
-        [Estimate { head: s, tail: self.m.sub(product, moved) }, cos]
+        [Estimate { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
 
     /// Sine and cosine from those of the rest, values or bounds, each to be negated where the sign
@@ -253,9 +249,8 @@ impl<M: Machine> Rule<'_, M> {
         let (last, rest) = coefficients.split_last().expect("a series has a term");
         let last = self.number(*last);
         rest.iter().rev().fold(last, |sum, c| {
-            let product = self.m.mul(z, sum);
             let c = self.number(*c);
-            self.m.add(product, c)
+            self.m.mul_add(sum, z, c)
         })
     }
 
