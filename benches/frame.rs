@@ -1,8 +1,9 @@
-//! Whole pictures by every method: trace, normals and colours of 512×512 pixels on one thread.
+//! Whole pictures by every method: trace, normals and colours of 512×512 pixels, or N×N, on one thread.
 //!
-//! `cargo bench --bench frame [-- SURFACES… METHODS… --no-contract --no-tiles --no-interval --f32 --f64 --rounds=N]` prints,
-//! for each surface and method, median milliseconds of interleaved rounds, what was asked of kernels, and how many pixels are
-//! decided. Under a profiler, what one round takes is the difference between runs with `--rounds=1` and `--rounds=2`.
+//! `cargo bench --bench frame [-- SURFACES… METHODS… --no-contract --no-tiles --no-interval --f32 --f64 --rounds=N --size=N]`
+//! prints, for each surface and method, median milliseconds of interleaved rounds, what was asked of kernels, and how many
+//! pixels are decided. Under a profiler, what one round takes is the difference between runs with `--rounds=1` and
+//! `--rounds=2`.
 
 use glam::DVec3;
 use include_dir::{Dir, include_dir};
@@ -40,6 +41,7 @@ fn main() {
     };
     let rounds = std::env::args().find_map(|given| given.strip_prefix("--rounds=")?.parse().ok());
     let rounds = rounds.unwrap_or(ROUNDS).max(1);
+    let size = std::env::args().find_map(|given| given.strip_prefix("--size=")?.parse().ok());
     // A name of both is the surface's, unless it is given twice.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
     let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
@@ -73,7 +75,9 @@ fn main() {
         let eye = DVec3::new(2.0, 1.5, 3.0) * region.half_extent();
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);
-        let settings = Settings { ideas, precision, ..Settings::default() };
+        let size = size.unwrap_or(Settings::default().width);
+        let settings =
+            Settings { ideas, precision, width: size, height: size, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect(name);
         let mut times = vec![(Vec::new(), Vec::new()); methods.len()];
         let mut pictures: Vec<Picture> = Vec::new();

@@ -114,6 +114,9 @@ pub mod f64_up {
 
     /// `a · b + c`, rounded once.
     pub fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+        if c.is_infinite() && a.is_finite() && b.is_finite() {
+            return c; // though a·b alone may be too large
+        }
         if !(a.is_finite() && b.is_finite() && c.is_finite()) || a == 0.0 || b == 0.0 {
             return add(a * b, c);
         }
@@ -276,6 +279,9 @@ mod tests {
             assert_eq!(sum, opposite.next_up(), "inexact, so its bounds are neighbours");
         }
         assert_eq!(f64_up::mul(-f64::MAX, 2.0), -f64::MAX);
+        assert_eq!(f64_up::mul_add(f64::MAX, 2.0, f64::NEG_INFINITY), f64::NEG_INFINITY);
+        assert_eq!(f64_up::mul_add(-f64::MAX, 2.0, f64::MAX), -f64::MAX);
+        assert_eq!(f64_up::mul_add(-1e-200, 1e-200, 0.0), 0.0);
         assert_eq!(f64_up::mul(1e-200, 1e-200), f64::from_bits(1));
         assert_eq!(f64_up::mul(-1e-200, 1e-200), 0.0);
         assert_eq!(f64_up::div(f64::from_bits(1), 2.0), f64::from_bits(1));
