@@ -198,7 +198,7 @@ impl<'a> Painter<'a> {
                             .map_or(Exponent::Real, |last| exponent(value.graph.node(*last)));
                         let operands: Vec<Vector128> =
                             operands.iter().map(|id| known[id.index()]).collect();
-                        evaluate(&mut Software, Format::F64, *op, &operands, exponent)
+                        evaluate(&mut Software::new(), Format::F64, *op, &operands, exponent)
                     }
                 };
             }

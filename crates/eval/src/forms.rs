@@ -85,7 +85,7 @@ impl<M: Machine> Path<M, 3> for Across<M::V> {
         let spread = m.mul(reach[0], sizes[0]);
         let spread = m.mul_add(sizes[1], reach[1], spread);
         let error = m.mul_add(spread, half, error);
-        // As above.
+        // The error has room for what is rounded here, too.
         let (centre, slopes) = m.nearly(|m| {
             let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
                 let per_unit = m.mul_add(middle, d, o);

@@ -54,12 +54,13 @@ impl<Q: Question, T: Real> Kernel<Q, T> for Reference<Q, T> {
         (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
         for vector in 0..input.count().div_ceil(T::VECTOR_LANES) {
             let mut cursor = Cursor::<Q, T> { input, binding: &self.binding, vector };
-            let Answer { quantities, masks } = Q::answer(&self.tape, &mut Software, &mut cursor);
+            let Answer { quantities, masks } =
+                Q::answer(&self.tape, &mut Software::new(), &mut cursor);
             for (number, value) in quantities.into_iter().enumerate() {
                 T::store(value, vector, output.quantity_mut(number));
             }
             for (number, mask) in masks.into_iter().enumerate() {
-                let bits = T::bits(mask.mask(&mut Software, T::FORMAT));
+                let bits = T::bits(mask.mask(&mut Software::new(), T::FORMAT));
                 *output.mask_mut(number) |= (bits << (T::VECTOR_LANES * vector)) as u16;
             }
         }

@@ -275,10 +275,10 @@ fn range_of<T: Real>(
         Step::Constant(bounds, exponent) => Operand { exponent: *exponent, ..given(*bounds) },
         Step::Apply(op, operands) => {
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-            let value = enclose(&mut Software, T::FORMAT, *op, &operands);
+            let value = enclose(&mut Software::new(), T::FORMAT, *op, &operands);
             // 0 − x gives 0 for a zero of either sign.
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
-            let nowhere = T::bits(value.nowhere.mask(&mut Software, T::FORMAT)) & 1 == 1;
+            let nowhere = T::bits(value.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
             let range = match Interval::new(lo, hi) {
                 Some(range) if !nowhere => range,
                 _ => return given(Interval::ENTIRE).with_facts(&value),

@@ -64,7 +64,7 @@ pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Fac
             Operand { value, range, exponent }
         })
         .collect();
-    let value = rules::enclose(&mut Software, Format::F64, op, &operands);
+    let value = rules::enclose(&mut Software::new(), Format::F64, op, &operands);
     let (neg_lo, hi) = (value.neg_lo.f64()[0], value.hi.f64()[0]);
     let facts = [
         (value.nowhere, Facts::NOWHERE),
@@ -72,7 +72,7 @@ pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Fac
         (value.continuous, Facts::CONTINUOUS),
     ]
     .into_iter()
-    .filter(|(fact, _)| fact.mask(&mut Software, Format::F64).bits_64()[0] != 0)
+    .filter(|(fact, _)| fact.mask(&mut Software::new(), Format::F64).bits_64()[0] != 0)
     .fold(Facts::NONE, |facts, (_, bit)| facts | bit);
     if facts.has(Facts::NOWHERE) {
         return (Interval::ENTIRE, Facts::NOWHERE);

@@ -22,7 +22,7 @@ pub use branch::{Branch, Split};
 pub use enclosure::{Enclosure, Exponent, Fact, Operand};
 pub use facts::Facts;
 pub use fold::{Decorated, fold};
-pub use machine::{Format, Machine, fuses};
+pub use machine::{Format, Machine, has_fma};
 pub use point::{evaluate, evaluate_twins};
 pub use rules::affine::{
     Claims, Contraction, Form, FormOperand, contract, linearise, linearise_twins,

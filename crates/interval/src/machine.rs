@@ -9,11 +9,12 @@ pub enum Format {
     F64,
 }
 
-/// Whether this processor has an instruction for a·b + c that rounds once. All machines do as it does, so that they agree.
+/// Whether this processor has an instruction for a·b + c that rounds once, and code that is made for it uses that. All machines
+/// do as it does, so that they agree.
 #[must_use]
-pub fn fuses() -> bool {
+pub fn has_fma() -> bool {
     #[cfg(target_arch = "x86_64")]
-    return std::arch::is_x86_feature_detected!("fma");
+    return is_x86_feature_detected!("avx") && is_x86_feature_detected!("fma");
     #[cfg(not(target_arch = "x86_64"))]
     cfg!(target_arch = "aarch64")
 }
@@ -39,8 +40,9 @@ pub trait Machine {
     fn sub(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// a · b.
     fn mul(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// a · b + c: rounded once where the processor [fuses](crate::fuses), else after each step. Its instruction overwrites a,
-    /// which is best a value that is not needed any more.
+    /// a · b + c: rounded once where the processor [can](crate::has_fma), else after each step. A product too large is then no
+    /// ∞ before c is added: together with a c of −∞ it makes −∞, not NaN. On x86-64 the instruction overwrites a, which is
+    /// best a value that is not needed any more.
     fn mul_add(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
     /// a · b − c, rounded as [`Machine::mul_add`].
     fn mul_sub(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {

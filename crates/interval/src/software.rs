@@ -1,6 +1,6 @@
 //! The machine that computes: the reference for every kernel.
 
-use crate::machine::{Format, Machine, fuses};
+use crate::machine::{Format, Machine, has_fma};
 use crate::round::{f32_up, f64_up};
 
 /// A vector's lanes, as bits.
@@ -64,8 +64,27 @@ impl Vector128 {
 
 /// A [`Machine`] that computes each lane in software, rounding up whatever the processor's rounding
 /// mode.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Software;
+#[derive(Clone, Copy, Debug)]
+pub struct Software {
+    fuses: bool,
+}
+
+impl Software {
+    /// As on this processor and on one of the other kind, which has an instruction for a·b + c, or has none.
+    pub const BOTH: [Self; 2] = [Self { fuses: true }, Self { fuses: false }];
+
+    /// As on this processor.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { fuses: has_fma() }
+    }
+}
+
+impl Default for Software {
+    fn default() -> Self {
+        Self::new()
+    }
+}
 
 fn unary(a: Vector128, f: impl Fn(f32) -> f32, g: impl Fn(f64) -> f64) -> Vector128 {
     match a {
@@ -153,7 +172,7 @@ impl Machine for Software {
         binary(a, b, f32_up::mul, f64_up::mul)
     }
     fn mul_add(&mut self, a: Vector128, b: Vector128, c: Vector128) -> Vector128 {
-        if !fuses() {
+        if !self.fuses {
             let product = self.mul(a, b);
             return self.add(product, c);
         }

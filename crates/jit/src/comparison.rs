@@ -10,7 +10,7 @@ use crate::lanes::{Emitter, Vector};
 use crate::rounding::{call_rounding_to_nearest, call_rounding_up};
 use std::marker::PhantomData;
 use zeroset_eval::{Binding, Input, Kernel, Loader, Question, Real, Tape};
-use zeroset_interval::{Format, Machine, fuses};
+use zeroset_interval::{Format, Machine, has_fma};
 
 /// How results are rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -149,7 +149,7 @@ impl Machine for Nearest<'_, '_, '_> {
     type V = Vector;
 
     fn mul_add(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
-        if fuses() {
+        if has_fma() {
             let result = self.emitter.mul_add(a, b, c);
             return self.widened(result);
         }

@@ -9,7 +9,7 @@ use cranelift_codegen::ir::{
 };
 use cranelift_frontend::FunctionBuilder;
 use std::collections::HashMap;
-use zeroset_interval::{Format, Machine, fuses};
+use zeroset_interval::{Format, Machine, has_fma};
 
 /// Bytes of a vector, and the binary logarithm of that.
 pub const VECTOR: usize = 16;
@@ -27,7 +27,7 @@ pub enum Vector {
 /// Emits each operation into the current block of a function.
 ///
 /// Vectors are always of a float type; integer operations reinterpret them. Nothing here is a library call on
-/// x86-64 with SSE4.1 or on `AArch64`.
+/// x86-64 with SSE4.1 or on `AArch64`: sums with products are fused where [`has_fma`] only.
 ///
 /// A constant is one value wherever it is used. A load of its own for each use would not become that instruction's operand
 /// where its result is used twice, as nearly all of a form's are (frames take 3 % more instructions on Barth's sextic, 7 % on
@@ -270,7 +270,7 @@ impl Machine for Emitter<'_, '_> {
 
     binary! { add => fadd, sub => fsub, mul => fmul, div => fdiv, and => band, or => bor, xor => bxor }
     fn mul_add(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
-        if !fuses() {
+        if !has_fma() {
             let product = self.mul(a, b);
             return self.add(product, c);
         }
@@ -278,12 +278,12 @@ impl Machine for Emitter<'_, '_> {
         Vector::Value(self.builder.ins().fma(a, b, c))
     }
     fn mul_sub(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
-        if !fuses() {
+        if !has_fma() {
             let product = self.mul(a, b);
             return self.sub(product, c);
         }
         let ((a, b), c) = (self.values(a, b), self.value(c));
-        // The negation becomes part of the instruction.
+        // On x86-64 the negation becomes part of the instruction.
         let c = self.builder.ins().fneg(c);
         Vector::Value(self.builder.ins().fma(a, b, c))
     }

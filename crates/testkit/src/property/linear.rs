@@ -93,12 +93,14 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Li
                 Drawn::random::<T>(rng, kind, &symbols)
             })
             .collect();
-        lines.add(compare::<T>(op, &symbols, &operands)?);
+        let machine = Software::BOTH[usize::from(rng.bool())];
+        lines.add(compare::<T>(machine, op, &symbols, &operands)?);
     }
     Ok(lines)
 }
 
 fn compare<T: Adversarial>(
+    mut machine: Software,
     op: Op,
     symbols: &[Symbols],
     operands: &[Drawn],
@@ -116,7 +118,7 @@ fn compare<T: Adversarial>(
     let root = graph.apply(op, &nodes);
     let oracle = Oracle::new(&graph, &[root]);
     let forms: Vec<_> = operands.iter().map(Drawn::operand::<T>).collect();
-    let form = linearise(&mut Software, T::FORMAT, op, &forms);
+    let form = linearise(&mut machine, T::FORMAT, op, &forms);
     let numbers = |vector| {
         let mut lanes = Lanes::<T>::default();
         T::store(vector, 0, &mut lanes);
@@ -129,9 +131,6 @@ fn compare<T: Adversarial>(
         let slopes = slopes.map_or([0.0; SYMBOLS], |slopes| slopes.map(|slope| slope[lane]));
         let (centre, error) = (centre[lane], error[lane]);
         lines.lanes += 1;
-        if !error.is_finite() {
-            continue;
-        }
         let fail = |what: String| {
             let operands = operands.iter().map(|operand| {
                 let constant = match &operand.kind {
@@ -144,6 +143,12 @@ fn compare<T: Adversarial>(
             let form = format!("{centre:e} + {slopes:?} ± {error:e}");
             Err(Failure::new(format!("{op:?} in {:?} of\n  {operands}\n{what}: {form}", T::FORMAT)))
         };
+        if error < 0.0 {
+            return fail("an error below 0".to_owned());
+        }
+        if !error.is_finite() {
+            continue;
+        }
         let is_number = centre.is_finite() && slopes.iter().all(|slope| slope.is_finite());
         let before = lines.compared;
         for (index, symbols) in symbols[lane].iter().enumerate() {
@@ -290,7 +295,7 @@ impl Drawn {
             }
             Kind::Between | Kind::Fixed(_) => {
                 let (neg_lo, hi) = (lanes(&|lane| -lane.bounds[0]), lanes(&|lane| lane.bounds[1]));
-                Form::between(&mut Software, T::FORMAT, &Enclosure::total(neg_lo, hi))
+                Form::between(&mut Software::new(), T::FORMAT, &Enclosure::total(neg_lo, hi))
             }
         };
         let exponent = match &self.kind {

@@ -40,7 +40,8 @@ pub fn narrow<T: Adversarial, const N: usize>(
     let mut tally = Tally::default();
     for _ in 0..vectors {
         let lanes: Vec<Lane<N>> = (0..T::VECTOR_LANES).map(|_| Lane::random::<T>(rng)).collect();
-        for (lane, answer) in lanes.iter().zip(answers::<T, N>(&lanes)) {
+        let mut machine = Software::BOTH[usize::from(rng.bool())];
+        for (lane, answer) in lanes.iter().zip(answers::<T, N>(&mut machine, &lanes)) {
             tally.compared += 1;
             let wrong = lane.contradiction::<T>(answer);
             if let Some(what) = wrong {
@@ -56,8 +57,7 @@ pub fn narrow<T: Adversarial, const N: usize>(
     Ok(tally)
 }
 
-fn answers<T: Adversarial, const N: usize>(lanes: &[Lane<N>]) -> Vec<Answer> {
-    let m = &mut Software;
+fn answers<T: Adversarial, const N: usize>(m: &mut Software, lanes: &[Lane<N>]) -> Vec<Answer> {
     let load = |number: &dyn Fn(&Lane<N>) -> f64| {
         let mut loaded = Lanes::<T>::default();
         for (to, lane) in loaded.iter_mut().zip(lanes) {
@@ -209,7 +209,7 @@ impl<const N: usize> Lane<N> {
 
 /// The middle of a segment, and at least half of it, as kernels make them: all rounded up.
 fn middle<T: Adversarial>(near: f64, far: f64) -> (f64, f64) {
-    let m = &mut Software;
+    let m = &mut Software::new();
     let lanes = |x: f64| T::load(&Lanes([T::nearest(x); LANES]), 0);
     let (near, far) = (lanes(near), lanes(far));
     let sum = m.add(near, far);

@@ -193,6 +193,37 @@ fn product_and([a, b, c]: [f64; 3]) -> BigInt {
     ((whole(a) * whole(b)) >> 2148) + whole(c)
 }
 
+/// What is not finite, and signs of zero: an exact 0 is +0 but of zeros that are both negative, and what is less than 0
+/// becomes −0.
+#[test]
+fn products_are_added_to_as_ieee_754_has_it() {
+    let (infinity, tiny) = (f64::INFINITY, f64::from_bits(1));
+    for (a, b, c, expected) in [
+        (1.0, -0.0, -0.0, -0.0),
+        (1.0, -0.0, 0.0, 0.0),
+        (3.0, 5.0, -15.0, 0.0),
+        (-tiny, 0.25, 0.0, -0.0),
+        (-tiny, 0.25, -0.0, -0.0),
+        (infinity, 2.0, 1.0, infinity),
+        (f64::MAX, 2.0, -infinity, -infinity),
+        (infinity, 2.0, -infinity, f64::NAN),
+        (infinity, 0.0, 1.0, f64::NAN),
+    ] {
+        let result = f64_up::mul_add(a, b, c);
+        let is_same = |result: f64| {
+            result.to_bits() == expected.to_bits() || result.is_nan() && expected.is_nan()
+        };
+        assert!(is_same(result), "{a:e} · {b:e} + {c:e}: {result:e}");
+        let shrunk =
+            |x: f64| if x.abs() == tiny { f32::from_bits(1).copysign(x as f32) } else { x as f32 };
+        if a != f64::MAX {
+            let result = f32_up::mul_add(shrunk(a), b as f32, c as f32);
+            assert!(is_same(result.into()), "{a:e} · {b:e} + {c:e} in f32: {result:e}");
+        }
+    }
+    assert_eq!(f32_up::mul_add(f32::MAX, 2.0, f32::NEG_INFINITY), f32::NEG_INFINITY);
+}
+
 /// Terms that cancel, that are far apart, subnormal or too large.
 #[test]
 fn products_are_added_to_with_one_rounding_up() {

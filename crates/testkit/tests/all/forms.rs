@@ -5,7 +5,7 @@
 
 use zeroset_eval::{Lanes, Real};
 use zeroset_interval::{
-    Exponent, Form, FormOperand, Format, Interval, Software, Vector128, linearise,
+    Exponent, Form, FormOperand, Format, Interval, Machine, Software, Vector128, linearise,
 };
 use zeroset_ops::{Op, TABLE};
 use zeroset_testkit::property::{Contracted, Engine, Lines, Manner, contract, linear, narrow};
@@ -159,10 +159,40 @@ fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
         FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real }
     });
     let operands: Vec<_> = operands.collect();
-    let form = linearise(&mut Software, Format::F64, op, &operands);
+    let form = linearise(&mut Software::new(), Format::F64, op, &operands);
     let mut errors = Lanes::<f64>::default();
     f64::store(form.error.expect("an error"), 0, &mut errors);
     errors[0]
+}
+
+/// The product is up to the square of `steep`, beyond all floats: an error of −∞ would prove it empty.
+fn error_of_steep_product<const N: usize>(format: Format, steep: f64, mut m: Software) -> f64 {
+    let lanes = |m: &mut Software, x: f64| m.number(format, x);
+    let slopes: [_; N] =
+        std::array::from_fn(|k| lanes(&mut m, if k + 1 == N { steep } else { 0.0 }));
+    let zero = lanes(&mut m, 0.0);
+    let value = Form::coordinate(zero, slopes, zero);
+    let operand = FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real };
+    let error = linearise(&mut m, format, Op::Mul, &[operand; 2]).error.expect("an error");
+    match format {
+        Format::F32 => error.f32()[0].into(),
+        Format::F64 => error.f64()[0],
+    }
+}
+
+#[test]
+fn products_beyond_all_floats_claim_nothing() {
+    for machine in Software::BOTH {
+        for (format, steep) in [(Format::F32, 1e20_f32.into()), (Format::F64, 1e200)] {
+            let errors = [
+                error_of_steep_product::<1>(format, steep, machine),
+                error_of_steep_product::<2>(format, steep, machine),
+                error_of_steep_product::<3>(format, steep, machine),
+            ];
+            let claims = |error: &f64| error.is_finite() || *error < 0.0;
+            assert!(!errors.iter().any(claims), "{machine:?} {format:?}: {errors:?}");
+        }
+    }
 }
 
 /// Everywhere but at kinks an error shrinks like the square of the spread, down to what is rounded.

@@ -109,19 +109,22 @@ fn waves_of_points_near_zero_are_as_tight_as_stated() {
             let x = if x.abs() <= LIMIT { x } else { LIMIT.copysign(x) };
             let value = truth(x);
             let operand = Operand::new(Enclosure::total(lanes(-x), lanes(x)), range);
-            let enclosure = enclose(&mut Software, Format::F64, op, &[operand]);
-            let bounds = Interval { lo: -enclosure.neg_lo.f64()[0], hi: enclosure.hi.f64()[0] };
-            assert!(
-                bounds.lo <= value && value <= bounds.hi,
-                "{op:?} of {x:e} = {value:e} is not in {bounds:?}, seed {SEED:#x}"
-            );
-            let ulps = excess(bounds, value);
-            if ulps > worst {
-                (worst, worst_at) = (ulps, x);
+            for mut machine in Software::BOTH {
+                let enclosure = enclose(&mut machine, Format::F64, op, &[operand]);
+                let bounds = Interval { lo: -enclosure.neg_lo.f64()[0], hi: enclosure.hi.f64()[0] };
+                assert!(
+                    bounds.lo <= value && value <= bounds.hi,
+                    "{op:?} of {x:e} = {value:e} is not in {bounds:?}, {machine:?}, seed {SEED:#x}"
+                );
+                let ulps = excess(bounds, value);
+                if ulps > worst {
+                    (worst, worst_at) = (ulps, x);
+                }
+                let both = evaluate_twins(&mut machine, Format::F64, op, lanes(x), range);
+                let sampled = both.expect("twins")[0].f64()[0];
+                let off = (sampled - value).abs() / value.abs().max(f64::MIN_POSITIVE);
+                farthest = farthest.max(off);
             }
-            let both = evaluate_twins(&mut Software, Format::F64, op, lanes(x), range);
-            let sampled = both.expect("twins")[0].f64()[0];
-            farthest = farthest.max((sampled - value).abs() / value.abs().max(f64::MIN_POSITIVE));
         }
         println!("{op:?} near 0: worst {worst} at {worst_at:e}, values off by {farthest:e}");
         assert!(worst <= most(op)[0], "seed {SEED:#x}: {worst} ulp at {worst_at:e}");
@@ -145,11 +148,13 @@ fn values_of_waves_near_zero_are_off_by_what_forms_allow_for() {
                 continue;
             }
             let lanes = Vector128::from_f32([x; 4]);
-            let both = evaluate_twins(&mut Software, Format::F32, op, lanes, range);
-            let sampled = f64::from(both.expect("twins")[0].f32()[0]);
             let value = truth(f64::from(x));
-            let off = (sampled - value) / value.abs() / f64::from(f32::EPSILON);
-            (farthest, least) = (farthest.max(off), least.min(off));
+            for mut machine in Software::BOTH {
+                let both = evaluate_twins(&mut machine, Format::F32, op, lanes, range);
+                let sampled = f64::from(both.expect("twins")[0].f32()[0]);
+                let off = (sampled - value) / value.abs() / f64::from(f32::EPSILON);
+                (farthest, least) = (farthest.max(off), least.min(off));
+            }
         }
         println!("{op:?} near 0 in f32: values off by {least} to {farthest} units");
         assert!(farthest.max(-least) <= 1.75, "seed {SEED:#x}: {least} to {farthest}");
@@ -249,15 +254,18 @@ fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
         let lanes = |x| Vector128::from_f32([x; 4]);
         Operand::new(Enclosure::total(lanes(-x), lanes(x)), Interval::ENTIRE)
     };
-    let enclosure = enclose(&mut Software, Format::F32, op, &operands.map(operand));
-    let (lo, hi) = (-enclosure.neg_lo.f32()[0], enclosure.hi.f32()[0]);
     let place = |x: f32| {
         let magnitude = i64::from(x.to_bits() & (u32::MAX >> 1));
         if x.is_sign_negative() { -magnitude } else { magnitude }
     };
     let tightest = u64::from(f64::from(value as f32) != value);
-    let holds = f64::from(lo) <= value && value <= f64::from(hi);
-    holds.then(|| place(hi).abs_diff(place(lo)) - tightest)
+    let excess = Software::BOTH.map(|mut machine| {
+        let enclosure = enclose(&mut machine, Format::F32, op, &operands.map(operand));
+        let (lo, hi) = (-enclosure.neg_lo.f32()[0], enclosure.hi.f32()[0]);
+        let holds = f64::from(lo) <= value && value <= f64::from(hi);
+        holds.then(|| place(hi).abs_diff(place(lo)) - tightest)
+    });
+    Some(excess[0]?.max(excess[1]?))
 }
 
 /// The worst of many pairs of operands in `f32`, which no sweep can try, against what the row of

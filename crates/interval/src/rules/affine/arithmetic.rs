@@ -53,7 +53,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::add, a, b)
     }
 
-    /// As the sum with −b, without negating it.
+    /// As the sum with −b, which need not be negated where `a` varies.
     pub(super) fn form_difference<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -67,7 +67,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::sub, a, &b)
     }
 
-    /// a + b, or a − b of which the bounds are negated: centres and slopes by `op`.
+    /// a + b, or a − b for an `a` that varies, and with the bounds of −b: centres and slopes by `op`.
     fn form_sum_by<const N: usize>(
         &mut self,
         op: impl Fn(&mut M, M::V, M::V) -> M::V + Copy,
@@ -187,9 +187,10 @@ impl<M: Machine> Rule<'_, M> {
         let mut error = if N == 1 {
             self.product_and(size, half, tiny)
         } else {
+            // In this order: where the depth is ∞ so are the spreads, and what comes out is no number.
+            let spreads = self.product_and(a_spread, b_spread, tiny);
             let share = self.number(-0.5 * (1.0 - 8.0 * self.unit()));
-            let counted = self.product_and(size, share, tiny);
-            self.m.mul_add(a_spread, b_spread, counted)
+            self.m.mul_add(size, share, spreads)
         };
         let mut b_most = b_magnitude;
         if let Some(b_error) = b.error {

@@ -262,11 +262,11 @@ impl<M: Machine> Rule<'_, M> {
 /// How far the cosine's sum may be above the truth and below it, in units of 2⁻²⁴ or 2⁻⁵³ =
 /// ulp(cos s). For z ≥ ½, −z/2 is a multiple of ½ and too low by less than that, so that 1 − z/2 is
 /// too high by ½ at most, and the tail adds less than ⅓; for smaller z, 1 − z/2 is too high by less
-/// than 1 − z/2, −z/2 too low by less than ¼, the tail wrong by less than z/2: by six roundings of
-/// z²/24, each of two units, the polynomial, and n·s³/6 for an n of a unit.
+/// than 1 − z/2, −z/2 too low by less than ¼, the tail wrong by less than z/2: by at most six
+/// roundings of z²/24, each of two units, the polynomial, and n·s³/6 for an n of a unit.
 const COS_SLACK: [f64; 2] = [1.0, 0.75];
-/// A bound on the error of the sine's tail, in such units of |s|: three roundings in one direction
-/// of 0.1, each of two units, make 0.61, the polynomial 0.07, n·(cos s − 1 + z/2) 0.03.
+/// A bound on the error of the sine's tail, in such units of |s|: at most three roundings in one
+/// direction of 0.1, each of two units, make 0.61, the polynomial 0.07, n·(cos s − 1 + z/2) 0.03.
 const SIN_SLACK: f64 = 0.75;
 
 /// A value rounds up by less than one unit of 2⁻²³ or 2⁻⁵² of itself, and half [`COS_SLACK`] are at
