@@ -4,7 +4,7 @@ use crate::camera::{Basis, Camera, Projection, Ray};
 use crate::painted::Window;
 use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
@@ -297,12 +297,12 @@ impl RayGrid {
         points
     }
 
-    /// The unit vectors from what is seen in a window to where it is seen from, to some units in the last place of `f32`,
-    /// which is enough for colours.
+    /// Which way the rays of a window go, to some units in the last place of `f32`, which is enough for colours.
     #[inline(always)]
-    pub(crate) fn ways_to_eye<S: Simd>(&self, simd: S, window: Window) -> [f32x16<S>; 3] {
-        let Basis { forward, .. } = self.basis;
-        let [step, rise] = self.steps_of_way();
+    pub(crate) fn ways<S: Simd>(&self, simd: S, window: Window) -> Ways<S> {
+        let [right, up] =
+            [self.basis.right, self.basis.up].map(|side| (self.unit * side).as_vec3());
+        let forward = self.basis.forward.as_vec3();
         // In halves of a pixel: integers, so that a part of a picture has the same ways as the whole.
         let [across, upward] = self.offset(window.column, window.row).map(|offset| offset as f32);
         let [columns, rows] = self.steps(window);
@@ -311,22 +311,59 @@ impl RayGrid {
         if self.is_patched() {
             row -= 2.0 * f32x16::from_slice(simd, &rows[..]);
         }
-        let mut way = [row; 3];
-        for (axis, way) in way.iter_mut().enumerate() {
-            *way = -forward[axis] as f32 - column * step[axis] - row * rise[axis];
+        let mut aside = [row; 3];
+        for (axis, aside) in aside.iter_mut().enumerate() {
+            *aside = column * right[axis] + row * up[axis];
         }
-        let [x, y, z] = way;
-        let scale = 1.0 / (x * x + y * y + z * z).sqrt();
-        [x * scale, y * scale, z * scale]
+        let mut to_eye = [0, 1, 2].map(|axis| f32x16::splat(simd, -forward[axis]));
+        if !self.parallel {
+            let [x, y, z] = aside;
+            let square = x * x + y * y + z * z;
+            let length = (1.0 + square).sqrt();
+            let scale = 1.0 / length;
+            // 1 − 1/length, of which nothing cancels: what is far away is moved by no more than what is near.
+            let less = square / (1.0 + square + length);
+            for axis in 0..3 {
+                aside[axis] = aside[axis] * scale - forward[axis] * less;
+                to_eye[axis] -= aside[axis];
+            }
+        }
+        Ways { to_eye, aside }
     }
 
-    /// What a ray's direction changes by where it moves by half a pixel to the right, or upward.
+    /// The points at these distances in world units on the rays of a window which go these ways, about as far from the exact
+    /// ones as the floats next to those are.
     #[inline(always)]
-    fn steps_of_way(&self) -> [Vec3; 2] {
-        // A parallel picture has one direction.
-        let unit = if self.parallel { 0.0 } else { self.unit };
-        [self.basis.right, self.basis.up].map(|side| (unit * side).as_vec3())
+    pub(crate) fn points_along<S: Simd>(
+        &self,
+        simd: S,
+        ways: &Ways<S>,
+        distances: &[f64; LANES],
+    ) -> [Lanes<f32>; 3] {
+        let low = f64x8::from_slice(simd, &distances[..8]);
+        let high = f64x8::from_slice(simd, &distances[8..]);
+        // A parallel picture's rays are as far apart anywhere.
+        let reach = if self.parallel { f32x16::splat(simd, 1.0) } else { low.narrow(high) };
+        let mut points = [Lanes::splat(0.0); 3];
+        for (axis, points) in points.iter_mut().enumerate() {
+            let (eye, forward) = (self.eye[axis], self.basis.forward[axis]);
+            // From a far eye it is a small difference.
+            let middle = (eye + low * forward).narrow(eye + high * forward);
+            let point = middle + ways.aside[axis] * reach;
+            point.store_slice(&mut points[..]);
+        }
+        points
     }
+}
+
+/// Which way the rays of a window go.
+#[derive(Clone, Copy)]
+pub(crate) struct Ways<S: Simd> {
+    /// The unit vectors from what is seen to where it is seen from.
+    pub to_eye: [f32x16<S>; 3],
+    /// How far a ray is from that through the middle of the whole picture: at the same distance from the eye, as a share of
+    /// that; or in world units, if rays are parallel.
+    aside: [f32x16<S>; 3],
 }
 
 /// [`RayGrid::steps`] from this pixel of a patch on.

@@ -11,7 +11,7 @@ use zeroset_eval::LANES;
 pub(crate) const BAND: usize = 8;
 
 /// Pixels side by side, a lane each. The window may stick out of the row, and of the picture.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
     /// Of the first pixel, counted from the left edge of the picture.
     pub column: usize,

@@ -233,7 +233,14 @@ fn points(rays: &RayGrid, window: Window, distances: &[f64; LANES]) -> [Lanes<f6
 }
 
 fn ways_to_eye(rays: &RayGrid, window: Window) -> [[f32; LANES]; 3] {
-    dispatch!(Level::new(), simd => rays.ways_to_eye(simd, window).map(|axis| axis.to_array()))
+    dispatch!(Level::new(), simd => rays.ways(simd, window).to_eye.map(|axis| axis.to_array()))
+}
+
+fn points_along(rays: &RayGrid, window: Window, distances: &[f64; LANES]) -> [Lanes<f32>; 3] {
+    dispatch!(Level::new(), simd => {
+        let ways = rays.ways(simd, window);
+        rays.points_along(simd, &ways, distances)
+    })
 }
 
 #[test]
@@ -252,6 +259,44 @@ fn windows_have_the_rays_of_their_pixels() {
                 assert_eq!([0, 1, 2].map(|axis| points[axis][lane]), point.to_array());
                 let way = DVec3::from_array([0, 1, 2].map(|axis| f64::from(to_eye[axis][lane])));
                 assert!((way + ray.direction.normalize()).length() < 1e-6, "{way}");
+            }
+        }
+    }
+}
+
+#[test]
+fn points_in_f32_are_near_however_far_the_eye_is() {
+    let target = DVec3::new(0.1, 0.2, 0.3);
+    let way = DVec3::new(2.0, -3.0, 1.5).normalize();
+    // A picture is about two units wide.
+    let of_angle = |fov: f64| {
+        let distance = 1.0 / (fov.to_radians() / 2.0).tan();
+        (distance, Projection::Perspective { fov })
+    };
+    let parallel = Projection::Orthographic { height: 2.0 };
+    let views = [1e-5, 0.01, 1.0, 40.0, 120.0, 170.0].map(of_angle);
+    for (distance, projection) in views.into_iter().chain([(3.0, parallel), (1e6, parallel)]) {
+        let camera = Camera::new(target + distance * way, target, DVec3::Z, projection);
+        let rays = camera.expect("valid").rays(64, 48);
+        for (column, row) in [(0, 0), (21, 20), (48, 47)] {
+            let window = Window { column, row, index: 0, wanted: 1 };
+            let distances = std::array::from_fn(|lane| {
+                let ray = rays.ray(column + lane, row);
+                // Where it is nearest to the middle, or thereabouts.
+                let t = (target - ray.origin).dot(ray.direction) / ray.direction.length_squared();
+                ray.distance(t) - 0.5 + 0.06 * lane as f64
+            });
+            let exact = points(&rays, window, &distances);
+            let points = points_along(&rays, window, &distances);
+            for lane in 0..LANES {
+                for axis in 0..3 {
+                    let off = f64::from(points[axis][lane]) - exact[axis][lane];
+                    let size = 1.0 + exact.map(|axis| axis[lane].abs()).iter().sum::<f64>();
+                    assert!(
+                        off.abs() < 3e-7 * size,
+                        "{projection:?}, {window:?}: {off:e} of {size}"
+                    );
+                }
             }
         }
     }

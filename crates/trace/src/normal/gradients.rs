@@ -2,13 +2,14 @@
 
 use super::NormalSource;
 use crate::found::Status;
-use crate::grid::RayGrid;
+use crate::grid::{RayGrid, Ways};
 use crate::painted::{Window, bits};
 use crate::rows::Rows;
 use crate::shade::{Canvas, Seen};
 use crate::work::Work;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
+use zeroset_interval::Format;
 
 impl<T: Real> NormalSource<'_, T> {
     /// Sets the normals of some rows where the gradient exists, but those of caps, which have theirs; returns where it does
@@ -60,9 +61,10 @@ impl<T: Real> Band<'_, '_, T> {
             }
             let mut found = 0;
             let mut units = [f32x16::splat(simd, 0.0); 3];
+            let ways = self.rays.ways(simd, all);
             if window.wanted != 0 {
                 self.work.gradient.called(window.wanted.count_ones());
-                (units, found) = self.gradients(simd, window, &mut room);
+                (units, found) = self.gradients(simd, window, &ways, &mut room);
                 found &= window.wanted;
                 store(&units, Window { wanted: found, ..window }, self.normal);
                 if found != window.wanted {
@@ -72,7 +74,7 @@ impl<T: Real> Band<'_, '_, T> {
             }
             if let Some(canvas) = &mut self.canvas {
                 if found == all.wanted {
-                    canvas.paint(simd, &self.seen, all, units);
+                    canvas.paint(simd, &self.seen, all, (ways, units));
                 } else {
                     canvas.left.push(all);
                 }
@@ -86,6 +88,7 @@ impl<T: Real> Band<'_, '_, T> {
         &self,
         simd: S,
         window: Window,
+        ways: &Ways<S>,
         (points, out): &mut (Points<T>, Gradients<T>),
     ) -> ([f32x16<S>; 3], u32) {
         let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
@@ -98,15 +101,23 @@ impl<T: Real> Band<'_, '_, T> {
             moved = before(self.rays, status, *distances);
             distances = &moved;
         }
-        let at = self.rays.points(simd, window, distances);
-        for (coordinates, exact) in points.at.iter_mut().zip(&at) {
-            for (coordinate, &exact) in coordinates.iter_mut().zip(&exact.0) {
-                *coordinate = T::nearest(exact);
-            }
+        match T::FORMAT {
+            Format::F32 => write(&self.rays.points_along(simd, ways, distances), points),
+            Format::F64 => write(&self.rays.points(simd, window, distances), points),
         }
         points.count = window.count();
         self.kernel.ask(points, out);
         units(simd, &out.gradient)
+    }
+}
+
+/// Writes coordinates as the floats next to them.
+#[inline(always)]
+fn write<F: Real, T: Real>(at: &[Lanes<F>; 3], points: &mut Points<T>) {
+    for (coordinates, at) in points.at.iter_mut().zip(at) {
+        for (coordinate, &at) in coordinates.iter_mut().zip(&at.0) {
+            *coordinate = T::nearest(at.into());
+        }
     }
 }
 

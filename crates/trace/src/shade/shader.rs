@@ -4,7 +4,7 @@ use super::lanes::{by_axis, dot, left, sharpened, splat, toned};
 use super::{Appearance, Paint, SurfaceColours, UndecidedStyle};
 use crate::colour::{BLACK, Codes, LinearRgb};
 use crate::found::Status;
-use crate::grid::RayGrid;
+use crate::grid::{RayGrid, Ways};
 use crate::painted::{FULL, Window, bits};
 use crate::rows::Rows;
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
@@ -68,16 +68,16 @@ pub struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    /// Paints a window whose normals are these.
+    /// Paints a window with these ways and normals.
     #[inline(always)]
     pub(crate) fn paint<S: Simd>(
         &mut self,
         simd: S,
         seen: &Seen<'_>,
         window: Window,
-        normals: [f32x16<S>; 3],
+        faced: Faced<S>,
     ) {
-        self.shader.paint(simd, seen, window, Some(normals), self.bytes);
+        self.shader.paint(simd, seen, window, Some(faced), self.bytes);
     }
 
     /// Paints what is left, now that it has normals.
@@ -114,6 +114,9 @@ pub(crate) struct Seen<'a> {
     pub paint: &'a [Paint],
 }
 
+/// Which way a window's rays go, and its normals.
+pub(crate) type Faced<S> = (Ways<S>, [f32x16<S>; 3]);
+
 /// Directions, of length 1, towards the lights that move with the camera.
 #[derive(Clone, Copy)]
 struct Lamps {
@@ -136,14 +139,14 @@ impl Lamps {
 }
 
 impl Shader<'_> {
-    /// Writes the bytes of a window's pixels. Where their normals are not given, they are known.
+    /// Writes the bytes of a window's pixels. Where their normals are not given, the buffer has them.
     #[inline(always)]
     fn paint<S: Simd>(
         &self,
         simd: S,
         seen: &Seen<'_>,
         mut window: Window,
-        normals: Option<[f32x16<S>; 3]>,
+        faced: Option<Faced<S>>,
         bytes: &mut [[u8; 3]],
     ) {
         let mut status = [Status::Miss; LANES];
@@ -175,9 +178,9 @@ impl Shader<'_> {
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
             let amounts = if seen.paint.is_empty() {
-                self.light::<S, false>(simd, seen, window, normals, colours, marks.as_ref())
+                self.light::<S, false>(simd, seen, window, faced, colours, marks.as_ref())
             } else {
-                self.light::<S, true>(simd, seen, window, normals, colours, marks.as_ref())
+                self.light::<S, true>(simd, seen, window, faced, colours, marks.as_ref())
             };
             let colours = self.codes.bytes(simd, amounts);
             Window { wanted: window.wanted & of_surface, ..window }.store(&colours, bytes);
@@ -207,7 +210,7 @@ impl Shader<'_> {
         simd: S,
         seen: &Seen<'_>,
         window: Window,
-        normals: Option<[f32x16<S>; 3]>,
+        faced: Option<Faced<S>>,
         colours: &SurfaceColours,
         marks: Option<&[Lanes<f32>; 2]>,
     ) -> [f32x16<S>; 3] {
@@ -229,13 +232,16 @@ impl Shader<'_> {
             #[inline(always)]
             || rays.points(simd, window, window.load(seen.drawn, &mut [0.0; LANES])),
         );
-        let eye = rays.ways_to_eye(simd, window);
         // No closure deals with vectors: it would be compiled apart, for narrower ones.
         let one = f32x16::splat(simd, 1.0);
-        let normal = match normals {
-            Some(normals) => normals,
-            None => by_axis(simd, window.load(seen.normal, &mut [[0.0; 3]; LANES])),
+        let (ways, normal) = match faced {
+            Some(faced) => faced,
+            None => {
+                let normal = by_axis(simd, window.load(seen.normal, &mut [[0.0; 3]; LANES]));
+                (rays.ways(simd, window), normal)
+            }
         };
+        let eye = ways.to_eye;
         let facing = dot(normal, eye);
         // The side that is seen is lit.
         let side = one.copysign(facing);
