@@ -4,7 +4,7 @@ use crate::camera::{Basis, Camera, Projection, Ray};
 use crate::painted::Window;
 use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
@@ -36,6 +36,9 @@ pub struct RayGrid {
     reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
+    /// The direction of view, and what a ray's direction changes by where it moves by half a pixel to the right, or upward; or
+    /// its origin, if parallel.
+    steps: [Vec3; 3],
     /// Half a pixel's height: on the plane at distance 1, or in world units if parallel.
     unit: f64,
     parallel: bool,
@@ -59,7 +62,8 @@ impl RayGrid {
         let (eye, basis) = (camera.eye(), camera.basis);
         let reach = [width as f64 * unit, height as f64 * unit];
         let (first, patches) = (first(width, height), None);
-        Self { width, height, first, corner: [0; 2], reach, eye, basis, unit, parallel, patches }
+        let (corner, steps) = ([0; 2], steps(&basis, unit));
+        Self { width, height, first, corner, reach, eye, basis, steps, unit, parallel, patches }
     }
 
     /// The rays of some columns and rows of the picture, counted from its left edge and its top: those of `self`, bit for
@@ -83,8 +87,8 @@ impl RayGrid {
         let unit = self.unit / times as f64;
         let [across, upward] = self.first;
         let first = [(across - 1) * times as i64 + 1, (upward + 1) * times as i64 - 1];
-        let corner = self.corner.map(|place| place * times);
-        Self { width, height, first, corner, unit, ..self.clone() }
+        let (corner, steps) = (self.corner.map(|place| place * times), steps(&self.basis, unit));
+        Self { width, height, first, corner, steps, unit, ..self.clone() }
     }
 
     /// The rays of some patches of the picture, one in each row: its sixteen pixels row by row. What is found for them may
@@ -255,8 +259,12 @@ impl RayGrid {
 
     /// Columns and rows of a window's pixels, from those of its first, in the picture that there may be patches of.
     #[inline(always)]
-    fn steps(&self, window: Window) -> [Lanes<f32>; 2] {
-        if self.is_patched() { steps_in_patch(window.column) } else { [ALONG, Lanes([0.0; LANES])] }
+    fn places(&self, window: Window) -> [Lanes<f32>; 2] {
+        if self.is_patched() {
+            places_in_patch(window.column)
+        } else {
+            [ALONG, Lanes([0.0; LANES])]
+        }
     }
 
     /// The points at these distances in world units on the rays of a window: `ray.at(ray.parameter(distance))`, bit for bit.
@@ -269,7 +277,7 @@ impl RayGrid {
     ) -> [Lanes<f64>; 3] {
         let Basis { forward, right, up } = self.basis;
         let [first, upward] = self.offset(window.column, window.row);
-        let [columns, rows] = self.steps(window);
+        let [columns, rows] = self.places(window);
         let (columns, rows) = (f32::wide(simd, &columns), f32::wide(simd, &rows));
         let zero = f64x8::splat(simd, 0.0);
         let mut points = [Lanes::splat(0.0); 3];
@@ -300,29 +308,28 @@ impl RayGrid {
     /// Which way the rays of a window go, to some units in the last place of `f32`, which is enough for colours.
     #[inline(always)]
     pub(crate) fn ways<S: Simd>(&self, simd: S, window: Window) -> Ways<S> {
-        let [right, up] =
-            [self.basis.right, self.basis.up].map(|side| (self.unit * side).as_vec3());
-        let forward = self.basis.forward.as_vec3();
+        let [forward, right, up] = self.steps;
         // In halves of a pixel: integers, so that a part of a picture has the same ways as the whole.
         let [across, upward] = self.offset(window.column, window.row).map(|offset| offset as f32);
-        let [columns, rows] = self.steps(window);
+        let [columns, rows] = self.places(window);
         let column = across + 2.0 * f32x16::from_slice(simd, &columns[..]);
         let mut row = f32x16::splat(simd, upward);
         if self.is_patched() {
             row -= 2.0 * f32x16::from_slice(simd, &rows[..]);
         }
-        let mut aside = [row; 3];
-        for (axis, aside) in aside.iter_mut().enumerate() {
-            *aside = column * right[axis] + row * up[axis];
+        let (mut aside, mut to_eye) = ([row; 3], [row; 3]);
+        for axis in 0..3 {
+            aside[axis] = column * right[axis] + row * up[axis];
+            to_eye[axis] = f32x16::splat(simd, -forward[axis]);
         }
-        let mut to_eye = [0, 1, 2].map(|axis| f32x16::splat(simd, -forward[axis]));
         if !self.parallel {
             let [x, y, z] = aside;
             let square = x * x + y * y + z * z;
             let length = (1.0 + square).sqrt();
-            let scale = 1.0 / length;
+            let both = 1.0 / (length * (1.0 + length));
+            let scale = both * (1.0 + length);
             // 1 − 1/length, of which nothing cancels: what is far away is moved by no more than what is near.
-            let less = square / (1.0 + square + length);
+            let less = both * square;
             for axis in 0..3 {
                 aside[axis] = aside[axis] * scale - forward[axis] * less;
                 to_eye[axis] -= aside[axis];
@@ -366,8 +373,13 @@ pub(crate) struct Ways<S: Simd> {
     aside: [f32x16<S>; 3],
 }
 
-/// [`RayGrid::steps`] from this pixel of a patch on.
-fn steps_in_patch(first: usize) -> [Lanes<f32>; 2] {
+/// [`RayGrid::steps`] of a grid whose pixels are twice this `unit` apart.
+fn steps(basis: &Basis, unit: f64) -> [Vec3; 3] {
+    [basis.forward, unit * basis.right, unit * basis.up].map(|way| way.as_vec3())
+}
+
+/// Columns and rows of a window's pixels from this pixel of a patch on.
+fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
     let place = |pixel: usize| [(pixel % SIDE) as f32, (pixel / SIDE) as f32];
     let [column, row] = place(first);
     let [mut columns, mut rows] = [Lanes([0.0; LANES]); 2];

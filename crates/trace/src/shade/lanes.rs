@@ -41,7 +41,7 @@ pub fn toned<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
         return amount;
     }
     // Reinhard's curve (2002) with a white point, from the knee on, where its slope is 1.
-    let above = (amount - KNEE).max(0.0) / (1.0 - KNEE);
+    let above = (amount - KNEE).max(0.0) * (1.0 / (1.0 - KNEE));
     let curve = above * (1.0 + above / (WHITE * WHITE)) / (1.0 + above);
     amount.min(f32x16::splat(simd, KNEE)) + (1.0 - KNEE) * curve
 }
@@ -51,15 +51,20 @@ const KNEE: f32 = 0.7;
 /// What becomes full light, in units from the knee to 1.
 const WHITE: f32 = 2.0;
 
-/// The 40th power of a cosine, which makes a highlight as small as it is, given its square.
+/// The 40th power of a cosine, which makes a highlight as small as it is, given its square as a quotient. `None` if that is too
+/// little to be seen in all lanes, and 0 where it is.
 #[inline(always)]
-pub fn sharpened<S: Simd>(square: f32x16<S>) -> f32x16<S> {
-    /// Of this the power is 3e-31: of less it would become subnormal, which takes processors far longer.
-    const LEAST: f32 = 0.03;
-    let square = square.max(LEAST);
+pub fn shine<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
+    /// Of this the power is 1e-6.
+    const LEAST: f32 = 0.5;
+    let is_seen = above.simd_gt(LEAST * below);
+    if is_seen.all_false() {
+        return None;
+    }
+    let square = above / below;
     let fourth = square * square;
     let eighth = fourth * fourth;
     let tenth = eighth * square;
     let twentieth = tenth * tenth;
-    twentieth * twentieth
+    Some(is_seen.select(twentieth * twentieth, f32x16::splat(simd, 0.0)))
 }

@@ -1,6 +1,6 @@
 //! Sixteen pixels of a window at a time, from what is known of them to bytes.
 
-use super::lanes::{by_axis, dot, left, sharpened, splat, toned};
+use super::lanes::{by_axis, dot, left, shine, splat, toned};
 use super::{Appearance, Paint, SurfaceColours, UndecidedStyle};
 use crate::colour::{BLACK, Codes, LinearRgb};
 use crate::found::Status;
@@ -117,6 +117,59 @@ pub(crate) struct Seen<'a> {
 /// Which way a window's rays go, and its normals.
 pub(crate) type Faced<S> = (Ways<S>, [f32x16<S>; 3]);
 
+/// What a window's pixels have that those of most windows have not.
+struct Own {
+    /// How much of the light is hidden, 255 being all.
+    shadow: Lanes<u8>,
+    occlusion: Lanes<u8>,
+    /// Lanes on a face that cuts a solid open, as bits.
+    cuts: u32,
+    /// [`Paint`], by primary.
+    base: [Lanes<f32>; 3],
+    ink: Lanes<f32>,
+    /// What is left of the light of undecided pixels, and the share of the tint.
+    marks: [Lanes<f32>; 2],
+}
+
+impl Own {
+    const NONE: Self = Self {
+        shadow: Lanes([0; LANES]),
+        occlusion: Lanes([0; LANES]),
+        cuts: 0,
+        base: [Lanes([f32::NAN; LANES]); 3],
+        ink: Lanes([0.0; LANES]),
+        marks: [Lanes([1.0; LANES]), Lanes([0.0; LANES])],
+    };
+
+    /// `None` if a window has nothing of all that.
+    #[inline]
+    fn of(seen: &Seen<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Option<Self> {
+        let Seen { shadow, occlusion, cap, paint, .. } = *seen;
+        let is_plain = marks.is_none()
+            && paint.is_empty()
+            && (cap.is_empty() || *window.load(cap, &mut [false; LANES]) == [false; LANES])
+            && [shadow, occlusion].into_iter().all(|hidden| {
+                hidden.is_empty() || *window.load(hidden, &mut [0; LANES]) == [0; LANES]
+            });
+        (!is_plain).then(|| Self::all(seen, window, marks))
+    }
+
+    #[inline(never)]
+    fn all(seen: &Seen<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Self {
+        let Seen { shadow, occlusion, cap, paint, .. } = *seen;
+        let (mut is_cap, mut paints) = ([false; LANES], [Paint::NONE; LANES]);
+        let (is_cap, paints) = (window.load(cap, &mut is_cap), window.load(paint, &mut paints));
+        Self {
+            shadow: Lanes(*window.load(shadow, &mut [0; LANES])),
+            occlusion: Lanes(*window.load(occlusion, &mut [0; LANES])),
+            cuts: bits(|lane| is_cap[lane]),
+            base: [0, 1, 2].map(|primary| Lanes(paints.map(|paint| paint.base.0[primary]))),
+            ink: Lanes(paints.map(|paint| paint.ink)),
+            marks: marks.unwrap_or(Self::NONE.marks),
+        }
+    }
+}
+
 /// Directions, of length 1, towards the lights that move with the camera.
 #[derive(Clone, Copy)]
 struct Lamps {
@@ -177,10 +230,10 @@ impl Shader<'_> {
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            let amounts = if seen.paint.is_empty() {
-                self.light::<S, false>(simd, seen, window, faced, colours, marks.as_ref())
-            } else {
-                self.light::<S, true>(simd, seen, window, faced, colours, marks.as_ref())
+            let own = Own::of(seen, window, marks);
+            let amounts = match &own {
+                None => self.light::<S, false>(simd, seen, window, faced, colours, &Own::NONE),
+                Some(own) => self.light::<S, true>(simd, seen, window, faced, colours, own),
             };
             let colours = self.codes.bytes(simd, amounts);
             Window { wanted: window.wanted & of_surface, ..window }.store(&colours, bytes);
@@ -202,31 +255,20 @@ impl Shader<'_> {
         [left, tint]
     }
 
-    /// The light that a window's pixels send to the eye, by primary, clamped to what the codes know. Twice in the
-    /// program, since most pictures have no paint.
+    /// The light that a window's pixels send to the eye, by primary, clamped to what the codes know. Twice in the program,
+    /// since most windows have nothing `OWN`.
     #[inline(always)]
-    fn light<S: Simd, const PAINTED: bool>(
+    fn light<S: Simd, const OWN: bool>(
         &self,
         simd: S,
         seen: &Seen<'_>,
         window: Window,
         faced: Option<Faced<S>>,
         colours: &SurfaceColours,
-        marks: Option<&[Lanes<f32>; 2]>,
+        own: &Own,
     ) -> [f32x16<S>; 3] {
         let Self { rays, appearance, lamps, .. } = *self;
         let Appearance { look, ambient: everywhere, .. } = appearance;
-        let mut is_cap = [false; LANES];
-        let mut spare = [[0; LANES]; 2];
-        let [shadow, occlusion] = &mut spare;
-        let shadow = window.load(seen.shadow, shadow);
-        let occlusion = window.load(seen.occlusion, occlusion);
-        let is_cap = window.load(seen.cap, &mut is_cap);
-        let mut paints = [Paint::NONE; LANES];
-        let paint = PAINTED.then(|| window.load(seen.paint, &mut paints));
-        // Most windows have nothing of either.
-        let (is_shaded, is_hidden) = (*shadow != [0; LANES], *occlusion != [0; LANES]);
-        let is_cut_open = *is_cap != [false; LANES];
         let light = appearance.light.all_towards(
             simd,
             #[inline(always)]
@@ -245,19 +287,24 @@ impl Shader<'_> {
         let facing = dot(normal, eye);
         // The side that is seen is lit.
         let side = one.copysign(facing);
-        let lit = if is_shaded { left(simd, shadow) } else { one };
-        let open = if is_hidden { left(simd, occlusion) } else { one };
+        let (mut lit, mut open) = (one, one);
+        if OWN {
+            (lit, open) = (left(simd, &own.shadow), left(simd, &own.occlusion));
+        }
         let direct = lit * (side * dot(normal, light)).max(0.0);
         // The square of the cosine between the normal and the direction half way to the light. From straight behind there
         // is none, and light is not seen.
         let halfway = [light[0] + eye[0], light[1] + eye[1], light[2] + eye[2]];
         let cosine = (side * dot(normal, halfway)).max(0.0);
         let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);
-        let square = cosine * cosine / square_of_length;
+        let shine = shine(simd, cosine * cosine, square_of_length);
         let grazing = 1.0 - facing.abs().min(1.0);
         let rim =
             look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
-        let white = look.highlight * direct.sqrt() * sharpened(square) + rim;
+        let mut white = rim;
+        if let Some(shine) = shine {
+            white += look.highlight * direct.sqrt() * shine;
+        }
         // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
         let from_above = 0.5 + 0.5 * (side * dot(normal, splat(simd, lamps.above)));
         let around = look.ground + (1.0 - look.ground) * from_above;
@@ -267,8 +314,7 @@ impl Shader<'_> {
         let edge = grazing * grazing;
         let factor = factor * (1.0 - look.outline * edge * edge);
         let is_negative = facing.simd_lt(0.0);
-        let cuts = if is_cut_open { bits(|lane| is_cap[lane]) } else { 0 };
-        let is_cut = mask32x16::from_bitmask(simd, u64::from(cuts));
+        let is_cut = mask32x16::from_bitmask(simd, u64::from(own.cuts));
         let mut amounts = [one; 3];
         for (primary, all) in amounts.iter_mut().enumerate() {
             let [positive, negative, cut] =
@@ -276,21 +322,17 @@ impl Shader<'_> {
             let [positive, negative] =
                 [f32x16::splat(simd, positive), f32x16::splat(simd, negative)];
             let mut base = is_negative.select(negative, positive);
-            if is_cut_open {
+            if OWN {
                 base = is_cut.select(f32x16::splat(simd, cut), base);
-            }
-            if let Some(paint) = paint {
-                let own = paint.map(|paint| paint.base.0[primary]);
-                let own = f32x16::simd_from(simd, own);
-                base = own.is_nan().select(base, own);
+                let painted = f32x16::from_slice(simd, &own.base[primary][..]);
+                base = painted.is_nan().select(base, painted);
             }
             let mut amount = toned(simd, base * factor + white);
-            if let Some(paint) = paint {
-                amount *= 1.0 - INK * f32x16::simd_from(simd, paint.map(|paint| paint.ink));
-            }
-            if let Some([left, tint]) = marks {
-                let own = amount * f32x16::from_slice(simd, &left[..]);
-                amount = own + TINT.0[primary] * f32x16::from_slice(simd, &tint[..]);
+            if OWN {
+                let [left, tint] = &own.marks;
+                amount *= 1.0 - INK * f32x16::from_slice(simd, &own.ink[..]);
+                amount *= f32x16::from_slice(simd, &left[..]);
+                amount += TINT.0[primary] * f32x16::from_slice(simd, &tint[..]);
             }
             *all = amount.max(BLACK).min(1.0);
         }
