@@ -58,13 +58,18 @@ impl Window {
     }
 
     /// Writes those values that are wanted to `all`.
-    #[inline]
-    pub fn store<T: Copy>(&self, values: &[T; LANES], all: &mut [T]) {
+    #[inline(always)]
+    pub fn store<T: Copy>(&self, values: [T; LANES], all: &mut [T]) {
         let all = &mut all[self.index..];
-        if let Some(all) = all.first_chunk_mut().filter(|_| self.wanted == FULL) {
-            *all = *values;
-            return;
+        match all.first_chunk_mut() {
+            Some(all) if self.wanted == FULL => *all = values,
+            _ => self.store_runs(&values, all),
         }
+    }
+
+    /// Writes the values that are wanted to the start of `all`.
+    #[inline(never)]
+    fn store_runs<T: Copy>(&self, values: &[T; LANES], all: &mut [T]) {
         let mut left = self.wanted;
         // One run after another: mostly there is one.
         while left != 0 {
@@ -189,7 +194,7 @@ mod tests {
                     assert!(window.wanted & 1 == 1 && (1..=16).contains(&window.count()));
                     seen.extend(window.pixels());
                     let mut spare = [0.0; LANES];
-                    window.store(window.load(&drawn, &mut spare), &mut copied);
+                    window.store(*window.load(&drawn, &mut spare), &mut copied);
                 }
                 let expected: Vec<usize> =
                     (0..width * height).filter(|pixel| pixel % step == 0).collect();

@@ -169,5 +169,5 @@ fn store<S: Simd>(units: &[f32x16<S>; 3], window: Window, all: &mut [[f32; 3]]) 
     for (lane, vector) in vectors.iter_mut().enumerate() {
         *vector = [axes[0][lane], axes[1][lane], axes[2][lane]];
     }
-    window.store(&vectors, all);
+    window.store(vectors, all);
 }
