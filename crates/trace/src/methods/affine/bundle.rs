@@ -315,11 +315,18 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             return live;
         }
         let first = move_to_first(bundle.rays.get_or_insert(UNMOVED), live);
-        let inside = bundle.inside.iter_mut().flatten();
+        let inside = &mut bundle.inside;
         dispatch!(self.vectors, simd => {
+            // A copy of its own, which need not be read again for each quantity.
+            let kept = live;
             let Segments { origin, direction, near, far, .. } = &mut self.segments;
-            for lanes in origin.iter_mut().chain(direction).chain([near, far]).chain(inside) {
-                T::pack(simd, lanes, live);
+            let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
+            for lanes in [ox, oy, oz, dx, dy, dz, near, far] {
+                T::pack(simd, lanes, kept);
+            }
+            if let Some([first, last]) = inside {
+                T::pack(simd, first, kept);
+                T::pack(simd, last, kept);
             }
         });
         first

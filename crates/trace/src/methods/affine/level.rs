@@ -169,13 +169,16 @@ impl<T: Scalar> Level<T> {
 
     #[inline(always)]
     fn pack_batch<S: Simd>(&mut self, simd: S) {
-        let Tiles { centre, half, near, far, .. } = &mut self.batch;
-        for lanes in centre.iter_mut().chain(half).chain([near, far]) {
-            T::pack(simd, lanes, self.live);
+        // A copy of its own, which need not be read again for each quantity.
+        let kept = self.live;
+        let Tiles { centre: [across, up], half: [wide, high], near, far, .. } = &mut self.batch;
+        for lanes in [across, up, wide, high, near, far] {
+            T::pack(simd, lanes, kept);
         }
         if !self.within {
-            for lanes in self.screens.centre.iter_mut().chain(&mut self.screens.half) {
-                f64::pack(simd, lanes, self.live);
+            let Screens { centre: [across, up], half: [wide, high] } = &mut self.screens;
+            for lanes in [across, up, wide, high] {
+                f64::pack(simd, lanes, kept);
             }
         }
     }
