@@ -286,9 +286,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let (mut left, screens) = (asked, patch.screens());
         plane.narrow::<_, T>(simd, (&screens, None), &mut left);
         if !within {
-            let (rays, region) = ((&screens, None), self.method.region);
-            self.frame.clip(simd, rays, region, &mut left);
-            *inside = Some(self.frame.between_faces(simd, rays, region, self.size));
+            let region = self.method.region;
+            *inside = Some(self.frame.clip_rays(simd, &screens, region, self.size, &mut left));
         }
         let batch = &mut self.segments;
         let Frame { origin, direction, .. } = &self.frame;

@@ -145,42 +145,58 @@ impl Frame {
         f64::narrow(fars, &mut ends[1]);
     }
 
-    /// Between which values of s single rays are certainly between the region's faces, its clipping plane apart, rounded
-    /// inward; as [`way::between_faces`] has it. No segment reaches farther than `size` from 0.
+    /// Shortens segments of single rays to what of them may be in the region, as [`clip`](Self::clip) does, and returns between
+    /// which values of s the rays are certainly between its faces, its clipping plane apart, rounded inward; as
+    /// [`way::between_faces`] has it. No segment reaches farther than `size` from 0.
     #[inline(always)]
-    pub fn between_faces<S: Simd, T: Scalar>(
+    pub fn clip_rays<S: Simd, T: Scalar>(
         &self,
         simd: S,
-        rays: Rays<'_>,
+        screens: &[Lanes<f64>; 2],
         region: &Region,
         size: f64,
+        ends: &mut Ends,
     ) -> [Lanes<T>; 2] {
-        let rays = Wide::new(simd, rays);
+        /// Of a slower ray not even the reciprocal need be finite: it counts as level with a face.
+        const LEVEL: f64 = 1e-200;
+        /// More than what these few operations round.
+        const ROUNDING: f64 = 1e-12;
+        let rays = Wide::new(simd, (screens, None));
         let zero = f64x8::splat(simd, 0.0);
-        let (mut nears, mut fars) = ([zero - 4.0 * size; 2], [zero + 4.0 * size; 2]);
-        for (k, (near, far)) in nears.iter_mut().zip(&mut fars).enumerate() {
+        let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
+        let (mut firsts, mut lasts) = ([zero - 4.0 * size; 2], [zero + 4.0 * size; 2]);
+        for k in 0..2 {
+            let (near, far) = (&mut nears[k], &mut fars[k]);
+            let (first, last) = (&mut firsts[k], &mut lasts[k]);
             for axis in 0..3 {
-                let ([o, _], [d, _]) =
-                    (rays.range(&self.origin, k, axis), rays.range(&self.direction, k, axis));
+                let o = rays.middle(&self.origin, k, axis);
+                let d = rays.middle(&self.direction, k, axis);
                 let slack = self.error[axis];
-                let (low, high) = (region.low()[axis] + slack, region.high()[axis] - slack);
-                let (a, b) = ((low - o) / d, (high - o) / d);
-                let (enter, leave) = (a.min_precise(b), a.max_precise(b));
-                let is_level = d.simd_eq(0.0);
-                let beside = is_level & !(o.simd_ge(low) & o.simd_le(high));
-                // Infinite ends give no number here only where they do not bound the ray: it came in long before, or leaves long
-                // after.
-                let first = near.max_precise(enter + 1e-12 * enter.abs());
-                let last = far.min_precise(leave - 1e-12 * leave.abs());
-                *near = is_level.select(*near, first);
-                *far = beside.select(zero + f64::NEG_INFINITY, is_level.select(*far, last));
+                let (low, high) = (region.low()[axis], region.high()[axis]);
+                let inverse = 1.0 / d;
+                let (a, b) = ((low - o) * inverse, (high - o) * inverse);
+                let (enter, leave) = (a.min(b), a.max(b));
+                // How far off the exact ray is there, and what is rounded.
+                let off = slack * inverse.abs();
+                let before = off + ROUNDING * (enter.abs() + off);
+                let after = off + ROUNDING * (leave.abs() + off);
+                let is_level = !d.abs().simd_gt(LEVEL);
+                let (low, high) = (low + slack, high - slack);
+                let is_between = d.simd_eq(0.0) & o.simd_ge(low) & o.simd_le(high);
+                *near = is_level.select(*near, near.max(enter - before));
+                *far = is_level.select(*far, far.min(leave + after));
+                *first = is_level.select(*first, first.max(enter + before));
+                let level = is_between.select(*last, zero + f64::NEG_INFINITY);
+                *last = is_level.select(level, last.min(leave - after));
             }
-            *near += T::PATH_ERROR * (near.abs() + size);
-            *far -= T::PATH_ERROR * (far.abs() + size);
+            *first += T::PATH_ERROR * (first.abs() + size);
+            *last -= T::PATH_ERROR * (last.abs() + size);
         }
+        f64::narrow(nears, &mut ends[0]);
+        f64::narrow(fars, &mut ends[1]);
         let mut inside = [Lanes::splat(T::default()), Lanes::splat(T::default())];
-        T::narrow(nears, &mut inside[0]);
-        T::narrow(fars, &mut inside[1]);
+        T::narrow(firsts, &mut inside[0]);
+        T::narrow(lasts, &mut inside[1]);
         inside
     }
 
@@ -252,10 +268,16 @@ impl<S: Simd> Wide<S> {
     /// Bounds of one coordinate of a sum of three, for half of the tiles.
     #[inline(always)]
     fn range(&self, parts: &[DVec3; 3], k: usize, axis: usize) -> [f64x8<S>; 2] {
-        let [start, a, b] = [parts[0][axis], parts[1][axis], parts[2][axis]];
-        let middle = start + self.centre[0][k] * a + self.centre[1][k] * b;
-        let reach = self.half[0][k] * a.abs() + self.half[1][k] * b.abs();
+        let middle = self.middle(parts, k, axis);
+        let [_, a, b] = parts;
+        let reach = self.half[0][k] * a[axis].abs() + self.half[1][k] * b[axis].abs();
         [middle - reach, middle + reach]
+    }
+
+    /// The coordinate in the middle of each.
+    #[inline(always)]
+    fn middle(&self, [start, a, b]: &[DVec3; 3], k: usize, axis: usize) -> f64x8<S> {
+        start[axis] + self.centre[0][k] * a[axis] + self.centre[1][k] * b[axis]
     }
 }
 
@@ -268,16 +290,16 @@ mod tests {
     use fearless_simd::dispatch;
 
     #[test]
-    fn sixteen_rays_leave_the_faces_where_each_does() {
+    fn sixteen_rays_meet_the_faces_where_each_does() {
         let region = Region::new(DVec3::new(-1.0, -0.5, -2.0), DVec3::new(1.5, 1.0, 2.0));
         let region = region.expect("valid");
-        let wide = Projection::Perspective { fov: 70.0 };
+        let perspective = Projection::Perspective { fov: 70.0 };
         let parallel = Projection::Orthographic { height: 6.0 };
         let (mut crossed, mut beside) = (0, 0);
         // From outside, from within, and along an axis, where rays are level with four faces.
         for (eye, projection) in [
-            (DVec3::new(3.0, -4.0, 2.0), wide),
-            (DVec3::new(0.1, 0.2, 0.3), wide),
+            (DVec3::new(3.0, -4.0, 2.0), perspective),
+            (DVec3::new(0.1, 0.2, 0.3), perspective),
             (DVec3::new(0.0, -5.0, 0.0), parallel),
         ] {
             let rays = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
@@ -290,9 +312,18 @@ mod tests {
                     [across[lane], down[lane]] = rays.screen(at[0], at[1]);
                 }
                 let screens = [across, down];
+                let wide = frame.span.map(Lanes::splat);
                 for level in levels() {
                     let [near, far]: [Lanes<f64>; 2] = dispatch!(level, simd => {
-                        frame.between_faces(simd, (&screens, None), &region, frame.size())
+                        let mut ends = wide;
+                        let inside = frame.clip_rays(simd, &screens, &region, frame.size(), &mut ends);
+                        let mut expected = wide;
+                        frame.clip(simd, (&screens, None), &region, &mut expected);
+                        let off = |end: usize, lane: usize| {
+                            (ends[end][lane] - expected[end][lane]).abs()
+                        };
+                        assert!((0..LANES).all(|lane| off(0, lane) < 1e-10 && off(1, lane) < 1e-10));
+                        inside
                     });
                     for lane in 0..LANES {
                         let [origin, direction] = frame.ray([screens[0][lane], screens[1][lane]]);

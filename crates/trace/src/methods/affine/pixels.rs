@@ -162,9 +162,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             // As closely as f64 knows where they leave the region, which may be all that is left to tell.
             let screens = patch.screens();
             dispatch!(self.vectors, simd => {
-                let rays = (&screens, None);
-                self.frame.clip(simd, rays, region, &mut ends);
-                insides = self.frame.between_faces(simd, rays, region, self.size);
+                insides = self.frame.clip_rays(simd, &screens, region, self.size, &mut ends);
             });
         }
         let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
