@@ -76,8 +76,14 @@ fn main() {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);
         let size = size.unwrap_or(Settings::default().width);
-        let settings =
-            Settings { ideas, precision, width: size, height: size, ..Settings::default() };
+        let settings = Settings {
+            ideas,
+            precision,
+            width: size,
+            height: size,
+            keeps_normals: false,
+            ..Settings::default()
+        };
         let model = Model::new(&document, &region, &settings).expect(name);
         let mut times = vec![(Vec::new(), Vec::new()); methods.len()];
         let mut pictures: Vec<Picture> = Vec::new();

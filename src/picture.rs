@@ -36,6 +36,8 @@ pub struct Settings {
     pub steps: u32,
     /// Whether the brackets of hits are kept.
     pub brackets: bool,
+    /// Whether normals are kept that no further step needs: a picture without them is made faster, but anew for another light.
+    pub keeps_normals: bool,
     /// How long surfaces may be looked for: what was not reached by then is undecided and not painted.
     pub budget: Option<Duration>,
     /// The same depth for shadow rays; `None` for no shadows.
@@ -93,6 +95,7 @@ impl Default for Settings {
             ideas: Ideas::default(),
             steps: 256,
             brackets: false,
+            keeps_normals: true,
             budget: None,
             shadow_depth: None,
             normals: Some(Normals::Gradient),

@@ -213,8 +213,8 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     }
     let outputs = &arguments.outputs;
     let method = method_settings(&arguments.tracing, outputs.size)?;
-    let needs_normals =
-        outputs.output.is_some() || outputs.arrays.0.iter().any(|(row, _)| row.needs_normals);
+    let keeps_normals = outputs.arrays.0.iter().any(|(row, _)| row.needs_normals);
+    let needs_normals = outputs.output.is_some() || keeps_normals;
     let budget = match arguments.budget {
         None => None,
         Some(seconds) if seconds > 0.0 => Some(
@@ -227,6 +227,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     };
     Ok(Settings {
         normals: method.normals.filter(|_| needs_normals),
+        keeps_normals,
         brackets: outputs.arrays.0.iter().any(|(row, _)| row.needs_brackets),
         budget,
         undecided: shading.undecided,

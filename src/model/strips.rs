@@ -132,6 +132,13 @@ fn overview_settings(settings: &Settings) -> Settings {
     let scale = by_area.min(OVERVIEW_ROWS as f64 / height as f64).min(1.0);
     let [width, height] =
         [width, height].map(|size| ((size as f64 * scale).round() as usize).max(1));
-    let (shadow_depth, brackets) = (None, false);
-    Settings { width, height, shadow_depth, brackets, antialias: Pattern::ONE, ..settings.clone() }
+    Settings {
+        width,
+        height,
+        shadow_depth: None,
+        brackets: false,
+        keeps_normals: true,
+        antialias: Pattern::ONE,
+        ..settings.clone()
+    }
 }

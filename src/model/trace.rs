@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 use zeroset_eval::KernelFloat;
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
-    BAND_ROWS, Camera, Driver, GBuffer, Kept, NormalSource, RayGrid, Rows, Shader, Tracer, Work,
-    cap, cap_rows, normals, unset_colours,
+    BAND_ROWS, Camera, Driver, GBuffer, Kept, NormalSource, Pattern, RayGrid, Rows, Shader, Tracer,
+    Work, cap, cap_rows, normals, unset_colours,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -66,7 +66,7 @@ pub(super) type Part<'a> = (Option<&'a Overview>, Range<usize>);
 
 impl Model {
     /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as `settings` say, which are
-    /// those of the picture but for that. `advance` is as for [`Model::trace`]; `None` if it ended the work: nothing is worth
+    /// those of the picture but for that; all of it if its normals were not kept. `advance` is as for [`Model::trace`]; `None` if it ended the work: nothing is worth
     /// keeping then.
     ///
     /// # Errors
@@ -87,7 +87,7 @@ impl Model {
         }
     }
 
-    /// The same picture in other light: what was found is not looked for again. `settings` are those of the picture but for
+    /// The same picture in other light: what was found is not looked for again, if its normals were kept. `settings` are those of the picture but for
     /// what lights it, and `advance` is as for [`Model::trace`].
     ///
     /// # Errors
@@ -99,6 +99,9 @@ impl Model {
         settings: &Settings,
         advance: Advance<'_>,
     ) -> Result<Picture, ProgramError> {
+        if picture.buffer.normal.is_empty() {
+            return self.trace(camera, settings, advance);
+        }
         let mut lit = picture.clone();
         let (rays, times) =
             (camera.rays(settings.width, settings.height), &mut lit.statistics.times);
@@ -211,6 +214,10 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
 
     /// The picture with its unsettled pixels looked at again; `None` if that is no longer wanted.
     fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Option<Picture>, ProgramError> {
+        if picture.buffer.normal.is_empty() {
+            let anew = self.take(rays)?;
+            return Ok((self.advance)(0).then_some(anew));
+        }
         let unsettled: Vec<bool> = picture.unsettled().collect();
         let Statistics { mut times, mut work, .. } = picture.statistics;
         let (settled, more, _) = self.surfaces(rays, &unsettled, None, &mut times)?;
@@ -276,7 +283,13 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
             let driver = Driver { rays, tracer: &*tracer, advance };
-            let kept = Kept { brackets: settings.brackets, caps: is_solid };
+            // Caps have theirs before others do, and edges are found by them.
+            let needs_normals = shader.is_none() || is_solid || settings.antialias != Pattern::ONE;
+            let kept = Kept {
+                normals: settings.keeps_normals || needs_normals,
+                brackets: settings.brackets,
+                caps: is_solid,
+            };
             let (layer, found) = driver.new_picture(surface as u16, kept, only, parts, finish);
             work += found;
             // As if all threads had been busy all the time.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use zeroset::gallery::example;
 use zeroset::model::Model;
-use zeroset::picture::{Picture, Settings};
+use zeroset::picture::{Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, LinearRgb, METHODS, Pattern, edges};
@@ -99,6 +99,37 @@ fn rows_that_are_coloured_at_once_are_as_those_that_are_coloured_later() {
         let colours: std::collections::BTreeSet<_> =
             at_once.rgb.as_chunks::<3>().0.iter().collect();
         assert!(colours.len() > 2, "{text}: {colours:?}");
+    }
+}
+
+#[test]
+fn normals_that_are_not_kept_are_found_for_colours() {
+    let settings = Settings { width: 93, height: 70, ..Settings::default() };
+    let central = Settings { normals: Some(Normals::Central), ..settings.clone() };
+    // Gradients that there are, those that there are not everywhere, and none.
+    let (smooth, creased, halved) =
+        ("tangle", "abs(x)+abs(y)+abs(z)=1", "x^2+y^2+z^2<=1 where x<=0.3");
+    for (text, kept) in
+        [(smooth, &settings), (creased, &settings), (halved, &settings), (smooth, &central)]
+    {
+        let (model, camera) = scene(text, kept);
+        let settings = Settings { keeps_normals: false, ..kept.clone() };
+        let kept = picture(&model, &camera, kept);
+        let picture = picture(&model, &camera, &settings);
+        assert!(picture.rgb == kept.rgb, "{text}");
+        // A cap's normal is there before the others.
+        assert_eq!(picture.buffer.normal.is_empty(), text != halved, "{text}");
+        // What needs them has them.
+        let lit = model.relight(&picture, &camera, &settings, &|_| true).expect("compiled");
+        assert!(lit.rgb == kept.rgb, "{text}, in the same light");
+        let settled = model.settle(&picture, &camera, &settings, &|_| true).expect("compiled");
+        assert!(settled.expect("wanted").rgb == kept.rgb, "{text}, settled");
+        let other = Settings { antialias: Pattern::of(16).expect("a pattern"), ..settings };
+        let edges = |settings: &Settings| {
+            model.trace(&camera, settings, &|_| true).expect("compiled").statistics.edge_rays
+        };
+        let kept = Settings { keeps_normals: true, ..other.clone() };
+        assert!(edges(&other) > 0 && edges(&other) == edges(&kept), "{text}");
     }
 }
 

@@ -33,6 +33,7 @@ impl Ours {
             max_depth: depth,
             shadow_depth: None,
             normals: Some(Normals::Gradient),
+            keeps_normals: false,
             ..Settings::default()
         };
         let (document, region) = (surface.document()?, surface.region()?);

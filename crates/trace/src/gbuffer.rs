@@ -36,7 +36,8 @@ pub struct GBuffer {
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
     pub surface: Vec<u16>,
-    /// Unit normal of what is painted, towards f > 0; meaningless where the background shows, or if none was asked for.
+    /// Unit normal of what is painted, towards f > 0; meaningless where the background shows, or if none was asked for. Empty if
+    /// they are not kept.
     pub normal: Vec<[f32; 3]>,
     /// Whether the painted point lies on a face of the region that cuts a solid open. Empty if none does.
     pub cap: Vec<bool>,
@@ -47,12 +48,21 @@ pub struct GBuffer {
 }
 
 /// What is kept of a picture that others do without.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Kept {
+    /// [`GBuffer::normal`].
+    pub normals: bool,
     /// [`GBuffer::bracket`].
     pub brackets: bool,
     /// [`GBuffer::cap`].
     pub caps: bool,
+}
+
+impl Default for Kept {
+    /// Normals.
+    fn default() -> Self {
+        Self { normals: true, brackets: false, caps: false }
+    }
 }
 
 /// How far a ray is proven empty.
@@ -79,7 +89,7 @@ impl PartialEq for GBuffer {
                     && self.open_from[pixel] == other.open_from[pixel])
                 && (!self.is_drawn(pixel)
                     || self.surface[pixel] == other.surface[pixel]
-                        && self.normal[pixel] == other.normal[pixel])
+                        && self.normal.get(pixel) == other.normal.get(pixel))
         };
         (self.width, self.height) == (other.width, other.height)
             && (&self.status, &self.drawn) == (&other.status, &other.drawn)
@@ -143,7 +153,7 @@ impl GBuffer {
         resize(&mut self.open_from, pixels, 0.0);
         resize(&mut self.drawn, pixels, 0.0);
         resize(&mut self.surface, pixels, 0);
-        resize(&mut self.normal, pixels, [0.0; 3]);
+        resize(&mut self.normal, if kept.normals { pixels } else { 0 }, [0.0; 3]);
         resize(&mut self.cap, if kept.caps { pixels } else { 0 }, false);
         self.shadow.clear();
         self.occlusion.clear();
@@ -279,7 +289,7 @@ impl GBuffer {
             if other.drawn[pixel] < self.drawn[pixel] {
                 self.drawn[pixel] = other.drawn[pixel];
                 self.surface[pixel] = other.surface[pixel];
-                self.normal[pixel] = other.normal[pixel];
+                take(&mut self.normal, &other.normal, pixel);
                 take(&mut self.cap, &other.cap, pixel);
                 take(&mut self.shadow, &other.shadow, pixel);
                 take(&mut self.occlusion, &other.occlusion, pixel);

@@ -54,13 +54,37 @@ pub fn normals<T: Real>(
 }
 
 /// What is left of a ray behind the point that it paints, and the t that makes one step.
-struct Seen {
+struct Rest {
     ray: Ray,
     step: f64,
 }
 
+/// The normals of some rows.
+struct Normals<'a> {
+    /// Those of the picture; empty if it does not keep them.
+    kept: &'a mut [[f32; 3]],
+    /// Otherwise those that are needed until there are colours; empty as long as there are none.
+    own: Vec<[f32; 3]>,
+    pixels: usize,
+}
+
+impl Normals<'_> {
+    fn is_kept(&self) -> bool {
+        !self.kept.is_empty()
+    }
+
+    fn all(&mut self) -> &mut [[f32; 3]] {
+        if self.is_kept() {
+            return self.kept;
+        }
+        self.own.resize(self.pixels, [0.0; 3]);
+        &mut self.own
+    }
+}
+
 impl<T: Real> NormalSource<'_, T> {
-    /// As [`normals`], for some rows; and their colours, if there is somebody who wants them.
+    /// As [`normals`], for some rows; and their colours, if there is somebody who wants them. Normals that are not kept are
+    /// found for colours only.
     pub fn face(
         &self,
         rows: &mut Rows<'_>,
@@ -71,25 +95,28 @@ impl<T: Real> NormalSource<'_, T> {
         let mut work = Work::default();
         let start = rows.pixels().start;
         let windows = rows.windows();
-        let open = self.of_band(rows, rays, &windows, canvas.as_mut(), &mut work);
-        let seen = |pixel: usize| {
+        let (kept, seen) = rows.seen();
+        let mut normals = Normals { kept, own: Vec::new(), pixels: seen.drawn.len() };
+        let open = self.of_band(&seen, &mut normals, rays, &windows, canvas.as_mut(), &mut work);
+        let rest = |pixel: usize| {
             let ray = rays.ray_of(start + pixel);
-            let t = ray.parameter(rows.drawn[pixel]);
-            Seen { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
+            let t = ray.parameter(seen.drawn[pixel]);
+            Rest { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
         };
         for open in open.chunks(BATCH) {
-            let seen: Vec<Seen> = open.iter().map(|&pixel| seen(pixel)).collect();
-            for (&pixel, found) in open.iter().zip(self.of_batch(&seen, step, &mut work)) {
-                rows.normal[pixel] = found;
+            let rests: Vec<Rest> = open.iter().map(|&pixel| rest(pixel)).collect();
+            for (&pixel, found) in open.iter().zip(self.of_batch(&rests, step, &mut work)) {
+                normals.all()[pixel] = found;
             }
         }
         if let Some(canvas) = canvas {
-            canvas.finish(rows);
+            let normals = if canvas.left.is_empty() { &[][..] } else { normals.all() };
+            canvas.finish(&seen, normals);
         }
         work
     }
 
-    fn of_batch(&self, seen: &[Seen], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
+    fn of_batch(&self, seen: &[Rest], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
         let points: Vec<DVec3> = seen.iter().map(|seen| seen.ray.origin).collect();
         let mut normals = vec![None; points.len()];
         if let Self::Gradient(kernel) = self {

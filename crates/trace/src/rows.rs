@@ -25,6 +25,7 @@ pub struct Rows<'a> {
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     pub(crate) surface: &'a mut [u16],
+    /// Empty if they are not kept.
     pub(crate) normal: &'a mut [[f32; 3]],
     /// These are empty if they are nowhere set.
     pub(crate) cap: &'a mut [bool],
@@ -85,7 +86,12 @@ impl Rows<'_> {
             }
         }
         self.bracket.fill([f64::NAN; 2]);
-        self.surface.fill(surface);
+        for numbers in self.surface.chunks_mut(CLEARED) {
+            // Mostly the picture before was of the same surface.
+            if numbers.iter().fold(0, |any, number| any | (number ^ surface)) != 0 {
+                numbers.fill(surface);
+            }
+        }
         self.cap.fill(false);
         self.shadow.fill(0);
         self.occlusion.fill(0);

@@ -1,10 +1,9 @@
 //! Normals from gradients, sixteen pixels of a window at a time; and their colours while they are in registers.
 
-use super::NormalSource;
+use super::{NormalSource, Normals};
 use crate::found::Status;
 use crate::grid::{RayGrid, Ways};
 use crate::painted::{Window, bits};
-use crate::rows::Rows;
 use crate::shade::{Canvas, Seen};
 use crate::work::Work;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
@@ -16,7 +15,8 @@ impl<T: Real> NormalSource<'_, T> {
     /// not. A window of which all are found is put on the canvas.
     pub(super) fn of_band(
         &self,
-        rows: &mut Rows<'_>,
+        seen: &Seen<'_>,
+        normals: &mut Normals<'_>,
         rays: &RayGrid,
         windows: &[Window],
         canvas: Option<&mut Canvas<'_>>,
@@ -26,30 +26,30 @@ impl<T: Real> NormalSource<'_, T> {
             if let Some(canvas) = canvas {
                 canvas.left.extend(windows);
             }
-            let is_faced = |pixel: &usize| !rows.cap.get(*pixel).is_some_and(|cap| *cap);
+            let is_faced = |pixel: &usize| !seen.cap.get(*pixel).is_some_and(|cap| *cap);
             return windows.iter().flat_map(|window| window.pixels()).filter(is_faced).collect();
         };
-        let (normal, seen) = rows.seen();
-        let mut band = Band { kernel: *kernel, rays, seen, normal, canvas, open: Vec::new(), work };
+        let (kernel, open) = (*kernel, Vec::new());
+        let mut band = Band { kernel, rays, seen, normals, canvas, open, work };
         dispatch!(Level::new(), simd => band.face(simd, windows));
         band.open
     }
 }
 
 /// Some rows that get their normals.
-struct Band<'a, 'c, T: Real> {
+struct Band<'a, 'c, 'n, T: Real> {
     kernel: &'a dyn Kernel<SampleGradient, T>,
     rays: &'a RayGrid,
     /// All that is known of the rows but their normals.
-    seen: Seen<'a>,
-    normal: &'a mut [[f32; 3]],
+    seen: &'a Seen<'a>,
+    normals: &'a mut Normals<'n>,
     canvas: Option<&'a mut Canvas<'c>>,
     /// Pixels without a gradient.
     open: Vec<usize>,
     work: &'a mut Work,
 }
 
-impl<T: Real> Band<'_, '_, T> {
+impl<T: Real> Band<'_, '_, '_, T> {
     #[inline(always)]
     fn face<S: Simd>(&mut self, simd: S, windows: &[Window]) {
         let mut room = (Points::<T>::default(), Gradients::<T>::default());
@@ -66,7 +66,10 @@ impl<T: Real> Band<'_, '_, T> {
                 self.work.gradient.called(window.wanted.count_ones());
                 (units, found) = self.gradients(simd, window, &ways, &mut room);
                 found &= window.wanted;
-                store(&units, Window { wanted: found, ..window }, self.normal);
+                // Those of a window that is painted at once are needed nowhere else.
+                if self.normals.is_kept() || self.canvas.is_none() || found != all.wanted {
+                    store(&units, Window { wanted: found, ..window }, self.normals.all());
+                }
                 if found != window.wanted {
                     let missing = Window { wanted: window.wanted & !found, ..window };
                     self.open.extend(missing.pixels());
@@ -74,7 +77,7 @@ impl<T: Real> Band<'_, '_, T> {
             }
             if let Some(canvas) = &mut self.canvas {
                 if found == all.wanted {
-                    canvas.paint(simd, &self.seen, all, (ways, units));
+                    canvas.paint(simd, self.seen, all, (ways, units));
                 } else {
                     canvas.left.push(all);
                 }

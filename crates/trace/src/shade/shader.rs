@@ -6,7 +6,6 @@ use crate::colour::{BLACK, Codes, LinearRgb};
 use crate::found::Status;
 use crate::grid::{RayGrid, Ways};
 use crate::painted::{FULL, Window, bits};
-use crate::rows::Rows;
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};
@@ -80,13 +79,10 @@ impl Canvas<'_> {
         self.shader.paint(simd, seen, window, Some(faced), self.bytes);
     }
 
-    /// Paints what is left, now that it has normals.
-    pub(crate) fn finish(mut self, rows: &mut Rows<'_>) {
+    /// Paints what is left, now that there are normals.
+    pub(crate) fn finish(mut self, seen: &Seen<'_>, normals: &[[f32; 3]]) {
         let left = std::mem::take(&mut self.left);
-        if !left.is_empty() {
-            let (normal, seen) = rows.seen();
-            self.windows(&Seen { normal, ..seen }, &left);
-        }
+        self.windows(&Seen { normal: normals, ..*seen }, &left);
     }
 
     /// Paints windows.
