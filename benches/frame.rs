@@ -94,7 +94,7 @@ fn main() {
                 if round > 0 {
                     times.0.push(picture.statistics.times.trace);
                     times.1.push(picture.statistics.times.shade);
-                    picture.buffer.hand_back();
+                    picture.hand_back();
                 } else {
                     pictures.push(picture);
                 }

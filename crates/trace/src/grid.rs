@@ -185,15 +185,16 @@ impl RayGrid {
         [across + columns as i64, upward - rows as i64].map(|place| place as f64 * self.unit)
     }
 
-    /// [Screen coordinates](Self::screen) of the centres of four columns of pixels, or of four rows, from this one on.
+    /// [Screen coordinates](Self::screen) of four points along an axis, by the sum of two columns, or of two rows, and by what
+    /// that grows from one to the next.
     #[inline]
-    pub(crate) fn screens(&self, axis: usize, from: usize) -> [f64; 4] {
+    pub(crate) fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
         let [across, upward] = self.first;
         // Integers until the last step.
         let (first, step) = if axis == 0 {
-            (across + 2 * from as i64, 2.0)
+            (across + sum as i64, step as f64)
         } else {
-            (upward - 2 * from as i64, -2.0)
+            (upward - sum as i64, -(step as f64))
         };
         [0.0, 1.0, 2.0, 3.0].map(|k| (first as f64 + k * step) * self.unit)
     }

@@ -3,7 +3,7 @@
 //! What is done with the pixels is not known here.
 
 use crate::found::Status;
-use fearless_simd::{Level, dispatch, f64x8, prelude::*};
+use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 
 /// Rows whose looks one thread deals with at a time: few enough for the nearest caches. Windows are the same whatever the
@@ -138,14 +138,14 @@ fn look<S: Simd>(
                 column += LANES;
                 continue;
             }
-            let mut wanted = painted(simd, &drawn[column..]);
+            let mut wanted = painted(simd, &status[column..], &drawn[column..]);
             // Once more from the first painted pixel on, so that few windows have lanes to spare.
             if wanted & 1 == 0 {
                 column += (wanted | 1 << LANES).trailing_zeros() as usize;
                 if wanted == 0 {
                     continue;
                 }
-                wanted = painted(simd, &drawn[column..]);
+                wanted = painted(simd, &status[column..], &drawn[column..]);
             }
             found.push(Window { column, row: first + row, index: row * width + column, wanted });
             column += LANES;
@@ -159,9 +159,20 @@ pub(crate) fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
     status.iter().fold(0, |any, status| any | *status as u8) == Status::Miss as u8
 }
 
-/// Which of the first sixteen of these distances are painted.
+/// Which of the first sixteen of these pixels are painted.
 #[inline(always)]
-fn painted<S: Simd>(simd: S, drawn: &[f64]) -> u32 {
+fn painted<S: Simd>(simd: S, status: &[Status], drawn: &[f64]) -> u32 {
+    // What is decided is seen by a byte each: a hit is painted, and a miss is not.
+    if let Some(status) = status.first_chunk::<LANES>() {
+        let mut bytes = [0; LANES];
+        for (byte, status) in bytes.iter_mut().zip(status) {
+            *byte = *status as u8;
+        }
+        let bytes = u8x16::simd_from(simd, bytes);
+        if bytes.simd_eq(Status::Undecided as u8).all_false() {
+            return bytes.simd_eq(Status::Hit as u8).to_bitmask() as u32;
+        }
+    }
     let mut spare = [f64::INFINITY; LANES];
     let drawn = drawn.first_chunk().unwrap_or_else(
         #[inline(always)]
@@ -182,11 +193,16 @@ mod tests {
     #[test]
     fn every_painted_pixel_is_in_one_window() {
         for (width, height) in [(1, 1), (5, 3), (16, 4), (33, 8), (100, 7)] {
-            for step in [1, 2, 3, 17] {
+            for (step, open) in [(1, 0), (2, 0), (3, 0), (17, 0), (1, 40), (3, 40), (17, 1)] {
                 let paint = |pixel| if pixel % step == 0 { pixel as f64 } else { f64::INFINITY };
                 let drawn: Vec<f64> = (0..width * height).map(paint).collect();
-                let hit = |drawn: &f64| if drawn.is_finite() { Status::Hit } else { Status::Miss };
-                let status: Vec<Status> = drawn.iter().map(hit).collect();
+                // What is undecided may be painted or not.
+                let status = |(pixel, drawn): (usize, &f64)| match drawn.is_finite() {
+                    _ if open > 0 && pixel % open == 0 => Status::Undecided,
+                    true => Status::Hit,
+                    false => Status::Miss,
+                };
+                let status: Vec<Status> = drawn.iter().enumerate().map(status).collect();
                 let mut copied = vec![f64::INFINITY; drawn.len()];
                 let mut seen = Vec::new();
                 for window in windows(Level::new(), &status, &drawn, 40, width) {

@@ -23,8 +23,9 @@ pub(super) struct Level<T: Scalar> {
     tiles: [u8; LANES],
     /// Where the tiles are: by lane, or, if they are `within` the region, where they were before lanes were moved.
     pub screens: Screens,
-    /// By tile, what comes after the segment in its lane.
+    /// By tile, what comes after the segment in its lane; and a bit where there is any of it.
     later: [Stack<T>; LANES],
+    waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
 }
@@ -39,6 +40,7 @@ impl<T: Scalar> Level<T> {
             tiles: UNMOVED,
             screens: Screens::default(),
             later: Default::default(),
+            waiting: 0,
             batch,
             out: Planes::default(),
         }
@@ -63,7 +65,10 @@ impl<T: Scalar> Level<T> {
         within: bool,
     ) {
         self.within = within;
-        self.live = self.take(tracer, places, level);
+        self.live = match tracer.square(&places, level) {
+            Some(square) => self.take_square(tracer, square, level),
+            None => self.take(tracer, places, level),
+        };
         if self.live == 0 {
             return;
         }
@@ -108,6 +113,26 @@ impl<T: Scalar> Level<T> {
         open
     }
 
+    /// The same of sixteen tiles in a square, all of their pixels in the picture: the first column and row.
+    fn take_square(
+        &mut self,
+        tracer: &Tracer<'_, '_, '_, T>,
+        [column, row]: [usize; 2],
+        level: usize,
+    ) -> u16 {
+        self.first = [column, row];
+        self.across = 4;
+        self.tiles = UNMOVED;
+        let [across, upward] = tracer.centres([column, row], level);
+        let Screens { centre, half } = &mut self.screens;
+        for (k, upward) in upward.into_iter().enumerate() {
+            centre[0].as_chunks_mut().0[k] = across;
+            centre[1].as_chunks_mut().0[k] = [upward; 4];
+        }
+        *half = [Lanes::splat(tracer.reach(level)); 2];
+        tracer.open_in_square([column, row])
+    }
+
     /// Puts the tiles into the batch, and what is left of segments; returns the lanes in which anything is.
     #[inline(always)]
     fn shorten<S: Simd>(
@@ -138,22 +163,34 @@ impl<T: Scalar> Level<T> {
 
     /// Puts a part of the segment in a lane aside: it is asked after what is nearer.
     pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
-        self.later[usize::from(self.tiles[lane])].push(part);
+        let tile = usize::from(self.tiles[lane]);
+        self.later[tile].push(part);
+        self.waiting |= 1 << tile;
     }
 
     /// Lets go of all that was put aside of the tile in a lane.
     pub fn finish(&mut self, lane: usize) {
-        self.later[usize::from(self.tiles[lane])].clear();
+        let tile = usize::from(self.tiles[lane]);
+        if self.waiting >> tile & 1 == 1 {
+            self.later[tile].clear();
+            self.waiting &= !(1 << tile);
+        }
     }
 
     /// Goes on with segments in the lanes of `kept`, and in others with what was put aside.
     pub fn go_on(&mut self, kept: u16) {
-        for lane in ones(self.live & !kept) {
-            match self.later[usize::from(self.tiles[lane])].pop() {
-                Some([near, far]) => {
-                    (self.batch.near[lane], self.batch.far[lane]) = (near, far);
-                }
-                None => self.live &= !(1 << lane),
+        let done = self.live & !kept;
+        self.live &= kept;
+        if self.waiting == 0 {
+            return;
+        }
+        for lane in ones(done) {
+            let tile = usize::from(self.tiles[lane]);
+            if let Some([near, far]) = self.later[tile].pop() {
+                (self.batch.near[lane], self.batch.far[lane]) = (near, far);
+                self.live |= 1 << lane;
+            } else {
+                self.waiting &= !(1 << tile);
             }
         }
     }

@@ -55,7 +55,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             Some(patch) => {
                 // It lies in one row of the band.
                 (first, next) = ([0, row], [4, 0]);
-                [0, 1].map(|axis| self.rays.screens(axis, [patch.column, patch.row][axis]))
+                [0, 1].map(|axis| self.rays.screens(axis, 2 * [patch.column, patch.row][axis], 2))
             }
             None => [self.screens[0][column], self.screens[1][row]],
         };

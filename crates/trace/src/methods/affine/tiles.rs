@@ -14,6 +14,7 @@ use crate::painted::ones;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use fearless_simd::{Level as Vectors, dispatch, mask64x8, prelude::*};
+use std::ops::Range;
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// Pixels on the side of a tile, by level. Each holds sixteen of the next.
@@ -42,7 +43,7 @@ pub(super) fn trace<T: Scalar>(
     close_unasked(&mut open, band, across, is_patched);
     let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
     let fours = |axis: usize, first: usize, count: usize| {
-        (0..count).map(|four| rays.screens(axis, first + 4 * four)).collect()
+        (0..count).map(|four| rays.screens(axis, 2 * (first + 4 * four), 2)).collect()
     };
     let screens = if is_patched {
         Default::default()
@@ -198,6 +199,53 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         [centre, (last - first) as f64 * self.rays.unit()]
     }
 
+    /// The first column and row of these tiles, if they are a square of sixteen of the last level with all of their pixels in
+    /// the picture.
+    #[inline]
+    pub(super) fn square(
+        &self,
+        [columns, rows]: &[Range<usize>; 2],
+        level: usize,
+    ) -> Option<[usize; 2]> {
+        let side = SIDES[level];
+        let is_square = level == LAST
+            && !self.rays.is_patched()
+            && (columns.len(), rows.len()) == (4, 4)
+            && side * columns.end <= self.band.width
+            && side * rows.end <= self.band.height;
+        is_square.then_some([columns.start, rows.start])
+    }
+
+    /// The screen coordinates in the middle of four columns of whole tiles, and of four rows.
+    #[inline]
+    pub(super) fn centres(&self, [column, row]: [usize; 2], level: usize) -> [[f64; 4]; 2] {
+        let side = SIDES[level];
+        let centres = |axis: usize, first: usize| {
+            // The sum of a tile's first and last pixel.
+            self.rays.screens(axis, 2 * first + side - 1, 2 * side)
+        };
+        [centres(0, side * column), centres(1, self.band.top + side * row)]
+    }
+
+    /// How far the rays of a whole tile are from its middle.
+    #[inline]
+    pub(super) fn reach(&self, level: usize) -> f64 {
+        (SIDES[level] - 1) as f64 * self.rays.unit()
+    }
+
+    /// Which of sixteen tiles in a square, of the last level, have pixels that are not finished, as bits.
+    #[inline]
+    pub(super) fn open_in_square(&self, [column, row]: [usize; 2]) -> u16 {
+        let mut all = 0;
+        for k in 0..4 {
+            let first = (row + k) * self.across + column;
+            for (tile, open) in self.open[first..first + 4].iter().enumerate() {
+                all |= u16::from(*open != 0) << (4 * k + tile);
+            }
+        }
+        all
+    }
+
     /// What is to be looked at of a segment.
     pub(super) fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
         match self.rays.patch(self.band.top + place[1]) {
@@ -266,6 +314,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER };
         let slender = slender * SIDES[depth] as f64;
         let (mut empty, mut fine, mut stalled, mut short, mut last) = (0, 0, 0, 0, 0);
+        let mut part = 0;
         let before = [T::wide(simd, &batch.near), T::wide(simd, &batch.far)];
         if contracts {
             (batch.near, batch.far) = (out.near, out.far);
@@ -291,6 +340,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let enough = self.method.tolerance * footprint * slope[k].abs();
             let bits = |mask: mask64x8<S>| (mask.to_bitmask() as u16) << (HALF * k);
             empty |= bits(shorter.simd_lt(0.0));
+            part |= bits(before[0][k].simd_le(near) & far.simd_le(before[1][k]));
             fine |= bits((2.0 * half[k] * error[k]).simd_le(enough));
             stalled |= bits(!shorter.simd_le(STALLED * length));
             short |= bits(shorter.simd_le(slender * footprint));
@@ -313,9 +363,15 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let region = self.method.region;
             within = 0;
             if region.clip().is_none() && flat | finer != 0 {
-                within = self.frame.inside(simd, level.screens.rays(), region, [near, far]);
+                let rays = level.screens.rays();
                 if flat != 0 {
-                    flat &= self.frame.inside(simd, level.screens.rays(), region, before);
+                    // All that was asked about is; so is what is left of it.
+                    let all = self.frame.inside(simd, rays, region, before);
+                    flat &= all;
+                    within = all & part;
+                }
+                if finer & !within != 0 {
+                    within |= self.frame.inside(simd, rays, region, [near, far]);
                 }
             } else {
                 flat = 0;
