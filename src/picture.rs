@@ -36,7 +36,8 @@ pub struct Settings {
     pub steps: u32,
     /// Whether the brackets of hits are kept.
     pub brackets: bool,
-    /// Whether normals are kept that no further step needs: a picture without them is made faster, but anew for another light.
+    /// Whether normals are kept that no further step needs. A picture without them is made faster, but has to be traced again to
+    /// be relit or settled.
     pub keeps_normals: bool,
     /// How long surfaces may be looked for: what was not reached by then is undecided and not painted.
     pub budget: Option<Duration>,

@@ -147,7 +147,9 @@ impl<T: KernelFloat> Edges<'_, T> {
                 && !is_creased(self.picture, self.rays, pixel)
                 && rows.clone().all(|row| is_smooth(finer, rays, row, normal));
             if is_smooth {
-                finer.drawn[rows.start * LANES..rows.end * LANES].fill(f64::INFINITY);
+                let samples = rows.start * LANES..rows.end * LANES;
+                finer.status[samples.clone()].fill(Status::Miss);
+                finer.drawn[samples].fill(f64::INFINITY);
             }
             is_smooth
         };

@@ -66,8 +66,8 @@ pub(super) type Part<'a> = (Option<&'a Overview>, Range<usize>);
 
 impl Model {
     /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as `settings` say, which are
-    /// those of the picture but for that; all of it if its normals were not kept. `advance` is as for [`Model::trace`]; `None` if it ended the work: nothing is worth
-    /// keeping then.
+    /// those of the picture but for that. One whose normals were not kept is taken anew, and what that takes is all that is
+    /// accounted for. `advance` is as for [`Model::trace`]; `None` if it ended the work: nothing is worth keeping then.
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -87,8 +87,8 @@ impl Model {
         }
     }
 
-    /// The same picture in other light: what was found is not looked for again, if its normals were kept. `settings` are those of the picture but for
-    /// what lights it, and `advance` is as for [`Model::trace`].
+    /// The same picture in other light: what was found is not looked for again, if its normals were kept. `settings` are those
+    /// of the picture but for what lights it, and `advance` is as for [`Model::trace`].
     ///
     /// # Errors
     /// As [`Model::trace`].

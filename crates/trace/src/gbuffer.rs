@@ -32,7 +32,7 @@ pub struct GBuffer {
     /// Of hits, the distances between which the zero is proven to lie; NaN elsewhere. Empty if that is not wanted.
     pub bracket: Vec<[f64; 2]>,
     /// Distance from the ray's origin, in world units, of the point that is painted; infinite where the background shows, as
-    /// it does in every miss. Over kernels of `f32` it is known to some 24 bits.
+    /// it does in every miss, and in no hit. Over kernels of `f32` it is known to some 24 bits.
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
     pub surface: Vec<u16>,
@@ -126,10 +126,14 @@ impl GBuffer {
         unset
     }
 
-    /// No miss is painted.
+    /// No miss is painted, and every hit is.
     fn check(&self) {
-        let mut pixels = self.status.iter().zip(&self.drawn);
-        debug_assert!(pixels.all(|(status, drawn)| *status != Status::Miss || !drawn.is_finite()));
+        let is_right = |(status, drawn): (&Status, &f64)| match status {
+            Status::Miss => !drawn.is_finite(),
+            Status::Hit => drawn.is_finite(),
+            Status::Undecided => true,
+        };
+        debug_assert!(self.status.iter().zip(&self.drawn).all(is_right));
     }
 
     fn resize(&mut self, width: usize, height: usize, kept: Kept) {
@@ -162,7 +166,7 @@ impl GBuffer {
     /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the process.
     ///
     /// # Panics
-    /// In debug builds, if a miss is painted: those who get the memory count on it.
+    /// In debug builds, if a miss is painted or a hit is not: those who get the memory count on it.
     pub fn hand_back(self) {
         self.check();
         SPARES.hand_back(self);

@@ -329,7 +329,7 @@ impl RayGrid {
             let length = (1.0 + square).sqrt();
             let both = 1.0 / (length * (1.0 + length));
             let scale = both * (1.0 + length);
-            // 1 − 1/length, of which nothing cancels: what is far away is moved by no more than what is near.
+            // 1 − 1/length without cancellation, so that its error is relative, too.
             let less = both * square;
             for axis in 0..3 {
                 aside[axis] = aside[axis] * scale - forward[axis] * less;
@@ -339,8 +339,9 @@ impl RayGrid {
         Ways { to_eye, aside }
     }
 
-    /// The points at these distances in world units on the rays of a window which go these ways, about as far from the exact
-    /// ones as the floats next to those are.
+    /// The points at these distances in world units on the rays of a window which go these ways. They are off by some units in
+    /// the last place of `f32`, of a point's coordinates or of how far it is from the ray through the picture's middle: by far
+    /// less than a pixel.
     #[inline(always)]
     pub(crate) fn points_along<S: Simd>(
         &self,

@@ -41,7 +41,7 @@ pub fn cap<T: Real>(
     buffer.rows(BAND_ROWS).map(|mut rows| cap_rows(&mut rows, rays, region, kernel, only)).sum()
 }
 
-/// As [`cap`], for some rows of a picture in which caps are [kept](crate::Kept); `only` is of the whole picture.
+/// As [`cap`], for some rows of a picture in which caps and normals are [kept](crate::Kept); `only` is of the whole picture.
 ///
 /// # Panics
 /// If they are not kept.

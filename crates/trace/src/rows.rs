@@ -107,7 +107,7 @@ impl Rows<'_> {
         windows(Level::new(), self.status, self.drawn, self.first, self.width)
     }
 
-    /// What is to be lit: normals, and all else that counts.
+    /// What is to be lit: where normals go, and all else that counts.
     pub(crate) fn seen(&mut self) -> (&mut [[f32; 3]], Seen<'_>) {
         let seen = Seen {
             status: self.status,

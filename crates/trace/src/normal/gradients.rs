@@ -67,7 +67,7 @@ impl<T: Real> Band<'_, '_, '_, T> {
                 (units, found) = self.gradients(simd, window, &ways, &mut room);
                 found &= window.wanted;
                 // Those of a window that is painted at once are needed nowhere else.
-                if self.normals.is_kept() || self.canvas.is_none() || found != all.wanted {
+                if self.normals.is_kept() || found != all.wanted {
                     store(&units, Window { wanted: found, ..window }, self.normals.all());
                 }
                 if found != window.wanted {

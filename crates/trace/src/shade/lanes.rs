@@ -51,8 +51,8 @@ const KNEE: f32 = 0.7;
 /// What becomes full light, in units from the knee to 1.
 const WHITE: f32 = 2.0;
 
-/// The 40th power of a cosine, which makes a highlight as small as it is, given its square as a quotient. `None` if that is too
-/// little to be seen in all lanes, and 0 where it is.
+/// The 40th power of a cosine, which makes a highlight as small as it is, given its square as a quotient; 0 in lanes where it is
+/// too faint to be seen. `None` if that is so in every lane.
 #[inline(always)]
 pub fn shine<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
     /// Of this the power is 1e-6.

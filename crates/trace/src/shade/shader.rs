@@ -188,7 +188,7 @@ impl Lamps {
 }
 
 impl Shader<'_> {
-    /// Writes the bytes of a window's pixels. Where their normals are not given, the buffer has them.
+    /// Writes the bytes of a window's pixels. Where their normals are not given, `seen` has them.
     #[inline(always)]
     fn paint<S: Simd>(
         &self,

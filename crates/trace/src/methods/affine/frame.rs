@@ -157,7 +157,8 @@ impl Frame {
         size: f64,
         ends: &mut Ends,
     ) -> [Lanes<T>; 2] {
-        /// Of a slower ray not even the reciprocal need be finite: it counts as level with a face.
+        /// Of a slower ray not even the reciprocal need be finite: it is not clipped, and nowhere certainly between the faces,
+        /// unless it stands still.
         const LEVEL: f64 = 1e-200;
         /// More than what these few operations round.
         const ROUNDING: f64 = 1e-12;
@@ -183,8 +184,8 @@ impl Frame {
                 let is_level = !d.abs().simd_gt(LEVEL);
                 let (low, high) = (low + slack, high - slack);
                 let is_between = d.simd_eq(0.0) & o.simd_ge(low) & o.simd_le(high);
-                *near = is_level.select(*near, near.max(enter - before));
-                *far = is_level.select(*far, far.min(leave + after));
+                *near = is_level.select(*near, near.max_precise(enter - before));
+                *far = is_level.select(*far, far.min_precise(leave + after));
                 *first = is_level.select(*first, first.max(enter + before));
                 let level = is_between.select(*last, zero + f64::NEG_INFINITY);
                 *last = is_level.select(level, last.min(leave - after));

@@ -23,7 +23,7 @@ pub(super) struct Level<T: Scalar> {
     tiles: [u8; LANES],
     /// Where the tiles are: by lane, or, if they are `within` the region, where they were before lanes were moved.
     pub screens: Screens,
-    /// By tile, what comes after the segment in its lane; and a bit where there is any of it.
+    /// By tile, what comes after the segment in its lane; and bits, clear only where there is none of it.
     later: [Stack<T>; LANES],
     waiting: u16,
     pub batch: Tiles<T>,
@@ -66,7 +66,7 @@ impl<T: Scalar> Level<T> {
     ) {
         self.within = within;
         self.live = match tracer.square(&places, level) {
-            Some(square) => self.take_square(tracer, square, level),
+            Some(square) => self.take_square(tracer, square),
             None => self.take(tracer, places, level),
         };
         if self.live == 0 {
@@ -113,23 +113,18 @@ impl<T: Scalar> Level<T> {
         open
     }
 
-    /// The same of sixteen tiles in a square, all of their pixels in the picture: the first column and row.
-    fn take_square(
-        &mut self,
-        tracer: &Tracer<'_, '_, '_, T>,
-        [column, row]: [usize; 2],
-        level: usize,
-    ) -> u16 {
+    /// The same for a [square](Tracer::square) of tiles, given its first column and row.
+    fn take_square(&mut self, tracer: &Tracer<'_, '_, '_, T>, [column, row]: [usize; 2]) -> u16 {
         self.first = [column, row];
         self.across = 4;
         self.tiles = UNMOVED;
-        let [across, upward] = tracer.centres([column, row], level);
+        let [across, upward] = tracer.centres([column, row]);
         let Screens { centre, half } = &mut self.screens;
         for (k, upward) in upward.into_iter().enumerate() {
             centre[0].as_chunks_mut().0[k] = across;
             centre[1].as_chunks_mut().0[k] = [upward; 4];
         }
-        *half = [Lanes::splat(tracer.reach(level)); 2];
+        *half = [Lanes::splat(tracer.reach()); 2];
         tracer.open_in_square([column, row])
     }
 

@@ -216,10 +216,10 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         is_square.then_some([columns.start, rows.start])
     }
 
-    /// The screen coordinates in the middle of four columns of whole tiles, and of four rows.
+    /// The screen coordinates in the middle of a square's columns, and of its rows.
     #[inline]
-    pub(super) fn centres(&self, [column, row]: [usize; 2], level: usize) -> [[f64; 4]; 2] {
-        let side = SIDES[level];
+    pub(super) fn centres(&self, [column, row]: [usize; 2]) -> [[f64; 4]; 2] {
+        let side = SIDES[LAST];
         let centres = |axis: usize, first: usize| {
             // The sum of a tile's first and last pixel.
             self.rays.screens(axis, 2 * first + side - 1, 2 * side)
@@ -227,13 +227,13 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         [centres(0, side * column), centres(1, self.band.top + side * row)]
     }
 
-    /// How far the rays of a whole tile are from its middle.
+    /// How far the rays of a square's tiles are from the middle of each.
     #[inline]
-    pub(super) fn reach(&self, level: usize) -> f64 {
-        (SIDES[level] - 1) as f64 * self.rays.unit()
+    pub(super) fn reach(&self) -> f64 {
+        (SIDES[LAST] - 1) as f64 * self.rays.unit()
     }
 
-    /// Which of sixteen tiles in a square, of the last level, have pixels that are not finished, as bits.
+    /// Which of a square's tiles have pixels that are not finished, as bits.
     #[inline]
     pub(super) fn open_in_square(&self, [column, row]: [usize; 2]) -> u16 {
         let mut all = 0;
@@ -365,7 +365,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             if region.clip().is_none() && flat | finer != 0 {
                 let rays = level.screens.rays();
                 if flat != 0 {
-                    // All that was asked about is; so is what is left of it.
+                    // Where all that was asked about lies in the region, so does any part of it.
                     let all = self.frame.inside(simd, rays, region, before);
                     flat &= all;
                     within = all & part;
