@@ -14,6 +14,7 @@ pub use zeroset_trace::Precision;
 
 /// How a picture is made.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::struct_excessive_bools)] // choices that have nothing to do with each other
 pub struct Settings {
     /// Pixels in a row.
     pub width: usize,

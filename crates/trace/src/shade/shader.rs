@@ -272,12 +272,11 @@ impl Shader<'_> {
         );
         // No closure deals with vectors: it would be compiled apart, for narrower ones.
         let one = f32x16::splat(simd, 1.0);
-        let (ways, normal) = match faced {
-            Some(faced) => faced,
-            None => {
-                let normal = by_axis(simd, window.load(seen.normal, &mut [[0.0; 3]; LANES]));
-                (rays.ways(simd, window), normal)
-            }
+        let (ways, normal) = if let Some(faced) = faced {
+            faced
+        } else {
+            let normal = by_axis(simd, window.load(seen.normal, &mut [[0.0; 3]; LANES]));
+            (rays.ways(simd, window), normal)
         };
         let eye = ways.to_eye;
         let facing = dot(normal, eye);
