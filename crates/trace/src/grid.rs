@@ -36,8 +36,8 @@ pub struct RayGrid {
     reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
-    /// The direction of view, and what a ray's direction changes by where it moves by half a pixel to the right, or upward; or
-    /// its origin, if parallel.
+    /// In `f32`, since that is asked for at every window: the direction of view, and what a ray's direction changes by where it
+    /// moves by half a pixel to the right, or upward; or its origin, if parallel.
     steps: [Vec3; 3],
     /// Half a pixel's height: on the plane at distance 1, or in world units if parallel.
     unit: f64,

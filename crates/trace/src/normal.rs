@@ -116,12 +116,12 @@ impl<T: Real> NormalSource<'_, T> {
         work
     }
 
-    fn of_batch(&self, seen: &[Rest], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
-        let points: Vec<DVec3> = seen.iter().map(|seen| seen.ray.origin).collect();
+    fn of_batch(&self, rests: &[Rest], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
+        let points: Vec<DVec3> = rests.iter().map(|rest| rest.ray.origin).collect();
         let mut normals = vec![None; points.len()];
         if let Self::Gradient(kernel) = self {
             for ahead in AHEAD {
-                let point = |k: usize| seen[k].ray.at(ahead * seen[k].step);
+                let point = |k: usize| rests[k].ray.at(ahead * rests[k].step);
                 fill(&mut normals, |open| gradients(*kernel, open.iter().map(|&k| point(k)), work));
             }
         }
@@ -133,7 +133,7 @@ impl<T: Real> NormalSource<'_, T> {
             });
             reach *= STEP_GROWTH;
         }
-        let before: Vec<DVec3> = seen.iter().map(|seen| seen.ray.at(-seen.step)).collect();
+        let before: Vec<DVec3> = rests.iter().map(|rest| rest.ray.at(-rest.step)).collect();
         let unresolved = normals.iter().any(Option::is_none);
         let values = if unresolved { self.sample(&before, work) } else { Vec::new() };
         normals
@@ -141,7 +141,7 @@ impl<T: Real> NormalSource<'_, T> {
             .enumerate()
             .map(|(k, normal)| {
                 normal.unwrap_or_else(|| {
-                    let towards_eye = -seen[k].ray.direction.normalize().as_vec3();
+                    let towards_eye = -rests[k].ray.direction.normalize().as_vec3();
                     (if values[k] < T::default() { -towards_eye } else { towards_eye }).to_array()
                 })
             })

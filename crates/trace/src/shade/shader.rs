@@ -226,6 +226,7 @@ impl Shader<'_> {
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
+            // Mostly once: before the loop it takes longer.
             let own = Own::of(seen, window, marks);
             let amounts = match &own {
                 None => self.light::<S, false>(simd, seen, window, faced, colours, &Own::NONE),
