@@ -5,15 +5,15 @@ use super::frame::Frame;
 use super::level::Level;
 use super::narrow::{BLURRED, COARSE, Scratch};
 use super::plane::Plane;
-use super::screens::HALF;
 use super::slots::Stack;
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::methods::way::CUT;
 use crate::painted::ones;
 use crate::scalar::Scalar;
+use crate::widths::parts;
 use crate::work::Work;
-use fearless_simd::{Level as Vectors, dispatch, mask64x8, prelude::*};
+use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use std::ops::Range;
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
@@ -21,12 +21,15 @@ use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 const SIDES: [usize; 2] = [16, 4];
 /// The level of tiles whose parts are rays.
 const LAST: usize = SIDES.len() - 1;
-/// A tile is split once its segment is no longer than so many times what it is wide.
-const SLENDER: f64 = 3.0;
+/// A tile is split once its segment is no longer than so many times what it is wide, by level.
+const SLENDER: [f64; 2] = [3.0, 4.0];
 /// The same of tiles that are patches: along an outline surfaces are deep and a patch is thin, and its rays are all there.
 const SLENDER_PATCH: f64 = 12.0;
+/// Or once its form changes so much more across the tile that what else it may be off by is no larger than so many times
+/// that: then the surface is steep rather than curved, and a part of the tile needs a shorter segment.
+const TILTED: f64 = 2.0;
 /// A segment that stays longer than this share of what it was is cut.
-const STALLED: f64 = 0.75;
+const STALLED: f64 = 0.85;
 
 /// Traces a band.
 pub(super) fn trace<T: Scalar>(
@@ -311,52 +314,55 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let contracts = self.method.options.ideas.contract;
         let Level { batch, out, .. } = level;
         let [at_eye, growth] = self.rays.pixel();
-        let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER };
-        let slender = slender * SIDES[depth] as f64;
-        let (mut empty, mut fine, mut stalled, mut short, mut last) = (0, 0, 0, 0, 0);
-        let mut part = 0;
-        let before = [T::wide(simd, &batch.near), T::wide(simd, &batch.far)];
-        if contracts {
-            (batch.near, batch.far) = (out.near, out.far);
-        }
-        let [near, far] = [T::wide(simd, &batch.near), T::wide(simd, &batch.far)];
-        let mut cuts = near;
-        for k in 0..2 {
-            cuts[k] = near[k] + CUT * (far[k] - near[k]);
-        }
-        let mut cut = Lanes::splat(T::default());
-        T::narrow(cuts, &mut cut);
-        let cuts = T::wide(simd, &cut);
-        let slope = T::wide(simd, &out.slope[2]);
-        let [half, error] = [T::wide(simd, &out.half), T::wide(simd, &out.error)];
-        for k in 0..2 {
-            // Mostly a few lanes are in use.
-            if HALF * k >= batch.count as usize {
-                break;
+        let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER[depth] };
+        let [tolerance, start, at_eye, growth, slender, grain] = [
+            self.method.tolerance,
+            self.frame.start,
+            at_eye,
+            growth,
+            slender * SIDES[depth] as f64,
+            T::GRAIN * self.size,
+        ]
+        .map(T::nearest);
+        let [twice, stalled, share, tilted] = [2.0, STALLED, CUT, TILTED].map(T::nearest);
+        let (mut empty, mut fine, mut shorter, mut short, mut whole) = (0, 0, 0, 0, 0);
+        let (mut narrowed, mut cut) = (0, Lanes::splat(T::default()));
+        let asked = [batch.near, batch.far];
+        for part in parts::<S, T::Vector<S>>(simd, batch.count as usize) {
+            let [first, last] = asked.each_ref().map(|ends| part.load(ends));
+            let (mut near, mut far) = (first, last);
+            if contracts {
+                (near, far) = (part.load(&out.near), part.load(&out.far));
             }
-            let (near, far, cut) = (near[k], far[k], cuts[k]);
-            let (length, shorter) = (before[1][k] - before[0][k], far - near);
-            let footprint = at_eye + growth * (self.frame.start + near);
-            let enough = self.method.tolerance * footprint * slope[k].abs();
-            let bits = |mask: mask64x8<S>| (mask.to_bitmask() as u16) << (HALF * k);
-            empty |= bits(shorter.simd_lt(0.0));
-            part |= bits(before[0][k].simd_le(near) & far.simd_le(before[1][k]));
-            fine |= bits((2.0 * half[k] * error[k]).simd_le(enough));
-            stalled |= bits(!shorter.simd_le(STALLED * length));
-            short |= bits(shorter.simd_le(slender * footprint));
+            let [across, upward, along] = out.slope.each_ref().map(|slope| part.load(slope));
+            let [half, error] = [part.load(&out.half), part.load(&out.error)];
+            let (before, left) = (last - first, far - near);
+            let footprint = (near + start) * growth + at_eye;
+            empty |= part.bits(left.simd_lt(T::default()));
+            narrowed |= part.bits(first.simd_le(near) & far.simd_le(last));
+            // Not where both overflow.
+            let enough = footprint * along.abs() * tolerance;
+            fine |= part.bits((half * error * twice).simd_lt(enough));
+            shorter |= part.bits(left.simd_le(before * stalled));
+            let tilt = across.abs() + upward.abs();
+            let is_tilted = error.simd_le(tilt * tilted);
+            short |= part.bits(left.simd_le(footprint * slender) | is_tilted);
+            let between = near + left * share;
             // As `is_progress` of `narrow` has it: where floats are as coarse as a segment is short, its parts may come out
             // longer, and would come back for ever.
             // So would one that is not finite; and an eye in the region has no pixel's width before it to stop at.
-            let progress = near.simd_lt(cut)
-                & cut.simd_lt(far)
-                & (cut - near).simd_lt(length)
-                & (far - cut).simd_lt(length);
-            last |= bits(!progress | shorter.simd_le(T::GRAIN * self.size));
+            let progress = (between - near).simd_lt(before) & (far - between).simd_lt(before);
+            let halves = near.simd_lt(between) & between.simd_lt(far) & progress;
+            whole |= part.bits(left.simd_gt(grain) & halves);
+            part.store(near, &mut batch.near);
+            part.store(far, &mut batch.far);
+            part.store(between, &mut cut);
         }
+        let last = !whole;
         let (possible, crossing) = (possible & !empty, out.crossing);
         let is_flat = contracts && !self.method.cleared;
         let mut flat = if is_flat { possible & crossing & fine } else { 0 };
-        let shorter = possible & !stalled & !last;
+        let shorter = possible & shorter & !last;
         let finer = possible & (crossing | short | last) & !shorter;
         let mut within = u16::MAX;
         if !level.within {
@@ -366,12 +372,15 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 let rays = level.screens.rays();
                 if flat != 0 {
                     // Where all that was asked about lies in the region, so does any part of it.
-                    let all = self.frame.inside(simd, rays, region, before);
+                    let asked = asked.each_ref().map(|ends| T::wide(simd, ends));
+                    let all = self.frame.inside(simd, rays, region, asked);
                     flat &= all;
-                    within = all & part;
+                    within = all & narrowed;
                 }
                 if finer & !within != 0 {
-                    within |= self.frame.inside(simd, rays, region, [near, far]);
+                    let left =
+                        [&level.batch.near, &level.batch.far].map(|ends| T::wide(simd, ends));
+                    within |= self.frame.inside(simd, rays, region, left);
                 }
             } else {
                 flat = 0;
