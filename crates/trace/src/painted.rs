@@ -116,8 +116,10 @@ pub(crate) fn windows(
     first: usize,
     width: usize,
 ) -> Vec<Window> {
-    let mut found = Vec::new();
-    dispatch!(vectors, simd => look(simd, status, drawn, first, width.max(1), &mut found));
+    let width = width.max(1);
+    // As many as there may be: they are soon let go of.
+    let mut found = Vec::with_capacity(status.len().div_ceil(width) * width.div_ceil(LANES));
+    dispatch!(vectors, simd => look(simd, status, drawn, first, width, &mut found));
     found
 }
 

@@ -2,8 +2,9 @@
 //!
 //! A tile's form is a linear function of its two screen axes and of depth: solved for depth, it narrows the segment in
 //! which the tile's rays may meet a zero, and where depth outweighs all else it proves one on every ray. Tiles of 16×16
-//! pixels are split into tiles of 4×4 and those into rays; what a tile proves its parts need not ask again. Segments that
-//! do not get much shorter are cut in two, and the nearer part comes first.
+//! pixels are split into tiles of 4×4 and those into rays; what a tile proves its parts need not ask again. A segment that
+//! does not get much shorter is that of a tile to be split, where parts of the tile need less of it: where it is short for
+//! how wide the tile is, or the surface steep. Elsewhere it is cut in two, and the nearer part comes first.
 //!
 //! A hit is a segment on which the function is continuous and whose ends have opposite signs, behind nothing but proven
 //! empty parts. Emptiness and signs are followed down to what arithmetic can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.

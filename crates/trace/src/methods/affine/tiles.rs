@@ -44,7 +44,7 @@ pub(super) fn trace<T: Scalar>(
     let mut open =
         if is_patched { vec![u16::MAX; band.height] } else { open_pixels(band.width, band.height) };
     close_unasked(&mut open, band, across, is_patched);
-    let levels = std::array::from_fn(|_| Level::new(frame.tiles()));
+    let mut levels: [Level<T>; SIDES.len()] = std::array::from_fn(|_| Level::new(frame.tiles()));
     let fours = |axis: usize, first: usize, count: usize| {
         (0..count).map(|four| rays.screens(axis, 2 * (first + 4 * four), 2)).collect()
     };
@@ -73,7 +73,6 @@ pub(super) fn trace<T: Scalar>(
         work,
         vectors: Vectors::new(),
     };
-    let mut levels: [Level<T>; SIDES.len()] = levels;
     // Rounded outward once; all later ends are floats.
     let [near, far] = tracer.frame.span;
     let span = [-T::above(-near).into(), T::above(far).into()];
