@@ -7,7 +7,7 @@
 use super::super::way::CUT;
 use super::frame::Frame;
 use super::level::Level;
-use super::narrow::{STALLED, STEADY, UNSTEADY};
+use super::narrow::{STALLED, STEADY, UNSTEADY, are_progress};
 use super::pixels::Patch;
 use super::plane::Plane;
 use super::screens::{Ends, HALF, UNMOVED, move_to_first, outward, saves_a_vector};
@@ -121,11 +121,9 @@ impl<T: Scalar> Bundle<T> {
             short |= part.bits(enough | length.simd_le(least));
             let much = length.simd_le(before * stalled);
             shorter |= part.bits(much & length.simd_gt(grain));
-            // As `is_progress` of `narrow` has it.
             let between = near + length * share;
-            let progress = (between - near).simd_lt(before) & (far - between).simd_lt(before);
-            let halves = near.simd_lt(between) & between.simd_lt(far) & progress;
-            cut |= part.bits(length.simd_gt(coarse) & halves);
+            let progress = are_progress([near, far], between, before);
+            cut |= part.bits(length.simd_gt(coarse) & progress);
             part.store(near, &mut batch.near);
             part.store(much.select(far, between), &mut batch.far);
         }

@@ -6,6 +6,7 @@ use crate::methods::way::{CUT, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
+use fearless_simd::prelude::*;
 use glam::DVec3;
 use zeroset_eval::{
     Boxes, ContractSegments, Contractions, Enclose, FindZeros, Kernel, KernelError, LANES,
@@ -269,9 +270,20 @@ fn enough(tolerance: f64, steady: bool) -> f64 {
 }
 
 /// Whether the parts of a segment that is cut are shorter than what it was narrowed from: where floats are as coarse as the
-/// segment is short, it may come out longer, and would come back for ever. Of tiles, `Tracer::verdicts` says the same.
+/// segment is short, it may come out longer, and would come back for ever. Not so of one that is not finite.
 fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
     near < cut && cut < far && cut - near < length && far - cut < length
+}
+
+/// The same of as many segments as a vector holds.
+#[inline(always)]
+pub(super) fn are_progress<S: Simd, V: SimdFloat<S>>(
+    [near, far]: [V; 2],
+    cut: V,
+    length: V,
+) -> V::Mask {
+    let shorter = (cut - near).simd_lt(length) & (far - cut).simd_lt(length);
+    near.simd_lt(cut) & cut.simd_lt(far) & shorter
 }
 
 /// Writes a ray into a lane.

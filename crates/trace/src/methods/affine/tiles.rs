@@ -3,7 +3,7 @@
 use super::Affine;
 use super::frame::Frame;
 use super::level::Level;
-use super::narrow::{BLURRED, COARSE, Scratch};
+use super::narrow::{BLURRED, COARSE, Scratch, are_progress};
 use super::plane::Plane;
 use super::slots::Stack;
 use crate::band::Band;
@@ -28,7 +28,7 @@ const SLENDER_PATCH: f64 = 12.0;
 /// Or once its form changes so much more across the tile that what else it may be off by is no larger than so many times
 /// that: then the surface is steep rather than curved, and a part of the tile needs a shorter segment.
 const TILTED: f64 = 2.0;
-/// A segment that stays longer than this share of what it was is cut.
+/// A segment that stays longer than this share of what it was is not asked again, but that of a tile to be split, or cut.
 const STALLED: f64 = 0.85;
 
 /// Traces a band.
@@ -312,12 +312,11 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     ) -> Verdicts<T> {
         let contracts = self.method.options.ideas.contract;
         let Level { batch, out, .. } = level;
-        let [at_eye, growth] = self.rays.pixel();
+        let [_, growth] = self.rays.pixel();
         let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER[depth] };
-        let [tolerance, start, at_eye, growth, slender, grain] = [
+        let [tolerance, width, growth, slender, grain] = [
             self.method.tolerance,
-            self.frame.start,
-            at_eye,
+            self.footprint(0.0),
             growth,
             slender * SIDES[depth] as f64,
             T::GRAIN * self.size,
@@ -336,7 +335,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let [across, upward, along] = out.slope.each_ref().map(|slope| part.load(slope));
             let [half, error] = [part.load(&out.half), part.load(&out.error)];
             let (before, left) = (last - first, far - near);
-            let footprint = (near + start) * growth + at_eye;
+            let footprint = near * growth + width;
             empty |= part.bits(left.simd_lt(T::default()));
             narrowed |= part.bits(first.simd_le(near) & far.simd_le(last));
             // Not where both overflow.
@@ -347,12 +346,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             let is_tilted = error.simd_le(tilt * tilted);
             short |= part.bits(left.simd_le(footprint * slender) | is_tilted);
             let between = near + left * share;
-            // As `is_progress` of `narrow` has it: where floats are as coarse as a segment is short, its parts may come out
-            // longer, and would come back for ever.
-            // So would one that is not finite; and an eye in the region has no pixel's width before it to stop at.
-            let progress = (between - near).simd_lt(before) & (far - between).simd_lt(before);
-            let halves = near.simd_lt(between) & between.simd_lt(far) & progress;
-            whole |= part.bits(left.simd_gt(grain) & halves);
+            // An eye in the region has no pixel's width before it to stop at.
+            let progress = are_progress([near, far], between, before);
+            whole |= part.bits(left.simd_gt(grain) & progress);
             part.store(near, &mut batch.near);
             part.store(far, &mut batch.far);
             part.store(between, &mut cut);
