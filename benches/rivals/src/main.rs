@@ -7,6 +7,7 @@ mod measure;
 mod ours;
 mod reference;
 mod report;
+mod scaling;
 mod side;
 mod surfaces;
 mod voxels;
@@ -19,6 +20,7 @@ use measure::measure;
 use ours::Ours;
 use reference::{Entries, Reference};
 use report::{Report, Row};
+use scaling::Pooled;
 use side::Side;
 use std::collections::{BTreeMap, BTreeSet};
 use surfaces::{SURFACES, Surface};
@@ -44,6 +46,9 @@ struct Arguments {
     /// Threads
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
+    /// Draw with methods alone: on one thread, on N, and N pictures at once, each on a thread of its own
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1024))]
+    scaling: Option<u32>,
     /// How often the domain is halved along a ray, by the C++ and by methods that read it
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=20))]
     depth: u32,
@@ -83,6 +88,17 @@ impl Arguments {
     fn sides(&self, surface: &Surface) -> Result<Vec<Box<dyn Side + Send>>> {
         let (size, depth) = (self.size as usize, self.depth);
         let mut sides: Vec<Box<dyn Side + Send>> = Vec::new();
+        if let Some(threads) = self.scaling {
+            let threads = threads as usize;
+            for (pictures, threads) in [(1, 1), (1, threads), (threads, 1)] {
+                for method in self.methods() {
+                    let picture = |_| Ours::new(surface, method, size, depth);
+                    let pictures = (0..pictures).map(picture).collect::<Result<_>>()?;
+                    sides.push(Box::new(Pooled::new(pictures, threads)?));
+                }
+            }
+            return Ok(sides);
+        }
         for method in self.methods() {
             sides.push(Box::new(Ours::new(surface, method, size, depth)?));
         }
@@ -128,7 +144,12 @@ fn main() -> Result<()> {
     let mut report = Report::new(methods.clone());
     for surface in arguments.surfaces() {
         let mut sides = arguments.sides(surface).context(surface.name)?;
-        let times = pool.install(|| measure(&mut sides, arguments.rounds as usize));
+        let rounds = arguments.rounds as usize;
+        let times = match arguments.scaling {
+            // Each side has threads of its own.
+            Some(_) => measure(&mut sides, rounds),
+            None => pool.install(|| measure(&mut sides, rounds)),
+        };
         let times = times.context(surface.name)?;
         let ratios = times.iter().map(|own| times[..methods.len()].iter().map(|m| own.ratio(m)));
         let ratios: Vec<Vec<f64>> = ratios.map(Iterator::collect).collect();

@@ -4,7 +4,7 @@ use crate::side::Side;
 use anyhow::Result;
 use std::time::Instant;
 
-/// Seconds that a side took, round by round.
+/// Seconds that a side took for a picture, round by round.
 pub struct Times(Vec<f64>);
 
 /// Draws once unmeasured; then, in each round, all sides draw, and another one goes first.
@@ -19,7 +19,7 @@ pub fn measure(sides: &mut [Box<dyn Side + Send>], rounds: usize) -> Result<Vec<
             let side = (round + turn) % sides.len();
             let start = Instant::now();
             sides[side].draw()?;
-            times[side].push(start.elapsed().as_secs_f64());
+            times[side].push(start.elapsed().as_secs_f64() / sides[side].pictures() as f64);
         }
     }
     Ok(times.into_iter().map(Times).collect())

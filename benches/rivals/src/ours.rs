@@ -67,6 +67,8 @@ impl Side for Ours {
 
     fn asked(&self) -> Option<Asked> {
         let work = &self.picture.as_ref()?.statistics.work.interval;
-        Some(Asked { calls: work.calls, lanes: work.lanes as f64 / work.calls as f64 })
+        // A method need not ask for intervals.
+        (work.calls > 0)
+            .then(|| Asked { calls: work.calls, lanes: work.lanes as f64 / work.calls as f64 })
     }
 }

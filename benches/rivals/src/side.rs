@@ -10,6 +10,11 @@ pub trait Side {
     /// Pixels in a row, and rows.
     fn size(&self) -> usize;
 
+    /// How many pictures it draws at once.
+    fn pictures(&self) -> usize {
+        1
+    }
+
     /// Draws the picture; this is what is measured.
     ///
     /// # Errors

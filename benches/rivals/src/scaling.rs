@@ -1,0 +1,61 @@
+//! What threads bring, beside what the machine lets them bring.
+
+use crate::ours::Ours;
+use crate::side::Side;
+use anyhow::Result;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// Some threads for each of some pictures, which are drawn at once.
+pub struct Pooled {
+    pictures: Vec<(ThreadPool, Ours)>,
+    threads: usize,
+}
+
+impl Pooled {
+    /// Starts `threads` for each picture.
+    ///
+    /// # Errors
+    /// If a thread cannot be started.
+    pub fn new(pictures: Vec<Ours>, threads: usize) -> Result<Self> {
+        let pool = |picture| Ok((ThreadPoolBuilder::new().num_threads(threads).build()?, picture));
+        Ok(Self { pictures: pictures.into_iter().map(pool).collect::<Result<_>>()?, threads })
+    }
+}
+
+impl Side for Pooled {
+    fn name(&self) -> String {
+        let name = self.pictures[0].1.name();
+        match (self.pictures.len(), self.threads) {
+            (1, 1) => name,
+            (1, threads) => format!("{name} on {threads}"),
+            (pictures, _) => format!("{name} × {pictures}"),
+        }
+    }
+
+    fn size(&self) -> usize {
+        self.pictures[0].1.size()
+    }
+
+    fn pictures(&self) -> usize {
+        self.pictures.len()
+    }
+
+    fn draw(&mut self) -> Result<()> {
+        let [(pool, picture)] = self.pictures.as_mut_slice() else {
+            return std::thread::scope(|scope| {
+                let draw =
+                    |(pool, picture): &'_ mut (ThreadPool, Ours)| pool.install(|| picture.draw());
+                let (last, others) = self.pictures.split_last_mut().expect("one at least");
+                let others: Vec<_> =
+                    others.iter_mut().map(|other| scope.spawn(move || draw(other))).collect();
+                draw(last)?;
+                others.into_iter().try_for_each(|other| other.join().expect("no panic"))
+            });
+        };
+        pool.install(|| picture.draw())
+    }
+
+    fn distances(&self) -> Vec<f64> {
+        self.pictures[0].1.distances()
+    }
+}
