@@ -90,6 +90,13 @@ pub struct Options {
     pub ideas: Ideas,
 }
 
+impl Options {
+    /// How long, in pixels, the bracket of a hit may be: hits are said to be in the middle of it.
+    pub(crate) fn longest(&self) -> f64 {
+        2.0 * self.tolerance
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {

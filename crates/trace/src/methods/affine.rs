@@ -61,7 +61,8 @@ struct Affine<'a, T: Scalar> {
     /// Whether the forms are those of a numerator, which proves no zero of the function.
     cleared: bool,
     region: &'a Region,
-    tolerance: f64,
+    /// [`Options::longest`].
+    longest: f64,
     surface: &'a dyn Surface,
     options: Options,
     /// Made for the first picture that needs it.
@@ -95,7 +96,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
             follower: follower?,
             cleared: kernels.cleared()?.is_some(),
             region,
-            tolerance: options.tolerance,
+            longest: options.longest(),
             surface,
             options,
             double: OnceLock::new(),
@@ -137,7 +138,7 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             return by_squares(self, rays, band, work);
         }
         if self.options.precision == Precision::Auto
-            && self.tolerance * rays.footprint(frame.start) < FINE * frame.resolution::<T>()
+            && self.longest * rays.footprint(frame.start) < FINE * frame.resolution::<T>()
             && let Some(double) = self.double()
         {
             return double.band(rays, band, work);

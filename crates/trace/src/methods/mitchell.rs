@@ -71,7 +71,7 @@ impl<T: Scalar> Tracer for Mitchell<'_, T> {
             for (lane, segment) in rays.iter().enumerate() {
                 found[lane] = Found::MISS;
                 if let Some(mut way) = Way::new(segment, self.region) {
-                    way.tolerance = self.options.tolerance * segment.footprint(-way.start);
+                    way.longest = self.options.longest() * segment.footprint(-way.start);
                     ways.push(way);
                     lanes.push(lane);
                 }

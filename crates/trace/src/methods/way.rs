@@ -28,7 +28,7 @@ pub(super) struct Way {
     /// s between which the ray is certainly in the region.
     pub inside: [f64; 2],
     /// How long the bracket of a hit may be.
-    pub tolerance: f64,
+    pub longest: f64,
 }
 
 impl Way {
@@ -40,7 +40,7 @@ impl Way {
         start: 0.0,
         span: [0.0; 2],
         inside: [0.0; 2],
-        tolerance: 0.0,
+        longest: 0.0,
     };
 
     /// A ray's way through the region, from where it enters: s is 0 there, and t is s − `start`. `None` if it does not meet
@@ -62,7 +62,7 @@ impl Way {
             start: -near,
             span,
             inside: inside(region, ray, near),
-            tolerance: f64::INFINITY,
+            longest: f64::INFINITY,
         })
     }
 }

@@ -24,7 +24,7 @@ const ROUNDS: u32 = 64;
 /// Lengths of segments that decide what becomes of them.
 struct Limits<T> {
     /// Of a bracket, where the form was as good as linear.
-    tolerance: T,
+    longest: T,
     /// Of a bracket, where it was not.
     least: T,
     /// Of the shortest segments.
@@ -104,7 +104,7 @@ impl<T: Scalar> Bundle<T> {
         live: u16,
         limits: &Limits<T>,
     ) -> Sifted {
-        let Limits { tolerance, least, grain, coarse } = *limits;
+        let Limits { longest, least, grain, coarse } = *limits;
         let [stalled, steady, share] = [STALLED, STEADY, CUT].map(T::nearest);
         let (mut empty, mut short, mut shorter, mut cut) = (0, 0, 0, 0);
         let mut within = if self.inside.is_some() { 0 } else { u16::MAX };
@@ -117,7 +117,7 @@ impl<T: Scalar> Bundle<T> {
             let (near, far) = (part.load(&out.near), part.load(&out.far));
             let (length, before) = (far - near, asked[1] - asked[0]);
             empty |= part.bits(length.simd_lt(T::default()));
-            let enough = length.simd_le(tolerance) & length.simd_le(before * steady);
+            let enough = length.simd_le(longest) & length.simd_le(before * steady);
             short |= part.bits(enough | length.simd_le(least));
             let much = length.simd_le(before * stalled);
             shorter |= part.bits(much & length.simd_gt(grain));
@@ -155,10 +155,10 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         within: bool,
     ) {
         let patch = self.patch(level.place(lane));
-        let tolerance = self.method.tolerance * self.footprint(segment[0]);
+        let longest = self.method.longest * self.footprint(segment[0]);
         if !self.method.options.ideas.contract || !within && self.method.region.is_cut() {
             let (rays, ends) = (self.open[patch.index], segment.map(Lanes::splat));
-            return self.follow_apart(&patch, rays, ends, tolerance, within);
+            return self.follow_apart(&patch, rays, ends, longest, within);
         }
         let plane = Plane::new(&level.batch, &level.out, lane);
         let mut bundle = Bundle { rays: None, inside: None, ends: Default::default(), later: 0 };
@@ -173,8 +173,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             self.cut_at_faces(live, &mut bundle);
         }
         let limits = Limits {
-            tolerance: T::nearest(tolerance),
-            least: T::nearest(UNSTEADY * tolerance),
+            longest: T::nearest(longest),
+            least: T::nearest(UNSTEADY * longest),
             grain: T::nearest(T::GRAIN * self.size),
             coarse: T::nearest(self.coarse),
         };
@@ -227,7 +227,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             self.later[bit].clear();
         }
         if hard != 0 {
-            self.follow_apart(&patch, hard, bundle.ends, tolerance, within);
+            self.follow_apart(&patch, hard, bundle.ends, longest, within);
         }
     }
 

@@ -73,8 +73,8 @@ impl<T: Scalar> Default for Scratch<T> {
 pub(super) const STALLED: f64 = 0.6;
 /// A segment that got shorter than this share of what it was did so by a form that is as good as linear.
 pub(super) const STEADY: f64 = 0.35;
-/// What share of the tolerance is allowed where that was not so.
-pub(super) const UNSTEADY: f64 = 1.0 / 16.0;
+/// What share of the longest bracket is allowed where that was not so.
+pub(super) const UNSTEADY: f64 = 1.0 / 32.0;
 /// Where arithmetic stalls at segments of so many times the shortest, it is rounding that stalls it: better arithmetic goes on.
 pub(super) const COARSE: f64 = 32.0;
 /// A segment that stays open at no more than so many times the shortest does so for lack of digits, not of effort.
@@ -164,9 +164,8 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     let within = way.inside[0] <= near && far <= way.inside[1];
                     let crossing = out.crossing >> slot & 1 == 1 && within;
                     let (length, shorter) = (far - near, new[1] - new[0]);
-                    let enough =
-                        enough(way.tolerance, !self.contracts || shorter <= STEADY * length)
-                            .max(grain[lane]);
+                    let enough = enough(way.longest, !self.contracts || shorter <= STEADY * length)
+                        .max(grain[lane]);
                     if shorter < 0.0 {
                         // No part is left.
                     } else if crossing && shorter <= enough && self.is_zero(way, new) {
@@ -187,7 +186,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                         stack.clear();
                     } else if !shorter.is_finite() || shorter > STALLED * length {
                         let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
-                        if shorter <= self.least * way.tolerance {
+                        if shorter <= self.least * way.longest {
                             if self.may_vanish(way, new) {
                                 steps[lane] = Step::Open(new, Stop::Preview);
                                 stack.clear();
@@ -265,8 +264,8 @@ fn begin<T: Scalar>(way: &Way, [near, far]: [f64; 2], stack: &mut Stack) -> f64 
 /// gradient near the root is that at the root. Elsewhere roots are close together or multiple: normals there hang on where
 /// exactly they are taken.
 #[inline]
-fn enough(tolerance: f64, steady: bool) -> f64 {
-    if steady { tolerance } else { UNSTEADY * tolerance }
+fn enough(longest: f64, steady: bool) -> f64 {
+    if steady { longest } else { UNSTEADY * longest }
 }
 
 /// Whether the parts of a segment that is cut are shorter than what it was narrowed from: where floats are as coarse as the

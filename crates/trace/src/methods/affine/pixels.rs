@@ -153,7 +153,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         patch: &Patch,
         rays: u16,
         mut ends: Ends,
-        tolerance: f64,
+        longest: f64,
         within: bool,
     ) {
         let (region, error, start) = (self.method.region, self.frame.error, self.frame.start);
@@ -183,7 +183,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             if !is_left {
                 continue;
             }
-            ways[count] = Way { origin, direction, error, start: -start, span, inside, tolerance };
+            ways[count] = Way { origin, direction, error, start: -start, span, inside, longest };
             bits[count] = bit;
             count += 1;
         }

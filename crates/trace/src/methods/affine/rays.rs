@@ -19,7 +19,7 @@ use zeroset_interval::Facts;
 
 /// Whether hits are wanted so close on a ray that `T` would narrow segments of it in vain.
 fn is_blurred<T: Scalar>(way: &Way) -> bool {
-    way.tolerance * way.direction.length() < FINE * BLURS * rounding::<T>(way).max_element()
+    way.longest * way.direction.length() < FINE * BLURS * rounding::<T>(way).max_element()
 }
 
 /// Follows single rays.
@@ -229,7 +229,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         for (lane, segment) in rays.iter().enumerate() {
             found[lane] = Found::MISS;
             let Some(mut way) = Way::new(segment, self.region) else { continue };
-            way.tolerance = self.options.tolerance * segment.footprint(-way.start);
+            way.longest = self.options.longest() * segment.footprint(-way.start);
             starts[lane] = -way.start;
             ways.push(way);
             lanes.push(lane);

@@ -314,8 +314,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let Level { batch, out, .. } = level;
         let [_, growth] = self.rays.pixel();
         let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER[depth] };
-        let [tolerance, width, growth, slender, grain] = [
-            self.method.tolerance,
+        let [longest, width, growth, slender, grain] = [
+            self.method.longest,
             self.footprint(0.0),
             growth,
             slender * SIDES[depth] as f64,
@@ -339,7 +339,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             empty |= part.bits(left.simd_lt(T::default()));
             narrowed |= part.bits(first.simd_le(near) & far.simd_le(last));
             // Not where both overflow.
-            let enough = footprint * along.abs() * tolerance;
+            let enough = footprint * along.abs() * longest;
             fine |= part.bits((half * error * twice).simd_lt(enough));
             shorter |= part.bits(left.simd_le(before * stalled));
             let tilt = across.abs() + upward.abs();

@@ -145,7 +145,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
                 // The root that the ray starts on is the only one.
                 [Some(_), Some(_)] if ray.leaving => ray.leaving = false,
                 [Some(_), Some(_)] => {
-                    let enough = ray.way.tolerance.max(ray.grain);
+                    let enough = ray.way.longest.max(ray.grain);
                     ray.isolated = Some(Isolated::new(part.ends, ends, enough));
                     ray.parts.clear();
                 }
