@@ -293,8 +293,9 @@ impl Aim {
     }
 }
 
-/// What stays open in a picture that another one follows, and on rays that are only for looks, as a share of the tolerance.
-const PREVIEWED: f64 = 1.0 / 16.0;
+/// What stays open in a picture that another one follows, and on rays that are only for looks, as a share of the longest
+/// bracket.
+const PREVIEWED: f64 = 1.0 / 32.0;
 
 fn options(settings: &Settings, kind: SurfaceKind, aim: Aim) -> Options {
     let Settings { precision, is_preview, steps, ideas, .. } = *settings;

@@ -44,7 +44,7 @@ impl Side for Pooled {
         let [(pool, picture)] = self.pictures.as_mut_slice() else {
             return std::thread::scope(|scope| {
                 let draw =
-                    |(pool, picture): &'_ mut (ThreadPool, Ours)| pool.install(|| picture.draw());
+                    |(pool, picture): &mut (ThreadPool, Ours)| pool.install(|| picture.draw());
                 let (last, others) = self.pictures.split_last_mut().expect("one at least");
                 let others: Vec<_> =
                     others.iter_mut().map(|other| scope.spawn(move || draw(other))).collect();
