@@ -273,6 +273,8 @@ pub enum ErrorKind {
     RestrictionIsEquation,
     #[error("`or` in braces cannot join strict and non-strict comparisons")]
     MixedRestriction,
+    #[error("`{name}` is a coordinate and cannot be a function")]
+    CoordinateFunction { name: String },
     #[error("a definition names a value, not a comparison")]
     DefinitionIsCondition,
     #[error("`in [low, high]` belongs to a definition such as `r = 2 in [0, 5]`")]

@@ -100,7 +100,9 @@ impl Error {
                 "sliders, ranges and settings need a value known in advance"
             }
             ErrorKind::UndefinedConstant => "it is undefined or too large, like 1/0 or 9^9^9^9",
-            ErrorKind::OverrideCoordinate { .. } => "x, y and z are the coordinates of space",
+            ErrorKind::OverrideCoordinate { .. } | ErrorKind::CoordinateFunction { .. } => {
+                "x, y and z are the coordinates of space"
+            }
             ErrorKind::ConditionAsValue => {
                 "comparisons combine with `and`, `or` and `not`, not with arithmetic"
             }
@@ -321,6 +323,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::OutsideRange => "choose a value between the ends",
         ErrorKind::OverrideNotAName { .. } => "write `-D name=value`, such as `-D r=2`",
         ErrorKind::OverrideCoordinate { .. } => "to crop the picture, set a domain",
+        ErrorKind::CoordinateFunction { .. } => "give the function another name, such as `f`",
         ErrorKind::UnknownOverride { .. } => "use it in the formula, or drop the setting",
         ErrorKind::OverrideFunction { .. } => "change its definition in the text instead",
         _ => return line_advice(kind),

@@ -251,6 +251,10 @@ impl Reader<'_> {
 
     /// The frame of a function; parameters with values become names that are set.
     pub(crate) fn enter(&mut self, name: Name, parameters: Vec<Vec<Token>>) -> Fallible<Frame> {
+        if matches!(name.text.as_str(), "x" | "y" | "z") {
+            let kind = ErrorKind::CoordinateFunction { name: name.text };
+            return Err(Error::new(name.span, kind));
+        }
         let mut frame = Frame::default();
         let mut names = Vec::new();
         let mut given = Vec::new();
