@@ -20,8 +20,8 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
             let thread = std::thread::spawn(move || prompt::run(&prompt, false));
             window.run()?;
             if thread.is_finished() {
-                // It has reported its own errors.
-                let _ = thread.join();
+                // A panic has reported itself.
+                thread.join().unwrap_or(Ok(()))?;
             }
             // The prompt may still be waiting for a key, with the terminal set up for that.
             saved.restore();
@@ -33,7 +33,7 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
                 notes::note(&format!("{why}, so pictures are shown in the terminal"));
             }
             session.fit_terminal();
-            prompt::run(&session, true);
+            prompt::run(&session, true)?;
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -32,7 +32,7 @@ pub fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Whether standard error takes colours: a terminal, unless `NO_COLOR` is set (no-color.org).
+/// Whether standard error takes colours: a terminal, unless `NO_COLOR` is set (no-color.org) or it is a dumb one.
 pub fn coloured() -> bool {
     std::io::stderr().is_terminal() && colours_are_wanted()
 }
@@ -44,6 +44,7 @@ pub fn coloured_output() -> bool {
 
 fn colours_are_wanted() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+        && std::env::var_os("TERM").is_none_or(|terminal| terminal != "dumb")
 }
 
 fn label(word: &str, code: &str) -> String {

@@ -157,7 +157,9 @@ fn sink(path: &Path) -> Result<Sink> {
         Ok(found) if !found.is_file() => {
             return Ok(Sink::Direct(File::options().write(true).open(&path)?));
         }
-        _ => {}
+        // To be replaced, but not if it may not be written: nothing of it is.
+        Ok(_) => drop(File::options().write(true).open(&path)?),
+        Err(_) => {}
     }
     let name = path.file_name().context("it names no file")?;
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty());
@@ -173,6 +175,16 @@ fn put(mut written: File, target: &Path) -> std::io::Result<()> {
     let mut file = temporary(directory(target))?;
     written.rewind()?;
     std::io::copy(&mut written, file.as_file_mut())?;
+    if let Ok(replaced) = std::fs::metadata(target) {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::{MetadataExt, fchown};
+            // Only a superuser can give files away.
+            let _ = fchown(file.as_file(), Some(replaced.uid()), Some(replaced.gid()));
+        }
+        // What was private stays so.
+        file.as_file().set_permissions(replaced.permissions())?;
+    }
     file.persist(target).map_err(|error| error.error)?;
     Ok(())
 }

@@ -6,6 +6,7 @@ use super::data::data_directory;
 use super::history::KEPT_LINES;
 use super::session::Session;
 use super::{notes, preview};
+use anyhow::anyhow;
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
 use rustyline::highlight::{CmdKind, Highlighter};
@@ -28,16 +29,17 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// Reads and enters lines until the end of input or of the session. With `preview`, pictures are
 /// shown as well.
-pub fn run(session: &Arc<Session>, preview: bool) {
-    session.watch();
+///
+/// # Errors
+/// If lines cannot be read: input that is not UTF-8 text, for example.
+pub fn run(session: &Arc<Session>, preview: bool) -> anyhow::Result<()> {
+    session.watch(Some(&session.live.text()));
     notes::say(&session.welcome);
     if preview {
         show(session);
         preview::drop_late_answer();
     }
-    if let Err(error) = read_lines(session, preview) {
-        notes::say(&format!("error: the prompt has stopped: {error}"));
-    }
+    read_lines(session, preview).map_err(|error| anyhow!("the prompt has stopped: {error}"))
 }
 
 fn show(session: &Session) {

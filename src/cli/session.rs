@@ -12,13 +12,14 @@ use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
 use super::{explain, notes, preview, tips};
 use anyhow::{Context, Result};
+use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zeroset::gallery::examples;
+use zeroset::gallery::{example, examples};
 use zeroset::live::{Axes, Live, Refusal, Reply, Request};
 use zeroset::picture::Settings;
 
@@ -63,6 +64,9 @@ pub struct Session {
     pub live: Live,
     /// The file that the document came from, and what watches it.
     file: Mutex<Option<(PathBuf, Watch)>>,
+    /// Names of documents that are paths of files, since they were read from there or saved there. A surface of the gallery
+    /// may be called like a file that has nothing to do with it.
+    files: Mutex<HashSet<String>>,
     /// Messages for the terminal, where the prompt knows how to show them.
     printer: Mutex<Option<Printer>>,
     /// Lines entered, in prompt and window.
@@ -90,7 +94,12 @@ impl Session {
         arguments.size.held_whole()?;
         let settings = kernel_settings(&arguments.kernels)?;
         let given = arguments.source.as_deref();
-        let Source { name, text } = source::find(given.unwrap_or(OsStr::new(FIRST)))?;
+        let source = match given {
+            Some(given) => source::find(given)?,
+            None => example(FIRST).context("the gallery has it")?.into(),
+        };
+        let Source { name, text, is_file } = source;
+        let files = is_file.then(|| name.clone()).into_iter().collect();
         let (mut width, mut height) = (arguments.size.width, arguments.size.height);
         if arguments.preview {
             // From the first picture on: one of the window's size would be made for nothing.
@@ -122,6 +131,7 @@ impl Session {
         Ok(Self {
             live: Live::new(request),
             file: Mutex::default(),
+            files: Mutex::new(files),
             printer: Mutex::default(),
             history: Mutex::default(),
             saving: Mutex::default(),
@@ -133,16 +143,21 @@ impl Session {
         })
     }
 
-    /// Begins to watch the file that the document came from, if there is one.
-    pub fn watch(self: &Arc<Self>) {
+    /// The path of the file that the document came from, if it did.
+    fn path(&self) -> Option<PathBuf> {
         let name = self.live.request().name;
-        let path = Path::new(&name);
+        lock(&self.files).contains(&name).then(|| name.into())
+    }
+
+    /// Begins to watch the file that the document came from, if there is one. The document is what was `read`, if that is given,
+    /// and else what is in the file now.
+    pub fn watch(self: &Arc<Self>, read: Option<&str>) {
+        let source = self.path();
         let mut file = lock(&self.file);
         // The old watch ends before its thread could find the lock taken.
         *file = None;
-        if !path.is_file() {
-            return;
-        }
+        let Some(path) = source else { return };
+        let name = path.display().to_string();
         let session = Arc::downgrade(self);
         let watched = name.clone();
         let report = move |change| {
@@ -164,10 +179,13 @@ impl Session {
                 }
             }
         };
-        // What was changed since it was read is not the file's.
-        let known = source::open(path).map_or_else(|_| self.live.text(), |source| source.text);
-        match Watch::start(path, &known, report) {
-            Ok(watch) => *file = Some((path.to_owned(), watch)),
+        let known = match read {
+            Some(text) => text.to_owned(),
+            // What was changed since it was read is not the file's.
+            None => source::open(&path).map_or_else(|_| self.live.text(), |source| source.text),
+        };
+        match Watch::start(&path, &known, report) {
+            Ok(watch) => *file = Some((path, watch)),
             Err(error) => self.say(&format!("note: '{name}' is not watched: {error:#}")),
         }
     }
@@ -175,10 +193,8 @@ impl Session {
     /// Watches the file that the document came from, if that is another one now.
     pub fn follow(self: &Arc<Self>) {
         let watched = lock(&self.file).as_ref().map(|(path, _)| path.clone());
-        let name = self.live.request().name;
-        let path = Path::new(&name);
-        if watched.as_deref() != path.is_file().then_some(path) {
-            self.watch();
+        if watched != self.path() {
+            self.watch(None);
         }
     }
 
@@ -294,23 +310,36 @@ impl Session {
     }
 
     fn load(self: &Arc<Self>, from: &str) -> Result<()> {
-        let Source { name, text } = source::find(OsStr::new(from))?;
-        anyhow::ensure!(name != "formula", "there is no file or gallery surface named '{from}'");
+        let Source { name, text, is_file } = source::find(OsStr::new(from))?;
+        anyhow::ensure!(
+            is_file || name != "formula",
+            "there is no file or gallery surface named '{from}'"
+        );
+        {
+            let mut files = lock(&self.files);
+            if is_file {
+                files.insert(name.clone());
+            } else {
+                files.remove(&name);
+            }
+        }
         self.live.load(&name, &text, false);
-        self.watch();
+        self.watch(Some(&text));
         Ok(())
     }
 
     fn save(self: &Arc<Self>, to: Option<&str>) -> Result<()> {
-        let path = if let Some(path) = to {
-            PathBuf::from(path)
-        } else {
-            let known = lock(&self.file).as_ref().map(|(path, _)| path.clone());
-            known.context("the document did not come from a file; use :save FILE.zset")?
+        let path = match to {
+            Some(path) => PathBuf::from(path),
+            None => {
+                self.path().context("the document did not come from a file; use :save FILE.zset")?
+            }
         };
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
-        self.live.saved(&path.to_string_lossy());
+        let name = path.to_string_lossy();
+        lock(&self.files).insert(name.clone().into_owned());
+        self.live.saved(&name);
         self.follow();
         self.say(&format!("saved '{}'", path.display()));
         Ok(())
@@ -360,7 +389,11 @@ impl Session {
         let seen = self.live.snapshot().rendering.context("there is no picture yet")?;
         let request = &seen.request;
         let subject = Subject {
-            source: Source { name: request.name.clone(), text: request.text.to_string() },
+            source: Source {
+                name: request.name.clone(),
+                text: request.text.to_string(),
+                is_file: self.path().is_some(),
+            },
             document: (*seen.document).clone(),
             domain: request.domain,
             parse: seen.parse,

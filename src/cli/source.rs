@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use zeroset::gallery::{Example, example};
 
 /// No text is read further than this; the parser's own limit is far lower.
 const LONGEST: u64 = 16 << 20;
@@ -14,6 +15,14 @@ const LONGEST: u64 = 16 << 20;
 pub struct Source {
     pub name: String,
     pub text: String,
+    /// Whether the name is the path of a file that the text was read from.
+    pub is_file: bool,
+}
+
+impl From<Example> for Source {
+    fn from(Example { slug, text }: Example) -> Self {
+        Self { name: slug.to_owned(), text: text.to_owned(), is_file: false }
+    }
 }
 
 /// Finds the text that `argument` stands for: `-` is standard input, an existing file wins over a
@@ -30,19 +39,23 @@ pub fn find(argument: &OsStr) -> Result<Source> {
     // An empty argument or one with a NUL byte is no path, and the failing look-up says so. A link
     // that leads nowhere is a path all the same.
     if path.symlink_metadata().is_ok() {
-        if path.is_dir() {
-            bail!("'{shown}' is a directory, not a function file");
+        if !path.is_dir() {
+            return open(path);
         }
-        return open(path);
+        // A directory is nothing to draw, and may be called like a surface whose pictures are in it.
+        let Some(example) = argument.to_str().and_then(example) else {
+            bail!("'{shown}' is a directory, not a function file");
+        };
+        return Ok(example.into());
     }
     let Some(text) = argument.to_str() else {
         bail!("the formula is not valid UTF-8, and no file has this name: '{shown}'");
     };
-    if let Some(example) = zeroset::gallery::example(text) {
-        return Ok(Source { name: example.slug.to_owned(), text: example.text.to_owned() });
+    if let Some(example) = example(text) {
+        return Ok(example.into());
     }
     if path.extension().is_some_and(|extension| extension == "zset") {
-        let slug = text.strip_suffix(".zset").and_then(zeroset::gallery::example);
+        let slug = text.strip_suffix(".zset").and_then(example);
         match slug {
             Some(example) => {
                 bail!("there is no file '{shown}'; the gallery has '{}'", example.slug)
@@ -55,7 +68,7 @@ pub fn find(argument: &OsStr) -> Result<Source> {
             "'{shown}' is not a file, a surface of the gallery or a formula; did you mean '{slug}' of the gallery?"
         );
     }
-    Ok(Source { name: "formula".to_owned(), text: text.to_owned() })
+    Ok(Source { name: "formula".to_owned(), text: text.to_owned(), is_file: false })
 }
 
 /// The name of the gallery that a text is likely to mean which is a word and no formula: one that
@@ -82,7 +95,9 @@ fn misspelt(text: &str) -> Option<&'static str> {
 pub fn open(path: &Path) -> Result<Source> {
     let shown = path.to_string_lossy();
     let file = File::open(path).with_context(|| format!("cannot read '{shown}'"))?;
-    read(&shown, file)
+    // Where its path is no text, its name is not its path.
+    let is_file = path.to_str().is_some();
+    Ok(Source { is_file, ..read(&shown, file)? })
 }
 
 fn read(name: &str, from: impl Read) -> Result<Source> {
@@ -94,7 +109,7 @@ fn read(name: &str, from: impl Read) -> Result<Source> {
         bail!("'{name}' is longer than {} MB: too large for a formula", LONGEST >> 20);
     }
     match String::from_utf8(bytes) {
-        Ok(text) => Ok(Source { name: name.to_owned(), text }),
+        Ok(text) => Ok(Source { name: name.to_owned(), text, is_file: false }),
         Err(error) => {
             let at = error.utf8_error().valid_up_to();
             let line = 1 + String::from_utf8_lossy(&error.as_bytes()[..at]).matches('\n').count();

@@ -62,7 +62,7 @@ impl Subject {
     /// Reports how the text was read where that may surprise.
     pub fn show_notes(&self) {
         for note in &self.document.notes {
-            let Source { name, text } = &self.source;
+            let Source { name, text, .. } = &self.source;
             notes::say(&note.render(Some(name), text, notes::coloured()));
         }
     }

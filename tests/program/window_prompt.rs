@@ -140,6 +140,72 @@ fn a_file_whose_loading_was_taken_back_is_followed_again_once_it_is_done_again()
 }
 
 #[test]
+fn a_file_that_is_gone_for_a_while_is_followed_when_it_is_back() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    let path = terminal.place().join("surface.zset");
+    std::fs::write(&path, "x = 1.25").expect("written");
+    terminal.type_in(":load surface.zset\r");
+    terminal.type_in(":list\r");
+    terminal.shows("x = 1.25");
+    std::fs::remove_file(&path).expect("removed");
+    terminal.type_in(":list\r");
+    std::fs::write(&path, "x = 2.25").expect("written");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    terminal.type_in(":list\r");
+    terminal.shows("x = 2.25");
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn what_came_from_no_file_is_saved_to_none() {
+    for start in ["x = 0.25", "sphere"] {
+        let mut terminal = Terminal::start(&["--preview", start], None);
+        let place = terminal.place().to_owned();
+        let others = ["formula", "sphere"].map(|name| place.join(name));
+        for other in &others {
+            std::fs::write(other, "notes").expect("written");
+        }
+        terminal.type_in("y = 0.25\r");
+        terminal.type_in(":save\r");
+        terminal.shows("the document did not come from a file");
+        for other in &others {
+            assert_eq!(std::fs::read_to_string(other).expect("there"), "notes");
+        }
+        terminal.type_in("\u{4}");
+        assert_eq!(terminal.ends(), 0);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_private_file_stays_private() {
+    use std::os::unix::fs::PermissionsExt;
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    let path = terminal.place().join("surface.zset");
+    std::fs::write(&path, "x = 1.25").expect("written");
+    let private = std::fs::Permissions::from_mode(0o600);
+    std::fs::set_permissions(&path, private).expect("permitted");
+    terminal.type_in(":save surface.zset\r");
+    terminal.shows("saved 'surface.zset'");
+    assert_eq!(std::fs::read_to_string(&path).expect("there"), "x+y+z\n");
+    assert_eq!(std::fs::metadata(&path).expect("there").permissions().mode() & 0o777, 0o600);
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn lines_that_come_together_are_all_read() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    terminal.type_in("a = 0.125\rx = a\r:status\r");
+    terminal.shows("surface     x = a");
+    terminal.type_in("\u{4}");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
 fn terminals_that_take_pixels_get_them() {
     let terminal = Terminal::start_in("xterm-kitty", &["--preview", "x^2+y^2+z^2 = 1"]);
     terminal.shows("undecided");
