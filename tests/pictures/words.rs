@@ -81,3 +81,31 @@ fn coordinates_draw_what_they_mean() {
         assert!((point.length() - 1.0 - 0.4 * (2.0 * angle).cos()).abs() < 0.2, "{point}");
     }
 }
+
+#[test]
+fn what_has_no_value_is_drawn_nowhere() {
+    for formula in ["y = x*sinc(sqrt(z-3))", "y = x*sinc(ln(z-3))", "sinc(sqrt(z-3)) = 1"] {
+        let (points, undecided) = drawn(formula);
+        assert_eq!((points.len(), undecided), (0, 0), "{formula}");
+    }
+    let (points, _) = drawn("y = x*sinc(sqrt(z))");
+    assert!(points.len() > 100 && points.iter().all(|point| point.z > -0.05));
+}
+
+#[test]
+fn shadows_of_jumps_in_the_faces_of_a_domain_end() {
+    let (done, ended) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let document = read("mod(x, 1) < 0.5", &Options::default()).expect("a formula");
+        let projection = Projection::Perspective { fov: 40.0 };
+        let eye = DVec3::new(6.0, -9.0, 5.0);
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
+        let plain = Settings { width: 16, height: 16, ..Settings::default() };
+        let settings = Settings { shadow_depth: Some(plain.usual_shadow_depth()), ..plain };
+        let region = Region::new(DVec3::splat(-3.0), DVec3::splat(3.0)).expect("a cube");
+        let picture = render(&document, &region, &camera, &settings, &|_, _| {});
+        done.send(picture.expect("a picture").buffer.counts()).expect("received");
+    });
+    let counts = ended.recv_timeout(std::time::Duration::from_mins(2)).expect("an end");
+    assert!(counts.hit + counts.undecided > 0);
+}

@@ -91,11 +91,12 @@ impl<'a, T: Scalar> Follower<'a, T> {
                 let rest = |from: f64| (from < way.span[1]).then_some([from, way.span[1]]);
                 pending[lane] = match steps[lane] {
                     Step::Empty => None,
-                    // What a ray starts on does not count.
+                    // What a ray starts on does not count. What is left of it in `f64` may be too short for `T` to get past.
                     Step::Hit([near, far]) | Step::Open([near, far], _)
                         if start == Start::OnSurface && near <= way.span[0] =>
                     {
-                        rest(far)
+                        let grain = 2.0 * T::GRAIN * (way.span[1] - way.span[0]);
+                        rest(far.max(way.span[0] + grain))
                     }
                     Step::Hit(bracket) => {
                         outcome.hit = Some(bracket);
