@@ -11,7 +11,7 @@
 
 use std::time::{Duration, Instant};
 use zeroset::gallery::{Example, examples};
-use zeroset::live::{Live, Request};
+use zeroset::live::{DocumentSource, Live, Request};
 use zeroset_syntax::{Options, read};
 
 const EDITS: usize = 200;
@@ -72,7 +72,7 @@ fn replay(examples: &[Example], sample: &[Edit]) -> [Vec<f64>; 3] {
     let mut slowest = Vec::new();
     for edit in sample {
         let example = &examples[edit.example];
-        live.load(example.slug, example.text, false);
+        live.load(DocumentSource::Gallery(*example), example.text, false);
         assert!(live.wait(LIMIT), "{} does not settle", example.slug);
         live.type_line(&edit.lines[0]);
         std::thread::sleep(PACE);
@@ -121,7 +121,7 @@ fn pictures(example: &Example) -> [f64; 2] {
         // Another text each time, so that nothing made before can be used again.
         let text = format!("{}\n# {round}", example.text);
         let pressed = Instant::now();
-        live.load(example.slug, &text, true);
+        live.load(DocumentSource::Gallery(*example), &text, true);
         assert!(live.wait_for_news(LIMIT, revision), "{}: no picture", example.slug);
         first.push(pressed.elapsed().as_secs_f64() * 1e3);
         assert!(live.wait_for_full(LIMIT), "{}: no full picture", example.slug);
@@ -163,7 +163,7 @@ fn drag(example: &Example) -> Dragging {
     let text = zeroset::live::entered(example.text, "s = 0 in [-1, 1]", false);
     let text = zeroset::live::entered(&text, &moved(&document.surfaces[0].echo), false);
     let live = Live::new(Request::default());
-    live.load(example.slug, &text, false);
+    live.load(DocumentSource::Gallery(*example), &text, false);
     assert!(live.wait(LIMIT), "{} does not settle", example.slug);
     let fault = live.snapshot().fault.map(|fault| fault.message());
     assert!(fault.is_none(), "{}: {fault:?} in {text}", example.slug);

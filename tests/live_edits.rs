@@ -7,7 +7,7 @@ mod edit_support;
 
 use edit_support::{beginnings, edit};
 use std::time::{Duration, Instant};
-use zeroset::live::{Live, Request};
+use zeroset::live::{DocumentSource, Live, Request};
 use zeroset::picture::Settings;
 use zeroset_testkit::Effort;
 
@@ -63,7 +63,7 @@ fn no_edit_leaves_a_stale_picture() {
     // The same picture as one made afresh.
     let again =
         Live::new(Request { settings: frame.request.settings.clone(), ..Request::default() });
-    again.load("again", &live.text(), false);
+    again.load(DocumentSource::Typed, &live.text(), false);
     again.enter(":domain 2").expect("valid");
     assert!(again.wait(LIMIT));
     again.turn(|orbit| *orbit = frame.request.orbit.expect("turned"));

@@ -54,7 +54,8 @@ fn explain_in<T: KernelFloat>(
     let mut text = String::new();
     for note in &document.notes {
         let source = &subject.source;
-        let shown = note.render(Some(&source.name), &source.text, notes::coloured_output());
+        let shown =
+            note.render(Some(&source.from.to_string()), &source.text, notes::coloured_output());
         writeln!(text, "{shown}\n")?;
     }
     // A formula without a surface can be explained too; nothing is then assumed of its domain.

@@ -157,7 +157,7 @@ fn sink(path: &Path) -> Result<Sink> {
         Ok(found) if !found.is_file() => {
             return Ok(Sink::Direct(File::options().write(true).open(&path)?));
         }
-        // To be replaced, but not if it may not be written: nothing of it is.
+        // It is replaced, which its directory allows; a file that is read-only is left alone all the same.
         Ok(_) => drop(File::options().write(true).open(&path)?),
         Err(_) => {}
     }

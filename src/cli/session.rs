@@ -12,7 +12,6 @@ use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
 use super::{explain, notes, preview, tips};
 use anyhow::{Context, Result};
-use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -20,7 +19,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zeroset::gallery::{example, examples};
-use zeroset::live::{Axes, Live, Refusal, Reply, Request};
+use zeroset::live::{Axes, DocumentSource, Live, Refusal, Reply, Request};
 use zeroset::picture::Settings;
 
 /// What is shown when nothing is asked for.
@@ -64,9 +63,6 @@ pub struct Session {
     pub live: Live,
     /// The file that the document came from, and what watches it.
     file: Mutex<Option<(PathBuf, Watch)>>,
-    /// Names of documents that are paths of files, since they were read from there or saved there. A surface of the gallery
-    /// may be called like a file that has nothing to do with it.
-    files: Mutex<HashSet<String>>,
     /// Messages for the terminal, where the prompt knows how to show them.
     printer: Mutex<Option<Printer>>,
     /// Lines entered, in prompt and window.
@@ -98,15 +94,14 @@ impl Session {
             Some(given) => source::find(given)?,
             None => example(FIRST).context("the gallery has it")?.into(),
         };
-        let Source { name, text, is_file } = source;
-        let files = is_file.then(|| name.clone()).into_iter().collect();
+        let Source { from, text } = source;
         let (mut width, mut height) = (arguments.size.width, arguments.size.height);
         if arguments.preview {
             // From the first picture on: one of the window's size would be made for nothing.
             (width, height) = preview::room();
         }
         let request = Request {
-            name,
+            source: from,
             text: text.into(),
             overrides: arguments.values.overrides()?,
             time: arguments.values.time()?,
@@ -125,13 +120,12 @@ impl Session {
                 "This is the {FIRST}. Type a formula such as x^2+y^2+z^2 = 1, or :help for more."
             ),
             Some(_) => {
-                format!("{}. Type a formula to replace it, or :help for more.", request.name)
+                format!("{}. Type a formula to replace it, or :help for more.", request.source)
             }
         };
         Ok(Self {
             live: Live::new(request),
             file: Mutex::default(),
-            files: Mutex::new(files),
             printer: Mutex::default(),
             history: Mutex::default(),
             saving: Mutex::default(),
@@ -145,30 +139,31 @@ impl Session {
 
     /// The path of the file that the document came from, if it did.
     fn path(&self) -> Option<PathBuf> {
-        let name = self.live.request().name;
-        lock(&self.files).contains(&name).then(|| name.into())
+        match self.live.request().source {
+            DocumentSource::File(path) => Some(path),
+            _ => None,
+        }
     }
 
-    /// Begins to watch the file that the document came from, if there is one. The document is what was `read`, if that is given,
-    /// and else what is in the file now.
+    /// Begins to watch the file that the document came from, if there is one. Changes count from the text that was `read`, or
+    /// without one from what is in the file now.
     pub fn watch(self: &Arc<Self>, read: Option<&str>) {
-        let source = self.path();
+        let path = self.path();
         let mut file = lock(&self.file);
         // The old watch ends before its thread could find the lock taken.
         *file = None;
-        let Some(path) = source else { return };
-        let name = path.display().to_string();
+        let Some(path) = path else { return };
         let session = Arc::downgrade(self);
-        let watched = name.clone();
+        let watched = DocumentSource::File(path.clone());
         let report = move |change| {
             let Some(session) = session.upgrade() else { return };
             // Whoever took the loading of the file back no longer wants to see it.
-            if session.live.request().name != watched {
+            if session.live.request().source != watched {
                 return;
             }
             match change {
                 Change::Text(text) => {
-                    session.live.load(&watched, &text, true);
+                    session.live.load(watched.clone(), &text, true);
                     if session.in_terminal.load(Ordering::Relaxed) {
                         let revision = session.live.revision();
                         std::thread::spawn(move || session.show_reloaded(revision));
@@ -186,7 +181,9 @@ impl Session {
         };
         match Watch::start(&path, &known, report) {
             Ok(watch) => *file = Some((path, watch)),
-            Err(error) => self.say(&format!("note: '{name}' is not watched: {error:#}")),
+            Err(error) => {
+                self.say(&format!("note: '{}' is not watched: {error:#}", path.display()));
+            }
         }
     }
 
@@ -310,20 +307,13 @@ impl Session {
     }
 
     fn load(self: &Arc<Self>, from: &str) -> Result<()> {
-        let Source { name, text, is_file } = source::find(OsStr::new(from))?;
+        let found = source::find(OsStr::new(from))?;
         anyhow::ensure!(
-            is_file || name != "formula",
+            found.from != DocumentSource::Typed,
             "there is no file or gallery surface named '{from}'"
         );
-        {
-            let mut files = lock(&self.files);
-            if is_file {
-                files.insert(name.clone());
-            } else {
-                files.remove(&name);
-            }
-        }
-        self.live.load(&name, &text, false);
+        let Source { from, text } = found;
+        self.live.load(from, &text, false);
         self.watch(Some(&text));
         Ok(())
     }
@@ -337,9 +327,7 @@ impl Session {
         };
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
-        let name = path.to_string_lossy();
-        lock(&self.files).insert(name.clone().into_owned());
-        self.live.saved(&name);
+        self.live.saved(&path);
         self.follow();
         self.say(&format!("saved '{}'", path.display()));
         Ok(())
@@ -389,11 +377,7 @@ impl Session {
         let seen = self.live.snapshot().rendering.context("there is no picture yet")?;
         let request = &seen.request;
         let subject = Subject {
-            source: Source {
-                name: request.name.clone(),
-                text: request.text.to_string(),
-                is_file: self.path().is_some(),
-            },
+            source: Source { from: request.source.clone(), text: request.text.to_string() },
             document: (*seen.document).clone(),
             domain: request.domain,
             parse: seen.parse,

@@ -7,21 +7,20 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use zeroset::gallery::{Example, example};
+use zeroset::live::DocumentSource;
 
 /// No text is read further than this; the parser's own limit is far lower.
 const LONGEST: u64 = 16 << 20;
 
-/// A text and what to call it in messages.
+/// A text and where it came from.
 pub struct Source {
-    pub name: String,
+    pub from: DocumentSource,
     pub text: String,
-    /// Whether the name is the path of a file that the text was read from.
-    pub is_file: bool,
 }
 
 impl From<Example> for Source {
-    fn from(Example { slug, text }: Example) -> Self {
-        Self { name: slug.to_owned(), text: text.to_owned(), is_file: false }
+    fn from(example: Example) -> Self {
+        Self { from: DocumentSource::Gallery(example), text: example.text.to_owned() }
     }
 }
 
@@ -32,7 +31,7 @@ impl From<Example> for Source {
 /// If a file cannot be read, or the text is not UTF-8.
 pub fn find(argument: &OsStr) -> Result<Source> {
     if argument == "-" {
-        return read("standard input", std::io::stdin().lock());
+        return read(DocumentSource::Input, std::io::stdin().lock());
     }
     let path = Path::new(argument);
     let shown = argument.to_string_lossy();
@@ -68,7 +67,7 @@ pub fn find(argument: &OsStr) -> Result<Source> {
             "'{shown}' is not a file, a surface of the gallery or a formula; did you mean '{slug}' of the gallery?"
         );
     }
-    Ok(Source { name: "formula".to_owned(), text: text.to_owned(), is_file: false })
+    Ok(Source { from: DocumentSource::Typed, text: text.to_owned() })
 }
 
 /// The name of the gallery that a text is likely to mean which is a word and no formula: one that
@@ -93,27 +92,25 @@ fn misspelt(text: &str) -> Option<&'static str> {
 /// # Errors
 /// If it cannot be read, or is not UTF-8.
 pub fn open(path: &Path) -> Result<Source> {
-    let shown = path.to_string_lossy();
-    let file = File::open(path).with_context(|| format!("cannot read '{shown}'"))?;
-    // Where its path is no text, its name is not its path.
-    let is_file = path.to_str().is_some();
-    Ok(Source { is_file, ..read(&shown, file)? })
+    let file = File::open(path).with_context(|| format!("cannot read '{}'", path.display()))?;
+    read(DocumentSource::File(path.to_owned()), file)
 }
 
-fn read(name: &str, from: impl Read) -> Result<Source> {
-    let mut bytes = Vec::new();
-    from.take(LONGEST + 1)
-        .read_to_end(&mut bytes)
-        .with_context(|| format!("cannot read '{name}'"))?;
-    if bytes.len() as u64 > LONGEST {
-        bail!("'{name}' is longer than {} MB: too large for a formula", LONGEST >> 20);
+fn read(from: DocumentSource, bytes: impl Read) -> Result<Source> {
+    let mut read = Vec::new();
+    bytes
+        .take(LONGEST + 1)
+        .read_to_end(&mut read)
+        .with_context(|| format!("cannot read '{from}'"))?;
+    if read.len() as u64 > LONGEST {
+        bail!("'{from}' is longer than {} MB: too large for a formula", LONGEST >> 20);
     }
-    match String::from_utf8(bytes) {
-        Ok(text) => Ok(Source { name: name.to_owned(), text, is_file: false }),
+    match String::from_utf8(read) {
+        Ok(text) => Ok(Source { from, text }),
         Err(error) => {
             let at = error.utf8_error().valid_up_to();
             let line = 1 + String::from_utf8_lossy(&error.as_bytes()[..at]).matches('\n').count();
-            bail!("'{name}' is not valid UTF-8 text: line {line}, byte {at}")
+            bail!("'{from}' is not valid UTF-8 text: line {line}, byte {at}")
         }
     }
 }

@@ -53,7 +53,8 @@ impl Subject {
         match read {
             Ok(document) => Ok(Self { source, document, domain, parse }),
             Err(errors) => {
-                let shown = errors.render(Some(&source.name), &source.text, notes::coloured());
+                let shown =
+                    errors.render(Some(&source.from.to_string()), &source.text, notes::coloured());
                 Err(notes::Diagnostic(shown).into())
             }
         }
@@ -62,8 +63,8 @@ impl Subject {
     /// Reports how the text was read where that may surprise.
     pub fn show_notes(&self) {
         for note in &self.document.notes {
-            let Source { name, text, .. } = &self.source;
-            notes::say(&note.render(Some(name), text, notes::coloured()));
+            let Source { from, text } = &self.source;
+            notes::say(&note.render(Some(&from.to_string()), text, notes::coloured()));
         }
     }
 }

@@ -153,7 +153,7 @@ mod tests {
     use std::fs::File;
     use std::io::Write;
     use std::sync::Arc;
-    use zeroset::live::{Live, Request};
+    use zeroset::live::{DocumentSource, Live, Request};
     use zeroset::picture::Settings;
 
     const LIMIT: Duration = Duration::from_secs(30);
@@ -174,7 +174,7 @@ mod tests {
         let target = Arc::clone(&live);
         let watch = Watch::start(&path, text, move |change| {
             if let Change::Text(text) = change {
-                target.load("surface.zset", &text, true);
+                target.load(DocumentSource::Typed, &text, true);
             }
         });
         Watched { directory, live, _watch: watch.expect("watched") }

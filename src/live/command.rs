@@ -313,7 +313,7 @@ mod tests {
         live.enter(":prec f64").expect("a precision");
         assert_eq!(live.settings().precision, Precision::F64);
         for line in [":set r = 2", ":set r=2", ":set r 2"] {
-            live.load("", "", false);
+            live.clear();
             live.enter(line).expect(line);
             assert_eq!(live.text(), "r = 2", "{line}");
         }

@@ -3,12 +3,13 @@
 
 use super::draft::{draws, entered, without_scenery};
 use super::pipeline::Request;
-use super::session::{Live, Reply, TYPED};
+use super::session::{Live, Reply};
 use super::slider::TIME;
+use super::source::DocumentSource;
 use super::surfaces::{no_surface, without};
 use super::undo::Gesture;
 use super::values::defined;
-use crate::gallery;
+use crate::gallery::Example;
 use crate::program::{Program, ProgramError};
 use crate::scene::is_idle;
 use std::borrow::Cow;
@@ -23,7 +24,7 @@ pub(super) struct Edit {
     /// The names that it gave another meaning.
     defined: Vec<String>,
     /// Another name of the document.
-    name: Option<&'static str>,
+    source: Option<DocumentSource>,
     /// The document as read, if it was; `None` while it defines names only.
     document: Option<Document>,
     /// Whether something is drawn.
@@ -94,9 +95,9 @@ impl Live {
     pub(super) fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
         let document = self.edit(|request, readable| {
             let text = after(request, readable, line, adding);
-            let is_another = !adding && draws(line) && gallery_text(&request.name).is_some();
+            let is_another = !adding && draws(line) && from_gallery(request).is_some();
             let edit = Edit::checked(request, text, defined(line))?;
-            Ok(Edit { name: is_another.then_some(TYPED), ..edit })
+            Ok(Edit { source: is_another.then_some(DocumentSource::Typed), ..edit })
         })?;
         Ok(document.map_or_else(nothing_drawn, |_| Reply::Done))
     }
@@ -153,14 +154,14 @@ impl Live {
         gesture: Option<Gesture>,
         work: impl Fn(&Request, &str) -> Result<Edit, Refusal>,
     ) -> Result<Option<Document>, Refusal> {
-        self.change_after(work, |state, Edit { text, defined, name, document, is_drawn }| {
+        self.change_after(work, |state, Edit { text, defined, source, document, is_drawn }| {
             let (before, was) = (state.said(), Arc::clone(&state.request.text));
             state.forget_given(&defined);
             state.request.text = Arc::clone(&text);
             state.readable = Arc::clone(&text);
             state.forget_dragged(&was);
-            if let Some(name) = name {
-                name.clone_into(&mut state.request.name);
+            if let Some(source) = source {
+                state.request.source = source;
             }
             state.shown = if is_drawn { text } else { "".into() };
             state.typed.clear();
@@ -191,13 +192,13 @@ impl Edit {
             Err(errors) => return Err(Refusal::Text { text, errors }),
         };
         let is_drawn = document.is_some();
-        Ok(Self { text: text.into(), defined, name: None, document, is_drawn })
+        Ok(Self { text: text.into(), defined, source: None, document, is_drawn })
     }
 
     /// A text that is known to draw what the one before did.
     pub fn unchecked(text: String) -> Self {
-        let (defined, name, document) = (Vec::new(), None, None);
-        Self { text: text.into(), defined, name, document, is_drawn: true }
+        let (defined, source, document) = (Vec::new(), None, None);
+        Self { text: text.into(), defined, source, document, is_drawn: true }
     }
 }
 
@@ -205,9 +206,9 @@ impl Edit {
 /// gallery has nothing to do with that one's domain, view and comments, and they go with it.
 pub(super) fn after(request: &Request, readable: &str, line: &str, adding: bool) -> String {
     let base = base(request, readable);
-    let came = if adding || !draws(line) { None } else { gallery_text(&request.name) };
+    let came = if adding || !draws(line) { None } else { from_gallery(request) };
     match came {
-        Some(came) => entered(&without_scenery(&base, came), line, adding),
+        Some(came) => entered(&without_scenery(&base, came.text), line, adding),
         None => entered(&base, line, adding),
     }
 }
@@ -239,7 +240,10 @@ fn nothing_drawn() -> Reply {
     Reply::Say("noted; there is nothing to draw yet".to_owned())
 }
 
-/// Whether a document is a surface of the gallery, and its text if so.
-fn gallery_text(name: &str) -> Option<&'static str> {
-    gallery::examples().into_iter().find(|example| example.slug == name).map(|example| example.text)
+/// What a document was in the gallery, if it came from there.
+fn from_gallery(request: &Request) -> Option<Example> {
+    match request.source {
+        DocumentSource::Gallery(example) => Some(example),
+        _ => None,
+    }
 }

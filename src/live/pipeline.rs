@@ -14,6 +14,7 @@ mod worker;
 use self::worker::Worker;
 use super::edit::missing_letter;
 use super::orbit::Orbit;
+use super::source::DocumentSource;
 use crate::blank::Blank;
 use crate::domain::AutoDomain;
 use crate::model::Model;
@@ -51,8 +52,8 @@ impl Axes {
 /// Everything that a picture depends on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// What the text is called in messages.
-    pub name: String,
+    /// Where the document came from.
+    pub source: DocumentSource,
     /// The document.
     pub text: Arc<str>,
     /// Names with values that replace those of the text.
@@ -166,7 +167,8 @@ impl Fault {
     pub fn render(&self, color: bool) -> String {
         match &self.reason {
             Reason::Text(errors) => {
-                errors.render(Some(&self.request.name), &self.request.text, color)
+                let Request { source, text, .. } = &*self.request;
+                errors.render(Some(&source.to_string()), text, color)
             }
             Reason::Scene(_) | Reason::Bug => format!("error: {}", self.message()),
         }

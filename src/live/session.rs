@@ -4,10 +4,13 @@ use super::edit::{Refusal, after};
 use super::orbit::Orbit;
 use super::pipeline::{Axes, Pipeline, Rendering, Request, Snapshot, same_document};
 use super::slider::TIME;
+use super::source::DocumentSource;
 use super::undo::{Dragged, Gesture, Said, Undo};
 use super::values::{defined, right_side, with_value};
 use crate::picture::Settings;
 use crate::scene::CameraChoice;
+use std::mem;
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zeroset_syntax::{Limits, parse};
@@ -235,7 +238,7 @@ impl Live {
     /// Takes `text` for the document. If `again`, the text is the same document in a newer version:
     /// then the view stays, and so does a value that was dragged unless the text gives it another than
     /// before.
-    pub fn load(&self, name: &str, text: &str, again: bool) {
+    pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
         let mut state = self.lock();
@@ -259,11 +262,11 @@ impl Live {
         state.kept = given;
         state.typed.clear();
         let request = &mut state.request;
-        name.clone_into(&mut request.name);
+        request.source = source;
         request.text = Arc::clone(&text);
         if !again {
             *request = Request {
-                name: name.to_owned(),
+                source: mem::take(&mut request.source),
                 text: Arc::clone(&text),
                 clip: request.clip,
                 axes: request.axes,
@@ -278,13 +281,13 @@ impl Live {
 
     /// Takes the whole document away, and what was said of its domain and view.
     pub fn clear(&self) {
-        self.load(TYPED, "", false);
+        self.load(DocumentSource::Typed, "", false);
     }
 
-    /// Notes that the document is kept elsewhere as it is now, under this name.
-    pub fn saved(&self, name: &str) {
+    /// Notes that the document is kept in this file as it is now.
+    pub fn saved(&self, path: &Path) {
         let mut state = self.lock();
-        name.clone_into(&mut state.request.name);
+        state.request.source = DocumentSource::File(path.to_owned());
         state.kept = Arc::clone(&state.request.text);
     }
 
@@ -383,14 +386,11 @@ impl Live {
         forget_given(&mut request, &state.typed);
         // A mistake in what is typed is no mistake of the file.
         if state.shown != state.request.text {
-            TYPED.clone_into(&mut request.name);
+            request.source = DocumentSource::Typed;
         }
         state.revision = self.pipeline.request(request);
     }
 }
-
-/// What a text is called that came from nowhere but the keyboard.
-pub(super) const TYPED: &str = "formula";
 
 /// `text` with values that were dragged as they are in `present`.
 fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {

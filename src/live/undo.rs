@@ -155,8 +155,8 @@ impl Live {
 mod tests {
     use super::*;
 
-    fn said(name: &str) -> Said {
-        let request = Request { name: name.to_owned(), ..Request::default() };
+    fn said(text: &str) -> Said {
+        let request = Request { text: text.into(), ..Request::default() };
         Said { request, dragged: Vec::new() }
     }
 

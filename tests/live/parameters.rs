@@ -3,7 +3,7 @@
 
 use crate::live_support::{LIMIT, settled, start};
 use std::time::Duration;
-use zeroset::live::Rendering;
+use zeroset::live::{DocumentSource, Rendering};
 use zeroset::model::render;
 use zeroset::scene;
 use zeroset_syntax::Options;
@@ -99,7 +99,7 @@ fn a_slider_changes_the_picture_and_the_status_tells_that_nothing_was_compiled()
     assert_eq!((times.simplify, times.compile), (Duration::ZERO, Duration::ZERO));
     // What has no surface for one value has one for another.
     live.enter("r = 2 in [-4, 4]").expect("valid");
-    live.load("test", "r = 2 in [-4, 4]\ndomain 2\nsqrt(-r - x^2) + y", false);
+    live.load(DocumentSource::Typed, "r = 2 in [-4, 4]\ndomain 2\nsqrt(-r - x^2) + y", false);
     assert!(live.wait(LIMIT));
     let fault = live.snapshot().fault.expect("no surface").message();
     assert!(fault.contains("defined nowhere"), "{fault}");

@@ -4,7 +4,7 @@ use crate::live_support::{LIMIT, settled, start};
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset::gallery;
-use zeroset::live::{Live, Rendering, Reply, Request};
+use zeroset::live::{DocumentSource, Live, Rendering, Reply, Request};
 use zeroset::model::render;
 use zeroset::picture::{Precision, Settings};
 use zeroset::scene;
@@ -137,7 +137,7 @@ fn typing_goes_on_from_the_last_text_that_could_be_read() {
     let live = start("r = 0.5\nx^2+y^2+z^2 = r", 32);
     settled(&live);
     // As a file that was saved half written.
-    live.load("test", "r = 0.5\nx^2+(", true);
+    live.load(DocumentSource::Typed, "r = 0.5\nx^2+(", true);
     assert!(live.wait(LIMIT) && live.snapshot().fault.is_some());
     live.type_line("z = r");
     assert_eq!(settled(&live).document.surfaces[0].echo, "z = r");
@@ -145,7 +145,7 @@ fn typing_goes_on_from_the_last_text_that_could_be_read() {
     settled(&live);
     assert_eq!(live.text(), "r = 0.7\nx^2+y^2+z^2 = r");
     // A new document that is wrong is not the old one.
-    live.load("other", "y^2+(", false);
+    live.load(DocumentSource::Typed, "y^2+(", false);
     live.enter("x = y").expect("valid");
     assert_eq!(live.text(), "x = y");
 }
@@ -194,7 +194,7 @@ fn the_view_survives_edits_until_it_is_reset() {
     assert!((turned.eye() - eye).length() > 0.5);
     live.enter("x^2+y^4+z^2 = 1").expect("valid");
     assert_eq!(settled(&live).camera, turned);
-    live.load("test", "domain 2\nx^4+y^4+z^4 = 1", true);
+    live.load(DocumentSource::Typed, "domain 2\nx^4+y^4+z^4 = 1", true);
     assert_eq!(settled(&live).camera, turned);
     // What nobody chose is fitted to what is seen.
     let fresh = |text: &str| settled(&start(text, 32)).camera;
@@ -203,7 +203,7 @@ fn the_view_survives_edits_until_it_is_reset() {
     live.enter(":view top").expect("valid");
     assert!(settled(&live).camera.rays(1, 1).forward().z < -0.99);
     // A new document starts anew.
-    live.load("other", "domain 2\nx+y+z", false);
+    live.load(DocumentSource::Typed, "domain 2\nx+y+z", false);
     assert_eq!(settled(&live).camera, fresh("domain 2\nx+y+z"));
 }
 

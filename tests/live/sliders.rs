@@ -1,7 +1,7 @@
 //! Values that are dragged, and time: one truth, whoever says it, and no code for it.
 
 use crate::live_support::{LIMIT, settled, start};
-use zeroset::live::{Live, Rendering, Request, Slider};
+use zeroset::live::{DocumentSource, Live, Rendering, Request, Slider};
 use zeroset::picture::Settings;
 
 /// The slider of this name in what is seen.
@@ -91,10 +91,10 @@ fn a_reload_keeps_a_dragged_value_unless_the_file_gives_it_another() {
     let live = start("domain 2\nr = 1 in [0, 2]\ns = 1\nx^2+y^2 = r+s", 16);
     drag(&live, "r", 0.5);
     drag(&live, "s", 1.5);
-    live.load("test", "domain 2\nr = 1 in [0, 2]\ns = 1\nx^2+z^2 = r+s", true);
+    live.load(DocumentSource::Typed, "domain 2\nr = 1 in [0, 2]\ns = 1\nx^2+z^2 = r+s", true);
     let kept = "domain 2\nr = 0.5 in [0, 2]\ns = 1.5 in [0, 2]\nx^2+z^2 = r+s";
     assert_eq!(live.text(), kept);
-    live.load("test", "domain 2\nr = 1.25 in [0, 2]\ns = 1\nx^2+z^2 = r+s", true);
+    live.load(DocumentSource::Typed, "domain 2\nr = 1.25 in [0, 2]\ns = 1\nx^2+z^2 = r+s", true);
     let given = "domain 2\nr = 1.25 in [0, 2]\ns = 1.5 in [0, 2]\nx^2+z^2 = r+s";
     assert_eq!(live.text(), given);
     settled(&live);
@@ -103,7 +103,7 @@ fn a_reload_keeps_a_dragged_value_unless_the_file_gives_it_another() {
     drag(&live, "r", 1.5);
     live.enter(":set r = 0.75").expect("valid");
     assert!(!live.restore(&slider(&live, "r")));
-    live.load("other", "domain 2\nr = 1 in [0, 2]\nx = r", false);
+    live.load(DocumentSource::Typed, "domain 2\nr = 1 in [0, 2]\nx = r", false);
     assert_eq!(live.text(), "domain 2\nr = 1 in [0, 2]\nx = r");
 }
 

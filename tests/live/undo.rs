@@ -3,7 +3,7 @@
 
 use crate::live_support::{settled, start};
 use glam::DVec3;
-use zeroset::live::{Live, Reply};
+use zeroset::live::{DocumentSource, Live, Reply};
 use zeroset_trace::HalfSpace;
 
 fn enter(live: &Live, line: &str) {
@@ -30,7 +30,7 @@ fn everything_said_is_taken_back_and_said_again() {
         ":clear",
     ] {
         if line == ":load-none" {
-            live.load("other", "x = y", false);
+            live.load(DocumentSource::Typed, "x = y", false);
         } else {
             enter(&live, line);
         }
@@ -133,22 +133,33 @@ fn what_faces_the_eye_is_cut_off_moved_and_given_back() {
 
 #[test]
 fn what_replaces_a_surface_of_the_gallery_is_not_seen_through_its_window() {
-    let text = zeroset::gallery::example("gyroid").expect("there").text;
+    let example = zeroset::gallery::example("gyroid").expect("there");
+    let text = example.text;
     let live = start("", 16);
-    live.load("gyroid", text, false);
+    live.load(DocumentSource::Gallery(example), text, false);
     assert!(settled(&live).document.domain.is_some() && !live.is_changed());
     live.type_line("x^2+y^2+z^2 = 400");
     assert!(settled(&live).document.domain.is_none());
     enter(&live, ":set q = 3");
     enter(&live, "x^2+y^2+z^2 = 400");
     assert_eq!(live.text().trim(), "q = 3\nx^2+y^2+z^2 = 400");
-    assert!(live.request().name == "formula" && live.is_changed());
+    assert!(live.request().source == DocumentSource::Typed && live.is_changed());
     // What the user says stays, and what is only added goes along.
-    live.load("gyroid", text, false);
+    live.load(DocumentSource::Gallery(example), text, false);
     enter(&live, "domain 4");
     enter(&live, "x = y");
     assert_eq!(live.text().trim(), "domain 4\nx = y");
-    live.load("gyroid", text, false);
+    live.load(DocumentSource::Gallery(example), text, false);
     enter(&live, ":add x = y");
     assert!(live.text().starts_with('#') && live.text().contains("domain"));
+}
+
+#[test]
+fn a_file_called_like_a_surface_of_the_gallery_stays_that_file() {
+    let live = start("", 16);
+    let source = DocumentSource::File("gyroid".into());
+    live.load(source.clone(), "domain 4\nx = y", false);
+    enter(&live, "x = z");
+    assert_eq!(live.text().trim(), "domain 4\nx = z");
+    assert_eq!(live.request().source, source);
 }

@@ -422,3 +422,22 @@ fn whoever_has_read_enough_ends_the_output_without_an_error() {
         assert!(!said.contains("error"), "{arguments:?}: {said}");
     }
 }
+
+#[test]
+fn a_prompt_whose_input_is_not_text_says_so() {
+    let run = Place::new().run_with(&["--preview", "x+y+z"], b"x = 0.5\n\xff\xfe\n:list\n");
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    assert!(run.stderr.contains("the prompt has stopped"), "{}", run.stderr);
+}
+
+#[test]
+fn a_directory_hides_no_surface_of_the_gallery() {
+    let place = Place::new();
+    for name in ["gyroid", "pictures"] {
+        std::fs::create_dir(place.path(name)).expect("made");
+    }
+    place.run(&["explain", "gyroid"]).ok();
+    let run = place.run(&["explain", "pictures"]);
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    assert!(run.stderr.contains("is a directory"), "{}", run.stderr);
+}

@@ -31,8 +31,7 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     assert_eq!(read("cube.zset").replace('\n', " ").trim(), "max(abs(x), abs(y), abs(z)) = 1");
     assert!(read("data/zeroset/history").contains(":save cube.zset"));
     assert!(read("data/zeroset/last.zset").contains("abs(z)"));
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }
 
 #[test]
@@ -53,8 +52,7 @@ fn without_a_window_the_gallery_is_a_list() {
         terminal.type_in(":list\r");
         terminal.shows(shown);
     }
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }
 
 #[test]
@@ -108,8 +106,7 @@ fn the_picture_of_a_reloaded_file_is_shown_unasked() {
     assert!(last.matches(['@', '%', '#', '*']).count() > 100, "{last}");
     terminal.type_in(":list\r");
     terminal.shows("x^2+y^2+z^2 = 1/3");
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }
 
 #[test]
@@ -135,8 +132,7 @@ fn a_file_whose_loading_was_taken_back_is_followed_again_once_it_is_done_again()
     save("x = 3.25");
     terminal.type_in(":list\r");
     terminal.shows("x = 3.25");
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }
 
 #[test]
@@ -154,14 +150,15 @@ fn a_file_that_is_gone_for_a_while_is_followed_when_it_is_back() {
     std::thread::sleep(std::time::Duration::from_millis(500));
     terminal.type_in(":list\r");
     terminal.shows("x = 2.25");
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }
 
 #[test]
 fn what_came_from_no_file_is_saved_to_none() {
     for start in ["x = 0.25", "sphere"] {
         let mut terminal = Terminal::start(&["--preview", start], None);
+        // Only then are there files of these names.
+        terminal.shows("undecided");
         let place = terminal.place().to_owned();
         let others = ["formula", "sphere"].map(|name| place.join(name));
         for other in &others {
@@ -173,8 +170,7 @@ fn what_came_from_no_file_is_saved_to_none() {
         for other in &others {
             assert_eq!(std::fs::read_to_string(other).expect("there"), "notes");
         }
-        terminal.type_in("\u{4}");
-        assert_eq!(terminal.ends(), 0);
+        terminal.leaves();
     }
 }
 
@@ -191,8 +187,7 @@ fn a_private_file_stays_private() {
     terminal.shows("saved 'surface.zset'");
     assert_eq!(std::fs::read_to_string(&path).expect("there"), "x+y+z\n");
     assert_eq!(std::fs::metadata(&path).expect("there").permissions().mode() & 0o777, 0o600);
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }
 
 #[test]
@@ -201,8 +196,17 @@ fn lines_that_come_together_are_all_read() {
     terminal.shows("undecided");
     terminal.type_in("a = 0.125\rx = a\r:status\r");
     terminal.shows("surface     x = a");
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
+}
+
+#[test]
+fn dumb_terminals_get_no_colours() {
+    for (kind, are_coloured) in [("xterm", true), ("dumb", false)] {
+        let terminal = Terminal::start_in(kind, &["explain", "x = fooo"]);
+        terminal.shows("is not defined");
+        let shown = terminal.shown();
+        assert_eq!(shown.contains('\u{1b}'), are_coloured, "{kind}: {shown:?}");
+    }
 }
 
 #[test]
@@ -249,8 +253,7 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     let all = terminal.shown();
     assert!(!all.contains("62;4") && !all.contains("unknown"), "a stray answer");
     assert!(!has_letters(&all), "letters too");
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }
 
 #[test]
@@ -263,8 +266,7 @@ fn terminals_that_answer_otherwise_or_not_get_characters() {
         terminal.type_in(":list\r");
         terminal.shows("x^2+y^2+z^2 = 1");
         assert!(!terminal.shown().contains("?6"), "a stray answer");
-        terminal.type_in("\u{4}");
-        assert_eq!(terminal.ends(), 0);
+        terminal.leaves();
     }
 }
 
@@ -277,8 +279,7 @@ fn pictures_fit_a_terminal_that_grows_or_shrinks() {
         terminal.type_in(":help quit\r");
         terminal.shows(&format!("{columns}x{} ", 2 * (rows - 4)));
     }
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }
 
 #[test]
@@ -302,6 +303,5 @@ fn precision_is_chosen_shown_and_kept_in_the_command() {
     assert!(!terminal.shown().contains("function u0:0"), "code that nobody asked for");
     terminal.type_in(":explain code\r");
     terminal.shows("function u0:0");
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }

@@ -226,6 +226,5 @@ fn the_prompt_tells_how_to_give_a_letter_a_value() {
         terminal.type_in(line);
         until(line, || std::fs::read_to_string(&place).is_ok_and(|text| text == shown));
     }
-    terminal.type_in("\u{4}");
-    assert_eq!(terminal.ends(), 0);
+    terminal.leaves();
 }

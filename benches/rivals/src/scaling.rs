@@ -41,18 +41,15 @@ impl Side for Pooled {
     }
 
     fn draw(&mut self) -> Result<()> {
-        let [(pool, picture)] = self.pictures.as_mut_slice() else {
-            return std::thread::scope(|scope| {
-                let draw =
-                    |(pool, picture): &mut (ThreadPool, Ours)| pool.install(|| picture.draw());
-                let (last, others) = self.pictures.split_last_mut().expect("one at least");
-                let others: Vec<_> =
-                    others.iter_mut().map(|other| scope.spawn(move || draw(other))).collect();
-                draw(last)?;
-                others.into_iter().try_for_each(|other| other.join().expect("no panic"))
-            });
-        };
-        pool.install(|| picture.draw())
+        let draw = |(pool, picture): &mut (ThreadPool, Ours)| pool.install(|| picture.draw());
+        if let [only] = self.pictures.as_mut_slice() {
+            return draw(only);
+        }
+        std::thread::scope(|scope| {
+            let drawn: Vec<_> =
+                self.pictures.iter_mut().map(|one| scope.spawn(move || draw(one))).collect();
+            drawn.into_iter().try_for_each(|one| one.join().expect("no panic"))
+        })
     }
 
     fn distances(&self) -> Vec<f64> {

@@ -9,6 +9,7 @@ use crate::note::{Note, NoteKind};
 use crate::program_words::{SCENES, Words, bracketed, closing, size_of, split};
 use crate::reader::{Frame, Reader, Statements};
 use crate::scan::Token;
+use crate::scope::coordinate;
 use crate::span::Span;
 use crate::statement::Head;
 use crate::steps::Step;
@@ -251,7 +252,7 @@ impl Reader<'_> {
 
     /// The frame of a function; parameters with values become names that are set.
     pub(crate) fn enter(&mut self, name: Name, parameters: Vec<Vec<Token>>) -> Fallible<Frame> {
-        if matches!(name.text.as_str(), "x" | "y" | "z") {
+        if coordinate(&name.text).is_some() {
             let kind = ErrorKind::CoordinateFunction { name: name.text };
             return Err(Error::new(name.span, kind));
         }

@@ -8,7 +8,7 @@ use crate::limits::Limits;
 use crate::lower::Binding;
 use crate::note::{Note, NoteKind};
 use crate::scene::ConstantRange;
-use crate::scope::nearest;
+use crate::scope::{coordinate, nearest};
 use crate::span::Span;
 use crate::spelling::is_definable;
 use crate::statement::{Built, is_plain_number};
@@ -132,7 +132,7 @@ fn override_value(
     let given = name.to_owned();
     let kind = if !is_definable(name) {
         ErrorKind::OverrideNotAName { name: given }
-    } else if matches!(name, "x" | "y" | "z") {
+    } else if coordinate(name).is_some() {
         ErrorKind::OverrideCoordinate { name: given }
     } else if defined.is_some_and(|(definition, _)| definition.parameters.is_some()) {
         ErrorKind::OverrideFunction { name: given }

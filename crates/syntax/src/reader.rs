@@ -11,6 +11,7 @@ use crate::plots::Plot;
 use crate::program::{Program, Unit, Wrap};
 use crate::program_words::{Words, begins_name, closing, is_whole_type, size_of};
 use crate::scan::Token;
+use crate::scope::coordinate;
 use crate::spelling::is_setting;
 use crate::statement::Head;
 use crate::wrappers::Unwrapped;
@@ -256,7 +257,7 @@ impl Reader<'_> {
             let size = known.map_or(3, |(_, size)| *size);
             let is_set = frame.function.is_some() || known.is_some() || letters.is_some();
             // `x = 3` is an equation, unless a program has declared x.
-            let is_coordinate = matches!(name.text.as_str(), "x" | "y" | "z" | "t");
+            let is_coordinate = name.text == "t" || coordinate(&name.text).is_some();
             if is_coordinate && !is_set {
                 return self.plain(tokens, frame, true).map(|()| None);
             }

@@ -122,10 +122,10 @@ impl Scope {
         if locals.iter().any(|local| local.text == name) {
             return Some(NamedValue::Local(name.to_owned()));
         }
+        if let Some(axis) = coordinate(name) {
+            return Some(NamedValue::Coordinate(axis));
+        }
         match (name, self.defined.get(name)) {
-            ("x", _) => Some(NamedValue::Coordinate(Axis::X)),
-            ("y", _) => Some(NamedValue::Coordinate(Axis::Y)),
-            ("z", _) => Some(NamedValue::Coordinate(Axis::Z)),
             ("t", _) => Some(NamedValue::Time),
             (_, Some(None)) => Some(NamedValue::Defined(name.to_owned())),
             (_, Some(Some(_))) => None,
@@ -186,6 +186,16 @@ impl Scope {
             candidates.extend(NamedConstant::ALL.iter().map(|constant| shorter(constant.name())));
         }
         nearest(name, candidates.into_iter())
+    }
+}
+
+/// The axis along which `name` is the coordinate.
+pub(crate) fn coordinate(name: &str) -> Option<Axis> {
+    match name {
+        "x" => Some(Axis::X),
+        "y" => Some(Axis::Y),
+        "z" => Some(Axis::Z),
+        _ => None,
     }
 }
 

@@ -9,7 +9,7 @@ use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::program::{Unit, Wrap};
 use crate::scan::Piece;
-use crate::scope::{Meaning, Scope};
+use crate::scope::{Meaning, Scope, coordinate};
 use crate::setting::{SETTINGS, Setting};
 use crate::span::Span;
 use crate::spelling::{is_definable, plain_name};
@@ -210,7 +210,7 @@ fn is_built_in(head: &Head) -> bool {
 /// coordinates.
 fn is_miscounted(head: &Head) -> bool {
     let mut parameters = head.parameters.iter().flatten();
-    parameters.all(|p| matches!(p.text.as_str(), "x" | "y" | "z")) && accepts(head) == Some(false)
+    parameters.all(|p| coordinate(&p.text).is_some()) && accepts(head) == Some(false)
 }
 
 /// Whether the function of the language called `head` takes that many arguments; `None` if there is

@@ -78,8 +78,8 @@ pub struct Options {
     pub depth: u32,
     /// How far, in pixels, a hit may be from where it is said to be. Proofs do not depend on it.
     pub tolerance: f64,
-    /// How short the segments are that stay open, as a share of the longest bracket: 0 follows them as far as arithmetic can tell,
-    /// more leaves them sooner to be painted, for a picture that another one follows. Read where proofs are.
+    /// How short the segments are that stay open, as a share of the longest bracket: 0 follows them as far as arithmetic can
+    /// tell, more leaves them sooner to be painted, for a picture that another one follows. Read where proofs are.
     pub least: f64,
     /// Samples on a ray's way through the region, or steps along it at most; from 2 on.
     pub steps: u32,

@@ -294,7 +294,7 @@ impl Window {
     /// Names the document in the title bar.
     fn entitle(&mut self) {
         let live = &self.session.live;
-        let name = live.request().name;
+        let name = live.request().source.to_string();
         let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
         let shown: String = last.chars().filter(|c| !c.is_control()).take(60).collect();
         let mark = if live.is_changed() { "*" } else { "" };

@@ -142,8 +142,8 @@ impl Worker {
     /// Where the text cannot be read, that which is shown is seen as asked for, and to the end.
     fn go_on(&mut self, job: &Job) {
         let Some(Built { request: shown, .. }) = &self.built else { return };
-        let Request { name, text, overrides, time, .. } = (**shown).clone();
-        let request = Request { name, text, overrides, time, ..(*job.request).clone() };
+        let Request { source, text, overrides, time, .. } = (**shown).clone();
+        let request = Request { source, text, overrides, time, ..(*job.request).clone() };
         let job = Job { request: Arc::new(request), ..*job };
         if self.finished.as_ref() == Some(&job.request) {
             return;

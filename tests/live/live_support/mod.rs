@@ -11,7 +11,7 @@ pub const LIMIT: Duration = Duration::from_mins(1);
 /// Of `text`, in a picture of `side` by `side` pixels.
 pub fn start(text: &str, side: usize) -> Live {
     let settings = Settings { width: side, height: side, ..Settings::default() };
-    Live::new(Request { name: "test".into(), text: text.into(), settings, ..Request::default() })
+    Live::new(Request { text: text.into(), settings, ..Request::default() })
 }
 
 /// The finished picture.

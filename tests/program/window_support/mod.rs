@@ -92,10 +92,12 @@ impl Terminal {
         Self::of(command, arguments, display, None)
     }
 
-    /// The same without a display, in a terminal of this kind.
+    /// The same without a display, in a terminal of this kind, and with its colours.
     pub fn start_in(kind: &str, arguments: &[&str]) -> Self {
         let mut command = Command::new("env");
-        command.arg(format!("TERM={kind}")).arg(env!("CARGO_BIN_EXE_zeroset"));
+        command
+            .args(["-u", "NO_COLOR", &format!("TERM={kind}")])
+            .arg(env!("CARGO_BIN_EXE_zeroset"));
         Self::of(command, arguments, None, None)
     }
 
@@ -228,6 +230,12 @@ impl Terminal {
         until(&format!("the terminal shows {text:?}; it shows:\n{}", self.shown()), || {
             self.shown().contains(text)
         });
+    }
+
+    /// Ends the prompt's input, and the program with it.
+    pub fn leaves(mut self) {
+        self.type_in("\u{4}");
+        assert_eq!(self.ends(), 0);
     }
 
     /// Waits for the end and returns the exit code.
