@@ -194,10 +194,10 @@ fn sample<T: KernelFloat>(
     point: [f64; 3],
 ) -> Value {
     let out = gradient.ask_all(&Points::near(&[point]));
-    // Rounding makes numbers of what has no value, as of atan(1/x) at 0: enclosures tell.
-    let at: [f64; 3] = point.map(|c| T::nearest(c).into());
-    let facts = if at.iter().all(|c| c.is_finite()) {
-        bounds_and_facts(bounds, at.map(|c| Interval { lo: c, hi: c })).1
+    // Rounding makes numbers of what has no value, as of atan(1/x) at 0: enclosures tell, of the point as it is rather than of
+    // its nearest neighbour in `T`.
+    let facts = if point.iter().all(|c| c.is_finite()) {
+        bounds_and_facts(bounds, point.map(|c| Interval { lo: c, hi: c })).1
     } else {
         Facts::NONE
     };

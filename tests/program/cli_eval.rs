@@ -39,6 +39,9 @@ fn a_point_where_there_is_no_value_is_told_from_others() {
     }
     let found = answer(&json!({"f": "atan(1/x)", "at": [1, 0, 0]}));
     assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(true)), "{found}");
+    // A point that is 0 in f32, where there is no logarithm, has one.
+    let found = answer(&json!({"f": "ln(x)", "at": [7e-61, 0, 0]}));
+    assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(false)), "{found}");
     // Whether sin is 0 there is beyond these bounds: nothing is proven.
     let found = answer(&json!({"f": "1/sin(x)", "at": [1e20, 0, 0]}));
     assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(false)), "{found}");

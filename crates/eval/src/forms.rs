@@ -119,8 +119,7 @@ impl<T: Real, M: Machine, I: Loader<M>, P: Path<M, N>, const N: usize> ValueDoma
     }
 
     fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value {
-        let (neg_lo, hi) = (m.number(T::FORMAT, -bounds.lo), m.number(T::FORMAT, bounds.hi));
-        Form::between(m, T::FORMAT, &Enclosure::total(neg_lo, hi))
+        Form::constant(m, T::FORMAT, bounds)
     }
 
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value {

@@ -293,7 +293,8 @@ impl Drawn {
                 let centre = lanes(&|lane| lane.centre);
                 Form::coordinate(centre, slopes, lanes(&|lane| lane.error))
             }
-            Kind::Between | Kind::Fixed(_) => {
+            Kind::Fixed(_) => Form::constant(&mut Software::new(), T::FORMAT, self.range),
+            Kind::Between => {
                 let (neg_lo, hi) = (lanes(&|lane| -lane.bounds[0]), lanes(&|lane| lane.bounds[1]));
                 Form::between(&mut Software::new(), T::FORMAT, &Enclosure::total(neg_lo, hi))
             }

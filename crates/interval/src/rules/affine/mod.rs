@@ -17,6 +17,7 @@ use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
+use crate::software::{Software, Vector128};
 use zeroset_ops::Op;
 
 pub use solve::{Contraction, contract};
@@ -106,9 +107,39 @@ impl<V: Copy, const N: usize> Form<V, N> {
         }
     }
 
-    /// The form of a value that is only known by bounds: a constant, a parameter.
+    /// The form of a value that is only known by bounds: a parameter.
     pub fn between<M: Machine<V = V>>(m: &mut M, format: Format, value: &Enclosure<V>) -> Self {
         Rule { m, format }.form_between(value)
+    }
+
+    /// The same of a constant within bounds that are exact in `format`, which is computed here rather than by `m`.
+    pub fn constant<M: Machine<V = V>>(m: &mut M, format: Format, bounds: Interval) -> Self {
+        let mut software = Software::new();
+        let [neg_lo, hi] = [-bounds.lo, bounds.hi].map(|end| software.number(format, end));
+        let (centre, error) = match bounds.singleton() {
+            Some(_) => (hi, None),
+            None => {
+                let mut rule = Rule { m: &mut software, format };
+                let (centre, error) = rule.middle(neg_lo, hi);
+                (centre, Some(error))
+            }
+        };
+        let magnitude = software.abs(centre);
+        let mut lift = |value: Vector128| {
+            let bits = match value {
+                Vector128::F32([lane, ..]) => lane.into(),
+                Vector128::F64([lane, _]) => lane,
+            };
+            m.bits(format, bits)
+        };
+        Self {
+            centre: lift(centre),
+            slopes: None,
+            error: error.map(&mut lift),
+            magnitude: Some(lift(magnitude)),
+            bounds: Some([neg_lo, hi].map(lift)),
+            facts: Claims::TOTAL,
+        }
     }
 }
 
@@ -357,6 +388,36 @@ impl<M: Machine> Rule<'_, M> {
             error: Some(self.m.select(better, error, width)),
             magnitude: None,
             ..plain
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_constant_has_the_form_that_its_bounds_have() {
+        let m = &mut Software::new();
+        let above = |number: f64| f64::from((number as f32).next_up());
+        for lo in [-3.0, -f64::from(1e-45_f32), 0.0, 0.5, 2f64.powi(100), f64::from(f32::MAX)] {
+            for hi in [lo, above(lo), above(above(above(lo)))] {
+                for format in [Format::F32, Format::F64] {
+                    let [neg_lo, upper] = [-lo, hi].map(|end| m.number(format, end));
+                    let enclosure = Enclosure::total(neg_lo, upper);
+                    let form = Form::<_, 3>::constant(m, format, Interval { lo, hi });
+                    assert_eq!(form.bounds, Some([neg_lo, upper]), "{lo} to {hi}");
+                    assert_eq!(form.magnitude, Some(m.abs(form.centre)));
+                    assert_eq!(form.error.is_none(), lo == hi);
+                    let middle = Form::<_, 3>::between(m, format, &enclosure);
+                    // The sum of the ends may overflow, while a single number is known as it is.
+                    if lo != hi || lo < 1e38 {
+                        let zero = m.number(format, 0.0);
+                        assert_eq!(form.centre, middle.centre, "{lo} to {hi}");
+                        assert_eq!(form.error.unwrap_or(zero), middle.error.expect("some"));
+                    }
+                }
+            }
         }
     }
 }
