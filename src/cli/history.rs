@@ -22,9 +22,10 @@ impl History {
         self.lines.push_back(line);
     }
 
-    /// Of the lines after the first `known` ones those that are kept, the latest last.
-    pub fn after(&self, known: usize) -> Vec<String> {
+    /// Of the lines after the first `known` ones those that are kept, the latest last; all are known then.
+    pub fn news(&self, known: &mut usize) -> Vec<String> {
         let kept = known.saturating_sub(self.dropped);
+        *known = self.dropped + self.lines.len();
         self.lines.iter().skip(kept).cloned().collect()
     }
 }
@@ -38,7 +39,10 @@ mod tests {
         let mut history = History::default();
         (0..KEPT_LINES + 5).for_each(|line| history.add(line.to_string()));
         assert_eq!((history.lines.len(), history.dropped), (KEPT_LINES, 5));
-        assert_eq!(history.after(0).first().map(String::as_str), Some("5"));
-        assert_eq!(history.after(KEPT_LINES + 4), [(KEPT_LINES + 4).to_string()]);
+        let mut known = 0;
+        assert_eq!(history.news(&mut known).first().map(String::as_str), Some("5"));
+        assert_eq!((known, history.news(&mut known).len()), (KEPT_LINES + 5, 0));
+        known -= 1;
+        assert_eq!(history.news(&mut known), [(KEPT_LINES + 4).to_string()]);
     }
 }

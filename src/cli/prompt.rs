@@ -65,7 +65,9 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         let _ = editor.load_history(history);
         session.recall(editor.history().iter().cloned());
     }
-    let mut known = session.recalled(0).len();
+    // Of the lines entered here and in the window, those that the editor has.
+    let mut known = 0;
+    session.recalled(&mut known);
     let mut last = preview.then(|| session.live.request());
     let interactive = std::io::stdin().is_terminal();
     if interactive && let Ok(mut printer) = editor.create_external_printer() {
@@ -75,10 +77,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         std::thread::spawn(move || report_faults(&session, &typing));
     }
     while !session.has_ended() {
-        for line in session.recalled(known) {
-            editor.add_history_entry(line)?;
-            known += 1;
-        }
+        learn(session, &mut editor, &mut known)?;
         let line = match editor.readline("zeroset> ") {
             Ok(line) => line,
             Err(ReadlineError::Eof | ReadlineError::Interrupted) => {
@@ -98,10 +97,10 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             }
         };
         if !line.trim().is_empty() {
-            editor.add_history_entry(&line)?;
             session.recall([line.clone()]);
-            known += 1;
         }
+        // Others may have been entered in the window while this one was typed.
+        learn(session, &mut editor, &mut known)?;
         if let Some(history) = &history {
             // At once, so that nothing is lost however the program ends.
             let _ = editor.append_history(history);
@@ -122,6 +121,18 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
     }
     session.print_with(None);
     Ok(())
+}
+
+/// Adds lines to the editor's history that it has not.
+fn learn(
+    session: &Session,
+    editor: &mut Editor<PromptHelper, FileHistory>,
+    known: &mut usize,
+) -> rustyline::Result<()> {
+    session.recalled(known).into_iter().try_for_each(|line| {
+        editor.add_history_entry(line)?;
+        Ok(())
+    })
 }
 
 /// When something was typed last, and which request's fault was shown last.

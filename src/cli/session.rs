@@ -222,9 +222,9 @@ impl Session {
         lines.into_iter().for_each(|line| history.add(line));
     }
 
-    /// Of the lines entered after the first `known` ones those that are kept, the latest last.
-    pub fn recalled(&self, known: usize) -> Vec<String> {
-        lock(&self.history).after(known)
+    /// Of the lines entered after the first `known` ones those that are kept, the latest last; all are known then.
+    pub fn recalled(&self, known: &mut usize) -> Vec<String> {
+        lock(&self.history).news(known)
     }
 
     /// Shows the picture of a file that was changed above the line that is being typed, unless something else is wanted before

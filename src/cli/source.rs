@@ -106,7 +106,11 @@ fn read(from: DocumentSource, bytes: impl Read) -> Result<Source> {
         bail!("'{from}' is longer than {} MB: too large for a formula", LONGEST >> 20);
     }
     match String::from_utf8(read) {
-        Ok(text) => Ok(Source { from, text }),
+        // Some editors mark text as UTF-8 by a first character that is none of it.
+        Ok(text) => {
+            let text = text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned();
+            Ok(Source { from, text })
+        }
         Err(error) => {
             let at = error.utf8_error().valid_up_to();
             let line = 1 + String::from_utf8_lossy(&error.as_bytes()[..at]).matches('\n').count();

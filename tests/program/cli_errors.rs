@@ -441,3 +441,14 @@ fn a_directory_hides_no_surface_of_the_gallery() {
     assert_eq!(run.code, Some(2), "{}", run.stderr);
     assert!(run.stderr.contains("is a directory"), "{}", run.stderr);
 }
+
+#[test]
+fn a_mark_of_utf_8_is_no_part_of_a_text() {
+    let place = Place::new();
+    place.write("marked.zset", "\u{feff}x^2+y^2+z^2 = 1\n");
+    let input = b":hide 1\n:show\n:save plain.zset\n";
+    let run = place.run_with(&["--preview", "marked.zset"], input).ok();
+    assert!(!run.stderr.contains("error"), "{}", run.stderr);
+    let saved = std::fs::read_to_string(place.path("plain.zset")).expect("saved");
+    assert_eq!(saved, "x^2+y^2+z^2 = 1\n");
+}

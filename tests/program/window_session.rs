@@ -64,6 +64,11 @@ fn a_line_is_typed_corrected_and_entered_in_the_window() {
     scene.rest();
     scene.terminal.type_in(":list\r");
     scene.terminal.shows("z = x^3");
+    // The prompt was waiting while it was entered, and knows it all the same.
+    let history = scene.terminal.place().join("data/zeroset/history");
+    let history = std::fs::read_to_string(history).expect("kept");
+    let lines: Vec<&str> = history.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(lines, ["z = x^3", ":list"]);
     // Letters are shortcuts again.
     scene.key("q");
     assert_eq!(scene.terminal.ends(), 0);

@@ -129,7 +129,7 @@ impl Window {
             Key::Home => line.home(),
             Key::End => line.end(),
             Key::Tab => candidates = line.complete(),
-            Key::Up | Key::Down => line.recall(&self.session.recalled(0), key == Key::Up),
+            Key::Up | Key::Down => line.recall(&self.session.recalled(&mut 0), key == Key::Up),
             _ => return,
         }
         self.follow_typing();
