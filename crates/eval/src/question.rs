@@ -249,7 +249,7 @@ impl Question for ContractTiles {
         let new = contract(m, T::FORMAT, &form, [middle, half], ends);
         let zero = m.number(T::FORMAT, 0.0);
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
-        let error = form.error.unwrap_or(zero);
+        let error = form.error(m, T::FORMAT).unwrap_or(zero);
         let quantities = vec![new.near, new.far, form.centre, a, b, depth, error, middle, half];
         Answer { quantities, masks: vec![new.possible, new.crossing] }
     }

@@ -6,7 +6,8 @@ use crate::{Adversarial, Defined, Ends, Oracle, Rng, hexadecimal, random_constan
 use std::f64::consts::FRAC_PI_2;
 use zeroset_eval::{LANES, Lanes};
 use zeroset_interval::{
-    Enclosure, Exponent, Form, FormOperand, Interval, Software, Vector128 as Vector, linearise,
+    Enclosure, Exponent, Facts, Form, FormOperand, Interval, Software, Vector128 as Vector, fold,
+    linearise,
 };
 use zeroset_ir::{Axis, Constant, Graph};
 use zeroset_ops::Op;
@@ -78,36 +79,44 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Li
     let mut lines = Lines::default();
     for _ in 0..rounds {
         let symbols: Vec<Symbols> = (0..T::VECTOR_LANES).map(|_| random_symbols(rng)).collect();
+        let inner = random_inner(op, rng);
         let fixed = rng.u32(0..2 * op.arity() as u32) as usize;
-        let operands: Vec<Drawn> = (0..op.arity())
-            .map(|place| {
-                let kind = match rng.u32(0..4) {
-                    // A power's exponent is mostly a constant.
-                    _ if op == Op::Pow && place == 1 && fixed > 0 => Kind::Fixed(exponent(rng)),
-                    0 if op.arity() > 1 && fixed == place => {
-                        Kind::Fixed(random_constant(rng, true))
-                    }
-                    1 if op.arity() > 1 && fixed == place => Kind::Between,
-                    _ => Kind::Varying,
-                };
-                Drawn::random::<T>(rng, kind, &symbols)
-            })
-            .collect();
+        let made_of = inner.map_or(0, Op::arity);
+        let mut operands: Vec<Drawn> =
+            (0..made_of).map(|_| Drawn::random::<T>(rng, Kind::Varying, &symbols)).collect();
+        operands.extend((made_of.min(1)..op.arity()).map(|place| {
+            let kind = match rng.u32(0..4) {
+                // A power's exponent is mostly a constant.
+                _ if op == Op::Pow && place == 1 && fixed > 0 => Kind::Fixed(exponent(rng)),
+                0 if op.arity() > 1 && fixed == place => Kind::Fixed(random_constant(rng, true)),
+                1 if op.arity() > 1 && fixed == place => Kind::Between,
+                _ => Kind::Varying,
+            };
+            Drawn::random::<T>(rng, kind, &symbols)
+        }));
         let machine = Software::BOTH[usize::from(rng.bool())];
-        lines.add(compare::<T>(machine, op, &symbols, &operands)?);
+        lines.add(compare::<T>(machine, op, inner, &symbols, &operands)?);
     }
     Ok(lines)
+}
+
+/// What the first operand of `op` is made of, if it is not drawn itself: forms may put off counting what they round, to whoever
+/// takes them. With two operands of its own, there is a coordinate for each.
+fn random_inner(op: Op, rng: &mut Rng) -> Option<Op> {
+    const INNER: [Op; 5] = [Op::Neg, Op::Add, Op::Sub, Op::Mul, Op::Sqr];
+    (op.arity() < 3 && rng.bool()).then(|| INNER[rng.u32(0..INNER.len() as u32) as usize])
 }
 
 fn compare<T: Adversarial>(
     mut machine: Software,
     op: Op,
+    inner: Option<Op>,
     symbols: &[Symbols],
     operands: &[Drawn],
 ) -> Result<Lines, Failure> {
     let mut lines = Lines::default();
     let mut graph = Graph::new();
-    let nodes: Vec<_> = operands
+    let mut nodes: Vec<_> = operands
         .iter()
         .zip(Axis::ALL)
         .map(|(operand, axis)| match &operand.kind {
@@ -115,9 +124,20 @@ fn compare<T: Adversarial>(
             Kind::Varying | Kind::Between => graph.variable(axis),
         })
         .collect();
+    let mut forms: Vec<_> = operands.iter().map(Drawn::operand::<T>).collect();
+    if let Some(inner) = inner {
+        let node = graph.apply(inner, &nodes[..inner.arity()]);
+        nodes.splice(..inner.arity(), [node]);
+        let ranges: Vec<_> =
+            operands[..inner.arity()].iter().map(|drawn| (drawn.range, Facts::TOTAL)).collect();
+        let (Interval { lo, hi }, _) = fold(inner, &ranges);
+        let range = Interval { lo: -T::above(-lo).into(), hi: T::above(hi).into() };
+        let value = linearise(&mut machine, T::FORMAT, inner, &forms[..inner.arity()]);
+        let exponent = Exponent::Real;
+        forms.splice(..inner.arity(), [FormOperand { value, range, exponent }]);
+    }
     let root = graph.apply(op, &nodes);
     let oracle = Oracle::new(&graph, &[root]);
-    let forms: Vec<_> = operands.iter().map(Drawn::operand::<T>).collect();
     let form = linearise(&mut machine, T::FORMAT, op, &forms);
     let numbers = |vector| {
         let mut lanes = Lanes::<T>::default();
@@ -126,7 +146,7 @@ fn compare<T: Adversarial>(
     };
     let centre = numbers(form.centre);
     let slopes = form.slopes.map(|slopes| slopes.map(numbers));
-    let error = form.error.map_or([0.0; LANES], numbers);
+    let error = form.error(&mut machine, T::FORMAT).map_or([0.0; LANES], numbers);
     for lane in 0..T::VECTOR_LANES {
         let slopes = slopes.map_or([0.0; SYMBOLS], |slopes| slopes.map(|slope| slope[lane]));
         let (centre, error) = (centre[lane], error[lane]);
@@ -141,7 +161,9 @@ fn compare<T: Adversarial>(
             });
             let operands = operands.collect::<Vec<_>>().join("\n  ");
             let form = format!("{centre:e} + {slopes:?} ± {error:e}");
-            Err(Failure::new(format!("{op:?} in {:?} of\n  {operands}\n{what}: {form}", T::FORMAT)))
+            let inner = inner.map(|inner| format!(" {inner:?} of")).unwrap_or_default();
+            let what = format!("{op:?} in {:?} of{inner}\n  {operands}\n{what}: {form}", T::FORMAT);
+            Err(Failure::new(what))
         };
         if error < 0.0 {
             return fail("an error below 0".to_owned());

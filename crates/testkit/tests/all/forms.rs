@@ -159,9 +159,10 @@ fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
         FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real }
     });
     let operands: Vec<_> = operands.collect();
-    let form = linearise(&mut Software::new(), Format::F64, op, &operands);
+    let mut m = Software::new();
+    let form = linearise(&mut m, Format::F64, op, &operands);
     let mut errors = Lanes::<f64>::default();
-    f64::store(form.error.expect("an error"), 0, &mut errors);
+    f64::store(form.error(&mut m, Format::F64).expect("an error"), 0, &mut errors);
     errors[0]
 }
 
@@ -173,7 +174,8 @@ fn error_of_steep_product<const N: usize>(format: Format, steep: f64, mut m: Sof
     let zero = lanes(&mut m, 0.0);
     let value = Form::coordinate(zero, slopes, zero);
     let operand = FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real };
-    let error = linearise(&mut m, format, Op::Mul, &[operand; 2]).error.expect("an error");
+    let form = linearise(&mut m, format, Op::Mul, &[operand; 2]);
+    let error = form.error(&mut m, format).expect("an error");
     match format {
         Format::F32 => error.f32()[0].into(),
         Format::F64 => error.f64()[0],

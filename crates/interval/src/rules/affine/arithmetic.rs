@@ -2,7 +2,8 @@
 //!
 //! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result, a product also by the least number. So
 //! what a form's centre and slopes round, all together, is below a small number of units of the sum of their magnitudes;
-//! the factors here are rounded up to have room for the rounding of that sum itself.
+//! the factors here are rounded up to have room for the rounding of that sum itself. They are added to the error only where
+//! that is asked for: of a sum of sums it is one addition, and not one for each.
 //!
 //! A sum that overflows downward rounds up to a finite number. No centre and no slope is greater than its form's magnitude,
 //! as rounded, so that the magnitude then is infinite, and with it the error.
@@ -81,12 +82,13 @@ impl<M: Machine> Rule<'_, M> {
         };
         let (a_magnitude, b_magnitude) = (self.magnitude_of(a), self.magnitude_of(b));
         let magnitude = self.m.add(a_magnitude, b_magnitude);
-        let error = self.sum_of(a.error, b.error);
         Form {
             centre,
             slopes,
-            error: Some(self.rounded(error, 1.25, magnitude)),
+            error: self.sum_of(a.error, b.error),
             magnitude: Some(magnitude),
+            // Those of either count for its own magnitude, and so for both.
+            units: a.units.max(b.units) + 1.25,
             bounds: match (a.bounds, b.bounds) {
                 (Some(a), Some(b)) => Some([self.m.add(a[0], b[0]), self.m.add(a[1], b[1])]),
                 _ => None,
@@ -114,7 +116,7 @@ impl<M: Machine> Rule<'_, M> {
         };
         let facts = a.value.facts.and(self.m, &b.value.facts);
         let form = match b.value.slopes {
-            None => self.form_scaled(&a.value, b),
+            None => self.form_scaled(a, b),
             Some(_) => self.form_product_varying(&a.value, &b.value),
         };
         Form { bounds, facts, ..form }
@@ -123,10 +125,12 @@ impl<M: Machine> Rule<'_, M> {
     /// A form times a value that depends on no symbol.
     fn form_scaled<const N: usize>(
         &mut self,
-        a: &Form<M::V, N>,
+        a: &FormOperand<M::V, N>,
         factor: &FormOperand<M::V, N>,
     ) -> Form<M::V, N> {
         let b = &factor.value;
+        let is_exact = factor.range.singleton().is_some();
+        let a = if is_exact { a.value } else { self.settled(a).value };
         // The middle of bounds beyond half the largest float is not the number itself.
         let by = factor.range.singleton().map_or(b.centre, |number| self.number(number));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
@@ -134,15 +138,13 @@ impl<M: Machine> Rule<'_, M> {
             Some(number) => self.number(number.abs()),
             None => self.m.abs(by),
         };
-        let a_magnitude = self.magnitude_of(a);
+        let a_magnitude = self.magnitude_of(&a);
         let magnitude = self.m.mul(a_magnitude, size);
         let mut error = self.tiny();
         if let Some(a_error) = a.error {
             error = Some(self.product_and(a_error, size, error));
         }
-        if factor.range.singleton().is_none()
-            && let Some(factor_error) = b.error
-        {
+        if !is_exact && let Some(factor_error) = b.error {
             // All of a, its error too, times what the factor may be off by.
             let most = match a.error {
                 Some(error) => self.m.add(a_magnitude, error),
@@ -153,9 +155,10 @@ impl<M: Machine> Rule<'_, M> {
         Form {
             centre: self.m.nearly(|m| m.mul(a.centre, by)),
             slopes,
-            error: Some(self.rounded(error, 1.25, magnitude)),
+            error,
             magnitude: Some(magnitude),
-            ..*a
+            units: a.units + 1.25,
+            ..a
         }
     }
 
@@ -193,11 +196,11 @@ impl<M: Machine> Rule<'_, M> {
             self.m.mul_add(size, share, spreads)
         };
         let mut b_most = b_magnitude;
-        if let Some(b_error) = b.error {
+        if let Some(b_error) = self.error_of(b) {
             b_most = self.m.add(b_magnitude, b_error);
             error = self.m.mul_add(b_error, a_magnitude, error);
         }
-        if let Some(a_error) = a.error {
+        if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(b_most, a_error, error);
         }
         // The error is more than the centre got of it: a centre that overflows has an infinite magnitude.
@@ -205,8 +208,9 @@ impl<M: Machine> Rule<'_, M> {
         Form {
             centre,
             slopes: Some(slopes),
-            error: Some(self.rounded(Some(error), 3.0, magnitude)),
+            error: Some(error),
             magnitude: Some(magnitude),
+            units: 3.0,
             bounds: None,
             facts: Claims::TOTAL,
         }
@@ -237,7 +241,7 @@ impl<M: Machine> Rule<'_, M> {
         let [twice] = self.pairwise([a.centre], [a.centre], M::add);
         let mut error = self.above_tiny(Some(curved)).expect("an error");
         let magnitude = self.m.mul_add(most, most, error);
-        if let Some(a_error) = a.error {
+        if let Some(a_error) = self.error_of(a) {
             let two = self.number(2.0);
             let both = self.m.mul_add(most, two, a_error);
             error = self.m.mul_add(both, a_error, error);
@@ -245,8 +249,9 @@ impl<M: Machine> Rule<'_, M> {
         Form {
             centre: self.m.nearly(|m| m.mul_add(a.centre, a.centre, curved)),
             slopes: Some(self.pairwise([twice; N], slopes, M::mul)),
-            error: Some(self.rounded(Some(error), 3.0, magnitude)),
+            error: Some(error),
             magnitude: Some(magnitude),
+            units: 3.0,
             bounds: None,
             facts: a.facts,
         }
@@ -266,11 +271,11 @@ impl<M: Machine> Rule<'_, M> {
             (Some(_), None) => {
                 let factor = FormOperand { value: reciprocal, ..*b };
                 let factor = FormOperand { range: Interval::ENTIRE, ..factor };
-                self.form_scaled(&a.value, &factor)
+                self.form_scaled(a, &factor)
             }
             (None, _) => {
                 let factor = FormOperand { range: Interval::ENTIRE, ..*a };
-                self.form_scaled(&reciprocal, &factor)
+                self.form_scaled(&FormOperand { value: reciprocal, ..*b }, &factor)
             }
         };
         self.beside(&form, &value)
@@ -325,15 +330,16 @@ impl<M: Machine> Rule<'_, M> {
         let offset = self.m.abs(middle);
         let magnitude = self.m.mul_add(a_magnitude, size, offset);
         let mut error = half;
-        if let Some(a_error) = a.error {
+        if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(a_error, size, error);
         }
         let error = self.above_tiny(Some(error));
         Form {
             centre: self.m.nearly(|m| m.mul_add(a.centre, slope, middle)),
             slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope; N], M::mul)),
-            error: Some(self.rounded(error, 2.5, magnitude)),
+            error,
             magnitude: Some(magnitude),
+            units: 2.5,
             bounds: None,
             facts: a.facts,
         }

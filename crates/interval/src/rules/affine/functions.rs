@@ -98,9 +98,10 @@ impl<M: Machine> Rule<'_, M> {
             Some(spread) => self.m.add(size, spread),
             None => size,
         };
-        let moved = Form { centre: moved, magnitude: Some(magnitude), ..*a };
+        let moved = Form { centre: moved, magnitude: Some(magnitude), units: 0.0, ..*a };
         let rounding = self.rounded(None, 1.0, size);
-        let error = self.sum_of(a.error, Some(rounding));
+        let error = self.error_of(a);
+        let error = self.sum_of(error, Some(rounding));
         self.form_line(&Form { error, ..moved }, shape.slope, offset, half)
     }
 

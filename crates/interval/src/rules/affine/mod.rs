@@ -31,10 +31,13 @@ pub struct Form<V, const N: usize> {
     pub centre: V,
     /// What a symbol adds, per symbol; `None` if the value depends on none.
     pub slopes: Option<[V; N]>,
-    /// At least the distance of the value from the linear function; `None` if that is 0.
-    pub error: Option<V>,
+    /// At least the distance of the value from the linear function, but for `units`; `None` if that is 0.
+    error: Option<V>,
     /// At least |centre| + Σ |slopes|, where it is known without work.
     magnitude: Option<V>,
+    /// Of so many [units](Rule::unit) of the magnitude, which is known then, the error has no room yet: sums and products leave
+    /// what they round to whoever asks for it, since it may be counted once for all terms of a sum.
+    units: f64,
     /// −lo and hi of bounds that were found without the form, where they were.
     bounds: Option<[V; 2]>,
     /// What is known of the expression's domain.
@@ -64,6 +67,11 @@ pub struct FormOperand<V, const N: usize> {
 }
 
 impl<V: Copy, const N: usize> Form<V, N> {
+    /// At least the distance of the value from the linear function; `None` if that is 0.
+    pub fn error<M: Machine<V = V>>(&self, m: &mut M, format: Format) -> Option<V> {
+        Rule { m, format }.error_of(self)
+    }
+
     /// The form of a value that is known to be within `range`.
     #[must_use]
     pub fn held<M: Machine<V = V>>(self, m: &mut M, format: Format, range: Interval) -> Self {
@@ -102,6 +110,7 @@ impl<V: Copy, const N: usize> Form<V, N> {
             slopes: Some(slopes),
             error: Some(error),
             magnitude: None,
+            units: 0.0,
             bounds: None,
             facts: Claims::TOTAL,
         }
@@ -116,14 +125,11 @@ impl<V: Copy, const N: usize> Form<V, N> {
     pub fn constant<M: Machine<V = V>>(m: &mut M, format: Format, bounds: Interval) -> Self {
         let mut software = Software::new();
         let [neg_lo, hi] = [-bounds.lo, bounds.hi].map(|end| software.number(format, end));
-        let (centre, error) = match bounds.singleton() {
-            Some(_) => (hi, None),
-            None => {
-                let mut rule = Rule { m: &mut software, format };
-                let (centre, error) = rule.middle(neg_lo, hi);
-                (centre, Some(error))
-            }
-        };
+        let (mut centre, mut error) = (hi, None);
+        if bounds.singleton().is_none() {
+            let (middle, half) = Rule { m: &mut software, format }.middle(neg_lo, hi);
+            (centre, error) = (middle, Some(half));
+        }
         let magnitude = software.abs(centre);
         let mut lift = |value: Vector128| {
             let bits = match value {
@@ -137,6 +143,7 @@ impl<V: Copy, const N: usize> Form<V, N> {
             slopes: None,
             error: error.map(&mut lift),
             magnitude: Some(lift(magnitude)),
+            units: 0.0,
             bounds: Some([neg_lo, hi].map(lift)),
             facts: Claims::TOTAL,
         }
@@ -155,6 +162,15 @@ pub fn linearise<M: Machine, const N: usize>(
 ) -> Form<M::V, N> {
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
+    let settled: Vec<_>;
+    let operands = match op {
+        // What they are made of may wait.
+        Op::Neg | Op::Add | Op::Sub | Op::Mul => operands,
+        _ => {
+            settled = operands.iter().map(|operand| rule.settled(operand)).collect();
+            &settled[..]
+        }
+    };
     let a = &operands[0];
     // What varies with no symbol is as well known by its bounds.
     if operands.iter().all(|operand| operand.value.slopes.is_none()) {
@@ -218,7 +234,9 @@ pub fn linearise_twins<M: Machine, const N: usize>(
     if op.row().twin.is_none() || a.value.slopes.is_none() {
         return None;
     }
-    let [sin, cos] = Rule { m, format }.form_waves(a);
+    let mut rule = Rule { m, format };
+    let a = rule.settled(a);
+    let [sin, cos] = rule.form_waves(&a);
     Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
 }
 
@@ -280,6 +298,7 @@ impl<M: Machine> Rule<'_, M> {
             slopes: None,
             error: Some(error),
             magnitude: None,
+            units: 0.0,
             bounds: Some([value.neg_lo, value.hi]),
             facts: Claims::of(value),
         }
@@ -303,6 +322,20 @@ impl<M: Machine> Rule<'_, M> {
             Some(spread) => self.m.add(size, spread),
             None => size,
         }
+    }
+
+    /// The form's error, all of it.
+    fn error_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> Option<M::V> {
+        match a.magnitude {
+            Some(magnitude) if a.units > 0.0 => Some(self.rounded(a.error, a.units, magnitude)),
+            _ => a.error,
+        }
+    }
+
+    /// The operand with all of its error, so that whoever asks for it more than once finds it done.
+    fn settled<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> FormOperand<M::V, N> {
+        let value = Form { error: self.error_of(&a.value), units: 0.0, ..a.value };
+        FormOperand { value, ..*a }
     }
 
     /// The sums or products of centres or slopes, whose rounding the error holds.
@@ -329,7 +362,8 @@ impl<M: Machine> Rule<'_, M> {
             (None, Some(bounds)) => bounds,
             (_, known) => {
                 let spread = self.spread(&a.value);
-                let [mut neg_lo, mut hi] = match self.sum_of(spread, a.value.error) {
+                let error = self.error_of(&a.value);
+                let [mut neg_lo, mut hi] = match self.sum_of(spread, error) {
                     Some(reach) => {
                         [self.m.sub(reach, a.value.centre), self.m.add(reach, a.value.centre)]
                     }
@@ -375,7 +409,7 @@ impl<M: Machine> Rule<'_, M> {
         value: &Enclosure<M::V>,
     ) -> Form<M::V, N> {
         let plain = self.form_between::<N>(value);
-        let (Some(error), Some(width)) = (form.error, plain.error) else {
+        let (Some(error), Some(width)) = (self.error_of(form), plain.error) else {
             return Form { facts: Claims::of(value), bounds: plain.bounds, ..*form };
         };
         let better = self.m.lt(error, width);

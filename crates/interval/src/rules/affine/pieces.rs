@@ -101,7 +101,7 @@ impl<M: Machine> Rule<'_, M> {
                 Some(std::array::from_fn(|k| self.m.select(mask, a[k], b[k])))
             }
         };
-        let error = match (a.error, b.error) {
+        let error = match (self.error_of(a), self.error_of(b)) {
             (None, None) => None,
             (a, b) => Some(self.m.select(mask, a.unwrap_or(zero), b.unwrap_or(zero))),
         };
@@ -110,6 +110,7 @@ impl<M: Machine> Rule<'_, M> {
             slopes,
             error,
             magnitude: None,
+            units: 0.0,
             bounds: None,
             facts: Claims::TOTAL,
         }

@@ -33,7 +33,7 @@ pub fn contract<M: Machine, const N: usize>(
     let mut rule = Rule { m, format };
     let (zero, one) = (rule.zero(), rule.number(1.0));
     let c = form.centre;
-    let mut rest = form.error.unwrap_or(zero);
+    let mut rest = rule.error_of(form).unwrap_or(zero);
     let mut depth = zero;
     if let Some(slopes) = form.slopes {
         depth = slopes[N - 1];

@@ -56,8 +56,10 @@ impl<M: Machine> Rule<'_, M> {
             None => size,
         };
         let rounding = self.rounded(None, 1.0, size);
-        let error = self.sum_of(a.value.error, Some(rounding));
-        let moved = Form { centre: moved, magnitude: Some(magnitude), error, ..a.value };
+        let error = self.error_of(&a.value);
+        let error = self.sum_of(error, Some(rounding));
+        let magnitude = Some(magnitude);
+        let moved = Form { centre: moved, magnitude, error, units: 0.0, ..a.value };
         let quarter = self.number(0.25);
         let square = self.m.mul(reach, reach);
         let place = Place { moved, reach, square: self.m.mul(square, quarter) };
@@ -95,7 +97,7 @@ impl<M: Machine> Rule<'_, M> {
         let with_rounding = self.number(1.0 + 4.0 * self.unit());
         let mut error = self.m.mul_add(curved, with_rounding, here.off);
         error = self.m.mul_add(slope.off, place.reach, error);
-        if let Some(a_error) = a.error {
+        if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(a_error, slope.size, error);
         }
         let error = self.above_tiny(Some(error));
@@ -107,6 +109,7 @@ impl<M: Machine> Rule<'_, M> {
             slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope.value; N], M::mul)),
             error: Some(error),
             magnitude: None,
+            units: 0.0,
             bounds: None,
             facts: a.facts,
         };
