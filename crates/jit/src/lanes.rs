@@ -36,12 +36,14 @@ pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
     /// Constants in use.
     constants: HashMap<(Type, u128), Value>,
+    /// Products that were added to something: the error of a form is asked for by everything that is made of it.
+    fused: HashMap<[Value; 3], Value>,
 }
 
 impl<'a, 'b> Emitter<'a, 'b> {
     /// An emitter that appends to the current block of `builder`.
     pub fn new(builder: &'a mut FunctionBuilder<'b>) -> Self {
-        Self { builder, constants: HashMap::new() }
+        Self { builder, constants: HashMap::new(), fused: HashMap::new() }
     }
 
     /// The function being built.
@@ -275,7 +277,9 @@ impl Machine for Emitter<'_, '_> {
             return self.add(product, c);
         }
         let ((a, b), c) = (self.values(a, b), self.value(c));
-        Vector::Value(self.builder.ins().fma(a, b, c))
+        let builder = &mut *self.builder;
+        let sum = self.fused.entry([a, b, c]).or_insert_with(|| builder.ins().fma(a, b, c));
+        Vector::Value(*sum)
     }
     fn mul_sub(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
         if !has_fma() {
