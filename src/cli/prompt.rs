@@ -129,10 +129,10 @@ fn learn(
     editor: &mut Editor<PromptHelper, FileHistory>,
     known: &mut usize,
 ) -> rustyline::Result<()> {
-    session.recalled(known).into_iter().try_for_each(|line| {
+    for line in session.recalled(known) {
         editor.add_history_entry(line)?;
-        Ok(())
-    })
+    }
+    Ok(())
 }
 
 /// When something was typed last, and which request's fault was shown last.

@@ -31,7 +31,8 @@ impl From<Example> for Source {
 /// If a file cannot be read, or the text is not UTF-8.
 pub fn find(argument: &OsStr) -> Result<Source> {
     if argument == "-" {
-        return read(DocumentSource::Input, std::io::stdin().lock());
+        let from = DocumentSource::Stream("standard input".to_owned());
+        return read(from, std::io::stdin().lock());
     }
     let path = Path::new(argument);
     let shown = argument.to_string_lossy();
@@ -92,20 +93,28 @@ fn misspelt(text: &str) -> Option<&'static str> {
 /// # Errors
 /// If it cannot be read, or is not UTF-8.
 pub fn open(path: &Path) -> Result<Source> {
-    let file = File::open(path).with_context(|| format!("cannot read '{}'", path.display()))?;
-    read(DocumentSource::File(path.to_owned()), file)
+    let shown = path.display();
+    let file = File::open(path).with_context(|| format!("cannot read '{shown}'"))?;
+    // A pipe is no file to look at again, or to save to.
+    let is_file = file.metadata().is_ok_and(|found| found.is_file());
+    let from = if is_file {
+        DocumentSource::File(path.to_owned())
+    } else {
+        DocumentSource::Stream(shown.to_string())
+    };
+    read(from, file)
 }
 
-fn read(from: DocumentSource, bytes: impl Read) -> Result<Source> {
-    let mut read = Vec::new();
-    bytes
+fn read(from: DocumentSource, stream: impl Read) -> Result<Source> {
+    let mut bytes = Vec::new();
+    stream
         .take(LONGEST + 1)
-        .read_to_end(&mut read)
+        .read_to_end(&mut bytes)
         .with_context(|| format!("cannot read '{from}'"))?;
-    if read.len() as u64 > LONGEST {
+    if bytes.len() as u64 > LONGEST {
         bail!("'{from}' is longer than {} MB: too large for a formula", LONGEST >> 20);
     }
-    match String::from_utf8(read) {
+    match String::from_utf8(bytes) {
         // Some editors mark text as UTF-8 by a first character that is none of it.
         Ok(text) => {
             let text = text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned();

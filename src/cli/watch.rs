@@ -4,7 +4,7 @@
 //! is found again. Nothing is known of what the text means.
 
 use super::source::{self, Source};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -129,7 +129,14 @@ impl<R: FnMut(Change)> Watched<R> {
 
     fn look(&mut self) {
         self.stamp = self.stamp();
-        match source::open(&self.path) {
+        let read = match std::fs::metadata(&self.path) {
+            // To open a pipe would be to wait for whoever writes to it.
+            Ok(found) if !found.is_file() => {
+                Err(anyhow!("'{}' is not a file any more", self.path.display()))
+            }
+            _ => source::open(&self.path),
+        };
+        match read {
             Ok(Source { text, .. }) => {
                 self.lost = false;
                 if text != self.text && !text.trim().is_empty() {

@@ -10,8 +10,8 @@ pub enum DocumentSource {
     /// The keyboard, or an argument.
     #[default]
     Typed,
-    /// Standard input.
-    Input,
+    /// What is called so and can be read but once, such as standard input.
+    Stream(String),
     /// The gallery.
     Gallery(Example),
     /// This file, which it may be saved to.
@@ -22,7 +22,7 @@ impl fmt::Display for DocumentSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Typed => f.write_str("formula"),
-            Self::Input => f.write_str("standard input"),
+            Self::Stream(name) => f.write_str(name),
             Self::Gallery(example) => f.write_str(example.slug),
             Self::File(path) => path.display().fmt(f),
         }

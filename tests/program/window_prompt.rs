@@ -1,6 +1,7 @@
 //! The prompt under a pseudo-terminal without a display: a preview, mistakes, history, clean ends.
 
 use crate::window_support::{Terminal, until};
+use std::path::PathBuf;
 
 /// Whether a picture is there that was made of letters.
 fn has_letters(shown: &str) -> bool {
@@ -68,15 +69,21 @@ fn what_is_wrong_is_said_after_a_pause_and_the_line_goes_on() {
     assert_eq!(terminal.ends(), 0);
 }
 
-#[test]
-fn a_file_is_followed_while_the_prompt_waits() {
+/// A prompt that has loaded a file with this text, and the file's path.
+fn following(text: &str) -> (Terminal, PathBuf) {
     let mut terminal = Terminal::start(&["--preview", "gyroid"], None);
     terminal.shows("undecided");
     let path = terminal.place().join("surface.zset");
-    std::fs::write(&path, "x = 1").expect("written");
+    std::fs::write(&path, text).expect("written");
     terminal.type_in(":load surface.zset\r");
     terminal.type_in(":list\r");
-    terminal.shows("x = 1");
+    terminal.shows(text);
+    (terminal, path)
+}
+
+#[test]
+fn a_file_is_followed_while_the_prompt_waits() {
+    let (mut terminal, path) = following("x = 1");
     std::fs::write(&path, "x = (1").expect("written");
     terminal.shows("is never closed");
     terminal.shows("surface.zset:1:5");
@@ -137,19 +144,43 @@ fn a_file_whose_loading_was_taken_back_is_followed_again_once_it_is_done_again()
 
 #[test]
 fn a_file_that_is_gone_for_a_while_is_followed_when_it_is_back() {
-    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
-    terminal.shows("undecided");
-    let path = terminal.place().join("surface.zset");
-    std::fs::write(&path, "x = 1.25").expect("written");
-    terminal.type_in(":load surface.zset\r");
-    terminal.type_in(":list\r");
-    terminal.shows("x = 1.25");
+    let (mut terminal, path) = following("x = 1.25");
     std::fs::remove_file(&path).expect("removed");
     terminal.type_in(":list\r");
     std::fs::write(&path, "x = 2.25").expect("written");
     std::thread::sleep(std::time::Duration::from_millis(500));
     terminal.type_in(":list\r");
     terminal.shows("x = 2.25");
+    terminal.leaves();
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_read_once_and_not_waited_for() {
+    use std::path::Path;
+    use std::process::Command;
+    let pipe = |path: &Path| {
+        let made = Command::new("mkfifo").arg(path).status().expect("a program for pipes");
+        assert!(made.success());
+    };
+    let place = tempfile::tempdir().expect("a directory");
+    let path = place.path().join("pipe");
+    pipe(&path);
+    let writer = {
+        let path = path.clone();
+        std::thread::spawn(move || std::fs::write(path, "x = 0.25"))
+    };
+    let mut terminal = Terminal::start(&["--preview", path.to_str().expect("a name")], None);
+    terminal.shows("undecided");
+    writer.join().expect("no panic").expect("written");
+    terminal.type_in(":save\r");
+    terminal.shows("the document did not come from a file");
+    terminal.leaves();
+    // What was a file is looked at again when it is another thing.
+    let (terminal, path) = following("x = 1.25");
+    std::fs::remove_file(&path).expect("removed");
+    pipe(&path);
+    terminal.shows("is not a file any more");
     terminal.leaves();
 }
 

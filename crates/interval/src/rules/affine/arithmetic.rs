@@ -129,12 +129,12 @@ impl<M: Machine> Rule<'_, M> {
         factor: &FormOperand<M::V, N>,
     ) -> Form<M::V, N> {
         let b = &factor.value;
-        let is_exact = factor.range.singleton().is_some();
-        let a = if is_exact { a.value } else { self.settled(a).value };
+        let exact = factor.range.singleton();
+        let a = if exact.is_some() { a.value } else { self.settled(a).value };
         // The middle of bounds beyond half the largest float is not the number itself.
-        let by = factor.range.singleton().map_or(b.centre, |number| self.number(number));
+        let by = exact.map_or(b.centre, |number| self.number(number));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
-        let size = match factor.range.singleton() {
+        let size = match exact {
             Some(number) => self.number(number.abs()),
             None => self.m.abs(by),
         };
@@ -144,7 +144,9 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = a.error {
             error = Some(self.product_and(a_error, size, error));
         }
-        if !is_exact && let Some(factor_error) = b.error {
+        if exact.is_none()
+            && let Some(factor_error) = b.error
+        {
             // All of a, its error too, times what the factor may be off by.
             let most = match a.error {
                 Some(error) => self.m.add(a_magnitude, error),
