@@ -9,7 +9,7 @@ use crate::grid::{RayGrid, SIDE};
 use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
 use crate::near::{TURNS, turn};
-use crate::rows::Rows;
+use crate::rows::{Rows, work_on};
 use crate::work::Work;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -57,7 +57,7 @@ impl Driver<'_> {
     pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
-        buffer.rows(BAND_ROWS).map(|mut rows| self.rows(&mut rows, only)).sum()
+        work_on(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only))
     }
 
     /// A new picture of the surface with this number, otherwise as [`Driver::picture_where`] makes it, with what is to be
@@ -84,7 +84,7 @@ impl Driver<'_> {
             work += finish(&mut rows, part);
             work
         };
-        let work = buffer.rows(BAND_ROWS).zip(parts).map(make).sum();
+        let work = work_on(buffer.rows(BAND_ROWS).into_iter().zip(parts).collect(), make);
         (buffer, work)
     }
 

@@ -104,7 +104,7 @@ impl GBuffer {
     /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let mut new = Self::unset(width, height, Kept::default());
-        new.rows(ROWS).for_each(|mut rows| rows.clear(surface));
+        new.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear(surface));
         new
     }
 
@@ -115,7 +115,7 @@ impl GBuffer {
     pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
         self.check();
         self.resize(width, height, Kept::default());
-        self.rows(ROWS).for_each(|mut rows| rows.clear(surface));
+        self.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear(surface));
     }
 
     /// A picture of the given size of which all rows are still to be cleared: what it holds is of no picture.

@@ -12,11 +12,10 @@ use crate::camera::Ray;
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::painted::BAND;
-use crate::rows::Rows;
+use crate::rows::{Rows, work_on};
 use crate::shade::Canvas;
 use crate::work::Work;
 use glam::DVec3;
-use rayon::prelude::*;
 use zeroset_eval::{Kernel, LANES, Points, Real, Sample, SampleGradient};
 
 /// Which kernel answers for normals.
@@ -50,7 +49,7 @@ pub fn normals<T: Real>(
     source: NormalSource<'_, T>,
     step: f64,
 ) -> Work {
-    buffer.rows(BAND).map(|mut rows| source.face(&mut rows, rays, step, None)).sum()
+    work_on(buffer.rows(BAND), |mut rows| source.face(&mut rows, rays, step, None))
 }
 
 /// What is left of a ray behind the point that it paints, and the t that makes one step.

@@ -9,9 +9,8 @@ use crate::found::{Found, Reason, Status};
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::region::{Entry, Region};
-use crate::rows::Rows;
+use crate::rows::{Rows, work_on};
 use crate::work::Work;
-use rayon::prelude::*;
 use zeroset_eval::{Boxes, Enclose, Kernel, LANES, Real};
 use zeroset_interval::{Facts, Interval};
 
@@ -38,7 +37,7 @@ pub fn cap<T: Real>(
     only: &[bool],
 ) -> Work {
     buffer.keep_caps();
-    buffer.rows(BAND_ROWS).map(|mut rows| cap_rows(&mut rows, rays, region, kernel, only)).sum()
+    work_on(buffer.rows(BAND_ROWS), |mut rows| cap_rows(&mut rows, rays, region, kernel, only))
 }
 
 /// As [`cap`], for some rows of a picture in which caps and normals are [kept](crate::Kept); `only` is of the whole picture.

@@ -5,6 +5,7 @@ use crate::found::{Reason, Status};
 use crate::gbuffer::{GBuffer, distance};
 use crate::painted::{Window, are_misses, windows};
 use crate::shade::Seen;
+use crate::work::Work;
 use fearless_simd::Level;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -35,7 +36,7 @@ pub struct Rows<'a> {
 
 impl GBuffer {
     /// The picture in parts of so many rows each, from the top; the last may have fewer.
-    pub(crate) fn rows(&mut self, rows: usize) -> impl IndexedParallelIterator<Item = Rows<'_>> {
+    pub(crate) fn rows(&mut self, rows: usize) -> Vec<Rows<'_>> {
         let width = self.width.max(1);
         let size = rows * width;
         let count = self.status.len().div_ceil(size);
@@ -63,7 +64,17 @@ impl GBuffer {
             shadow: shadow.next().unwrap_or_default(),
             occlusion: occlusion.next().unwrap_or_default(),
         };
-        (0..count).map(part).collect::<Vec<_>>().into_par_iter()
+        (0..count).map(part).collect()
+    }
+}
+
+/// What was asked for by doing something with each part of a picture, on all threads. If there is only one it is done here:
+/// another thread would have to be waited for twice, until it wakes and until this one does.
+pub(crate) fn work_on<P: Send>(parts: Vec<P>, work: impl Fn(P) -> Work + Send + Sync) -> Work {
+    if rayon::current_num_threads() == 1 {
+        parts.into_iter().map(work).sum()
+    } else {
+        parts.into_par_iter().map(work).sum()
     }
 }
 

@@ -15,8 +15,11 @@ mod level;
 mod narrow;
 mod pixels;
 mod plane;
+mod pool;
 mod rays;
+mod room;
 mod screens;
+mod sift;
 mod slots;
 mod tiles;
 
@@ -32,6 +35,7 @@ use crate::scalar::Scalar;
 use crate::work::Work;
 use frame::Frame;
 use rays::Follower;
+use room::Rooms;
 use std::sync::OnceLock;
 use zeroset_eval::{ContractTiles, Kernel, KernelError, LANES, Surface};
 
@@ -65,6 +69,7 @@ struct Affine<'a, T: Scalar> {
     longest: f64,
     surface: &'a dyn Surface,
     options: Options,
+    rooms: Rooms<T>,
     /// Made for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
@@ -99,6 +104,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
             longest: options.longest(),
             surface,
             options,
+            rooms: Rooms::new(),
             double: OnceLock::new(),
         })
     }

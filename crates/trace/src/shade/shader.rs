@@ -233,7 +233,7 @@ impl Shader<'_> {
                 Some(own) => self.light::<S, true>(simd, seen, window, faced, colours, own),
             };
             let colours = self.codes.bytes(simd, amounts);
-            Window { wanted: window.wanted & of_surface, ..window }.store(colours, bytes);
+            Window { wanted: window.wanted & of_surface, ..window }.store_colours(&colours, bytes);
             window.wanted &= !of_surface;
         }
     }

@@ -10,7 +10,7 @@ use crate::region::Region;
 use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
-use zeroset_eval::{LANES, Lanes, Segments, Tiles};
+use zeroset_eval::{LANES, Lanes, Tiles};
 
 /// Forms lose a few times what their coordinates are rounded by.
 pub(super) const BLURS: f64 = 4.0;
@@ -101,11 +101,10 @@ impl Frame {
         tiles
     }
 
-    /// A batch of rays of this picture, in which their error is set.
-    pub fn segments<T: Scalar>(&self) -> Segments<T> {
+    /// The error of coordinates of this picture's rays, in all lanes of a batch.
+    pub fn segments_error<T: Scalar>(&self) -> [Lanes<T>; 3] {
         let error = self.error_in::<T>(self.size());
-        let error = [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)));
-        Segments { error, ..Segments::default() }
+        [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)))
     }
 
     /// Origin (s = 0) and direction of the ray at screen coordinates.

@@ -1,7 +1,7 @@
 //! Up to sixteen tiles at once: where they are, and what is still to be looked at of them.
 
 use super::plane::Plane;
-use super::screens::{Ends, Screens, UNMOVED, move_to_first, outward, saves_a_vector};
+use super::screens::{Ends, Screens, UNMOVED, outward, saves_a_vector};
 use super::slots::Stack;
 use super::tiles::Tracer;
 use crate::painted::ones;
@@ -16,6 +16,8 @@ pub(super) struct Level<T: Scalar> {
     pub within: bool,
     /// The lanes in which there is a segment to be asked, as bits.
     pub live: u16,
+    /// The lanes of which more is to be asked once the rays of their tiles are finished.
+    pub blocked: u16,
     /// The column and row of the first tile, and how many are in a row.
     first: [usize; 2],
     across: usize,
@@ -30,22 +32,25 @@ pub(super) struct Level<T: Scalar> {
     pub out: Planes<T>,
 }
 
-impl<T: Scalar> Level<T> {
-    pub fn new(batch: Tiles<T>) -> Self {
+impl<T: Scalar> Default for Level<T> {
+    fn default() -> Self {
         Self {
             within: false,
             live: 0,
+            blocked: 0,
             first: [0; 2],
             across: 1,
             tiles: UNMOVED,
             screens: Screens::default(),
             later: Default::default(),
             waiting: 0,
-            batch,
+            batch: Tiles::default(),
             out: Planes::default(),
         }
     }
+}
 
+impl<T: Scalar> Level<T> {
     /// Column and row of the tile in a lane, in units of tiles.
     pub fn place(&self, lane: usize) -> [usize; 2] {
         let tile = usize::from(self.tiles[lane]);
@@ -163,46 +168,51 @@ impl<T: Scalar> Level<T> {
         self.waiting |= 1 << tile;
     }
 
-    /// Lets go of all that was put aside of the tile in a lane.
-    pub fn finish(&mut self, lane: usize) {
+    /// Keeps the segments in these lanes; where there is no more of others, but something was put aside, that is asked later.
+    pub fn put_off(&mut self, kept: u16) {
+        let done = self.live & !kept;
+        self.live &= kept;
+        if self.waiting != 0 {
+            let is_waiting = |lane: &usize| self.waiting >> self.tiles[*lane] & 1 == 1;
+            self.blocked |= ones(done).filter(is_waiting).map(|lane| 1 << lane).sum::<u16>();
+        }
+    }
+
+    /// Goes on with what was put aside of the tile in a blocked lane, if it `is_open`, or else lets go of it.
+    pub fn go_on(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);
-        if self.waiting >> tile & 1 == 1 {
+        self.blocked &= !(1 << lane);
+        if !is_open {
             self.later[tile].clear();
+        }
+        if let Some([near, far]) = self.later[tile].pop() {
+            (self.batch.near[lane], self.batch.far[lane]) = (near, far);
+            self.live |= 1 << lane;
+        }
+        if self.later[tile].is_empty() {
             self.waiting &= !(1 << tile);
         }
     }
 
-    /// Goes on with segments in the lanes of `kept`, and in others with what was put aside.
-    pub fn go_on(&mut self, kept: u16) {
-        let done = self.live & !kept;
-        self.live &= kept;
-        if self.waiting == 0 {
-            return;
-        }
-        for lane in ones(done) {
-            let tile = usize::from(self.tiles[lane]);
-            if let Some([near, far]) = self.later[tile].pop() {
-                (self.batch.near[lane], self.batch.far[lane]) = (near, far);
-                self.live |= 1 << lane;
-            } else {
-                self.waiting &= !(1 << tile);
-            }
-        }
-    }
-
-    /// Moves the live lanes to the first ones, where that saves a vector.
+    /// Moves the lanes in use to the first ones, where that saves a vector.
     pub fn pack(&mut self, vectors: Vectors) {
-        if saves_a_vector(self.live) {
-            dispatch!(vectors, simd => self.pack_batch(simd));
-            self.live = move_to_first(&mut self.tiles, self.live);
+        let used = self.live | self.blocked;
+        if saves_a_vector(used) {
+            dispatch!(vectors, simd => self.pack_batch(simd, used));
+            let live = self.live;
+            (self.live, self.blocked) = (0, 0);
+            for (to, from) in ones(used).enumerate() {
+                self.tiles[to] = self.tiles[from];
+                let is_live = live >> from & 1;
+                self.live |= is_live << to;
+                self.blocked |= (is_live ^ 1) << to;
+            }
         }
         self.batch.count = LANES as u32 - self.live.leading_zeros();
     }
 
     #[inline(always)]
-    fn pack_batch<S: Simd>(&mut self, simd: S) {
-        // A copy of its own, which need not be read again for each quantity.
-        let kept = self.live;
+    fn pack_batch<S: Simd>(&mut self, simd: S, kept: u16) {
         let Tiles { centre: [across, up], half: [wide, high], near, far, .. } = &mut self.batch;
         for lanes in [across, up, wide, high, near, far] {
             T::pack(simd, lanes, kept);

@@ -2,13 +2,16 @@
 
 use super::super::way::{self, Way};
 use super::plane::Plane;
-use super::screens::Ends;
+use super::pool::TileRay;
 use super::tiles::Tracer;
 use crate::method::Start;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{dispatch, f64x8, prelude::*};
-use zeroset_eval::{LANES, Lanes};
+use zeroset_eval::{Contractions, LANES, Lanes};
+
+/// More than what the sums round that make a distance of a bracket, as a share of it; far below what kernels leave of one.
+const ROUNDED: f64 = 1e-13;
 
 /// A tile of 4×4 pixels. Its lanes and bits are pixels, row by row.
 pub(super) struct Patch {
@@ -24,10 +27,6 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    pub(super) fn screen(&self, bit: usize) -> [f64; 2] {
-        [self.across[bit % 4], self.upward[bit / 4]]
-    }
-
     /// Those of its rays.
     #[inline(always)]
     pub(super) fn screens(&self) -> [Lanes<f64>; 2] {
@@ -37,6 +36,18 @@ impl Patch {
             screens[1].as_chunks_mut().0[row] = [upward; 4];
         }
         screens
+    }
+
+    /// The ray with this bit.
+    pub(super) fn ray(&self, bit: usize, longest: f64, within: bool) -> TileRay {
+        TileRay {
+            index: self.index,
+            bit,
+            pixel: [self.column(bit), self.row(bit)],
+            screen: [self.across[bit % 4], self.upward[bit / 4]],
+            longest,
+            within,
+        }
     }
 
     fn column(&self, bit: usize) -> usize {
@@ -97,21 +108,31 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         found
     }
 
-    /// The distances in the middle of brackets, and how far those reach.
+    /// The distances in the middle of the brackets that are left, and how far those reach.
     #[inline(always)]
-    pub(super) fn between<S: Simd>(&self, simd: S, patch: &Patch, ends: &Ends) -> [Lanes<f64>; 2] {
+    pub(super) fn between<S: Simd>(&self, simd: S, patch: &Patch) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
-        let [mut from, mut to] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
+        let Contractions { near, far, .. } = &self.memory.contractions;
+        let (mut from, mut to) = (T::wide(simd, near), T::wide(simd, far));
         let lengths = self.lengths(simd, patch);
         for ((from, to), length) in from.iter_mut().zip(&mut to).zip(lengths) {
             let middle = self.frame.start + 0.5 * (*from + *to);
-            // What these sums round is far below what kernels leave of a bracket.
-            let off = 0.5 * (*to - *from) + 1e-13 * middle.abs();
+            let off = 0.5 * (*to - *from) + ROUNDED * middle.abs();
             (*from, *to) = (middle * length, off * length);
         }
         f64::narrow(from, &mut found[0]);
         f64::narrow(to, &mut found[1]);
         found
+    }
+
+    /// Writes a hit in the middle of a bracket.
+    pub(super) fn add_hit(&mut self, ray: &TileRay, [near, far]: [f64; 2]) {
+        let middle = self.frame.start + 0.5 * (near + far);
+        let off = 0.5 * (far - near) + ROUNDED * middle.abs();
+        let length = self.length(ray.screen);
+        self.open[ray.index] &= !(1 << ray.bit);
+        let [column, row] = ray.pixel;
+        self.band.add_hit(column, row, middle * length, off * length);
     }
 
     /// The lengths of rays' directions.
@@ -146,72 +167,72 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         }
     }
 
-    /// Follows these rays of a tile of 4×4 one by one between `ends`, each as far as it is in the region, unless all is
-    /// `within` it.
-    pub(super) fn follow_apart(
-        &mut self,
-        patch: &Patch,
-        rays: u16,
-        mut ends: Ends,
-        longest: f64,
-        within: bool,
-    ) {
-        let (region, error, start) = (self.method.region, self.frame.error, self.frame.start);
-        let mut insides = [f64::NEG_INFINITY, f64::INFINITY].map(Lanes::splat);
-        if !within {
-            // As closely as f64 knows where they leave the region, which may be all that is left to tell.
-            let screens = patch.screens();
-            dispatch!(self.vectors, simd => {
-                insides = self.frame.clip_rays(simd, &screens, region, self.size, &mut ends);
-            });
-        }
-        let (mut ways, mut bits) = ([Way::NONE; LANES], [0; LANES]);
-        let mut count = 0;
-        for bit in ones(rays) {
-            let [origin, direction] = self.frame.ray(patch.screen(bit));
-            let mut span = ends.map(|ends| ends[bit]);
-            let mut inside = insides.map(|ends| ends[bit]);
-            if !within && region.is_cut() {
-                let ray = self.rays.ray(patch.column(bit), self.band.top + patch.row(bit));
-                let Some((near, far)) = region.span(&ray) else { continue };
-                let slack = 1e-15 * (near.abs() + start.abs());
-                span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
-                inside = way::inside(region, &ray, start);
-            }
-            // Not so either if one is not a number.
-            let is_left = span[0] <= span[1];
-            if !is_left {
-                continue;
-            }
-            ways[count] = Way { origin, direction, error, start: -start, span, inside, longest };
-            bits[count] = bit;
-            count += 1;
-        }
-        if count > 0 {
-            self.follow_ways(patch, &ways[..count], &bits);
-        }
-    }
-
     /// The length of a ray's direction.
     #[inline]
     fn length(&self, [a, b]: [f64; 2]) -> f64 {
         if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
     }
 
-    /// Follows rays of a tile of 4×4, given by their bits, one by one to the end.
-    fn follow_ways(&mut self, patch: &Patch, ways: &[Way], bits: &[usize; LANES]) {
+    /// Follows up to sixteen rays one by one to the end, each as far as it is in the region.
+    pub(super) fn follow_each(&mut self, rays: &[(TileRay, [f64; 2])]) {
+        let (region, error, start) = (self.method.region, self.frame.error, self.frame.start);
+        let [mut screens, mut spans] = [[Lanes::splat(0.0); 2]; 2];
+        for (lane, (ray, span)) in rays.iter().enumerate() {
+            for k in 0..2 {
+                (screens[k][lane], spans[k][lane]) = (ray.screen[k], span[k]);
+            }
+        }
+        let mut insides = spans;
+        if rays.iter().any(|(ray, _)| !ray.within) {
+            // As closely as f64 knows where they leave the region, which may be all that is left to tell.
+            dispatch!(self.vectors, simd => {
+                insides = self.frame.clip_rays(simd, &screens, region, self.size, &mut spans);
+            });
+        }
+        let (mut ways, mut lanes) = ([Way::NONE; LANES], [0; LANES]);
+        let mut count = 0;
+        for (lane, (ray, span)) in rays.iter().enumerate() {
+            let [origin, direction] = self.frame.ray(ray.screen);
+            let (mut span, mut inside) = (*span, [f64::NEG_INFINITY, f64::INFINITY]);
+            if !ray.within {
+                (span, inside) = (spans.map(|ends| ends[lane]), insides.map(|ends| ends[lane]));
+                if region.is_cut() {
+                    let [column, row] = ray.pixel;
+                    let ray = self.rays.ray(column, self.band.top + row);
+                    let Some((near, far)) = region.span(&ray) else { continue };
+                    let slack = 1e-15 * (near.abs() + start.abs());
+                    span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
+                    inside = way::inside(region, &ray, start);
+                }
+            }
+            // Not so either if one is not a number.
+            let is_left = span[0] <= span[1];
+            if !is_left {
+                continue;
+            }
+            let longest = ray.longest;
+            ways[count] = Way { origin, direction, error, start: -start, span, inside, longest };
+            lanes[count] = lane;
+            count += 1;
+        }
+        if count == 0 {
+            return;
+        }
         let follower = &self.method.follower;
-        let outcomes = follower.follow(ways, Start::Anywhere, &mut self.scratch, self.work);
-        for (outcome, &bit) in outcomes[..ways.len()].iter().zip(bits) {
-            let found = outcome.found(self.frame.start);
+        let scratch = &mut self.memory.scratch;
+        let outcomes = follower.follow(&ways[..count], Start::Anywhere, scratch, self.work);
+        for (outcome, lane) in outcomes[..count].iter().zip(lanes) {
+            let found = outcome.found(start);
             if found.is_miss() {
                 continue;
             }
+            let (ray, _) = &rays[lane];
             if found.drawn.is_finite() {
-                self.open[patch.index] &= !(1 << bit);
+                self.open[ray.index] &= !(1 << ray.bit);
             }
-            let found = found.scaled(self.length(patch.screen(bit)));
-            self.band.add(patch.column(bit), patch.row(bit), &found);
+            let found = found.scaled(self.length(ray.screen));
+            let [column, row] = ray.pixel;
+            self.band.add(column, row, &found);
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Where up to sixteen tiles are on the screen, and what is left of segments of theirs or of rays.
 
-use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
 use zeroset_eval::{LANES, Lanes};
@@ -40,16 +39,6 @@ pub(super) const UNMOVED: [u8; LANES] = {
 pub(super) fn saves_a_vector(live: u16) -> bool {
     let last = LANES as u32 - live.leading_zeros();
     live.count_ones().div_ceil(4) < last.div_ceil(4)
-}
-
-/// Notes what lanes are about when the live ones move to the first; returns which are live then.
-#[inline]
-pub(super) fn move_to_first(things: &mut [u8; LANES], live: u16) -> u16 {
-    for (to, from) in ones(live).enumerate() {
-        things[to] = things[from];
-    }
-    // Not all are live, or no vector would be saved.
-    (1 << live.count_ones()) - 1
 }
 
 /// The parts of segments that are left, a lane each: from the first to the second.

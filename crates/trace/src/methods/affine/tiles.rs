@@ -3,9 +3,11 @@
 use super::Affine;
 use super::frame::Frame;
 use super::level::Level;
-use super::narrow::{BLURRED, COARSE, Scratch, are_progress};
+use super::narrow::{BLURRED, COARSE, are_progress};
 use super::plane::Plane;
-use super::slots::Stack;
+use super::pool::Memory;
+use super::room::Room;
+use super::sift::Limits;
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::methods::way::CUT;
@@ -15,10 +17,10 @@ use crate::widths::parts;
 use crate::work::Work;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use std::ops::Range;
-use zeroset_eval::{Contractions, LANES, Lanes, Segments};
+use zeroset_eval::{LANES, Lanes};
 
 /// Pixels on the side of a tile, by level. Each holds sixteen of the next.
-const SIDES: [usize; 2] = [16, 4];
+pub(super) const SIDES: [usize; 2] = [16, 4];
 /// The level of tiles whose parts are rays.
 const LAST: usize = SIDES.len() - 1;
 /// A tile is split once its segment is no longer than so many times what it is wide, by level.
@@ -44,7 +46,12 @@ pub(super) fn trace<T: Scalar>(
     let mut open =
         if is_patched { vec![u16::MAX; band.height] } else { open_pixels(band.width, band.height) };
     close_unasked(&mut open, band, across, is_patched);
-    let mut levels: [Level<T>; SIDES.len()] = std::array::from_fn(|_| Level::new(frame.tiles()));
+    let mut room = method.rooms.take();
+    let Room { levels, memory } = &mut *room;
+    for level in levels.iter_mut() {
+        level.batch = frame.tiles();
+    }
+    memory.set_error(frame.segments_error());
     let fours = |axis: usize, first: usize, count: usize| {
         (0..count).map(|four| rays.screens(axis, 2 * (first + 4 * four), 2)).collect()
     };
@@ -60,16 +67,14 @@ pub(super) fn trace<T: Scalar>(
         method,
         rays,
         band,
+        followed: vec![0; open.len()],
         open,
         across,
         screens,
         size,
-        segments: frame.segments(),
-        contractions: Contractions::default(),
+        limits: Limits { grain: T::nearest(T::GRAIN * size), coarse: T::nearest(coarse) },
+        memory,
         frame,
-        scratch: Scratch::default(),
-        later: Default::default(),
-        coarse,
         work,
         vectors: Vectors::new(),
     };
@@ -83,13 +88,17 @@ pub(super) fn trace<T: Scalar>(
     };
     for start in (0..count).step_by(LANES) {
         if !tracer.band.is_wanted() {
-            return tracer.band.give_up(if is_patched { 0 } else { SIDES[0] * start });
+            tracer.empty_pool();
+            tracer.band.give_up(if is_patched { 0 } else { SIDES[0] * start });
+            break;
         }
         let some = start..count.min(start + LANES);
         let places = if is_patched { [0..1, some] } else { [some, 0..1] };
         levels[first].start(&tracer, places, first, span, None, false);
         tracer.run(&mut levels[first..], first);
     }
+    tracer.empty_pool();
+    method.rooms.hand_back(room);
 }
 
 /// A bit for each pixel of each 4×4 tile, row by row: clear for what sticks out of the picture.
@@ -150,19 +159,16 @@ pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
     pub band: &'a mut Band<'b>,
     /// A bit per pixel of each 4×4 tile: whether it is not finished.
     pub open: Vec<u16>,
+    /// The same: whether its ray is in the pool, or set apart.
+    pub followed: Vec<u16>,
     /// Tiles of 4×4 in a row.
     pub across: usize,
     /// Screen coordinates of columns and rows of pixels, by fours; none of patches.
     pub screens: [Vec<[f64; 4]>; 2],
     /// The farthest end of a segment.
     pub size: f64,
-    pub segments: Segments<T>,
-    pub contractions: Contractions<T>,
-    pub scratch: Scratch<T>,
-    /// What comes later on the rays of a tile.
-    pub later: [Stack<T>; LANES],
-    /// Of segments shorter than this it is rounding that they get no shorter.
-    pub coarse: f64,
+    pub limits: Limits<T>,
+    pub memory: &'a mut Memory<T>,
     pub work: &'a mut Work,
     /// Those that the processor has.
     pub vectors: Vectors,
@@ -261,18 +267,23 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Whether some pixel of a tile is not finished.
     #[inline]
-    pub(super) fn is_open(&self, [column, row]: [usize; 2], level: usize) -> bool {
+    pub(super) fn is_open(&self, place: [usize; 2], level: usize) -> bool {
+        self.any_in(&self.open, place, level)
+    }
+
+    /// Whether any bit of a tile is set among bits of each 4×4 tile.
+    #[inline]
+    fn any_in(&self, bits: &[u16], [column, row]: [usize; 2], level: usize) -> bool {
         if level == LAST {
-            return self.open[row * self.across + column] != 0;
+            return bits[row * self.across + column] != 0;
         }
         let side = SIDES[level] / SIDES[LAST];
         let range = |place: usize, size: usize| side * place..(side * place + side).min(size);
-        let (columns, rows) =
-            (range(column, self.across), range(row, self.open.len() / self.across));
+        let (columns, rows) = (range(column, self.across), range(row, bits.len() / self.across));
         rows.into_iter().any(|row| {
             let start = row * self.across;
-            let open = &self.open[start + columns.start..start + columns.end];
-            open.iter().fold(0, |any, open| any | open) != 0
+            let some = &bits[start + columns.start..start + columns.end];
+            some.iter().fold(0, |any, bits| any | bits) != 0
         })
     }
 
@@ -296,7 +307,24 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 kept = verdicts.shorter | verdicts.cut;
                 self.act(level, finer, depth, &verdicts);
             }
-            level.go_on(kept);
+            level.put_off(kept);
+            self.go_on(level, depth);
+        }
+    }
+
+    /// Goes on with what was put aside of tiles once none of their rays is followed any more. If nothing else is left to ask,
+    /// rays are followed until that is so of some tile.
+    fn go_on(&mut self, level: &mut Level<T>, depth: usize) {
+        while level.blocked != 0 {
+            for lane in ones(level.blocked) {
+                let place = level.place(lane);
+                if !self.any_in(&self.followed, place, depth) {
+                    level.go_on(lane, self.is_open(place, depth));
+                }
+            }
+            if level.blocked != 0 && !self.follow_more() {
+                break;
+            }
         }
     }
 
@@ -404,7 +432,6 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         for lane in ones(verdicts.flat) {
             let plane = Plane::new(&level.batch, &level.out, lane);
             self.emit(&plane, depth, level.place(lane));
-            level.finish(lane);
         }
         for lane in ones(verdicts.finer) {
             let segment = [level.batch.near[lane].into(), verdicts.far[lane].into()];
@@ -413,9 +440,6 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 self.follow(level, lane, segment, within);
             } else {
                 self.split(level, finer, depth, lane, segment, within);
-            }
-            if !self.is_open(level.place(lane), depth) {
-                level.finish(lane);
             }
         }
     }
