@@ -380,7 +380,8 @@ fn steps(basis: &Basis, unit: f64) -> [Vec3; 3] {
     [basis.forward, unit * basis.right, unit * basis.up].map(|way| way.as_vec3())
 }
 
-/// Columns and rows of a window's pixels from this pixel of a patch on.
+/// Columns and rows of a window's pixels from this pixel of a patch on. Not in place: it would be computed of others, too.
+#[inline(never)]
 fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
     let place = |pixel: usize| [(pixel % SIDE) as f32, (pixel / SIDE) as f32];
     let [column, row] = place(first);

@@ -12,8 +12,8 @@ use crate::painted::{BAND, windows};
 use crate::spare::Spares;
 use fearless_simd::Level;
 use rayon::prelude::*;
-pub(crate) use shader::Seen;
 pub use shader::{Canvas, Shader};
+pub(crate) use shader::{Faced, Seen};
 
 /// The colours of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,11 +4,15 @@ use super::{NormalSource, Normals};
 use crate::found::Status;
 use crate::grid::{RayGrid, Ways};
 use crate::painted::{Window, bits};
-use crate::shade::{Canvas, Seen};
+use crate::shade::{Canvas, Faced, Seen};
 use crate::work::Work;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
+
+/// Windows that are dealt with together, step by step: a kernel sets the rounding mode, which waits for all arithmetic before
+/// it, and what it wrote is slow to read at once.
+const TOGETHER: usize = 8;
 
 impl<T: Real> NormalSource<'_, T> {
     /// Sets the normals of some rows where the gradient exists, but those of caps, which have theirs; returns where it does
@@ -52,48 +56,73 @@ struct Band<'a, 'c, 'n, T: Real> {
 impl<T: Real> Band<'_, '_, '_, T> {
     #[inline(always)]
     fn face<S: Simd>(&mut self, simd: S, windows: &[Window]) {
-        let mut room = (Points::<T>::default(), Gradients::<T>::default());
-        for &all in windows {
-            let mut window = all;
-            if !self.seen.cap.is_empty() {
-                let cap = *window.load(self.seen.cap, &mut [false; LANES]);
-                window.wanted &= !bits(|lane| cap[lane]);
-            }
-            let mut found = 0;
-            let mut units = [f32x16::splat(simd, 0.0); 3];
-            let ways = self.rays.ways(simd, all);
-            if window.wanted != 0 {
-                self.work.gradient.called(window.wanted.count_ones());
-                (units, found) = self.gradients(simd, window, &ways, &mut room);
-                found &= window.wanted;
-                // Those of a window that is painted at once are needed nowhere else.
-                if self.normals.is_kept() || found != all.wanted {
-                    store(&units, Window { wanted: found, ..window }, self.normals.all());
-                }
-                if found != window.wanted {
-                    let missing = Window { wanted: window.wanted & !found, ..window };
-                    self.open.extend(missing.pixels());
+        let mut points: [Points<T>; TOGETHER] = Default::default();
+        let mut gradients: [Gradients<T>; TOGETHER] = Default::default();
+        let zero = [f32x16::splat(simd, 0.0); 3];
+        let mut eyes = [zero; TOGETHER];
+        for some in windows.chunks(TOGETHER) {
+            // What is not on a cap.
+            let mut open = [0; TOGETHER];
+            for (k, (&window, to_eye)) in some.iter().zip(&mut eyes).enumerate() {
+                let ways = self.rays.ways(simd, window);
+                *to_eye = ways.to_eye;
+                open[k] = window.wanted & !self.caps(window);
+                let window = Window { wanted: open[k], ..window };
+                if window.wanted != 0 {
+                    self.place(simd, window, &ways, &mut points[k]);
                 }
             }
-            if let Some(canvas) = &mut self.canvas {
-                if found == all.wanted {
-                    canvas.paint(simd, self.seen, all, (ways, units));
-                } else {
-                    canvas.left.push(all);
+            for (k, wanted) in open.into_iter().enumerate().take(some.len()) {
+                if wanted != 0 {
+                    self.work.gradient.called(wanted.count_ones());
+                    self.kernel.ask(&points[k], &mut gradients[k]);
                 }
+            }
+            for (k, (&window, &to_eye)) in some.iter().zip(&eyes).enumerate() {
+                let (mut units, mut found) = (zero, 0);
+                if open[k] != 0 {
+                    (units, found) = self::units(simd, &gradients[k].gradient);
+                    found &= open[k];
+                }
+                self.finish(simd, window, open[k], (to_eye, units), found);
             }
         }
     }
 
-    /// Unit vectors along the gradients at a window's points, and the lanes in which there is one.
+    /// The lanes of a window that are on a cap.
     #[inline(always)]
-    fn gradients<S: Simd>(
-        &self,
-        simd: S,
-        window: Window,
-        ways: &Ways<S>,
-        (points, out): &mut (Points<T>, Gradients<T>),
-    ) -> ([f32x16<S>; 3], u32) {
+    fn caps(&self, window: Window) -> u32 {
+        if self.seen.cap.is_empty() {
+            return 0;
+        }
+        let cap = *window.load(self.seen.cap, &mut [false; LANES]);
+        bits(|lane| cap[lane])
+    }
+
+    /// Keeps the normals that were `found` of those that are `open`, or puts the window on the canvas if all were.
+    #[inline(always)]
+    fn finish<S: Simd>(&mut self, simd: S, window: Window, open: u32, faced: Faced<S>, found: u32) {
+        let is_faced = found == window.wanted;
+        // Those of a window that is painted at once are needed nowhere else.
+        if open != 0 && (self.normals.is_kept() || !is_faced) {
+            store(&faced.1, Window { wanted: found, ..window }, self.normals.all());
+        }
+        if found != open {
+            let missing = Window { wanted: open & !found, ..window };
+            self.open.extend(missing.pixels());
+        }
+        if let Some(canvas) = &mut self.canvas {
+            if is_faced {
+                canvas.paint(simd, self.seen, window, faced);
+            } else {
+                canvas.left.push(window);
+            }
+        }
+    }
+
+    /// Writes the points at which gradients are asked for.
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, window: Window, ways: &Ways<S>, points: &mut Points<T>) {
         let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
         let status = window.load(self.seen.status, &mut spare.0);
         let mut distances = window.load(self.seen.drawn, &mut spare.1);
@@ -109,8 +138,6 @@ impl<T: Real> Band<'_, '_, '_, T> {
             Format::F64 => write(&self.rays.points(simd, window, distances), points),
         }
         points.count = window.count();
-        self.kernel.ask(points, out);
-        units(simd, &out.gradient)
     }
 }
 

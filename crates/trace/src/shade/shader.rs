@@ -4,7 +4,7 @@ use super::lanes::{by_axis, dot, left, shine, splat, toned};
 use super::{Appearance, Paint, SurfaceColours, UndecidedStyle};
 use crate::colour::{BLACK, Codes, LinearRgb};
 use crate::found::Status;
-use crate::grid::{RayGrid, Ways};
+use crate::grid::RayGrid;
 use crate::painted::{FULL, Window, bits};
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
@@ -67,7 +67,7 @@ pub struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    /// Paints a window with these ways and normals.
+    /// Paints a window whose normals are known.
     #[inline(always)]
     pub(crate) fn paint<S: Simd>(
         &mut self,
@@ -110,8 +110,8 @@ pub(crate) struct Seen<'a> {
     pub paint: &'a [Paint],
 }
 
-/// Which way a window's rays go, and its normals.
-pub(crate) type Faced<S> = (Ways<S>, [f32x16<S>; 3]);
+/// The unit vectors of a window's pixels to the eye, and normals.
+pub(crate) type Faced<S> = ([f32x16<S>; 3], [f32x16<S>; 3]);
 
 /// What a window's pixels have that those of most windows have not.
 struct Own {
@@ -273,13 +273,12 @@ impl Shader<'_> {
         );
         // No closure deals with vectors: it would be compiled apart, for narrower ones.
         let one = f32x16::splat(simd, 1.0);
-        let (ways, normal) = if let Some(faced) = faced {
+        let (eye, normal) = if let Some(faced) = faced {
             faced
         } else {
             let normal = by_axis(simd, window.load(seen.normal, &mut [[0.0; 3]; LANES]));
-            (rays.ways(simd, window), normal)
+            (rays.ways(simd, window).to_eye, normal)
         };
-        let eye = ways.to_eye;
         let facing = dot(normal, eye);
         // The side that is seen is lit.
         let side = one.copysign(facing);
