@@ -2,6 +2,7 @@
 
 use crate::found::{Found, Reason, Status};
 use crate::spare::Spares;
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -341,15 +342,24 @@ impl GBuffer {
 
     /// How many pixels have each status.
     pub fn counts(&self) -> PixelCounts {
+        dispatch!(Level::new(), simd => self.counts_with(simd))
+    }
+
+    /// The same, compiled for such vectors.
+    #[inline(always)]
+    fn counts_with<S: Simd>(&self, _: S) -> PixelCounts {
         /// As many as a byte counts, of whole vectors.
         const PART: usize = 224;
         let (mut hit, mut undecided) = (0, 0);
         for part in self.status.chunks(PART) {
             // Bytes are added up in bytes, so that vectors of them are.
-            let number =
-                |wanted: Status| part.iter().map(|&status| u8::from(status == wanted)).sum::<u8>();
-            hit += usize::from(number(Status::Hit));
-            undecided += usize::from(number(Status::Undecided));
+            let (mut hits, mut open) = (0_u8, 0_u8);
+            for status in part {
+                hits += u8::from(*status == Status::Hit);
+                open += u8::from(*status == Status::Undecided);
+            }
+            hit += usize::from(hits);
+            undecided += usize::from(open);
         }
         PixelCounts { miss: self.status.len() - hit - undecided, hit, undecided }
     }

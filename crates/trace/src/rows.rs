@@ -6,12 +6,12 @@ use crate::gbuffer::{GBuffer, distance};
 use crate::painted::{Window, are_misses, windows};
 use crate::shade::Seen;
 use crate::work::Work;
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Pixels that are made misses at a time.
-const CLEARED: usize = 32;
+const CLEARED: usize = 64;
 
 /// Some neighbouring rows of a [`GBuffer`], all that is known of their pixels.
 pub struct Rows<'a> {
@@ -87,6 +87,12 @@ impl Rows<'_> {
 
     /// Makes every pixel a miss, for the surface with this number.
     pub(crate) fn clear(&mut self, surface: u16) {
+        dispatch!(Level::new(), simd => self.clear_with(simd, surface));
+    }
+
+    /// The same, compiled for such vectors.
+    #[inline(always)]
+    fn clear_with<S: Simd>(&mut self, _: S, surface: u16) {
         // What says nothing of a miss stays as it is: to write it would take time for nothing. Nor need it be written that
         // nothing is painted where the memory holds a miss of an earlier picture.
         let parts = self.status.chunks_mut(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
