@@ -1,7 +1,7 @@
 //! Up to sixteen tiles at once: where they are, and what is still to be looked at of them.
 
 use super::plane::Plane;
-use super::screens::{Ends, Screens, UNMOVED, outward, saves_a_vector};
+use super::screens::{Ends, Screens, UNMOVED, outward, packed, saves_a_vector};
 use super::slots::Stack;
 use super::tiles::Tracer;
 use crate::painted::ones;
@@ -16,8 +16,6 @@ pub(super) struct Level<T: Scalar> {
     pub within: bool,
     /// The lanes in which there is a segment to be asked, as bits.
     pub live: u16,
-    /// The lanes of which more is to be asked once the rays of their tiles are finished.
-    pub blocked: u16,
     /// The column and row of the first tile, and how many are in a row.
     first: [usize; 2],
     across: usize,
@@ -37,7 +35,6 @@ impl<T: Scalar> Default for Level<T> {
         Self {
             within: false,
             live: 0,
-            blocked: 0,
             first: [0; 2],
             across: 1,
             tiles: UNMOVED,
@@ -168,20 +165,20 @@ impl<T: Scalar> Level<T> {
         self.waiting |= 1 << tile;
     }
 
-    /// Keeps the segments in these lanes; where there is no more of others, but something was put aside, that is asked later.
-    pub fn put_off(&mut self, kept: u16) {
+    /// Keeps the segments in these lanes; returns those of others in whose tiles something was put aside.
+    pub fn keep(&mut self, kept: u16) -> u16 {
         let done = self.live & !kept;
         self.live &= kept;
-        if self.waiting != 0 {
-            let is_waiting = |lane: &usize| self.waiting >> self.tiles[*lane] & 1 == 1;
-            self.blocked |= ones(done).filter(is_waiting).map(|lane| 1 << lane).sum::<u16>();
+        if self.waiting == 0 {
+            return 0;
         }
+        let is_waiting = |lane: &usize| self.waiting >> self.tiles[*lane] & 1 == 1;
+        ones(done).filter(is_waiting).map(|lane| 1 << lane).sum()
     }
 
-    /// Goes on with what was put aside of the tile in a blocked lane, if it `is_open`, or else lets go of it.
+    /// Goes on with what was put aside of the tile in a lane, if it `is_open`, or else lets go of it.
     pub fn go_on(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);
-        self.blocked &= !(1 << lane);
         if !is_open {
             self.later[tile].clear();
         }
@@ -194,25 +191,22 @@ impl<T: Scalar> Level<T> {
         }
     }
 
-    /// Moves the lanes in use to the first ones, where that saves a vector.
+    /// Moves the live lanes to the first ones, where that saves a vector.
     pub fn pack(&mut self, vectors: Vectors) {
-        let used = self.live | self.blocked;
-        if saves_a_vector(used) {
-            dispatch!(vectors, simd => self.pack_batch(simd, used));
-            let live = self.live;
-            (self.live, self.blocked) = (0, 0);
-            for (to, from) in ones(used).enumerate() {
+        if saves_a_vector(self.live) {
+            dispatch!(vectors, simd => self.pack_batch(simd));
+            for (to, from) in ones(self.live).enumerate() {
                 self.tiles[to] = self.tiles[from];
-                let is_live = live >> from & 1;
-                self.live |= is_live << to;
-                self.blocked |= (is_live ^ 1) << to;
             }
+            self.live = packed(self.live);
         }
         self.batch.count = LANES as u32 - self.live.leading_zeros();
     }
 
     #[inline(always)]
-    fn pack_batch<S: Simd>(&mut self, simd: S, kept: u16) {
+    fn pack_batch<S: Simd>(&mut self, simd: S) {
+        // A copy of its own, which need not be read again for each quantity.
+        let kept = self.live;
         let Tiles { centre: [across, up], half: [wide, high], near, far, .. } = &mut self.batch;
         for lanes in [across, up, wide, high, near, far] {
             T::pack(simd, lanes, kept);

@@ -9,7 +9,7 @@
 //! A ray is here once at most: nothing that comes later is asked of its tile before it is finished.
 
 use super::narrow::Scratch;
-use super::screens::saves_a_vector;
+use super::screens::{packed, saves_a_vector};
 use super::sift::Asked;
 use super::slots::Stack;
 use super::tiles::Tracer;
@@ -173,27 +173,26 @@ impl<T: Scalar> Pool<T> {
             waiting |= (self.waiting >> from & 1) << to;
         }
         self.waiting = waiting;
-        // Not all are live, or no vector would be saved.
-        self.live = (1 << self.live.count_ones()) - 1;
+        self.live = packed(self.live);
     }
 }
 
 impl<T: Scalar> Tracer<'_, '_, '_, T> {
     /// Puts a ray into the pool, with its lane of the rays of its tile; returns its lane there.
-    pub(super) fn admit(&mut self, from: usize, ray: TileRay, longest: f64) -> usize {
+    pub(super) fn admit(&mut self, from: usize, ray: TileRay) -> usize {
         while self.memory.pool.live == u16::MAX {
             self.ask_pool();
         }
         let Memory { fresh, pool, .. } = &mut *self.memory;
         let to = pool.live.trailing_ones() as usize;
-        let Asked { segments, longest: longests, inside } = &mut pool.asked;
+        let Asked { segments, longest, inside } = &mut pool.asked;
         for axis in 0..3 {
             segments.origin[axis][to] = fresh.segments.origin[axis][from];
             segments.direction[axis][to] = fresh.segments.direction[axis][from];
         }
         (segments.near[to], segments.far[to]) =
             (fresh.segments.near[from], fresh.segments.far[from]);
-        longests[to] = T::nearest(longest);
+        longest[to] = T::nearest(ray.longest);
         (inside[0][to], inside[1][to]) = (fresh.inside[0][from], fresh.inside[1][from]);
         self.followed[ray.index] |= 1 << ray.bit;
         (pool.rays[to], pool.rounds[to]) = (ray, 0);

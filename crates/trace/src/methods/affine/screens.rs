@@ -41,6 +41,12 @@ pub(super) fn saves_a_vector(live: u16) -> bool {
     live.count_ones().div_ceil(4) < last.div_ceil(4)
 }
 
+/// The live lanes once they are the first ones; not all may be.
+#[inline]
+pub(super) fn packed(live: u16) -> u16 {
+    (1 << live.count_ones()) - 1
+}
+
 /// The parts of segments that are left, a lane each: from the first to the second.
 pub(super) type Ends = [Lanes<f64>; 2];
 

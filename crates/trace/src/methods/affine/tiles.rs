@@ -307,23 +307,24 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 kept = verdicts.shorter | verdicts.cut;
                 self.act(level, finer, depth, &verdicts);
             }
-            level.put_off(kept);
-            self.go_on(level, depth);
+            let later = level.keep(kept);
+            self.go_on(level, later, depth);
         }
     }
 
-    /// Goes on with what was put aside of tiles once none of their rays is followed any more. If nothing else is left to ask,
-    /// rays are followed until that is so of some tile.
-    fn go_on(&mut self, level: &mut Level<T>, depth: usize) {
-        while level.blocked != 0 {
-            for lane in ones(level.blocked) {
+    /// Goes on with what was put aside of the tiles in these lanes, each once none of its rays is followed any more.
+    fn go_on(&mut self, level: &mut Level<T>, mut lanes: u16, depth: usize) {
+        while lanes != 0 {
+            for lane in ones(lanes) {
                 let place = level.place(lane);
                 if !self.any_in(&self.followed, place, depth) {
                     level.go_on(lane, self.is_open(place, depth));
+                    lanes &= !(1 << lane);
                 }
             }
-            if level.blocked != 0 && !self.follow_more() {
-                break;
+            if lanes != 0 && !self.follow_more() {
+                debug_assert!(false, "rays that are followed are in the pool or set apart");
+                self.followed.fill(0);
             }
         }
     }
