@@ -68,8 +68,8 @@ impl GBuffer {
     }
 }
 
-/// What was asked for by doing something with each part of a picture, on all threads. If there is only one it is done here:
-/// another thread would have to be waited for twice, until it wakes and until this one does.
+/// What was asked for by doing something with each part of a picture, on all threads. If there is only one thread for that, it is done
+/// here: another one would have to be waited for twice, until it wakes and until this one does.
 pub(crate) fn work_on<P: Send>(parts: Vec<P>, work: impl Fn(P) -> Work + Send + Sync) -> Work {
     if rayon::current_num_threads() == 1 {
         parts.into_iter().map(work).sum()

@@ -44,7 +44,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let live = left & self.open[patch.index];
         if !within || live.count_ones() <= FEW {
             for bit in ones(live) {
-                let to = self.admit(bit, patch.ray(bit, longest, within));
+                let to = self.admit(bit, patch.ray(bit, longest, within), 0);
                 if !within {
                     self.memory.pool.cut_at_faces(to, inside.map(|ends| ends[bit]));
                 }
@@ -74,7 +74,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         // What is left is read before others are asked.
         let last = self.memory.contractions.far;
         for bit in ones(sifted.shorter | sifted.cut) {
-            let to = self.admit(bit, patch.ray(bit, longest, within));
+            let to = self.admit(bit, patch.ray(bit, longest, within), 1);
             if sifted.cut >> bit & 1 == 1 {
                 let cut = self.memory.fresh.segments.far[bit];
                 self.memory.pool.put_aside(to, [cut, last[bit]]);

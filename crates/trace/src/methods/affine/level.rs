@@ -23,7 +23,7 @@ pub(super) struct Level<T: Scalar> {
     tiles: [u8; LANES],
     /// Where the tiles are: by lane, or, if they are `within` the region, where they were before lanes were moved.
     pub screens: Screens,
-    /// By tile, what comes after the segment in its lane; and bits, clear only where there is none of it.
+    /// By tile, what comes after the segment in its lane; and bits, clear where there is none of it.
     later: [Stack<T>; LANES],
     waiting: u16,
     pub batch: Tiles<T>,

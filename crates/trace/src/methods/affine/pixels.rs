@@ -125,7 +125,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         found
     }
 
-    /// Writes a hit in the middle of a bracket.
+    /// Writes a hit in the middle of a bracket, as the others are found by [`Self::between`], and notes that its ray is finished.
     pub(super) fn add_hit(&mut self, ray: &TileRay, [near, far]: [f64; 2]) {
         let middle = self.frame.start + 0.5 * (near + far);
         let off = 0.5 * (far - near) + ROUNDED * middle.abs();
@@ -182,7 +182,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 (screens[k][lane], spans[k][lane]) = (ray.screen[k], span[k]);
             }
         }
-        let mut insides = spans;
+        let mut insides = [f64::NEG_INFINITY, f64::INFINITY].map(Lanes::splat);
         if rays.iter().any(|(ray, _)| !ray.within) {
             // As closely as f64 knows where they leave the region, which may be all that is left to tell.
             dispatch!(self.vectors, simd => {

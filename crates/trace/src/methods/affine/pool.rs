@@ -1,7 +1,7 @@
 //! Rays of several tiles, followed together to the end.
 //!
 //! When the rays of a tile were asked once, few of them are left, and a kernel takes sixteen in little more time than one. So
-//! those wait here until there are sixteen. What is left of a segment after it was asked stays in its lane: all of it where it
+//! those wait here until there are sixteen, and so do rays of which a tile has few from the start. What is left of a segment after it was asked stays in its lane: all of it where it
 //! got much shorter, else its nearer part, and the other one comes later. Set apart to be followed one by one are rays on which
 //! the arithmetic of tiles is at its end, what may be a hit of a cleared form, and all rays of tiles that a clipping plane or
 //! the edge of a ball cuts.
@@ -178,8 +178,8 @@ impl<T: Scalar> Pool<T> {
 }
 
 impl<T: Scalar> Tracer<'_, '_, '_, T> {
-    /// Puts a ray into the pool, with its lane of the rays of its tile; returns its lane there.
-    pub(super) fn admit(&mut self, from: usize, ray: TileRay) -> usize {
+    /// Puts a ray that was asked so often into the pool, with its lane of the rays of its tile; returns its lane there.
+    pub(super) fn admit(&mut self, from: usize, ray: TileRay, rounds: u8) -> usize {
         while self.memory.pool.live == u16::MAX {
             self.ask_pool();
         }
@@ -195,7 +195,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         longest[to] = T::nearest(ray.longest);
         (inside[0][to], inside[1][to]) = (fresh.inside[0][from], fresh.inside[1][from]);
         self.followed[ray.index] |= 1 << ray.bit;
-        (pool.rays[to], pool.rounds[to]) = (ray, 0);
+        (pool.rays[to], pool.rounds[to]) = (ray, rounds);
         pool.live |= 1 << to;
         to
     }

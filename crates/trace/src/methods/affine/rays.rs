@@ -73,15 +73,31 @@ impl<'a, T: Scalar> Follower<'a, T> {
         let mut stretch = [0.0; LANES];
         let mut pending: [Option<[f64; 2]>; LANES] =
             std::array::from_fn(|lane| ways.get(lane).map(|way| way.span));
-        let is_blurred = self.refines && ways.iter().any(is_blurred::<T>);
-        let finer = is_blurred.then(|| self.double()).flatten();
+        let mut blurred = [false; LANES];
+        if self.refines {
+            for (blurred, way) in blurred.iter_mut().zip(ways) {
+                *blurred = is_blurred::<T>(way);
+            }
+        }
+        let finer = blurred.contains(&true).then(|| self.double()).flatten();
         while pending.iter().any(Option::is_some) {
+            // What becomes of a ray hangs on no other.
+            let is_finer = |lane: usize| finer.is_some() && blurred[lane];
+            let part = |fine: bool| -> [Option<[f64; 2]>; LANES] {
+                std::array::from_fn(|lane| pending[lane].filter(|_| is_finer(lane) == fine))
+            };
             let mut steps = [Step::Empty; LANES];
-            if let Some(double) = finer {
-                double.narrow(ways, &pending, &mut Scratch::default(), &mut steps, work);
-            } else {
-                self.narrower.narrow(ways, &pending, scratch, &mut steps, work);
+            let rest = part(false);
+            if rest.iter().any(Option::is_some) {
+                self.narrower.narrow(ways, &rest, scratch, &mut steps, work);
                 self.refine(ways, &mut steps, &mut stretch, work);
+            }
+            if let Some(double) = finer {
+                let mut fine = [Step::Empty; LANES];
+                double.narrow(ways, &part(true), &mut Scratch::default(), &mut fine, work);
+                for lane in (0..LANES).filter(|lane| is_finer(*lane)) {
+                    steps[lane] = fine[lane];
+                }
             }
             for (lane, way) in ways.iter().enumerate() {
                 if pending[lane].is_none() {

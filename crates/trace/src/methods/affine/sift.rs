@@ -24,7 +24,7 @@ pub(super) struct Asked<T: Scalar> {
     pub inside: [Lanes<T>; 2],
 }
 
-/// What became of segments that may hold a zero: a bit for each lane in use, in one of the last four at most.
+/// What became of segments: a bit for each lane in use, in one of these.
 pub(super) struct Sifted {
     /// Nothing is left.
     pub empty: u16,

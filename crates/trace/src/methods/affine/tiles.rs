@@ -322,10 +322,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                     lanes &= !(1 << lane);
                 }
             }
-            if lanes != 0 && !self.follow_more() {
-                debug_assert!(false, "rays that are followed are in the pool or set apart");
-                self.followed.fill(0);
-            }
+            let is_done = lanes == 0 || self.follow_more();
+            assert!(is_done, "rays that are followed are in the pool or set apart");
         }
     }
 
