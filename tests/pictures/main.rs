@@ -1,5 +1,6 @@
 //! Pictures and the kernels behind them against what is known by other means: exact roots, certified ones, an oracle.
 
+mod alone;
 mod antialias;
 mod balls;
 mod baselines;

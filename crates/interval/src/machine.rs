@@ -19,7 +19,8 @@ pub fn has_fma() -> bool {
     cfg!(target_arch = "aarch64")
 }
 
-/// A machine with 128-bit vectors that rounds up.
+/// A machine with vectors that rounds up. Rules are written for 128 bits; since they do the same to each lane, code may run on
+/// wider ones.
 ///
 /// Rules are written once over this trait. One implementation emits native code, the other
 /// ([`Software`](crate::Software)) computes; both give the same bits (NaN apart, which no rule lets
@@ -97,7 +98,7 @@ pub trait Machine {
     /// Lane bits shifted right, zeros entering.
     fn shift_right(&mut self, a: Self::V, by: u8) -> Self::V;
 
-    /// Four `f32` lanes as two vectors of `f64`: lanes 0 and 1, lanes 2 and 3. Exact.
+    /// All `f32` lanes as two vectors of `f64`: those of the lower half, then those of the upper. Exact.
     fn widen(&mut self, a: Self::V) -> [Self::V; 2];
     /// The inverse of [`Machine::widen`], rounded up.
     fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;

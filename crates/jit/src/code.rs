@@ -34,13 +34,15 @@ pub struct Code {
     entry: Entry,
     /// Size of the machine code in bytes.
     pub bytes: usize,
+    /// Bytes of the vectors that it computes with.
+    pub width: usize,
 }
 
 impl Code {
     /// The function that was finished in `memory` as `id`.
-    pub fn new(memory: Memory, id: FuncId, bytes: usize) -> Self {
+    pub fn new(memory: Memory, id: FuncId, bytes: usize, width: usize) -> Self {
         let entry = memory.0.get_finalized_function(id);
-        Self { _memory: memory, entry, bytes }
+        Self { _memory: memory, entry, bytes, width }
     }
 
     /// The function. It must not be called after this value is dropped.

@@ -4,7 +4,8 @@ use crate::code::{Code, Memory};
 use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, VECTOR, Vector, type_of};
-use cranelift_codegen::Context;
+#[cfg(target_arch = "x86_64")]
+use crate::wide;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I64;
@@ -13,6 +14,7 @@ use cranelift_codegen::ir::{
 };
 use cranelift_codegen::isa::{CallConv, OwnedTargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
+use cranelift_codegen::{CompiledCode, Context};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Module, default_libcall_names};
@@ -41,27 +43,36 @@ enum Tier {
     Fast,
 }
 
+/// Who looks whether there is room on the stack before it is used, so that large frames do not reach past the guard page unseen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Looks {
+    /// The code, as Cranelift writes it.
+    Code,
+    /// Whoever [widens](crate::wide) it.
+    Later,
+}
+
 /// The processor this runs on, as a code generation target: built once.
-fn target(tier: Tier) -> Result<OwnedTargetIsa, Error> {
-    static TARGETS: [OnceLock<Option<OwnedTargetIsa>>; 2] = [const { OnceLock::new() }; 2];
-    TARGETS[tier as usize]
+fn target(tier: Tier, looks: Looks) -> Result<OwnedTargetIsa, Error> {
+    static TARGETS: [[OnceLock<Option<OwnedTargetIsa>>; 2]; 2] =
+        [const { [const { OnceLock::new() }; 2] }; 2];
+    TARGETS[tier as usize][looks as usize]
         .get_or_init(|| {
             let mut flags = settings::builder();
             let allocator = match tier {
                 Tier::Optimised => "backtracking",
                 Tier::Fast => "single_pass",
             };
-            let verifier = if cfg!(debug_assertions) { "true" } else { "false" };
+            let flag = |is_set: bool| if is_set { "true" } else { "false" };
             for (name, value) in [
                 // The graph has no common sub-expressions left, and the optimiser moves constants out of the loop and
                 // then spills them: compiling takes 1.3 times as long for code that is 2 % slower over the gallery.
                 ("opt_level", "none"),
                 ("regalloc_algorithm", allocator),
-                ("enable_verifier", verifier),
+                ("enable_verifier", flag(cfg!(debug_assertions))),
                 ("unwind_info", "false"),
                 ("is_pic", "false"),
-                // Large frames must not reach past the guard page unseen.
-                ("enable_probestack", "true"),
+                ("enable_probestack", flag(looks == Looks::Code)),
                 ("probestack_strategy", "inline"),
             ] {
                 flags.set(name, value).ok()?;
@@ -86,45 +97,100 @@ fn check_processor() -> Result<(), Error> {
     }
 }
 
+/// Bytes of the widest vectors that kernels compute with on this processor. One that would use too much of the stack for them
+/// computes with those of 16 bytes.
+pub fn widest_vector() -> usize {
+    #[cfg(target_arch = "x86_64")]
+    if wide::is_possible() {
+        return wide::WIDTH;
+    }
+    VECTOR
+}
+
 /// Compiles what answers a question.
 ///
 /// # Panics
 /// If the tape computes another number of expressions than the question needs.
 pub fn compile<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Code, Error> {
     check_processor()?;
-    let function = build::<Q, T>(tape)?;
-    let tier = if function.dfg.num_insts() > FAST_TIER_FROM { Tier::Fast } else { Tier::Optimised };
-    generate(function, tier)
+    generate(|width| build::<Q, T>(tape, width), None)
+}
+
+/// As [`compile`], for vectors of 128 bits whatever the processor has.
+#[cfg(feature = "comparison")]
+pub fn compile_narrow<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Code, Error> {
+    check_processor()?;
+    generate_narrow(build::<Q, T>(tape, VECTOR)?, None)
 }
 
 /// As [`compile`], written on the machine that `other` puts around the one that emits, by the slower tier whatever its size.
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Question, T: Real>(
     tape: &Tape<T>,
-    other: impl FnOnce(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
+    other: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
 ) -> Result<Code, Error> {
     check_processor()?;
-    let function = build_with::<Q, T>(tape, other)?;
-    generate(function, Tier::Optimised)
+    generate(|width| build_with::<Q, T>(tape, width, &other), Some(Tier::Optimised))
 }
 
-/// From intermediate code to memory.
-fn generate(function: Function, tier: Tier) -> Result<Code, Error> {
+/// From intermediate code to memory. It is written for vectors of so many bytes, the widest that there can be; by a tier that
+/// its size tells, if none is given.
+fn generate(
+    write: impl Fn(usize) -> Result<Function, Error>,
+    tier: Option<Tier>,
+) -> Result<Code, Error> {
+    let width = widest_vector();
+    #[cfg(target_arch = "x86_64")]
+    if width > VECTOR {
+        let function = write(width)?;
+        let slots = function.fixed_stack_size();
+        let code = machine_code(function, tier, Looks::Later)?;
+        if let Some(wider) = wide::widened(code.buffer.data(), slots, STACK) {
+            return place(&wider, width as u64, width);
+        }
+    }
+    generate_narrow(write(VECTOR)?, tier)
+}
+
+/// The same for Cranelift's own vectors.
+fn generate_narrow(function: Function, tier: Option<Tier>) -> Result<Code, Error> {
+    let code = machine_code(function, tier, Looks::Code)?;
+    place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)
+}
+
+/// From intermediate code to machine code.
+fn machine_code(
+    function: Function,
+    tier: Option<Tier>,
+    looks: Looks,
+) -> Result<CompiledCode, Error> {
     check_stack(function.fixed_stack_size())?;
-    let isa = target(tier)?;
-    let builder = JITBuilder::with_isa(isa, default_libcall_names());
+    let is_large = function.dfg.num_insts() > FAST_TIER_FROM;
+    let tier = tier.unwrap_or(if is_large { Tier::Fast } else { Tier::Optimised });
+    let mut context = Context::for_function(function);
+    if let Err(error) = context.compile(&*target(tier, looks)?, &mut ControlPlane::default()) {
+        return Err(Error::Codegen(format!("{:?}", error.inner)));
+    }
+    let code = context.take_compiled_code().expect("it was compiled");
+    check_stack(code.buffer.frame_layout().map_or(0, |layout| layout.frame_to_fp_offset))?;
+    if !code.buffer.relocs().is_empty() {
+        return Err(Error::Codegen("a kernel refers to what is not its own".into()));
+    }
+    Ok(code)
+}
+
+/// Puts machine code where it can be called.
+fn place(bytes: &[u8], alignment: u64, width: usize) -> Result<Code, Error> {
+    let builder =
+        JITBuilder::with_isa(target(Tier::Optimised, Looks::Code)?, default_libcall_names());
     let mut memory = Memory::new(JITModule::new(builder));
     let module = memory.module();
     debug_assert!(module.target_config().pointer_bits() == 64, "kernels use 64-bit pointers");
     let report = |error: cranelift_module::ModuleError| Error::Codegen(format!("{error:?}"));
-    let id = module.declare_anonymous_function(&function.signature).map_err(report)?;
-    let mut context = Context::for_function(function);
-    module.define_function(id, &mut context).map_err(report)?;
-    let layout = context.compiled_code().and_then(|code| code.buffer.frame_layout());
-    check_stack(layout.map_or(0, |layout| layout.frame_to_fp_offset))?;
+    let id = module.declare_anonymous_function(&signature()).map_err(report)?;
+    module.define_function_bytes(id, alignment, bytes, &[]).map_err(report)?;
     module.finalize_definitions().map_err(report)?;
-    let bytes = context.compiled_code().map_or(0, |code| code.code_info().total_size);
-    Ok(Code::new(memory, id, bytes as usize))
+    Ok(Code::new(memory, id, bytes.len(), width))
 }
 
 fn check_stack(bytes: u32) -> Result<(), Error> {
@@ -139,24 +205,7 @@ fn check_stack(bytes: u32) -> Result<(), Error> {
 /// # Panics
 /// If the tape computes another number of expressions than the question needs.
 pub fn intermediate_code<Q: Question, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
-    Ok(build::<Q, T>(tape)?.display().to_string())
-}
-
-/// The machine code of a kernel, as assembly text.
-///
-/// # Errors
-/// If this processor is not supported or the formula too large.
-///
-/// # Panics
-/// If the tape computes another number of expressions than the question needs.
-pub fn machine_code<Q: Question, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
-    check_processor()?;
-    let mut context = Context::for_function(build::<Q, T>(tape)?);
-    context.set_disasm(true);
-    let code = context
-        .compile(target(Tier::Optimised)?.as_ref(), &mut ControlPlane::default())
-        .map_err(|error| Error::Codegen(format!("{error:?}")))?;
-    Ok(code.vcode.clone().unwrap_or_default())
+    Ok(build::<Q, T>(tape, VECTOR)?.display().to_string())
 }
 
 fn signature() -> Signature {
@@ -202,15 +251,16 @@ fn trusted() -> MemFlagsData {
     MemFlagsData::trusted()
 }
 
-/// The function.
-fn build<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Function, Error> {
-    build_with::<Q, T>(tape, |emitter, cursor| Q::answer(tape, emitter, cursor))
+/// The function for vectors of so many bytes.
+fn build<Q: Question, T: Real>(tape: &Tape<T>, width: usize) -> Result<Function, Error> {
+    build_with::<Q, T>(tape, width, |emitter, cursor| Q::answer(tape, emitter, cursor))
 }
 
 /// The same with an answer that `write` writes.
 fn build_with<Q: Question, T: Real>(
     tape: &Tape<T>,
-    write: impl FnOnce(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
+    width: usize,
+    write: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
 ) -> Result<Function, Error> {
     assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
     if tape.operations() > LIMIT {
@@ -240,7 +290,7 @@ fn build_with<Q: Question, T: Real>(
 
     builder.switch_to_block(body);
     let mut cursor = Cursor::<T> { input, parameters, format: PhantomData };
-    let mut emitter = Emitter::new(&mut builder);
+    let mut emitter = Emitter::new(&mut builder, width);
     let answer = write(&mut emitter, &mut cursor);
     for (number, value) in answer.quantities.into_iter().enumerate() {
         let value = emitter.value(value);
@@ -267,9 +317,9 @@ fn build_with<Q: Question, T: Real>(
         let found = builder.ins().ishl(found, lane);
         all = builder.ins().bor(masks, found);
     }
-    let input = builder.ins().iadd_imm_s(input, VECTOR as i64);
-    let output = builder.ins().iadd_imm_s(output, VECTOR as i64);
-    let lane = builder.ins().iadd_imm_s(lane, (VECTOR / size_of::<T>()) as i64);
+    let input = builder.ins().iadd_imm_s(input, width as i64);
+    let output = builder.ins().iadd_imm_s(output, width as i64);
+    let lane = builder.ins().iadd_imm_s(lane, (width / size_of::<T>()) as i64);
     let more = builder.ins().icmp(IntCC::UnsignedLessThan, lane, count);
     builder.ins().brif(more, body, &args(&[input, output, lane, all]), end, &[]);
 
@@ -283,7 +333,7 @@ fn build_with<Q: Question, T: Real>(
     }
     builder.ins().return_(&[]);
     builder.seal_all_blocks();
-    builder.finalize(target(Tier::Optimised)?.frontend_config());
+    builder.finalize(target(Tier::Optimised, Looks::Code)?.frontend_config());
     Ok(function)
 }
 

@@ -27,8 +27,23 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
     /// # Panics
     /// If the tape computes another number of expressions than the question needs.
     pub fn new(tape: Tape<T>) -> Result<Self, Error> {
-        let code = Arc::new(compile::<Q, T>(&tape)?);
-        Ok(Self { code, tape: Arc::new(tape), question: PhantomData })
+        Ok(Self::of(compile::<Q, T>(&tape)?, tape))
+    }
+
+    /// As [`Compiled::new`] for vectors of 128 bits, as processors run it that have no wider ones: to be compared.
+    ///
+    /// # Errors
+    /// As [`Compiled::new`].
+    ///
+    /// # Panics
+    /// As [`Compiled::new`].
+    #[cfg(feature = "comparison")]
+    pub fn narrow(tape: Tape<T>) -> Result<Self, Error> {
+        Ok(Self::of(crate::compiler::compile_narrow::<Q, T>(&tape)?, tape))
+    }
+
+    fn of(code: Code, tape: Tape<T>) -> Self {
+        Self { code: Arc::new(code), tape: Arc::new(tape), question: PhantomData }
     }
 
     /// The code with values for its parameters.
@@ -43,6 +58,11 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
     /// Size of the machine code in bytes.
     pub fn code_bytes(&self) -> usize {
         self.code.bytes
+    }
+
+    /// Bytes of the vectors that it computes with.
+    pub fn vector_bytes(&self) -> usize {
+        self.code.width
     }
 }
 

@@ -11,8 +11,9 @@ use cranelift_frontend::FunctionBuilder;
 use std::collections::HashMap;
 use zeroset_interval::{Format, Machine, has_fma};
 
-/// Bytes of a vector, and the binary logarithm of that.
+/// Bytes of a vector of Cranelift's.
 pub const VECTOR: usize = 16;
+/// The binary logarithm of that.
 const VECTOR_ALIGNMENT: u8 = 4;
 
 /// A vector while code is made.
@@ -34,6 +35,8 @@ pub enum Vector {
 /// the gyroid, with loads).
 pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
+    /// Bytes of a vector when the code runs: a multiple of [`VECTOR`].
+    width: usize,
     /// Constants in use.
     constants: HashMap<(Type, u128), Value>,
     /// Products that were added to something: the error of a form is asked for by everything that is made of it.
@@ -41,9 +44,9 @@ pub struct Emitter<'a, 'b> {
 }
 
 impl<'a, 'b> Emitter<'a, 'b> {
-    /// An emitter that appends to the current block of `builder`.
-    pub fn new(builder: &'a mut FunctionBuilder<'b>) -> Self {
-        Self { builder, constants: HashMap::new(), fused: HashMap::new() }
+    /// An emitter that appends to the current block of `builder`, for vectors of so many bytes.
+    pub fn new(builder: &'a mut FunctionBuilder<'b>, width: usize) -> Self {
+        Self { builder, width, constants: HashMap::new(), fused: HashMap::new() }
     }
 
     /// The function being built.
@@ -86,6 +89,17 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder.ins().bitcast(to, flags, value)
     }
 
+    /// A vector of two parts of 64 bits of two others, each given by its first byte among those of both.
+    fn shuffle(&mut self, a: Value, b: Value, parts: [u8; 2]) -> Value {
+        let is_one = a == b;
+        let a = self.cast(I8X16, a);
+        let b = if is_one { a } else { self.cast(I8X16, b) };
+        let order: [u8; VECTOR] = std::array::from_fn(|byte| parts[byte / 8] + byte as u8 % 8);
+        let mask = self.builder.func.dfg.immediates.push(ConstantData::from(order.as_slice()));
+        let joined = self.builder.ins().shuffle(a, b, mask);
+        self.cast(F32X4, joined)
+    }
+
     fn compare(&mut self, condition: FloatCC, a: Value, b: Value) -> Value {
         let ty = self.builder.func.dfg.value_type(a);
         let mask = self.builder.ins().fcmp(condition, a, b);
@@ -125,26 +139,26 @@ pub struct Rows {
     width: usize,
 }
 
-/// Where a column of a row starts.
-fn at(column: usize) -> i32 {
-    (VECTOR * column) as i32
-}
-
 impl Emitter<'_, '_> {
+    /// Where a column of a row starts.
+    fn at(&self, column: usize) -> i32 {
+        (self.width * column) as i32
+    }
+
     /// Begins a loop over rows of inputs, all `F64`, each with room for `outputs`; the inputs of the row that is next.
     pub fn begin_rows<const ROWS: usize, const IN: usize>(
         &mut self,
         inputs: [[Vector; IN]; ROWS],
         outputs: usize,
     ) -> (Rows, [Vector; IN]) {
-        let width = VECTOR * (IN + outputs);
+        let width = self.width * (IN + outputs);
         let size = (width * ROWS) as u32;
         let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, size, VECTOR_ALIGNMENT);
         let slot = self.builder.create_sized_stack_slot(slot);
         for (row, inputs) in inputs.into_iter().enumerate() {
             for (column, input) in inputs.into_iter().enumerate() {
-                let value = self.value(input);
-                self.builder.ins().stack_store(I64, value, slot, (row * width) as i32 + at(column));
+                let (value, offset) = (self.value(input), (row * width) as i32 + self.at(column));
+                self.builder.ins().stack_store(I64, value, slot, offset);
             }
         }
         let body = self.builder.create_block();
@@ -155,7 +169,8 @@ impl Emitter<'_, '_> {
         self.builder.switch_to_block(body);
         let flags = MemFlagsData::trusted();
         let inputs = std::array::from_fn(|column| {
-            Vector::Value(self.builder.ins().load(F64X2, flags, row, at(column)))
+            let offset = self.at(column);
+            Vector::Value(self.builder.ins().load(F64X2, flags, row, offset))
         });
         (Rows { slot, body, row, last, width }, inputs)
     }
@@ -169,8 +184,8 @@ impl Emitter<'_, '_> {
         let Rows { slot, body, row, last, width } = *rows;
         let flags = MemFlagsData::trusted();
         for (column, output) in outputs.into_iter().enumerate() {
-            let value = self.value(output);
-            self.builder.ins().store(flags, value, row, at(IN + column));
+            let (value, offset) = (self.value(output), self.at(IN + column));
+            self.builder.ins().store(flags, value, row, offset);
         }
         let end = self.builder.create_block();
         let more = self.builder.ins().icmp(IntCC::NotEqual, row, last);
@@ -179,7 +194,7 @@ impl Emitter<'_, '_> {
         self.builder.switch_to_block(end);
         std::array::from_fn(|row| {
             std::array::from_fn(|column| {
-                let offset = (row * width) as i32 + at(IN + column);
+                let offset = (row * width) as i32 + self.at(IN + column);
                 Vector::Value(self.builder.ins().stack_load(I64, F64X2, slot, offset))
             })
         })
@@ -351,26 +366,17 @@ impl Machine for Emitter<'_, '_> {
         Vector::Value(self.cast(ty, chosen))
     }
 
+    // Halves of vectors are moved by these two shuffles alone: `wide` knows them.
     fn widen(&mut self, a: Vector) -> [Vector; 2] {
         let a = self.value(a);
-        let low = self.builder.ins().fvpromote_low(a);
-        let integers = self.cast(I64X2, a);
-        // Lane 1 of two 64-bit lanes holds f32 lanes 2 and 3.
-        let upper = self.builder.ins().extractlane(integers, 1);
-        let moved = self.builder.ins().scalar_to_vector(I64X2, upper);
-        let moved = self.cast(F32X4, moved);
-        [low, self.builder.ins().fvpromote_low(moved)].map(Vector::Value)
+        let upper = self.shuffle(a, a, [8, 24]);
+        [a, upper].map(|half| Vector::Value(self.builder.ins().fvpromote_low(half)))
     }
     fn narrow(&mut self, [low, high]: [Vector; 2]) -> Vector {
         let (low, high) = self.values(low, high);
-        let low = self.builder.ins().fvdemote(low);
-        let high = self.builder.ins().fvdemote(high);
-        // Both have their two lanes in front: interleave them as 64-bit lanes.
-        let (low, high) = (self.cast(I8X16, low), self.cast(I8X16, high));
-        let order: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23];
-        let mask = self.builder.func.dfg.immediates.push(ConstantData::from(order.as_slice()));
-        let joined = self.builder.ins().shuffle(low, high, mask);
-        Vector::Value(self.cast(F32X4, joined))
+        // Both have their lanes in front.
+        let [low, high] = [low, high].map(|half| self.builder.ins().fvdemote(half));
+        Vector::Value(self.shuffle(low, high, [0, 16]))
     }
 
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(

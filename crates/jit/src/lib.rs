@@ -12,7 +12,9 @@ mod error;
 mod kernel;
 mod lanes;
 mod rounding;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
-pub use compiler::{intermediate_code, machine_code};
+pub use compiler::{intermediate_code, widest_vector};
 pub use error::Error;
 pub use kernel::{Compiled, Native};

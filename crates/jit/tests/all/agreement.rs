@@ -8,7 +8,7 @@ use zeroset_eval::{
 };
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
-use zeroset_jit::Native;
+use zeroset_jit::{Compiled, widest_vector};
 use zeroset_ops::TABLE;
 
 /// A small generator, so that this crate's own tests need no other crate: splitmix64.
@@ -135,8 +135,9 @@ where
     Q::Input<T>: Debug,
     Q::Output<T>: Debug,
 {
-    let native = Native::<Q, T>::new(tape.clone(), Binding::empty()).expect("compiles");
-    let found = native.ask_all(inputs);
+    let compiled = Compiled::<Q, T>::new(tape.clone()).expect("compiles");
+    assert_eq!(compiled.vector_bytes(), widest_vector(), "{:?}", tape.steps());
+    let found = compiled.bind(Binding::empty()).ask_all(inputs);
     let expected = Reference::<Q, T>::new(tape.clone(), Binding::empty()).ask_all(inputs);
     for ((input, e), f) in inputs.iter().zip(&expected).zip(&found) {
         let lanes =

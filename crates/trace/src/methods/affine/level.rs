@@ -193,7 +193,7 @@ impl<T: Scalar> Level<T> {
 
     /// Moves the live lanes to the first ones, where that saves a vector.
     pub fn pack(&mut self, vectors: Vectors) {
-        if saves_a_vector(self.live) {
+        if saves_a_vector::<T>(self.live) {
             dispatch!(vectors, simd => self.pack_batch(simd));
             for (to, from) in ones(self.live).enumerate() {
                 self.tiles[to] = self.tiles[from];

@@ -152,7 +152,7 @@ impl<T: Scalar> Pool<T> {
 
     /// Moves the rays to the first lanes, where that saves a vector.
     fn pack(&mut self, vectors: Vectors) {
-        if !saves_a_vector(self.live) {
+        if !saves_a_vector::<T>(self.live) {
             return;
         }
         dispatch!(vectors, simd => {

@@ -34,11 +34,15 @@ pub(super) const UNMOVED: [u8; LANES] = {
     things
 };
 
-/// Whether fewer vectors hold the live lanes once they are the first ones.
+/// Bytes of a kernel's vectors, where the processor has such.
+const VECTOR: usize = 32;
+
+/// Whether fewer vectors of `T` hold the live lanes once they are the first ones.
 #[inline]
-pub(super) fn saves_a_vector(live: u16) -> bool {
+pub(super) fn saves_a_vector<T>(live: u16) -> bool {
+    let lanes = (VECTOR / size_of::<T>()) as u32;
     let last = LANES as u32 - live.leading_zeros();
-    live.count_ones().div_ceil(4) < last.div_ceil(4)
+    live.count_ones().div_ceil(lanes) < last.div_ceil(lanes)
 }
 
 /// The live lanes once they are the first ones; not all may be.

@@ -1,0 +1,53 @@
+//! What becomes of a pixel hangs on no other.
+
+use glam::DVec3;
+use zeroset::program::Program;
+use zeroset::scene::{DomainChoice, bounds, region};
+use zeroset_syntax::{Options as Reading, read};
+use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Options, Projection, Status};
+
+const SIZE: [usize; 2] = [96, 80];
+
+#[test]
+fn a_pixel_is_the_same_whichever_others_are_followed() {
+    let affine = METHODS.iter().find(|method| method.name == "affine").expect("there is one");
+    let mut compared = 0;
+    // Rays of the second are followed one by one: a zero of its numerator may be none of its own.
+    for text in ["x^2+y^2+z^2=1", "1/x+y=z", "x*y*z=0.001", "z^3=0.2*y^2*x"] {
+        let document = read(text, &Reading::default()).expect(text);
+        let domain = DomainChoice::Bounds([-1.2, 1.2, -1.2, 1.2, -1.2, 1.2]);
+        let (region, _) = region(&document, domain, None).expect(text);
+        let program = Program::new(&document, bounds(&region)).expect(text);
+        // So near that pixels are as narrow as f32 can tell, and so far that they are not.
+        for (eye, target) in [([1.02, 0.3, 0.4], [0.2, -0.6, 0.0]), ([2.4, 1.8, 3.6], [0.0; 3])] {
+            let projection = Projection::Perspective { fov: 80.0 };
+            let [eye, target] = [eye, target].map(DVec3::from_array);
+            let camera = Camera::new(eye, target, DVec3::Y, projection).expect(text);
+            let rays = camera.rays(SIZE[0], SIZE[1]);
+            let options = Options { tolerance: 0.02, ..Options::default() };
+            let tracer = affine.prepare(program.surface(0), &region, options).expect(text);
+            let advance = |_| true;
+            let driver = Driver { rays: &rays, tracer: &*tracer, advance: &advance };
+            let picture = |only: &[bool]| {
+                let mut buffer = GBuffer::new(SIZE[0], SIZE[1], 0).with_brackets();
+                driver.picture_where(only, &mut buffer);
+                buffer
+            };
+            let whole = picture(&[]);
+            // All of a tile, some, few, one.
+            for step in [2, 3, 7, 41] {
+                let only: Vec<bool> = (0..SIZE[0] * SIZE[1]).map(|n| n % step == 0).collect();
+                let part = picture(&only);
+                for pixel in (0..only.len()).filter(|&pixel| only[pixel]) {
+                    let of = |buffer: &GBuffer| {
+                        let bracket = buffer.bracket[pixel].map(f64::to_bits);
+                        (buffer.status[pixel], buffer.drawn[pixel], bracket)
+                    };
+                    assert_eq!(of(&whole), of(&part), "{text}, {eye}, pixel {pixel}, every {step}");
+                    compared += usize::from(whole.status[pixel] != Status::Miss);
+                }
+            }
+        }
+    }
+    assert!(compared > 10_000, "{compared}");
+}
