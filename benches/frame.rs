@@ -1,8 +1,8 @@
 //! Whole pictures by every method: trace, normals and colours of 512×512 pixels, or N×N, on one thread.
 //!
-//! `cargo bench --bench frame [-- SURFACES… METHODS… --no-contract --no-tiles --no-interval --f32 --f64 --rounds=N --size=N]`
-//! prints, for each surface and method, median milliseconds of interleaved rounds, what was asked of kernels, and how many
-//! pixels are decided. Under a profiler, what one round takes is the difference between runs with `--rounds=1` and
+//! `cargo bench --bench frame [-- SURFACES… METHODS… --no-contract --no-tiles --no-interval --f32 --f64 --cold --rounds=N
+//! --size=N]` prints, for each surface and method, median milliseconds of interleaved rounds, what was asked of kernels, and how
+//! many pixels are decided. `--cold`: caches hold nothing of the frame before, as if others had worked meanwhile. Under a profiler, what one round takes is the difference between runs with `--rounds=1` and
 //! `--rounds=2`.
 
 use glam::DVec3;
@@ -42,6 +42,8 @@ fn main() {
     let rounds = std::env::args().find_map(|given| given.strip_prefix("--rounds=")?.parse().ok());
     let rounds = rounds.unwrap_or(ROUNDS).max(1);
     let size = std::env::args().find_map(|given| given.strip_prefix("--size=")?.parse().ok());
+    // More than caches hold.
+    let mut others = vec![0_u8; if given("--cold") { 64 << 20 } else { 0 }];
     // A name of both is the surface's, unless it is given twice.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
     let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
@@ -90,6 +92,7 @@ fn main() {
         for round in 0..=rounds {
             for (method, times) in methods.iter().zip(&mut times) {
                 let settings = Settings { method, ..settings.clone() };
+                std::hint::black_box(&mut others).fill(round as u8);
                 let picture = model.trace(&camera, &settings, &|_| true).expect(name);
                 if round > 0 {
                     times.0.push(picture.statistics.times.trace);
