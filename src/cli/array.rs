@@ -110,7 +110,7 @@ pub const ARRAYS: &[ArrayRow] = &[
                 let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
                 // A text has at most a thousand surfaces.
                 let number = |pixel| drawn(pixel).map_or(-1, |surface| surface as i16);
-                array.extend((0..buffer.surface.len()).map(number))
+                array.extend((0..buffer.status.len()).map(number))
             })
         },
     },

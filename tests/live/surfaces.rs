@@ -36,15 +36,9 @@ fn hiding_and_showing_changes_the_picture_and_the_text_and_makes_no_kernel() {
     assert_eq!(hid, [false, true, false]);
     assert_eq!(listed[0].colours, [[255, 0, 0]]);
     // The plane hides nothing and throws no light back.
-    assert!(
-        !hidden
-            .picture
-            .buffer
-            .surface
-            .iter()
-            .zip(&hidden.picture.buffer.drawn)
-            .any(|(surface, drawn)| *surface == 1 && drawn.is_finite())
-    );
+    let buffer = &hidden.picture.buffer;
+    let is_plane = |pixel: usize| buffer.is_drawn(pixel) && buffer.surface[pixel] == 1;
+    assert!(!(0..buffer.status.len()).any(is_plane));
     enter(&live, ":show 2");
     let shown = settled(&live);
     assert!(shown.picture.rgb == first.picture.rgb && kernels(&shown) == kernels(&first));

@@ -25,9 +25,9 @@ fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
     for (pixel, (part, k)) in pixels.enumerate() {
         let (status, distance, drawn) = (part.status[k], part.distance(k), part.drawn[k]);
         all.set(pixel, &Found { status, distance, drawn, reason: part.reason(k), ..Found::MISS });
+        all.surface.set(pixel, part.surface[k], parts.iter().map(|part| part.status.len()).sum());
     }
     all.bracket = both(parts.map(|part| &part.bracket));
-    all.surface = both(parts.map(|part| &part.surface));
     all.normal = both(parts.map(|part| &part.normal));
     all.cap = both(parts.map(|part| &part.cap));
     all.shadow = both(parts.map(|part| &part.shadow));

@@ -75,11 +75,11 @@ impl Driver<'_> {
         finish: impl Fn(&mut Rows<'_>, E) -> Work + Sync,
     ) -> (GBuffer, Work) {
         let (width, height) = (self.rays.width(), self.rays.height());
-        let mut buffer = GBuffer::unset(width, height, kept);
+        let mut buffer = GBuffer::unset(width, height, surface, kept);
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
         assert!(parts.len() >= height.div_ceil(BAND_ROWS), "a part for each band");
         let make = |(mut rows, part): (Rows<'_>, E)| {
-            rows.clear(surface);
+            rows.clear();
             let mut work = self.rows(&mut rows, only);
             work += finish(&mut rows, part);
             work

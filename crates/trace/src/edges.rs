@@ -59,6 +59,7 @@ struct Pairs<'a> {
 /// What is compared of some pixels in a row: as many of each.
 struct Side<'a> {
     drawn: &'a [f64],
+    /// Empty if there is one.
     surface: &'a [u16],
     cap: &'a [bool],
     normal: &'a [[f32; 3]],
@@ -69,7 +70,7 @@ impl<'a> Side<'a> {
     fn new(buffer: &'a GBuffer, first: usize, count: usize) -> Self {
         Self {
             drawn: &buffer.drawn[first..][..count],
-            surface: &buffer.surface[first..][..count],
+            surface: buffer.surface.part(first..first + count).each,
             cap: buffer.cap.get(first..first + count).unwrap_or_default(),
             normal: &buffer.normal[first..][..count],
         }
@@ -100,8 +101,10 @@ fn differing<S: Simd>(
         // Two that are infinite have no difference.
         empty |= step.is_nan().to_bitmask() << half;
     }
-    let surface = u16x16::from_slice(simd, &one.surface[here.clone()]);
-    bits |= surface.simd_ne(u16x16::from_slice(simd, &other.surface[here.clone()])).to_bitmask();
+    if let (Some(a), Some(b)) = (one.surface.get(here.clone()), other.surface.get(here.clone())) {
+        let (a, b) = (u16x16::from_slice(simd, a), u16x16::from_slice(simd, b));
+        bits |= a.simd_ne(b).to_bitmask();
+    }
     // Both are empty if nothing is cut.
     if one.cap.get(here.clone()) != other.cap.get(here.clone()) {
         return ALL & !empty as u32;
@@ -273,7 +276,10 @@ mod tests {
         let cross = [7 * 9 + 4, 8 * 9 + 3, 8 * 9 + 4, 8 * 9 + 5, 9 * 9 + 4];
         assert_eq!(around(|_, _| {}), []);
         assert_eq!(around(|buffer, pixel| buffer.drawn[pixel] = f64::INFINITY), cross);
-        assert_eq!(around(|buffer, pixel| buffer.surface[pixel] = 1), cross);
+        assert_eq!(
+            around(|buffer, pixel| buffer.surface.set(pixel, 1, buffer.status.len())),
+            cross
+        );
         assert_eq!(around(|buffer, pixel| buffer.cap[pixel] = true), cross);
         assert_eq!(around(|buffer, pixel| buffer.normal[pixel] = [0.6, -0.8, 0.0]), cross);
         assert_eq!(around(|buffer, pixel| buffer.drawn[pixel] = 3.0), cross);
@@ -294,7 +300,7 @@ mod tests {
             match random(40) {
                 0 => buffer.drawn[pixel] = f64::INFINITY,
                 1 => buffer.drawn[pixel] = 3.5 + f64::from(random(100)) / 100.0,
-                2 => buffer.surface[pixel] = 1,
+                2 => buffer.surface.set(pixel, 1, buffer.status.len()),
                 3 => buffer.cap[pixel] = true,
                 4 => buffer.normal[pixel] = [0.6, -0.8, 0.0],
                 _ => {}

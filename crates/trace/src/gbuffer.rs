@@ -1,6 +1,7 @@
 //! What is known of each pixel before it has a colour.
 
 use crate::found::{Found, Reason, Status};
+use crate::numbers::SurfaceNumbers;
 use crate::spare::Spares;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
@@ -36,7 +37,7 @@ pub struct GBuffer {
     /// it does in every miss, and in no hit. Over kernels of `f32` it is known to some 24 bits.
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
-    pub surface: Vec<u16>,
+    pub surface: SurfaceNumbers,
     /// Unit normal of what is painted, towards f > 0; meaningless where the background shows, or if none was asked for. Empty if
     /// they are not kept.
     pub normal: Vec<[f32; 3]>,
@@ -104,8 +105,8 @@ impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
     /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
-        let mut new = Self::unset(width, height, Kept::default());
-        new.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear(surface));
+        let mut new = Self::unset(width, height, surface, Kept::default());
+        new.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
         new
     }
 
@@ -116,14 +117,17 @@ impl GBuffer {
     pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
         self.check();
         self.resize(width, height, Kept::default());
-        self.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear(surface));
+        self.surface.fill(surface);
+        self.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
     }
 
-    /// A picture of the given size of which all rows are still to be cleared: what it holds is of no picture.
-    pub(crate) fn unset(width: usize, height: usize, kept: Kept) -> Self {
+    /// A picture of the given size, for the surface with this number, of which all rows are still to be cleared: what it holds
+    /// is of no picture.
+    pub(crate) fn unset(width: usize, height: usize, surface: u16, kept: Kept) -> Self {
         let spare = SPARES.take(width * height, |spare| spare.status.capacity());
         let mut unset = spare.unwrap_or_default();
         unset.resize(width, height, kept);
+        unset.surface.fill(surface);
         unset
     }
 
@@ -157,7 +161,6 @@ impl GBuffer {
         resize(&mut self.reason, pixels, Reason::None);
         resize(&mut self.open_from, pixels, 0.0);
         resize(&mut self.drawn, pixels, 0.0);
-        resize(&mut self.surface, pixels, 0);
         resize(&mut self.normal, if kept.normals { pixels } else { 0 }, [0.0; 3]);
         resize(&mut self.cap, if kept.caps { pixels } else { 0 }, false);
         self.shadow.clear();
@@ -242,7 +245,7 @@ impl GBuffer {
         keep(&mut self.bracket, pixels);
         keep(&mut self.open_from, pixels);
         keep(&mut self.drawn, pixels);
-        keep(&mut self.surface, pixels);
+        self.surface.crop(pixels);
         keep(&mut self.normal, pixels);
         keep(&mut self.cap, pixels);
         keep(&mut self.shadow, pixels);
@@ -271,7 +274,8 @@ impl GBuffer {
         }
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         self.keep_as(other);
-        for pixel in 0..self.status.len() {
+        let pixels = self.status.len();
+        for pixel in 0..pixels {
             let (mine, theirs) = (self.distance(pixel), other.distance(pixel));
             let is_nearer =
                 theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided);
@@ -293,7 +297,7 @@ impl GBuffer {
             }
             if other.drawn[pixel] < self.drawn[pixel] {
                 self.drawn[pixel] = other.drawn[pixel];
-                self.surface[pixel] = other.surface[pixel];
+                self.surface.set(pixel, other.surface[pixel], pixels);
                 take(&mut self.normal, &other.normal, pixel);
                 take(&mut self.cap, &other.cap, pixel);
                 take(&mut self.shadow, &other.shadow, pixel);
@@ -333,11 +337,13 @@ impl GBuffer {
         take(&mut self.open_from, &other.open_from, only, 0.0);
         take(&mut self.bracket, &other.bracket, only, [f64::NAN; 2]);
         take(&mut self.drawn, &other.drawn, only, f64::INFINITY);
-        take(&mut self.surface, &other.surface, only, 0);
         take(&mut self.normal, &other.normal, only, [0.0; 3]);
         take(&mut self.cap, &other.cap, only, false);
         take(&mut self.shadow, &other.shadow, only, 0);
         take(&mut self.occlusion, &other.occlusion, only, 0);
+        for pixel in (0..only.len()).filter(|pixel| only[*pixel]) {
+            self.surface.set(pixel, other.surface[pixel], only.len());
+        }
     }
 
     /// How many pixels have each status.

@@ -21,6 +21,7 @@ mod method;
 mod methods;
 mod near;
 mod normal;
+mod numbers;
 mod packet;
 mod painted;
 mod pattern;
@@ -50,6 +51,7 @@ pub use method::{Ideas, Method, MethodOption, Options, Precision, Proves, Segmen
 pub use methods::{METHODS, STEPS};
 pub use near::{Near, TURNS};
 pub use normal::{NormalSource, normals};
+pub use numbers::SurfaceNumbers;
 pub use pattern::Pattern;
 pub use region::{Ball, HalfSpace, Region, RegionError};
 pub use region_caps::{cap, cap_rows};

@@ -5,6 +5,7 @@
 
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
+use crate::numbers::SurfaceNumbers;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -47,7 +48,7 @@ pub struct Near<'a> {
     rays: &'a RayGrid,
     at: Vec<Vec3>,
     normal: Vec<Vec3>,
-    surface: Vec<u16>,
+    surface: SurfaceNumbers,
     /// For each turn, where is looked, in a circle of radius 1.
     looks: [[Vec2; LOOKS]; TURNS],
 }

@@ -3,6 +3,7 @@
 use crate::band::Band;
 use crate::found::{Reason, Status};
 use crate::gbuffer::{GBuffer, distance};
+use crate::numbers::Numbers;
 use crate::painted::{Window, are_misses, windows};
 use crate::shade::Seen;
 use crate::work::Work;
@@ -25,7 +26,8 @@ pub struct Rows<'a> {
     pub(crate) bracket: &'a mut [[f64; 2]],
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
-    pub(crate) surface: &'a mut [u16],
+    /// Of those that are painted.
+    pub(crate) surface: Numbers<'a>,
     /// Empty if they are not kept.
     pub(crate) normal: &'a mut [[f32; 3]],
     /// These are empty if they are nowhere set.
@@ -39,13 +41,14 @@ impl GBuffer {
     pub(crate) fn rows(&mut self, rows: usize) -> Vec<Rows<'_>> {
         let width = self.width.max(1);
         let size = rows * width;
-        let count = self.status.len().div_ceil(size);
+        let pixels = self.status.len();
+        let count = pixels.div_ceil(size);
         let mut bracket = self.bracket.chunks_mut(size);
         let mut status = self.status.chunks_mut(size);
         let mut reason = self.reason.chunks_mut(size);
         let mut open_from = self.open_from.chunks_mut(size);
         let mut drawn = self.drawn.chunks_mut(size);
-        let mut surface = self.surface.chunks_mut(size);
+        let surface = &self.surface;
         let mut normal = self.normal.chunks_mut(size);
         let mut cap = self.cap.chunks_mut(size);
         let mut shadow = self.shadow.chunks_mut(size);
@@ -58,7 +61,7 @@ impl GBuffer {
             bracket: bracket.next().unwrap_or_default(),
             open_from: open_from.next().unwrap_or_default(),
             drawn: drawn.next().unwrap_or_default(),
-            surface: surface.next().unwrap_or_default(),
+            surface: surface.part(part * size..pixels.min((part + 1) * size)),
             normal: normal.next().unwrap_or_default(),
             cap: cap.next().unwrap_or_default(),
             shadow: shadow.next().unwrap_or_default(),
@@ -85,14 +88,14 @@ impl Rows<'_> {
         first..first + self.status.len()
     }
 
-    /// Makes every pixel a miss, for the surface with this number.
-    pub(crate) fn clear(&mut self, surface: u16) {
-        dispatch!(Level::new(), simd => self.clear_with(simd, surface));
+    /// Makes every pixel a miss.
+    pub(crate) fn clear(&mut self) {
+        dispatch!(Level::new(), simd => self.clear_with(simd));
     }
 
     /// The same, compiled for such vectors.
     #[inline(always)]
-    fn clear_with<S: Simd>(&mut self, _: S, surface: u16) {
+    fn clear_with<S: Simd>(&mut self, _: S) {
         // What says nothing of a miss stays as it is: to write it would take time for nothing. Nor need it be written that
         // nothing is painted where the memory holds a miss of an earlier picture.
         let parts = self.status.chunks_mut(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
@@ -103,12 +106,6 @@ impl Rows<'_> {
             }
         }
         self.bracket.fill([f64::NAN; 2]);
-        for numbers in self.surface.chunks_mut(CLEARED) {
-            // Mostly the picture before was of the same surface.
-            if numbers.iter().fold(0, |any, number| any | (number ^ surface)) != 0 {
-                numbers.fill(surface);
-            }
-        }
         self.cap.fill(false);
         self.shadow.fill(0);
         self.occlusion.fill(0);

@@ -172,7 +172,7 @@ fn shade_with(
         let seen = Seen {
             status: &buffer.status[here.clone()],
             drawn: &buffer.drawn[here.clone()],
-            surface: &buffer.surface[here.clone()],
+            surface: buffer.surface.part(here.clone()),
             normal: &buffer.normal[here.clone()],
             cap: buffer.cap.get(here.clone()).unwrap_or_default(),
             shadow: buffer.shadow.get(here.clone()).unwrap_or_default(),

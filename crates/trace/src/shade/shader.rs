@@ -5,6 +5,7 @@ use super::{Appearance, Paint, SurfaceColours, UndecidedStyle};
 use crate::colour::{BLACK, Codes, LinearRgb};
 use crate::found::Status;
 use crate::grid::RayGrid;
+use crate::numbers::Numbers;
 use crate::painted::{FULL, Window, bits};
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
@@ -101,7 +102,7 @@ impl Canvas<'_> {
 pub(crate) struct Seen<'a> {
     pub status: &'a [Status],
     pub drawn: &'a [f64],
-    pub surface: &'a [u16],
+    pub surface: Numbers<'a>,
     pub normal: &'a [[f32; 3]],
     pub cap: &'a [bool],
     pub shadow: &'a [u8],
@@ -217,8 +218,8 @@ impl Shader<'_> {
                 Some(self.marks(Window { wanted: undecided, ..window }))
             }
         };
-        let mut surface = [0; LANES];
-        let surface = window.load(seen.surface, &mut surface);
+        let mut surface = [seen.surface.all; LANES];
+        let surface = window.load(seen.surface.each, &mut surface);
         // One surface after another: most windows have one.
         while window.wanted != 0 {
             let first = window.wanted.trailing_zeros() as usize % LANES;

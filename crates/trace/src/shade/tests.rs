@@ -159,7 +159,8 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
         let normal = [(); 3].map(|()| f64::from(random(201)) - 100.0);
         let normal = DVec3::from_array(normal).normalize_or(DVec3::Z);
         buffer.normal[pixel] = normal.as_vec3().to_array();
-        buffer.surface[pixel] = if random(20) == 0 { random(7) as u16 } else { 1 };
+        let number = if random(20) == 0 { random(7) as u16 } else { 1 };
+        buffer.surface.set(pixel, number, buffer.status.len());
         buffer.cap[pixel] = random(5) == 0;
         buffer.shadow[pixel] = if random(3) == 0 { random(256) as u8 } else { 0 };
         buffer.occlusion[pixel] = random(256) as u8;
