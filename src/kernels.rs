@@ -43,6 +43,8 @@ pub struct Made {
     pub format: Format,
     /// Size of the machine code in bytes; 0 for the reference evaluator.
     pub bytes: usize,
+    /// Bytes of the vectors that it computes with; 0 likewise.
+    pub vector_bytes: usize,
 }
 
 impl Made {
@@ -279,15 +281,16 @@ impl Source {
         let Some((tape, uniforms)) = steps? else { return Ok(None) };
         // Others may have used up what there is.
         ledger.is_open()?;
-        let (steps, bytes) = match evaluator {
+        let (surface, question, format) = (*surface, Q::NAME, T::FORMAT);
+        let mut made = Made { surface, question, form, format, bytes: 0, vector_bytes: 0 };
+        let steps = match evaluator {
             Evaluator::Native => {
                 let compiled = Compiled::new(tape)?;
-                let bytes = compiled.code_bytes();
-                (Steps::Native(compiled), bytes)
+                (made.bytes, made.vector_bytes) = (compiled.code_bytes(), compiled.vector_bytes());
+                Steps::Native(compiled)
             }
-            Evaluator::Reference => (Steps::Reference(tape), 0),
+            Evaluator::Reference => Steps::Reference(tape),
         };
-        let made = Made { surface: *surface, question: Q::NAME, form, format: T::FORMAT, bytes };
         ledger.add(made)?;
         Ok(Some(Code { steps, uniforms }))
     }

@@ -34,6 +34,7 @@ pub fn object(
                 "form": made.form.to_string(),
                 "precision": made.floats(),
                 "bytes": made.bytes,
+                "vector_bytes": made.vector_bytes,
                 "reason": made.reason(),
             })
         })

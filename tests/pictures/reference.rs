@@ -6,6 +6,7 @@ use zeroset::kernels::Evaluator;
 use zeroset::picture::Precision;
 use zeroset::program::Program;
 use zeroset::scene::{DomainChoice, bounds, region};
+use zeroset_jit::widest_vector;
 use zeroset_syntax::{Options as Reading, read};
 use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Options, Projection};
 
@@ -14,7 +15,7 @@ const SIZE: [usize; 2] = [22, 18];
 
 #[test]
 fn the_reference_evaluator_draws_the_same_pictures() {
-    let mut hits = 0;
+    let (mut hits, mut kernels) = (0, 0);
     for (number, example) in examples().into_iter().enumerate() {
         let document = read(example.text, &Reading::default()).expect(example.slug);
         let (region, _) = region(&document, DomainChoice::Document, None).expect(example.slug);
@@ -36,6 +37,10 @@ fn the_reference_evaluator_draws_the_same_pictures() {
                 let advance = |_| true;
                 let driver = Driver { rays: &rays, tracer: &*tracer, advance: &advance };
                 let work = driver.picture(&mut buffer);
+                for made in program.made().iter().filter(|made| made.bytes > 0) {
+                    assert_eq!(made.vector_bytes, widest_vector(), "{}: {made}", example.slug);
+                    kernels += 1;
+                }
                 (buffer, work)
             });
             hits += native.0.counts().hit;
@@ -59,4 +64,5 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         }
     }
     assert!(hits > 5000, "{hits}");
+    assert!(kernels > 800, "{kernels}");
 }

@@ -48,7 +48,8 @@ enum Tier {
 enum Looks {
     /// The code, as Cranelift writes it.
     Code,
-    /// Whoever [widens](crate::wide) it.
+    /// Whoever makes it wider.
+    #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "nobody does"))]
     Later,
 }
 
@@ -139,17 +140,26 @@ fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,
 ) -> Result<Code, Error> {
-    let width = widest_vector();
     #[cfg(target_arch = "x86_64")]
-    if width > VECTOR {
-        let function = write(width)?;
-        let slots = function.fixed_stack_size();
-        let code = machine_code(function, tier, Looks::Later)?;
-        if let Some(wider) = wide::widened(code.buffer.data(), slots, STACK) {
-            return place(&wider, width as u64, width);
-        }
+    if wide::is_possible()
+        && let Some(code) = generate_wide(write(wide::WIDTH)?, tier)?
+    {
+        return Ok(code);
     }
     generate_narrow(write(VECTOR)?, tier)
+}
+
+/// The same for vectors that are twice as wide as Cranelift's; `None` if the code would use too much of the stack, or cannot be
+/// made so wide.
+#[cfg(target_arch = "x86_64")]
+fn generate_wide(function: Function, tier: Option<Tier>) -> Result<Option<Code>, Error> {
+    let slots = function.fixed_stack_size();
+    let code = match machine_code(function, tier, Looks::Later) {
+        Err(Error::TooDeep { .. }) => return Ok(None),
+        code => code?,
+    };
+    let wider = wide::widened(code.buffer.data(), slots, STACK);
+    wider.map(|bytes| place(&bytes, wide::WIDTH as u64, wide::WIDTH)).transpose()
 }
 
 /// The same for Cranelift's own vectors.

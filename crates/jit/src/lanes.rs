@@ -369,7 +369,7 @@ impl Machine for Emitter<'_, '_> {
     // Halves of vectors are moved by these two shuffles alone: `wide` knows them.
     fn widen(&mut self, a: Vector) -> [Vector; 2] {
         let a = self.value(a);
-        let upper = self.shuffle(a, a, [8, 24]);
+        let upper = self.shuffle(a, a, [8, 8]);
         [a, upper].map(|half| Vector::Value(self.builder.ins().fvpromote_low(half)))
     }
     fn narrow(&mut self, [low, high]: [Vector; 2]) -> Vector {

@@ -3,11 +3,11 @@
 //! A kernel does the same to each lane of a vector, so an instruction for twice as many lanes is the same instruction in its
 //! wider encoding. What it reads and writes of batches lies beside that anyway; constants are repeated, and what is kept on
 //! the stack is put twice as far apart. Only halves of vectors have to be moved otherwise: the [emitter](crate::lanes) does so
-//! in two ways, which are known here. Code with any instruction on vectors that is not in the table stays as it is.
+//! in two ways, which are known here. Code with any instruction that is not stays as it is.
 
 use iced_x86::{
     BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Instruction,
-    InstructionBlock, MemoryOperand, OpKind, Register,
+    InstructionBlock, MemoryOperand, Mnemonic, OpKind, Register,
 };
 use std::collections::HashMap;
 
@@ -18,8 +18,8 @@ const NARROW: usize = WIDTH / 2;
 
 /// Where code is thought to be while it is read and written. What it refers to are distances.
 const ORIGIN: u64 = 0x1000;
-/// Bytes of an instruction.
-const LONGEST: usize = 15;
+/// Behind all code.
+const FAR: u64 = 1 << 30;
 /// The stack may grow by less than this without a look at whether there is room.
 const PAGE: i64 = 4096;
 
@@ -32,66 +32,102 @@ pub fn is_possible() -> bool {
 /// and how large what it keeps in its first `slots` bytes of the stack. It does not look whether there is room on the stack; the
 /// new one does. `None` if it does what is not known here, or the new one would take more than `stack` bytes.
 pub fn widened(code: &[u8], slots: u32, stack: u32) -> Option<Vec<u8>> {
+    if !slots.is_multiple_of(WIDTH as u32) {
+        // They were laid out with gaps, of which nothing is known.
+        return None;
+    }
     let frame = Frame { slots: i64::from(slots), most: i64::from(stack) };
     let read = instructions(code)?;
-    let count = read.len();
     let mut constants = Constants { places: HashMap::new(), bytes: Vec::new() };
-    let mut written = Vec::with_capacity(count + 8);
+    let mut written = Vec::with_capacity(read.len() + 8);
     for mut instruction in read {
-        if frame.takes(&instruction, &mut written)? {
-            continue;
+        let (ip, first) = (instruction.ip(), written.len());
+        if !frame.takes(&instruction, &mut written)? {
+            let is_of_vectors = is_of_vectors(&instruction);
+            if instruction.is_ip_rel_memory_operand() {
+                let address = instruction.ip_rel_memory_address();
+                let place = constants.place(code, address, is_of_vectors)?;
+                instruction.set_memory_displacement64(place as u64);
+            } else if instruction.memory_base() == Register::RSP {
+                frame.move_operand(&mut instruction)?;
+            }
+            if is_of_vectors {
+                instruction = wider(&instruction)?;
+            } else if !is_of_integers(&instruction) {
+                return None;
+            } else if instruction.code() == Code::Retnq {
+                // Code for narrower vectors would wait for what is left in their upper halves.
+                written.push(Instruction::with(Code::VEX_Vzeroupper));
+            }
+            written.push(instruction);
         }
-        if instruction.is_ip_rel_memory_operand() {
-            let place = constants.place(code, instruction.ip_rel_memory_address())?;
-            instruction.set_memory_displacement64(place as u64);
-        } else if instruction.memory_base() == Register::RSP {
-            frame.move_operand(&mut instruction)?;
+        // A branch to what was read leads to the first of what is written in its place.
+        for (k, instruction) in written[first..].iter_mut().enumerate() {
+            instruction.set_ip(if k == 0 { ip } else { 0 });
         }
-        if is_of_vectors(&instruction) {
-            instruction = wider(&instruction)?;
-        } else if instruction.code() == Code::Retnq {
-            // Code for narrower vectors would wait for what is left in their upper halves.
-            written.push(Instruction::with(Code::VEX_Vzeroupper));
-        }
-        written.push(instruction);
     }
-    // None gets longer by more than a displacement does, from one byte to four.
-    let added = written.len().saturating_sub(count);
-    let room = (code.len() + 4 * count + LONGEST * added).next_multiple_of(WIDTH);
+    // Constants are thought to be far behind the code until it is known how long that is.
     for instruction in written.iter_mut().filter(|written| written.is_ip_rel_memory_operand()) {
         let place = instruction.memory_displacement64();
-        instruction.set_memory_displacement64(ORIGIN + room as u64 + place);
+        instruction.set_memory_displacement64(FAR + place);
     }
     let block = InstructionBlock::new(&written, ORIGIN);
-    let mut bytes = BlockEncoder::encode(64, block, BlockEncoderOptions::NONE).ok()?.code_buffer;
-    if bytes.len() > room {
-        return None;
+    let options = BlockEncoderOptions::RETURN_NEW_INSTRUCTION_OFFSETS
+        | BlockEncoderOptions::RETURN_CONSTANT_OFFSETS;
+    let encoded = BlockEncoder::encode(64, block, options).ok()?;
+    let mut bytes = encoded.code_buffer;
+    let room = bytes.len().next_multiple_of(WIDTH);
+    let nearer = u32::try_from(FAR - ORIGIN).ok()?.checked_sub(u32::try_from(room).ok()?)?;
+    let starts = encoded.new_instruction_offsets.iter().zip(&encoded.constant_offsets);
+    for (instruction, (start, inside)) in written.iter().zip(starts) {
+        if instruction.is_ip_rel_memory_operand() {
+            let at = *start as usize + inside.displacement_offset();
+            let distance = bytes.get_mut(at..at + size_of::<u32>())?.first_chunk_mut()?;
+            *distance = (u32::from_le_bytes(*distance) - nearer).to_le_bytes();
+        }
     }
     bytes.resize(room, 0);
     bytes.extend(constants.bytes);
     Some(bytes)
 }
 
-/// The instructions of a function, without the constants behind them.
+/// The instructions of a function, without the constants behind them. Each branch leads to one of them.
 fn instructions(code: &[u8]) -> Option<Vec<Instruction>> {
     let mut decoder = Decoder::with_ip(64, code, ORIGIN, DecoderOptions::NONE);
     let (mut all, mut farthest) = (Vec::new(), ORIGIN);
     while decoder.can_decode() {
         let instruction = decoder.decode();
-        if matches!(instruction.code(), Code::INVALID | Code::Call_rel32_64 | Code::Ud2) {
+        if instruction.is_invalid() {
             return None;
         }
-        if instruction.op0_kind() == OpKind::NearBranch64 {
-            farthest = farthest.max(instruction.near_branch_target());
-        }
-        let ends =
-            [Code::Jmp_rel8_64, Code::Jmp_rel32_64, Code::Retnq].contains(&instruction.code());
+        farthest = farthest.max(target(&instruction).unwrap_or(ORIGIN));
+        let ends = [Mnemonic::Jmp, Mnemonic::Ret].contains(&instruction.mnemonic());
         all.push(instruction);
         if ends && decoder.ip() > farthest {
-            return Some(all);
+            let is_there = |target| all.binary_search_by_key(&target, Instruction::ip).is_ok();
+            return all.iter().filter_map(target).all(is_there).then_some(all);
         }
     }
     None
+}
+
+/// Where a branch leads.
+fn target(instruction: &Instruction) -> Option<u64> {
+    (instruction.op0_kind() == OpKind::NearBranch64).then(|| instruction.near_branch_target())
+}
+
+/// Whether an instruction is one of those on integers that kernels have.
+fn is_of_integers(instruction: &Instruction) -> bool {
+    use Mnemonic::{Add, And, Cmp, Lea, Mov, Or, Pop, Push, Shl, Shlx, Shr, Shrx, Sub, Test, Xor};
+    match instruction.mnemonic() {
+        Mnemonic::Call => false,
+        // Of a constant only what is in it is known.
+        Lea => !instruction.is_ip_rel_memory_operand(),
+        Add | And | Cmp | Mov | Or | Pop | Push | Shl | Shlx | Shr | Shrx | Sub | Test | Xor => {
+            true
+        }
+        _ => instruction.code() == Code::Retnq || target(instruction).is_some(),
+    }
 }
 
 /// Constants that are used, each twice beside itself.
@@ -102,17 +138,20 @@ struct Constants {
 
 impl Constants {
     /// Where the constant at an address of the old code is among them.
-    fn place(&mut self, code: &[u8], address: u64) -> Option<usize> {
+    fn place(&mut self, code: &[u8], address: u64, is_vector: bool) -> Option<usize> {
         let Self { places, bytes } = self;
         if let Some(place) = places.get(&address) {
             return Some(*place);
         }
         let first = usize::try_from(address.checked_sub(ORIGIN)?).ok()?;
+        let rest = code.get(first..)?;
+        // The last one may be of a few bytes, for what is no vector.
+        if rest.is_empty() || is_vector && rest.len() < NARROW {
+            return None;
+        }
         let place = bytes.len();
         places.insert(address, place);
         for _ in 0..WIDTH / NARROW {
-            // The last one may be of a few bytes, for what is no vector.
-            let rest = code.get(first..)?;
             bytes.extend(&rest[..rest.len().min(NARROW)]);
             bytes.resize(bytes.len().next_multiple_of(NARROW), 0);
         }
@@ -212,13 +251,15 @@ fn whole(register: Register) -> Register {
     }
 }
 
+/// By which a shuffle takes the upper half of a vector twice.
+const UPPER: u8 = 0b11_10_11_10;
+
 /// The instruction for vectors that are twice as wide.
 fn wider(instruction: &Instruction) -> Option<Instruction> {
     let [to, a, b] = [0, 1, 2].map(|operand| instruction.op_register(operand));
-    let ip = instruction.ip();
-    let mut wider = match instruction.code() {
-        // The upper half of a vector, which is both operands, to the lower one of another.
-        Code::VEX_Vpunpckhqdq_xmm_xmm_xmmm128 => {
+    Some(match instruction.code() {
+        // The upper half of a vector to the lower one of another.
+        Code::VEX_Vpshufd_xmm_xmmm128_imm8 if is_vector(a) && instruction.immediate8() == UPPER => {
             Instruction::with3(Code::VEX_Vextractf128_xmmm128_ymm_imm8, to, whole(a), 1).ok()?
         }
         // The lower halves of two vectors side by side.
@@ -241,12 +282,10 @@ fn wider(instruction: &Instruction) -> Option<Instruction> {
             }
             wider
         }
-    };
-    wider.set_ip(ip);
-    Some(wider)
+    })
 }
 
-/// Lists instructions of two or three vectors of packed floats, each in its encoding for 128 bits and for 256.
+/// Lists instructions, each in its encoding for 128 bits and for 256.
 macro_rules! encodings {
     ($code:ident: $($narrow:ident => $wide:ident,)*) => {
         match $code {
@@ -256,9 +295,11 @@ macro_rules! encodings {
     };
 }
 
-/// The encoding of the same instruction for 256 bits. Those that have none with three operands are written with two.
+/// The encoding of the same instruction for 256 bits, or, of moves and of logic, of one that does the same to the bits.
 fn encoding(code: Code) -> Option<Code> {
     encodings! { code:
+        Movaps_xmm_xmmm128 => VEX_Vmovups_ymm_ymmm256,
+        Movapd_xmm_xmmm128 => VEX_Vmovups_ymm_ymmm256,
         Movdqa_xmm_xmmm128 => VEX_Vmovups_ymm_ymmm256,
         Movdqu_xmm_xmmm128 => VEX_Vmovups_ymm_ymmm256,
         Movdqu_xmmm128_xmm => VEX_Vmovups_ymmm256_ymm,
@@ -377,6 +418,44 @@ mod tests {
     }
 
     #[test]
+    fn instructions_are_the_same_but_for_moves_and_logic() {
+        use Mnemonic::*;
+        let mut differing = Vec::new();
+        for code in Code::values() {
+            if let Some(wide) = encoding(code)
+                && wide.mnemonic() != code.mnemonic()
+            {
+                differing.push(code.mnemonic());
+            }
+        }
+        let moves = [Movapd, Movaps, Movdqa, Movdqu, Movdqu, Vmovdqa, Vmovdqu, Vmovdqu];
+        let expected: Vec<_> = moves.into_iter().chain([Vpand, Vpor, Vpxor]).collect();
+        differing.sort_by_key(|mnemonic| format!("{mnemonic:?}"));
+        assert_eq!(differing, expected);
+    }
+
+    #[test]
+    fn branches_lead_to_what_takes_an_instruction_s_place() {
+        // Over the sum, to where the stack is given up.
+        let branch = Instruction::with_branch(Code::Jb_rel8_64, 5).expect("valid");
+        let mut all = vec![
+            change(Code::Sub_rm64_imm32, 64).expect("fits"),
+            branch,
+            narrow_sum(),
+            change(Code::Add_rm64_imm32, 64).expect("fits"),
+            Instruction::with(Code::Retnq),
+        ];
+        all[3].set_ip(5);
+        let found = instructions(&widened(&encoded(&all), 0, STACK).expect("known"));
+        let found = found.expect("a function");
+        assert_eq!(found[1].near_branch_target(), found[3].ip());
+        assert_eq!((found[3].code(), found[3].immediate(1)), (Code::Add_rm64_imm32, 128));
+        // Nor is there any way into the middle of an instruction.
+        all[1] = Instruction::with_branch(Code::Jb_rel8_64, ORIGIN + 2).expect("valid");
+        assert_eq!(widened(&encoded(&all), 0, STACK), None);
+    }
+
+    #[test]
     fn each_page_of_a_large_frame_is_touched() {
         let code = widened(&function(7 * PAGE / 2, 0, narrow_sum()), 0, STACK).expect("known");
         let found = instructions(&code).expect("a function");
@@ -393,9 +472,14 @@ mod tests {
         let below = MemoryOperand::with_base_displ(Register::RSP, -8);
         let below = Instruction::with2(Code::Mov_r64_rm64, Register::RAX, below).expect("valid");
         let call = Instruction::with_branch(Code::Call_rel32_64, ORIGIN).expect("valid");
-        for other in [shuffle, below, call] {
+        let through = Instruction::with1(Code::Call_rm64, Register::RAX).expect("valid");
+        let code = Code::VEX_Vpshufd_xmm_xmmm128_imm8;
+        let halves = Instruction::with3(code, Register::XMM1, Register::XMM2, 0b01_00_01_00_u32);
+        let halves = halves.expect("valid");
+        for other in [shuffle, below, call, through, halves] {
             assert_eq!(widened(&function(256, 64, other), 0, STACK), None, "{other:?}");
         }
+        assert_eq!(widened(&function(256, 64, narrow_sum()), 48, STACK), None);
         let too_large = function(i64::from(STACK) / 2 + 16, 0, narrow_sum());
         assert_eq!(widened(&too_large, 0, STACK), None);
         // Neither is what does not end.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Points, SampleGradient, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph, NodeId};
-use zeroset_jit::{Compiled, Error, Native};
+use zeroset_jit::{Compiled, Error, Native, widest_vector};
 use zeroset_ops::Op;
 
 fn assumptions() -> Assumptions {
@@ -78,6 +78,24 @@ fn large_kernels_are_compiled_in_bounded_time_and_run() {
         println!("{name}: {:?}, {} bytes", started.elapsed(), kernel.compiled().code_bytes());
         let out = &kernel.ask_all(&[origin(1)])[0];
         assert!(out.hi[0] >= -out.neg_lo[0], "{name}");
+    }
+}
+
+#[test]
+fn what_is_too_deep_for_wide_vectors_is_computed_in_narrow_ones() {
+    for (length, width) in [(100, widest_vector()), (1500, 16)] {
+        let (graph, root) = tower(Op::Atan, length);
+        let kernel = compile(&graph, root).expect("within all limits");
+        assert_eq!(kernel.compiled().vector_bytes(), width, "{length} arctangents");
+        let mut one = origin(1);
+        (one.neg_lo[0][0], one.hi[0][0]) = (-1.0, 1.0);
+        let out = &kernel.ask_all(&[one])[0];
+        // About √(3 / (2n)), whatever it starts from.
+        let expected = (1.5 / length as f32).sqrt();
+        assert!(
+            -out.neg_lo[0] <= out.hi[0] && (out.hi[0] / expected - 1.0).abs() < 0.02,
+            "{out:?}"
+        );
     }
 }
 
