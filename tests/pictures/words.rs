@@ -27,6 +27,27 @@ fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
     (points, picture.buffer.counts().undecided)
 }
 
+/// Where numerator and denominator vanish together the function is undefined and stays what it was: nothing is there.
+#[test]
+fn a_gap_in_a_function_is_no_wall() {
+    let cases: [(&str, Height); 4] = [
+        ("z = sin(x)/x", Box::new(|x, _| x.sin() / x)),
+        ("(x^2 - 1)/(x - 1) = z", Box::new(|x, _| x + 1.0)),
+        ("z = (e^x - 1)/x", Box::new(|x, _| x.exp_m1() / x)),
+        ("sin(x) sin(y)/(x y) = z", Box::new(|x, y| x.sin() * y.sin() / (x * y))),
+    ];
+    for (formula, height) in cases {
+        let (points, _) = drawn(formula);
+        let off = |point: &&DVec3| (height(point.x, point.y) - point.z).abs() > 0.1;
+        let wrong = points.iter().filter(off).count();
+        assert!(
+            points.len() > 100 && 50 * wrong <= points.len(),
+            "{formula}: {wrong} of {}",
+            points.len()
+        );
+    }
+}
+
 #[test]
 fn what_is_drawn_is_a_zero_and_no_wall() {
     let step = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };

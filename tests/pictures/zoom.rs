@@ -1,7 +1,7 @@
 //! Close views: what is drawn of a part far smaller than its distance from the origin.
 
 use glam::DVec3;
-use zeroset::model::Model;
+use zeroset::model::{Model, render};
 use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{DomainChoice, region};
 use zeroset_syntax::{Document, Options, read};
@@ -70,5 +70,24 @@ fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
                 assert_eq!(pixels.undecided, 0, "{text:?} {half:e}");
             }
         }
+    }
+}
+
+/// A tile that is a billion times as deep as wide is not cut along its depth until its parts are as long as wide.
+#[test]
+fn pixels_far_smaller_than_the_domain_take_no_longer() {
+    for (formula, extent) in [("asinh(y) > 0", 1e14), ("y^10 < ceil(y)", 1e18), ("z^x = y", 1e6)] {
+        let document = read(formula, &Options::default()).expect(formula);
+        let region = Region::new(DVec3::splat(-extent), DVec3::splat(extent)).expect("a cube");
+        let projection = Projection::Orthographic { height: (extent / 1e6).min(1e6) };
+        let eye = DVec3::new(5.0, 0.0, 0.0);
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
+        let settings = Settings { width: 8, height: 8, normals: None, ..Settings::default() };
+        let picture =
+            render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+        let work = picture.statistics.work;
+        let calls = work.tiles.calls + work.segments.calls;
+        println!("{formula}: {calls} calls");
+        assert!(calls < 20_000, "{formula}: {calls} calls");
     }
 }

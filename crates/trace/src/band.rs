@@ -57,8 +57,15 @@ impl Band<'_> {
     pub fn give_up(&mut self, from: usize) {
         for row in 0..self.height {
             for column in from..self.width {
-                self.set(column, row, &Found::GIVEN_UP);
+                self.give_up_pixel(column, row);
             }
+        }
+    }
+
+    /// The same of one pixel. What was found on its ray was found behind nothing but what is proven empty, and stays.
+    pub fn give_up_pixel(&mut self, column: usize, row: usize) {
+        if self.status[row * self.width + column] == Status::Miss {
+            self.set(column, row, &Found::GIVEN_UP);
         }
     }
 

@@ -354,18 +354,21 @@ impl GBuffer {
     /// The same, compiled for such vectors.
     #[inline(always)]
     fn counts_with<S: Simd>(&self, _: S) -> PixelCounts {
-        /// As many as a byte counts, of whole vectors.
-        const PART: usize = 224;
-        let (mut hit, mut undecided) = (0, 0);
-        for part in self.status.chunks(PART) {
-            // Bytes are added up in bytes, so that vectors of them are.
-            let (mut hits, mut open) = (0_u8, 0_u8);
-            for status in part {
-                hits += u8::from(*status == Status::Hit);
-                open += u8::from(*status == Status::Undecided);
+        /// Pixels side by side, each counted apart in a byte, so that vectors of them are added up.
+        const SIDE: usize = 64;
+        let (sides, rest) = self.status.as_chunks::<SIDE>();
+        let count = |status: Status| rest.iter().filter(|other| **other == status).count();
+        let [mut hit, mut undecided] = [Status::Hit, Status::Undecided].map(count);
+        for sides in sides.chunks(u8::MAX.into()) {
+            let [mut hits, mut open] = [[0_u8; SIDE]; 2];
+            for side in sides {
+                for (status, (hits, open)) in side.iter().zip(hits.iter_mut().zip(&mut open)) {
+                    *hits += u8::from(*status == Status::Hit);
+                    *open += u8::from(*status == Status::Undecided);
+                }
             }
-            hit += usize::from(hits);
-            undecided += usize::from(open);
+            hit += hits.iter().copied().map(usize::from).sum::<usize>();
+            undecided += open.iter().copied().map(usize::from).sum::<usize>();
         }
         PixelCounts { miss: self.status.len() - hit - undecided, hit, undecided }
     }

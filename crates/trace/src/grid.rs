@@ -187,7 +187,7 @@ impl RayGrid {
 
     /// [Screen coordinates](Self::screen) of four points along an axis, by the sum of two columns, or of two rows, and by what
     /// that grows from one to the next.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
         let [across, upward] = self.first;
         // Integers until the last step.

@@ -4,7 +4,10 @@
 
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
 use std::ops::{Add, Mul};
-use zeroset_eval::{KernelFloat, Lanes, PATH_UNITS};
+use zeroset_eval::{KernelFloat, LANES, Lanes, PATH_UNITS};
+
+/// Lanes of an `f64` vector: half of a batch.
+const HALF: usize = LANES / 2;
 
 /// A float type in which a traverser follows rays: that of the kernel which it asks.
 pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Output = Self> {
@@ -37,6 +40,10 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
     fn narrow<S: Simd>(numbers: [f64x8<S>; 2], lanes: &mut Lanes<Self>);
     /// Moves the lanes whose bits are set to the first ones.
     fn pack<S: Simd>(simd: S, lanes: &mut Lanes<Self>, kept: u16);
+    /// Copies the lanes `from` of some lanes, in order, to the lanes `to` of others: as many.
+    fn copy<S: Simd>(simd: S, some: &Lanes<Self>, from: u16, others: &mut Lanes<Self>, to: u16);
+    /// Writes a number to these lanes.
+    fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16);
 }
 
 impl Scalar for f32 {
@@ -67,6 +74,20 @@ impl Scalar for f32 {
     fn pack<S: Simd>(simd: S, lanes: &mut Lanes<Self>, kept: u16) {
         let kept = mask32x16::from_bitmask(simd, u64::from(kept));
         f32x16::from_slice(simd, &lanes[..]).compress(kept).store_slice(&mut lanes[..]);
+    }
+    #[inline(always)]
+    fn copy<S: Simd>(simd: S, some: &Lanes<Self>, from: u16, others: &mut Lanes<Self>, to: u16) {
+        let [from, to] = [from, to].map(u64::from);
+        let [from, to] = [mask32x16::from_bitmask(simd, from), mask32x16::from_bitmask(simd, to)];
+        let first = f32x16::from_slice(simd, &some[..]).compress(from);
+        let all = first.expand_merge(to, f32x16::from_slice(simd, &others[..]));
+        all.store_slice(&mut others[..]);
+    }
+    #[inline(always)]
+    fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16) {
+        let to = mask32x16::from_bitmask(simd, u64::from(to));
+        let old = f32x16::from_slice(simd, &lanes[..]);
+        to.select(f32x16::splat(simd, number), old).store_slice(&mut lanes[..]);
     }
 }
 
@@ -103,6 +124,30 @@ impl Scalar for f64 {
         first.store_slice(&mut lanes[..8]);
         let after = low.count_ones() as usize;
         second.store_slice(&mut lanes[after..after + 8]);
+    }
+    #[inline(always)]
+    fn copy<S: Simd>(simd: S, some: &Lanes<Self>, from: u16, others: &mut Lanes<Self>, to: u16) {
+        let mut first = *some;
+        Self::pack(simd, &mut first, from);
+        let mut packed = [0.0; LANES + HALF];
+        packed[..LANES].copy_from_slice(&first[..]);
+        let mut next = 0;
+        for (half, bits) in [to & 0xff, to >> HALF].into_iter().enumerate() {
+            let others = &mut others[HALF * half..HALF * (half + 1)];
+            let values = f64x8::from_slice(simd, &packed[next..next + HALF]);
+            let set = mask64x8::from_bitmask(simd, u64::from(bits));
+            values.expand_merge(set, f64x8::from_slice(simd, others)).store_slice(others);
+            next += bits.count_ones() as usize;
+        }
+    }
+    #[inline(always)]
+    fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16) {
+        for (half, bits) in [to & 0xff, to >> HALF].into_iter().enumerate() {
+            let lanes = &mut lanes[HALF * half..HALF * (half + 1)];
+            let set = mask64x8::from_bitmask(simd, u64::from(bits));
+            let old = f64x8::from_slice(simd, lanes);
+            set.select(f64x8::splat(simd, number), old).store_slice(lanes);
+        }
     }
 }
 

@@ -43,6 +43,12 @@ impl<S: Simd, V: SimdBase<S>> Part<S, V> {
         vector.store_slice(&mut all[self.first..self.first + V::LEN]);
     }
 
+    /// The mask of these lanes that is set where bits among all sixteen are.
+    #[inline(always)]
+    pub fn mask(self, bits: u16) -> V::Mask {
+        V::Mask::from_bitmask(self.simd, u64::from(bits >> self.first))
+    }
+
     /// The lanes in which a mask is set, as bits among all sixteen.
     #[inline(always)]
     pub fn bits(self, mask: V::Mask) -> u16 {

@@ -11,6 +11,9 @@ const STEPS: i32 = 48;
 /// How far behind an open segment a zero is looked for, as a share of the ray's way through the region.
 const LONGEST: f64 = 1.0 / 64.0;
 
+/// How close to a segment, in lengths of it, a denominator's zero is looked for.
+const CLOSE: f64 = 8.0;
+
 /// The function along one ray.
 pub(super) struct Bridge<'a, T: Real> {
     pub kernel: &'a dyn Kernel<Enclose, T>,
@@ -46,6 +49,21 @@ impl<T: Real> Bridge<'_, T> {
             }
         }
         Some([near, behind])
+    }
+
+    /// Whether the function has the same sign on both sides of a segment, in which or close to which its `denominator` may
+    /// vanish, as that of sin(x)/x does: a gap, if anything, and not a surface.
+    pub fn is_gap(&self, [near, far]: [f64; 2], denominator: &dyn Kernel<Enclose, T>) -> bool {
+        let [first, last] = self.inside();
+        let least = (far - near).max(f64::EPSILON * (near.abs() + far.abs()));
+        let before = self.sign_from(near, -least, first, None);
+        let behind = self.sign_from(far, least, last.min(far + LONGEST * (last - first)), None);
+        let (Some((start, before)), Some((end, behind))) = (before, behind) else { return false };
+        // What is left open behind a gap is not told from it.
+        let close = CLOSE * (end - start);
+        let boxes = Boxes::around(&[bounds(self.way, [start - close, end + close], self.region)]);
+        let (bounds, zero) = (denominator.ask_all(&boxes).remove(0), T::default());
+        before == behind && bounds.neg_lo[0] >= zero && bounds.hi[0] >= zero
     }
 
     /// Where the ray is in the region, behind its start, and so that its points are within the bounds of [`bounds`].

@@ -2,24 +2,24 @@
 //!
 //! Most meet something or nothing at once. Those that do not go on in the [pool](super::pool), with rays of other tiles.
 
-use super::frame::Frame;
 use super::level::Level;
 use super::pixels::Patch;
 use super::plane::Plane;
-use super::pool::Memory;
+use super::pool::{ANYWHERE, Memory, TileRay};
 use super::screens::outward;
 use super::tiles::Tracer;
 use crate::painted::ones;
 use crate::scalar::Scalar;
-use fearless_simd::{dispatch, f64x4, prelude::*};
+use fearless_simd::{f64x4, prelude::*};
 use zeroset_eval::{LANES, Lanes};
 
 /// So few rays of a tile are not asked on their own: they wait in the pool for others.
 const FEW: u32 = 8;
 
-impl<T: Scalar> Tracer<'_, '_, '_, T> {
+impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// Follows the rays of a tile of 4×4 that are not finished, or puts them into the pool. `within`: all of the segment is in
     /// the region.
+    #[inline(always)]
     pub(super) fn follow(
         &mut self,
         level: &Level<T>,
@@ -28,56 +28,61 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         within: bool,
     ) {
         let patch = self.patch(level.place(lane));
-        let longest = self.method.longest * self.footprint(segment[0]);
+        let longest = T::nearest(self.method.longest * self.footprint(segment[0]));
+        let rays = TileRay { tile: patch.tile, bit: 0, longest, within };
         if !self.method.options.ideas.contract || !within && self.method.region.is_cut() {
             for bit in ones(self.open[patch.index]) {
-                self.set_apart(patch.ray(bit, longest, within), segment);
+                self.set_apart(rays.at(bit), segment);
             }
             return;
         }
         let plane = Plane::new(&level.batch, &level.out, lane);
-        let mut inside =
-            [f64::NEG_INFINITY, f64::INFINITY].map(|end| Lanes::splat(T::nearest(end)));
-        let left = dispatch!(self.vectors, simd => {
-            self.place(simd, &patch, &plane, segment, within, &mut inside)
-        });
+        let mut inside = ANYWHERE.map(|end| Lanes::splat(T::nearest(end)));
+        let left = self.place(&patch, &plane, segment, within, &mut inside);
         let live = left & self.open[patch.index];
         if !within || live.count_ones() <= FEW {
-            for bit in ones(live) {
-                let to = self.admit(bit, patch.ray(bit, longest, within), 0);
+            let mut rest = live;
+            while rest != 0 {
+                let [from, to] = self.admit(&mut rest, rays, 0);
                 if !within {
-                    self.memory.pool.cut_at_faces(to, inside.map(|ends| ends[bit]));
+                    for (bit, to) in ones(from).zip(ones(to)) {
+                        self.memory.pool.cut_at_faces(to, inside.each_ref().map(|ends| ends[bit]));
+                    }
                 }
             }
             return;
         }
         let Memory { fresh, contractions, .. } = &mut *self.memory;
-        fresh.longest = Lanes::splat(T::nearest(longest));
+        fresh.longest = Lanes::splat(longest);
         fresh.segments.count = LANES as u32 - live.leading_zeros();
         self.method.follower.ask(&fresh.segments, contractions);
         self.work.segments.called(live.count_ones());
         let limits = &self.limits;
-        let mut sifted =
-            dispatch!(self.vectors, simd => fresh.sift(simd, contractions, live, limits));
+        let mut sifted = fresh.sift(self.simd, contractions, None, live, limits);
         if self.method.cleared {
             sifted.doubt();
         }
         if sifted.short != 0 {
             self.open[patch.index] &= !sifted.short;
-            let found = dispatch!(self.vectors, simd => self.between(simd, &patch));
+            let found = self.between(&patch);
             self.write(&patch, sifted.short, &found);
         }
         for bit in ones(sifted.open) {
             let ends = self.memory.left(bit);
-            self.set_apart(patch.ray(bit, longest, within), ends.map(Into::into));
+            self.set_apart(rays.at(bit), ends.map(Into::into));
         }
         // What is left is read before others are asked.
         let last = self.memory.contractions.far;
-        for bit in ones(sifted.shorter | sifted.cut) {
-            let to = self.admit(bit, patch.ray(bit, longest, within), 1);
-            if sifted.cut >> bit & 1 == 1 {
-                let cut = self.memory.fresh.segments.far[bit];
-                self.memory.pool.put_aside(to, [cut, last[bit]]);
+        let mut rest = sifted.shorter | sifted.cut;
+        while rest != 0 {
+            let [from, to] = self.admit(&mut rest, rays, 1);
+            if from & sifted.cut != 0 {
+                for (bit, to) in ones(from).zip(ones(to)) {
+                    if sifted.cut >> bit & 1 == 1 {
+                        let cut = self.memory.fresh.segments.far[bit];
+                        self.memory.pool.put_aside(to, [cut, last[bit]]);
+                    }
+                }
             }
         }
     }
@@ -85,16 +90,15 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     /// Puts the rays of a tile of 4×4 into the batch, each with what a form of the tile leaves of a segment, and if that is
     /// not `within` the region, what may be in it, and where that certainly is; returns on which anything is left.
     #[inline(always)]
-    fn place<S: Simd>(
+    fn place(
         &mut self,
-        simd: S,
         patch: &Patch,
         plane: &Plane,
         segment: [f64; 2],
         within: bool,
         inside: &mut [Lanes<T>; 2],
     ) -> u16 {
-        let asked = segment.map(Lanes::splat);
+        let (simd, asked) = (self.simd, segment.map(Lanes::splat));
         let (mut left, screens) = (asked, patch.screens());
         plane.narrow::<_, T>(simd, (&screens, None), &mut left);
         if !within {
@@ -102,14 +106,13 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             *inside = self.frame.clip_rays(simd, &screens, region, self.size, &mut left);
         }
         let batch = &mut self.memory.fresh.segments;
-        let Frame { origin, direction, .. } = &self.frame;
-        for axis in 0..3 {
-            for (parts, lanes) in
-                [(origin, &mut batch.origin[axis]), (direction, &mut batch.direction[axis])]
-            {
+        let across = f64x4::simd_from(simd, patch.across);
+        let ways = [&mut batch.origin, &mut batch.direction];
+        for (parts, way) in self.frame.by_axis().into_iter().zip(ways) {
+            for ([start, a, b], lanes) in parts.into_iter().zip(way) {
                 // What a column of the tile has in common, and what a row has.
-                let along = parts[0][axis] + f64x4::simd_from(simd, patch.across) * parts[1][axis];
-                let up = patch.upward.map(|upward| upward * parts[2][axis]);
+                let along = start + across * a;
+                let up = patch.upward.map(|upward| upward * b);
                 let rows = [
                     (along + up[0]).combine(along + up[1]),
                     (along + up[2]).combine(along + up[3]),

@@ -112,18 +112,30 @@ impl Frame {
         [&self.origin, &self.direction].map(|parts| parts[0] + a * parts[1] + b * parts[2])
     }
 
+    /// The parts of origins and of directions, by axis.
+    #[inline(always)]
+    pub fn by_axis(&self) -> [[[f64; 3]; 3]; 2] {
+        [self.origin, self.direction]
+            .map(|[start, a, b]| [[start.x, a.x, b.x], [start.y, a.y, b.y], [start.z, a.z, b.z]])
+    }
+
+    /// The region's lower and upper faces, by axis, and the error of coordinates.
+    #[inline(always)]
+    fn faces(&self, region: &Region) -> [[f64; 3]; 3] {
+        [region.low(), region.high(), self.error].map(|ends| ends.to_array())
+    }
+
     /// Shortens segments to what of them may be in the region on some ray of their tile; the ends of one that is not reached
     /// come out in the wrong order.
     #[inline(always)]
     pub fn clip<S: Simd>(&self, simd: S, rays: Rays<'_>, region: &Region, ends: &mut Ends) {
         let rays = Wide::new(simd, rays);
+        let ([origin, direction], [low, high, error]) = (self.by_axis(), self.faces(region));
         let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
         for (k, (near, far)) in nears.iter_mut().zip(&mut fars).enumerate() {
             for axis in 0..3 {
-                let [o, d] =
-                    [rays.range(&self.origin, k, axis), rays.range(&self.direction, k, axis)];
-                let slack = self.error[axis];
-                let (low, high) = (region.low()[axis] - slack, region.high()[axis] + slack);
+                let [o, d] = [rays.range(origin[axis], k), rays.range(direction[axis], k)];
+                let (low, high) = (low[axis] - error[axis], high[axis] + error[axis]);
                 // Where all rays go the same way, they come in after the first that can and leave before the last that can.
                 let (up, down) = (d[0].simd_gt(0.0), d[1].simd_lt(0.0));
                 let enter = up.select(low - o[1], o[0] - high);
@@ -162,6 +174,7 @@ impl Frame {
         /// More than what these few operations round.
         const ROUNDING: f64 = 1e-12;
         let rays = Wide::new(simd, (screens, None));
+        let ([origin, direction], [lows, highs, error]) = (self.by_axis(), self.faces(region));
         let zero = f64x8::splat(simd, 0.0);
         let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
         let (mut firsts, mut lasts) = ([zero - 4.0 * size; 2], [zero + 4.0 * size; 2]);
@@ -169,10 +182,8 @@ impl Frame {
             let (near, far) = (&mut nears[k], &mut fars[k]);
             let (first, last) = (&mut firsts[k], &mut lasts[k]);
             for axis in 0..3 {
-                let o = rays.middle(&self.origin, k, axis);
-                let d = rays.middle(&self.direction, k, axis);
-                let slack = self.error[axis];
-                let (low, high) = (region.low()[axis], region.high()[axis]);
+                let (o, d) = (rays.middle(origin[axis], k), rays.middle(direction[axis], k));
+                let (low, high, slack) = (lows[axis], highs[axis], error[axis]);
                 let inverse = 1.0 / d;
                 let (a, b) = ((low - o) * inverse, (high - o) * inverse);
                 let (enter, leave) = (a.min(b), a.max(b));
@@ -212,18 +223,17 @@ impl Frame {
     ) -> u16 {
         let mut all = u16::MAX;
         let rays = Wide::new(simd, rays);
+        let ([origin, direction], [low, high, error]) = (self.by_axis(), self.faces(region));
         let zero = f64x8::splat(simd, 0.0);
         let mut corners = [[[zero; 2]; 2]; 3];
         for (k, (near, far)) in nears.into_iter().zip(fars).enumerate() {
             for (axis, [leasts, mosts]) in corners.iter_mut().enumerate() {
-                let [o, d] =
-                    [rays.range(&self.origin, k, axis), rays.range(&self.direction, k, axis)];
+                let [o, d] = [rays.range(origin[axis], k), rays.range(direction[axis], k)];
                 let (a, b) = (near * d[0], near * d[1]);
                 let (x, y) = (far * d[0], far * d[1]);
                 let least = o[0] + a.min_precise(b).min_precise(x).min_precise(y);
                 let most = o[1] + a.max_precise(b).max_precise(x).max_precise(y);
-                let slack = self.error[axis];
-                let (low, high) = (region.low()[axis] + slack, region.high()[axis] - slack);
+                let (low, high) = (low[axis] + error[axis], high[axis] - error[axis]);
                 let within = least.simd_ge(low) & most.simd_le(high);
                 all &= !(((!within).to_bitmask() as u16) << (HALF * k));
                 (leasts[k], mosts[k]) = (least, most);
@@ -267,17 +277,16 @@ impl<S: Simd> Wide<S> {
 
     /// Bounds of one coordinate of a sum of three, for half of the tiles.
     #[inline(always)]
-    fn range(&self, parts: &[DVec3; 3], k: usize, axis: usize) -> [f64x8<S>; 2] {
-        let middle = self.middle(parts, k, axis);
-        let [_, a, b] = parts;
-        let reach = self.half[0][k] * a[axis].abs() + self.half[1][k] * b[axis].abs();
+    fn range(&self, parts: [f64; 3], k: usize) -> [f64x8<S>; 2] {
+        let (middle, [_, a, b]) = (self.middle(parts, k), parts);
+        let reach = self.half[0][k] * a.abs() + self.half[1][k] * b.abs();
         [middle - reach, middle + reach]
     }
 
     /// The coordinate in the middle of each.
     #[inline(always)]
-    fn middle(&self, [start, a, b]: &[DVec3; 3], k: usize, axis: usize) -> f64x8<S> {
-        start[axis] + self.centre[0][k] * a[axis] + self.centre[1][k] * b[axis]
+    fn middle(&self, [start, a, b]: [f64; 3], k: usize) -> f64x8<S> {
+        start + self.centre[0][k] * a + self.centre[1][k] * b
     }
 }
 

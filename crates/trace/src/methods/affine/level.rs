@@ -6,7 +6,7 @@ use super::slots::Stack;
 use super::tiles::Tracer;
 use crate::painted::ones;
 use crate::scalar::Scalar;
-use fearless_simd::{Level as Vectors, dispatch, prelude::*};
+use fearless_simd::{prelude::*, u8x16};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
@@ -16,19 +16,37 @@ pub(super) struct Level<T: Scalar> {
     pub within: bool,
     /// The lanes in which there is a segment to be asked, as bits.
     pub live: u16,
-    /// The column and row of the first tile, and how many are in a row.
+    /// The column and row of the first tile.
     first: [usize; 2],
-    across: usize,
+    /// By tile, how many columns and rows it is from the first.
+    places: [[u8; 2]; LANES],
     /// Which tile a lane is about, row by row.
     tiles: [u8; LANES],
+    /// By lane, how often its tile was asked about.
+    asked: [u8; LANES],
     /// Where the tiles are: by lane, or, if they are `within` the region, where they were before lanes were moved.
     pub screens: Screens,
-    /// By tile, what comes after the segment in its lane; and bits, clear where there is none of it.
+    /// By tile, what comes after the segment in its lane; and by lane, bits, clear where there is none of it.
     later: [Stack<T>; LANES],
     waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
 }
+
+/// How often a tile is asked about before its parts are looked at, along all that is left of it: one that is far deeper than
+/// wide would be cut into a million.
+const PATIENCE: u8 = 64;
+
+/// The columns and rows of tiles that are a square of sixteen.
+const SQUARE: [[u8; 2]; LANES] = {
+    let mut places = [[0; 2]; LANES];
+    let mut tile = 0;
+    while tile < LANES {
+        places[tile] = [tile as u8 % 4, tile as u8 / 4];
+        tile += 1;
+    }
+    places
+};
 
 impl<T: Scalar> Default for Level<T> {
     fn default() -> Self {
@@ -36,8 +54,9 @@ impl<T: Scalar> Default for Level<T> {
             within: false,
             live: 0,
             first: [0; 2],
-            across: 1,
+            places: SQUARE,
             tiles: UNMOVED,
+            asked: [0; LANES],
             screens: Screens::default(),
             later: Default::default(),
             waiting: 0,
@@ -49,17 +68,19 @@ impl<T: Scalar> Default for Level<T> {
 
 impl<T: Scalar> Level<T> {
     /// Column and row of the tile in a lane, in units of tiles.
+    #[inline(always)]
     pub fn place(&self, lane: usize) -> [usize; 2] {
-        let tile = usize::from(self.tiles[lane]);
-        [self.first[0] + tile % self.across, self.first[1] + tile / self.across]
+        let [column, row] = self.places[usize::from(self.tiles[lane])].map(usize::from);
+        [self.first[0] + column, self.first[1] + row]
     }
 
     /// Takes those tiles of a level that are open, by their columns and rows in units of tiles: no more than there are lanes;
     /// each with what the form of the tile that they are parts of leaves of a segment. If they are `within` the region, they
     /// need not be clipped to it.
+    #[inline(always)]
     pub fn start(
         &mut self,
-        tracer: &Tracer<'_, '_, '_, T>,
+        tracer: &Tracer<'_, '_, '_, T, impl Simd>,
         places: [Range<usize>; 2],
         level: usize,
         segment: [f64; 2],
@@ -67,6 +88,7 @@ impl<T: Scalar> Level<T> {
         within: bool,
     ) {
         self.within = within;
+        self.asked = [0; LANES];
         self.live = match tracer.square(&places, level) {
             Some(square) => self.take_square(tracer, square),
             None => self.take(tracer, places, level),
@@ -80,18 +102,18 @@ impl<T: Scalar> Level<T> {
                 [asked[0][lane], asked[1][lane]] = tracer.from(self.place(lane), segment);
             }
         }
-        self.live &= dispatch!(tracer.vectors, simd => self.shorten(simd, tracer, &asked, plane));
+        self.live &= self.shorten(tracer, &asked, plane);
     }
 
     /// Finds out where some tiles are; returns the lanes of those that are open, as bits.
+    #[inline(always)]
     fn take(
         &mut self,
-        tracer: &Tracer<'_, '_, '_, T>,
+        tracer: &Tracer<'_, '_, '_, T, impl Simd>,
         [columns, rows]: [Range<usize>; 2],
         level: usize,
     ) -> u16 {
         self.first = [columns.start, rows.start];
-        self.across = columns.len();
         self.tiles = UNMOVED;
         let mut across = [[0.0; 2]; LANES];
         for (extent, column) in across.iter_mut().zip(columns.clone()) {
@@ -99,12 +121,13 @@ impl<T: Scalar> Level<T> {
         }
         let Screens { centre, half } = &mut self.screens;
         let (mut open, mut lane) = (0, 0);
-        for row in rows {
+        for (down, row) in rows.enumerate() {
             let upward = tracer.upward(row, level);
             if let Some(patch) = tracer.rays.patch(tracer.band.top + row) {
                 across[0] = tracer.extent(0, patch.column, patch.column + 3);
             }
-            for (extent, column) in across.iter().zip(columns.clone()) {
+            for (aside, (extent, column)) in across.iter().zip(columns.clone()).enumerate() {
+                self.places[lane] = [aside as u8, down as u8];
                 for (axis, extent) in [extent, &upward].into_iter().enumerate() {
                     (centre[axis][lane], half[axis][lane]) = (extent[0], extent[1]);
                 }
@@ -116,9 +139,14 @@ impl<T: Scalar> Level<T> {
     }
 
     /// The same for a [square](Tracer::square) of tiles, given its first column and row.
-    fn take_square(&mut self, tracer: &Tracer<'_, '_, '_, T>, [column, row]: [usize; 2]) -> u16 {
+    #[inline(always)]
+    fn take_square(
+        &mut self,
+        tracer: &Tracer<'_, '_, '_, T, impl Simd>,
+        [column, row]: [usize; 2],
+    ) -> u16 {
         self.first = [column, row];
-        self.across = 4;
+        self.places = SQUARE;
         self.tiles = UNMOVED;
         let [across, upward] = tracer.centres([column, row]);
         let Screens { centre, half } = &mut self.screens;
@@ -134,11 +162,11 @@ impl<T: Scalar> Level<T> {
     #[inline(always)]
     fn shorten<S: Simd>(
         &mut self,
-        simd: S,
-        tracer: &Tracer<'_, '_, '_, T>,
+        tracer: &Tracer<'_, '_, '_, T, S>,
         asked: &Ends,
         plane: Option<&Plane>,
     ) -> u16 {
+        let simd = tracer.simd;
         let mut left = *asked;
         if let Some(plane) = plane {
             plane.narrow::<_, T>(simd, self.screens.rays(), &mut left);
@@ -159,24 +187,43 @@ impl<T: Scalar> Level<T> {
     }
 
     /// Puts a part of the segment in a lane aside: it is asked after what is nearer.
+    #[inline(always)]
     pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
         let tile = usize::from(self.tiles[lane]);
         self.later[tile].push(part);
-        self.waiting |= 1 << tile;
+        self.waiting |= 1 << lane;
+    }
+
+    /// Counts that all tiles were asked about; returns the lanes of those that were so often enough.
+    #[inline(always)]
+    pub fn tire(&mut self, simd: impl Simd) -> u16 {
+        let asked = u8x16::simd_from(simd, self.asked) + 1;
+        asked.store_slice(&mut self.asked);
+        asked.simd_ge(PATIENCE).to_bitmask() as u16
+    }
+
+    /// Makes all that was put aside of the tile in a lane one segment.
+    #[inline(always)]
+    pub fn join(&mut self, lane: usize) {
+        let later = &mut self.later[usize::from(self.tiles[lane])];
+        if let ([_, far], Some([near, _])) =
+            (later.first().copied().unwrap_or_default(), later.pop())
+        {
+            later.clear();
+            later.push([near, far]);
+        }
     }
 
     /// Keeps the segments in these lanes; returns those of others in whose tiles something was put aside.
+    #[inline(always)]
     pub fn keep(&mut self, kept: u16) -> u16 {
         let done = self.live & !kept;
         self.live &= kept;
-        if self.waiting == 0 {
-            return 0;
-        }
-        let is_waiting = |lane: &usize| self.waiting >> self.tiles[*lane] & 1 == 1;
-        ones(done).filter(is_waiting).map(|lane| 1 << lane).sum()
+        done & self.waiting
     }
 
     /// Goes on with what was put aside of the tile in a lane, if it `is_open`, or else lets go of it.
+    #[inline(always)]
     pub fn go_on(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);
         if !is_open {
@@ -187,17 +234,22 @@ impl<T: Scalar> Level<T> {
             self.live |= 1 << lane;
         }
         if self.later[tile].is_empty() {
-            self.waiting &= !(1 << tile);
+            self.waiting &= !(1 << lane);
         }
     }
 
     /// Moves the live lanes to the first ones, where that saves a vector.
-    pub fn pack(&mut self, vectors: Vectors) {
+    #[inline(always)]
+    pub fn pack(&mut self, simd: impl Simd) {
         if saves_a_vector::<T>(self.live) {
-            dispatch!(vectors, simd => self.pack_batch(simd));
+            self.pack_batch(simd);
+            let mut waiting = 0;
             for (to, from) in ones(self.live).enumerate() {
                 self.tiles[to] = self.tiles[from];
+                self.asked[to] = self.asked[from];
+                waiting |= (self.waiting >> from & 1) << to;
             }
+            self.waiting = waiting;
             self.live = packed(self.live);
         }
         self.batch.count = LANES as u32 - self.live.leading_zeros();

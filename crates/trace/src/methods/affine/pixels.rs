@@ -2,12 +2,12 @@
 
 use super::super::way::{self, Way};
 use super::plane::Plane;
-use super::pool::TileRay;
+use super::pool::{TileAt, TileRay, place_of, tile_at};
 use super::tiles::Tracer;
 use crate::method::Start;
 use crate::painted::ones;
 use crate::scalar::Scalar;
-use fearless_simd::{dispatch, f64x8, prelude::*};
+use fearless_simd::{f64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes};
 
 /// More than what the sums round that make a distance of a bracket, as a share of it; far below what kernels leave of one.
@@ -15,6 +15,7 @@ const ROUNDED: f64 = 1e-13;
 
 /// A tile of 4×4 pixels. Its lanes and bits are pixels, row by row.
 pub(super) struct Patch {
+    pub tile: TileAt,
     /// Where its bits are among those of all tiles.
     pub index: usize,
     /// The first column and row.
@@ -38,28 +39,20 @@ impl Patch {
         screens
     }
 
-    /// The ray with this bit.
-    pub(super) fn ray(&self, bit: usize, longest: f64, within: bool) -> TileRay {
-        TileRay {
-            index: self.index,
-            bit,
-            pixel: [self.column(bit), self.row(bit)],
-            screen: [self.across[bit % 4], self.upward[bit / 4]],
-            longest,
-            within,
-        }
+    /// Screen coordinates of the ray with this bit.
+    fn screen(&self, bit: usize) -> [f64; 2] {
+        [self.across[bit % 4], self.upward[bit / 4]]
     }
 
-    fn column(&self, bit: usize) -> usize {
-        self.first[0] + bit % 4 + bit / 4 * self.next[0]
-    }
-
-    fn row(&self, bit: usize) -> usize {
-        self.first[1] + bit / 4 * self.next[1]
+    /// The column and row of the pixel with this bit in the band.
+    fn pixel(&self, bit: usize) -> [usize; 2] {
+        let [column, row] = self.first;
+        [column + bit % 4 + bit / 4 * self.next[0], row + bit / 4 * self.next[1]]
     }
 }
 
-impl<T: Scalar> Tracer<'_, '_, '_, T> {
+impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
+    #[inline(always)]
     pub(super) fn patch(&self, [column, row]: [usize; 2]) -> Patch {
         let (mut first, mut next) = ([4 * column, 4 * row], [0, 1]);
         let [across, upward] = match self.rays.patch(self.band.top + row) {
@@ -70,10 +63,32 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             }
             None => [self.screens[0][column], self.screens[1][row]],
         };
-        Patch { index: row * self.across + column, first, next, across, upward }
+        let index = row * self.across + column;
+        Patch { tile: tile_at([column, row]), index, first, next, across, upward }
+    }
+
+    /// The pixel of a ray, by its column and row in the band, and its screen coordinates.
+    #[inline(always)]
+    pub(super) fn pixel_of(&self, ray: &TileRay<T>) -> ([usize; 2], [f64; 2]) {
+        let ([column, row], bit) = (place_of(ray.tile), ray.bit as usize % LANES);
+        if self.rays.is_patched() {
+            let patch = self.patch([column, row]);
+            return (patch.pixel(bit), patch.screen(bit));
+        }
+        let (across, down) = (bit % 4, bit / 4);
+        let screen = [self.screens[0][column][across], self.screens[1][row][down]];
+        ([4 * column + across, 4 * row + down], screen)
+    }
+
+    /// Notes that a ray's pixel is finished.
+    #[inline(always)]
+    fn close(&mut self, ray: &TileRay<T>) {
+        let [column, row] = place_of(ray.tile);
+        self.open[row * self.across + column] &= !(1 << ray.bit);
     }
 
     /// Writes the hits that a tile's form proves on the rays of its pixels.
+    #[inline(always)]
     pub(super) fn emit(&mut self, plane: &Plane, depth: usize, place: [usize; 2]) {
         let ([columns, rows], is_patched) = (self.pixels(place, depth), self.rays.is_patched());
         let (columns, rows) = if is_patched {
@@ -88,7 +103,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
                 if bits == 0 {
                     continue;
                 }
-                let found = dispatch!(self.vectors, simd => self.on_plane(simd, plane, &patch));
+                let found = self.on_plane(plane, &patch);
                 self.write(&patch, bits, &found);
             }
         }
@@ -96,9 +111,9 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// The distances at which rays meet a plane, and how far from that a zero may be.
     #[inline(always)]
-    fn on_plane<S: Simd>(&self, simd: S, plane: &Plane, patch: &Patch) -> [Lanes<f64>; 2] {
+    fn on_plane(&self, plane: &Plane, patch: &Patch) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
-        let (mut distance, mut off) = (plane.at(simd, &patch.screens()), self.lengths(simd, patch));
+        let (mut distance, mut off) = (plane.at(self.simd, &patch.screens()), self.lengths(patch));
         for (distance, off) in distance.iter_mut().zip(&mut off) {
             *distance = (self.frame.start + *distance) * *off;
             *off *= plane.reach();
@@ -110,11 +125,12 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// The distances in the middle of the brackets that are left, and how far those reach.
     #[inline(always)]
-    pub(super) fn between<S: Simd>(&self, simd: S, patch: &Patch) -> [Lanes<f64>; 2] {
+    pub(super) fn between(&self, patch: &Patch) -> [Lanes<f64>; 2] {
+        let simd = self.simd;
         let mut found = [Lanes::splat(0.0); 2];
         let Contractions { near, far, .. } = &self.memory.contractions;
         let (mut from, mut to) = (T::wide(simd, near), T::wide(simd, far));
-        let lengths = self.lengths(simd, patch);
+        let lengths = self.lengths(patch);
         for ((from, to), length) in from.iter_mut().zip(&mut to).zip(lengths) {
             let middle = self.frame.start + 0.5 * (*from + *to);
             let off = 0.5 * (*to - *from) + ROUNDED * middle.abs();
@@ -126,18 +142,20 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Writes a hit in the middle of a bracket, as the others are found by [`Self::between`], and notes that its ray is finished.
-    pub(super) fn add_hit(&mut self, ray: &TileRay, [near, far]: [f64; 2]) {
+    #[inline(always)]
+    pub(super) fn add_hit(&mut self, ray: &TileRay<T>, [near, far]: [f64; 2]) {
         let middle = self.frame.start + 0.5 * (near + far);
         let off = 0.5 * (far - near) + ROUNDED * middle.abs();
-        let length = self.length(ray.screen);
-        self.open[ray.index] &= !(1 << ray.bit);
-        let [column, row] = ray.pixel;
+        let ([column, row], screen) = self.pixel_of(ray);
+        let length = self.length(screen);
+        self.close(ray);
         self.band.add_hit(column, row, middle * length, off * length);
     }
 
     /// The lengths of rays' directions.
     #[inline(always)]
-    fn lengths<S: Simd>(&self, simd: S, patch: &Patch) -> [f64x8<S>; 2] {
+    fn lengths(&self, patch: &Patch) -> [f64x8<S>; 2] {
+        let simd = self.simd;
         if self.rays.is_parallel() {
             return [f64x8::splat(simd, 1.0); 2];
         }
@@ -151,6 +169,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Writes hits at distances, on the rays with these bits.
+    #[inline(always)]
     pub(super) fn write(&mut self, patch: &Patch, bits: u16, [distance, off]: &[Lanes<f64>; 2]) {
         let [distance, off] = [distance.as_chunks::<4>().0, off.as_chunks::<4>().0];
         let [column, row] = patch.first;
@@ -163,7 +182,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         }
         for bit in ones(bits) {
             let (distance, off) = (distance[bit / 4][bit % 4], off[bit / 4][bit % 4]);
-            self.band.add_hit(patch.column(bit), patch.row(bit), distance, off);
+            let [column, row] = patch.pixel(bit);
+            self.band.add_hit(column, row, distance, off);
         }
     }
 
@@ -174,30 +194,33 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Follows up to sixteen rays one by one to the end, each as far as it is in the region.
-    pub(super) fn follow_each(&mut self, rays: &[(TileRay, [f64; 2])]) {
+    pub(super) fn follow_each(&mut self, rays: &[(TileRay<T>, [f64; 2])]) {
         let (region, error, start) = (self.method.region, self.frame.error, self.frame.start);
         let [mut screens, mut spans] = [[Lanes::splat(0.0); 2]; 2];
+        let mut pixels = [[0; 2]; LANES];
         for (lane, (ray, span)) in rays.iter().enumerate() {
+            let screen;
+            (pixels[lane], screen) = self.pixel_of(ray);
             for k in 0..2 {
-                (screens[k][lane], spans[k][lane]) = (ray.screen[k], span[k]);
+                (screens[k][lane], spans[k][lane]) = (screen[k], span[k]);
             }
         }
+        let screen = |lane: usize| screens.each_ref().map(|lanes| lanes[lane]);
         let mut insides = [f64::NEG_INFINITY, f64::INFINITY].map(Lanes::splat);
         if rays.iter().any(|(ray, _)| !ray.within) {
             // As closely as f64 knows where they leave the region, which may be all that is left to tell.
-            dispatch!(self.vectors, simd => {
-                insides = self.frame.clip_rays(simd, &screens, region, self.size, &mut spans);
-            });
+            let Self { simd, size, .. } = *self;
+            insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
         let (mut ways, mut lanes) = ([Way::NONE; LANES], [0; LANES]);
         let mut count = 0;
         for (lane, (ray, span)) in rays.iter().enumerate() {
-            let [origin, direction] = self.frame.ray(ray.screen);
+            let [origin, direction] = self.frame.ray(screen(lane));
             let (mut span, mut inside) = (*span, [f64::NEG_INFINITY, f64::INFINITY]);
             if !ray.within {
                 (span, inside) = (spans.map(|ends| ends[lane]), insides.map(|ends| ends[lane]));
                 if region.is_cut() {
-                    let [column, row] = ray.pixel;
+                    let [column, row] = pixels[lane];
                     let ray = self.rays.ray(column, self.band.top + row);
                     let Some((near, far)) = region.span(&ray) else { continue };
                     let slack = 1e-15 * (near.abs() + start.abs());
@@ -210,7 +233,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             if !is_left {
                 continue;
             }
-            let longest = ray.longest;
+            let longest = ray.longest.into();
             ways[count] = Way { origin, direction, error, start: -start, span, inside, longest };
             lanes[count] = lane;
             count += 1;
@@ -226,12 +249,11 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
             if found.is_miss() {
                 continue;
             }
-            let (ray, _) = &rays[lane];
             if found.drawn.is_finite() {
-                self.open[ray.index] &= !(1 << ray.bit);
+                self.close(&rays[lane].0);
             }
-            let found = found.scaled(self.length(ray.screen));
-            let [column, row] = ray.pixel;
+            let found = found.scaled(self.length(screen(lane)));
+            let [column, row] = pixels[lane];
             self.band.add(column, row, &found);
         }
     }

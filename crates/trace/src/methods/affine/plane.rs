@@ -16,6 +16,7 @@ pub(super) struct Plane {
 
 impl Plane {
     /// That of the tile in this lane of a batch. One that is not a number bounds nothing.
+    #[inline(always)]
     pub fn new<T: Scalar>(batch: &Tiles<T>, out: &Planes<T>, lane: usize) -> Self {
         let [value, error, middle, half]: [f64; 4] =
             [out.value[lane], out.error[lane], out.middle[lane], out.half[lane]].map(Into::into);

@@ -15,27 +15,45 @@ use super::slots::Stack;
 use super::tiles::Tracer;
 use crate::painted::ones;
 use crate::scalar::Scalar;
-use fearless_simd::{Level as Vectors, dispatch};
+use fearless_simd::{mask8x16, mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// How often a segment of a ray is asked before what is left of it is set apart.
 const ROUNDS: u8 = 64;
 
+/// Where a tile of 4×4 is in its band: its row in the upper half of the bits, its column in the lower.
+pub(super) type TileAt = u32;
+
+/// That of the tile in this column and row.
+#[inline(always)]
+pub(super) fn tile_at([column, row]: [usize; 2]) -> TileAt {
+    (row << 16 | column) as TileAt
+}
+
+/// The column and row of a tile.
+#[inline(always)]
+pub(super) fn place_of(tile: TileAt) -> [usize; 2] {
+    [tile as usize & 0xffff, tile as usize >> 16]
+}
+
 /// A ray of a tile of 4×4.
 #[derive(Clone, Copy, Default)]
-pub(super) struct TileRay {
-    /// Where the bits of its tile are among those of all tiles.
-    pub index: usize,
+pub(super) struct TileRay<T> {
+    pub tile: TileAt,
     /// Its bit among those of the tile's pixels.
-    pub bit: usize,
-    /// The pixel's column and row in the band.
-    pub pixel: [usize; 2],
-    /// Its screen coordinates.
-    pub screen: [f64; 2],
+    pub bit: u32,
     /// The longest bracket of a hit.
-    pub longest: f64,
+    pub longest: T,
     /// Whether all that is asked of it is in the region.
     pub within: bool,
+}
+
+impl<T> TileRay<T> {
+    /// The ray of the same tile with this bit.
+    #[inline(always)]
+    pub fn at(self, bit: usize) -> Self {
+        Self { bit: bit as u32, ..self }
+    }
 }
 
 /// Rays that are followed together, a lane each.
@@ -43,13 +61,18 @@ pub(super) struct Pool<T: Scalar> {
     /// The lanes in use, as bits.
     live: u16,
     asked: Asked<T>,
-    rays: [TileRay; LANES],
+    /// Between which values of s a ray is certainly in the region.
+    inside: [Lanes<T>; 2],
+    tiles: [TileAt; LANES],
+    bits: [u32; LANES],
+    /// [`TileRay::within`], as bits by lane.
+    within: u16,
     rounds: [u8; LANES],
     /// What comes after the segment in a lane, and bits, clear where there is none of it.
     later: [Stack<T>; LANES],
     waiting: u16,
     /// Rays that are followed one by one, each between two values of s.
-    apart: Vec<(TileRay, [f64; 2])>,
+    apart: Vec<(TileRay<T>, [f64; 2])>,
 }
 
 /// Memory of one band after another.
@@ -61,6 +84,9 @@ pub(super) struct Memory<T: Scalar> {
     pub scratch: Scratch<T>,
 }
 
+/// Between which values of s a ray is certainly in the region that is nowhere outside.
+pub(super) const ANYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
 impl<T: Scalar> Default for Memory<T> {
     fn default() -> Self {
         Self {
@@ -69,7 +95,10 @@ impl<T: Scalar> Default for Memory<T> {
             pool: Pool {
                 live: 0,
                 asked: Asked::default(),
-                rays: [TileRay::default(); LANES],
+                inside: ANYWHERE.map(|end| Lanes::splat(T::nearest(end))),
+                tiles: [0; LANES],
+                bits: [0; LANES],
+                within: 0,
                 rounds: [0; LANES],
                 later: Default::default(),
                 waiting: 0,
@@ -103,8 +132,8 @@ impl<T: Scalar> Pool<T> {
     /// Puts the parts of a segment aside that lie behind where its ray is certainly in the region, and those in it that lie
     /// behind others: where a ray leaves the region no sign is known, so those parts are looked at apart.
     pub fn cut_at_faces(&mut self, lane: usize, [first, last]: [T; 2]) {
-        let Asked { segments, inside, .. } = &mut self.asked;
-        (inside[0][lane], inside[1][lane]) = (first, last);
+        let segments = &self.asked.segments;
+        (self.inside[0][lane], self.inside[1][lane]) = (first, last);
         let (near, far) = (segments.near[lane], segments.far[lane]);
         let is_within = first <= near && far <= last;
         if is_within || !(first < last && near < last && first < far) {
@@ -123,7 +152,8 @@ impl<T: Scalar> Pool<T> {
     }
 
     /// Lets go of a lane; returns its ray, and how far what was put aside of it reaches, if anything was.
-    fn finish(&mut self, lane: usize) -> (TileRay, Option<T>) {
+    #[inline(always)]
+    fn finish(&mut self, lane: usize) -> (TileRay<T>, Option<T>) {
         self.live &= !(1 << lane);
         let mut last = None;
         if self.waiting >> lane & 1 == 1 {
@@ -131,11 +161,18 @@ impl<T: Scalar> Pool<T> {
             last = self.later[lane].first().map(|part| part[1]);
             self.later[lane].clear();
         }
-        (self.rays[lane], last)
+        let ray = TileRay {
+            tile: self.tiles[lane],
+            bit: self.bits[lane],
+            longest: self.asked.longest[lane],
+            within: self.within >> lane & 1 == 1,
+        };
+        (ray, last)
     }
 
-    /// Goes on with what was put aside of the rays in lanes of which nothing is left, and lets go of the others; returns those.
-    fn go_on(&mut self, done: u16) -> u16 {
+    /// Goes on with what was put aside of the rays in lanes of which nothing is left, and lets go of the others.
+    #[inline(always)]
+    fn go_on(&mut self, done: u16) {
         self.live &= !done;
         for lane in ones(done & self.waiting) {
             if let Some([near, far]) = self.later[lane].pop() {
@@ -147,62 +184,127 @@ impl<T: Scalar> Pool<T> {
                 self.waiting &= !(1 << lane);
             }
         }
-        done & !self.live
+    }
+
+    /// Whether a ray of a tile is here, given by its place; or of one of the tiles that it consists of, if these many bits of
+    /// their places do not count.
+    #[inline(always)]
+    pub fn has_ray_of<S: Simd>(&self, simd: S, place: [usize; 2], finer: u32) -> bool {
+        let counts = !tile_at([(1 << finer) - 1; 2]);
+        let tile = tile_at(place.map(|place| place << finer));
+        let tiles = u32x16::simd_from(simd, self.tiles) & counts;
+        let same = tiles.simd_eq(tile).to_bitmask() as u16;
+        same & self.live != 0 || self.apart.iter().any(|(ray, _)| ray.tile & counts == tile)
+    }
+
+    /// Takes in rays of a tile from their lanes in a batch, which are their bits, into as many lanes.
+    #[inline(always)]
+    fn take<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: TileRay<T>,
+        batch: &Segments<T>,
+        [from, to]: [u16; 2],
+        rounds: u8,
+    ) {
+        let Asked { segments, longest } = &mut self.asked;
+        for axis in 0..3 {
+            T::copy(simd, &batch.origin[axis], from, &mut segments.origin[axis], to);
+            T::copy(simd, &batch.direction[axis], from, &mut segments.direction[axis], to);
+        }
+        T::copy(simd, &batch.near, from, &mut segments.near, to);
+        T::copy(simd, &batch.far, from, &mut segments.far, to);
+        T::set(simd, rays.longest, longest, to);
+        for (ends, end) in self.inside.iter_mut().zip(ANYWHERE) {
+            T::set(simd, T::nearest(end), ends, to);
+        }
+        let wide = mask32x16::from_bitmask(simd, u64::from(to));
+        let tiles = u32x16::simd_from(simd, self.tiles);
+        wide.select(u32x16::splat(simd, rays.tile), tiles).store_slice(&mut self.tiles);
+        let bits = u32x16::simd_from(simd, LANE_NUMBERS);
+        let bits = bits.compress(mask32x16::from_bitmask(simd, u64::from(from)));
+        let bits = bits.expand_merge(wide, u32x16::simd_from(simd, self.bits));
+        bits.store_slice(&mut self.bits);
+        let old = u8x16::simd_from(simd, self.rounds);
+        let narrow = mask8x16::from_bitmask(simd, u64::from(to));
+        narrow.select(u8x16::splat(simd, rounds), old).store_slice(&mut self.rounds);
+        self.within = self.within & !to | if rays.within { to } else { 0 };
+        self.live |= to;
     }
 
     /// Moves the rays to the first lanes, where that saves a vector.
-    fn pack(&mut self, vectors: Vectors) {
+    #[inline(always)]
+    fn pack<S: Simd>(&mut self, simd: S) {
         if !saves_a_vector::<T>(self.live) {
             return;
         }
-        dispatch!(vectors, simd => {
-            // A copy of its own, which need not be read again for each quantity.
-            let kept = self.live;
-            let Asked { segments, longest, inside: [first, last] } = &mut self.asked;
-            let Segments { origin, direction, near, far, .. } = segments;
-            let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
-            for lanes in [ox, oy, oz, dx, dy, dz, near, far, longest, first, last] {
-                T::pack(simd, lanes, kept);
-            }
-        });
-        let mut waiting = 0;
-        for (to, from) in ones(self.live).enumerate() {
-            self.rays[to] = self.rays[from];
+        // A copy of its own, which need not be read again for each quantity.
+        let kept = self.live;
+        let (Asked { segments, longest }, [first, last]) = (&mut self.asked, &mut self.inside);
+        let Segments { origin, direction, near, far, .. } = segments;
+        let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
+        for lanes in [ox, oy, oz, dx, dy, dz, near, far, longest, first, last] {
+            T::pack(simd, lanes, kept);
+        }
+        let wide = mask32x16::from_bitmask(simd, u64::from(kept));
+        for lanes in [&mut self.tiles, &mut self.bits] {
+            u32x16::simd_from(simd, *lanes).compress(wide).store_slice(lanes);
+        }
+        let (mut waiting, mut within) = (0, 0);
+        for (to, from) in ones(kept).enumerate() {
             self.rounds[to] = self.rounds[from];
             self.later.swap(to, from);
             waiting |= (self.waiting >> from & 1) << to;
+            within |= (self.within >> from & 1) << to;
         }
-        self.waiting = waiting;
-        self.live = packed(self.live);
+        (self.waiting, self.within) = (waiting, within);
+        self.live = packed(kept);
     }
 }
 
-impl<T: Scalar> Tracer<'_, '_, '_, T> {
-    /// Puts a ray that was asked so often into the pool, with its lane of the rays of its tile; returns its lane there.
-    pub(super) fn admit(&mut self, from: usize, ray: TileRay, rounds: u8) -> usize {
+/// The lanes' numbers.
+const LANE_NUMBERS: [u32; LANES] = {
+    let mut numbers = [0; LANES];
+    let mut lane = 1;
+    while lane < LANES {
+        numbers[lane] = lane as u32;
+        lane += 1;
+    }
+    numbers
+};
+
+/// The lowest `count` of the bits that are set.
+#[inline(always)]
+fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
+    let first = u32x16::simd_from(simd, LANE_NUMBERS).simd_lt(count);
+    let first = first.select(u32x16::splat(simd, 1), u32x16::splat(simd, 0));
+    let spread = first.expand(mask32x16::from_bitmask(simd, u64::from(bits)));
+    spread.simd_gt(0).to_bitmask() as u16
+}
+
+impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
+    /// Puts rays of a tile that were asked so often into the pool, from their lanes among the rays of the tile, which are their
+    /// bits: as many as there is room for, and at least one. Returns their lanes there and in the pool, in order, and takes
+    /// them from the `rest`.
+    #[inline(always)]
+    pub(super) fn admit(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
         while self.memory.pool.live == u16::MAX {
             self.ask_pool();
         }
         let Memory { fresh, pool, .. } = &mut *self.memory;
-        let to = pool.live.trailing_ones() as usize;
-        let Asked { segments, longest, inside } = &mut pool.asked;
-        for axis in 0..3 {
-            segments.origin[axis][to] = fresh.segments.origin[axis][from];
-            segments.direction[axis][to] = fresh.segments.direction[axis][from];
+        let (wanted, free) = (rest.count_ones(), pool.live.count_zeros());
+        let mut from = *rest;
+        if free < wanted {
+            from = lowest(self.simd, from, free);
         }
-        (segments.near[to], segments.far[to]) =
-            (fresh.segments.near[from], fresh.segments.far[from]);
-        longest[to] = T::nearest(ray.longest);
-        (inside[0][to], inside[1][to]) = (fresh.inside[0][from], fresh.inside[1][from]);
-        self.followed[ray.index] |= 1 << ray.bit;
-        (pool.rays[to], pool.rounds[to]) = (ray, rounds);
-        pool.live |= 1 << to;
-        to
+        let to = lowest(self.simd, !pool.live, wanted);
+        pool.take(self.simd, rays, &fresh.segments, [from, to], rounds);
+        *rest &= !from;
+        [from, to]
     }
 
     /// Sets a ray apart, to be followed alone.
-    pub(super) fn set_apart(&mut self, ray: TileRay, ends: [f64; 2]) {
-        self.followed[ray.index] |= 1 << ray.bit;
+    pub(super) fn set_apart(&mut self, ray: TileRay<T>, ends: [f64; 2]) {
         let apart = &mut self.memory.pool.apart;
         apart.push((ray, ends));
         if apart.len() == LANES {
@@ -212,11 +314,24 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Follows all rays in the pool to the end, and those that were set apart.
     pub(super) fn empty_pool(&mut self) {
-        while self.follow_more() {}
+        while !self.over && self.follow_more() {}
+    }
+
+    /// Gives up the rays in the pool, and those that were set apart.
+    pub(super) fn give_up_pool(&mut self) {
+        let Pool { live, tiles, bits, .. } = self.memory.pool;
+        let pooled = ones(live).map(|lane| (tiles[lane], bits[lane]));
+        let apart = std::mem::take(&mut self.memory.pool.apart);
+        for (tile, bit) in pooled.chain(apart.iter().map(|(ray, _)| (ray.tile, ray.bit))) {
+            let ray = TileRay { tile, bit, ..TileRay::default() };
+            let ([column, row], _) = self.pixel_of(&ray);
+            self.band.give_up_pixel(column, row);
+        }
     }
 
     /// Asks the rays in the pool once, or if there are none follows those that were set apart; returns `false` if there are
     /// none either.
+    #[inline(always)]
     pub(super) fn follow_more(&mut self) -> bool {
         if self.memory.pool.live != 0 {
             self.ask_pool();
@@ -230,47 +345,51 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// Follows the rays that were set apart.
     fn follow_apart(&mut self) {
+        if self.is_over() {
+            return;
+        }
         let mut apart = std::mem::take(&mut self.memory.pool.apart);
         for some in apart.chunks(LANES) {
             self.follow_each(some);
-        }
-        for (ray, _) in &apart {
-            self.followed[ray.index] &= !(1 << ray.bit);
         }
         apart.clear();
         self.memory.pool.apart = apart;
     }
 
     /// Asks the segments in the pool once.
+    #[inline(always)]
     fn ask_pool(&mut self) {
+        // Apart, since it is called from many places; compiled for the same vectors.
+        self.simd.vectorize(
+            #[inline(always)]
+            || self.ask_pool_once(),
+        );
+    }
+
+    #[inline(always)]
+    fn ask_pool_once(&mut self) {
         let Memory { pool, contractions, .. } = &mut *self.memory;
-        pool.pack(self.vectors);
+        pool.pack(self.simd);
         let live = pool.live;
         pool.asked.segments.count = LANES as u32 - live.leading_zeros();
         self.method.follower.ask(&pool.asked.segments, contractions);
         self.work.segments.called(live.count_ones());
         let limits = &self.limits;
-        let mut sifted =
-            dispatch!(self.vectors, simd => pool.asked.sift(simd, contractions, live, limits));
+        let simd = self.simd;
+        let mut sifted = pool.asked.sift(simd, contractions, Some(&pool.inside), live, limits);
         if self.method.cleared {
             sifted.doubt();
         }
-        let mut tired = 0;
-        for (lane, rounds) in pool.rounds.iter_mut().enumerate() {
-            *rounds = rounds.wrapping_add(1);
-            tired |= u16::from(*rounds == ROUNDS) << lane;
-        }
+        let rounds = u8x16::simd_from(simd, pool.rounds) + 1;
+        rounds.store_slice(&mut pool.rounds);
+        let tired = rounds.simd_eq(ROUNDS).to_bitmask() as u16;
         for lane in ones(sifted.cut) {
             pool.put_aside(lane, [pool.asked.segments.far[lane], contractions.far[lane]]);
         }
-        for lane in ones(pool.go_on(sifted.empty)) {
-            let ray = &pool.rays[lane];
-            self.followed[ray.index] &= !(1 << ray.bit);
-        }
+        pool.go_on(sifted.empty);
         for lane in ones(sifted.short) {
             let ends = self.memory.left(lane);
             let (ray, _) = self.memory.pool.finish(lane);
-            self.followed[ray.index] &= !(1 << ray.bit);
             self.add_hit(&ray, ends.map(Into::into));
         }
         let over = tired & self.memory.pool.live & !sifted.open;

@@ -227,10 +227,14 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return (Reason::Budget, !asymptote);
         }
         let mut facts = Facts::NONE;
+        let mut is_gap = false;
         if let Ok(kernel) = kernels.bounds() {
             facts = Kernel::<Enclose, U>::ask_all(kernel, &boxes)[0].facts(0);
+            if let Ok(Some([_, denominator])) = kernels.cleared() {
+                is_gap = Bridge { kernel, way, region: self.region }.is_gap(segment, denominator);
+            }
         }
-        (reason(facts, stop == Stop::Effort), !asymptote)
+        (reason(facts, stop == Stop::Effort), !(asymptote || is_gap))
     }
 
     /// Follows arbitrary rays, and says what became of them.

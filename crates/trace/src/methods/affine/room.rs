@@ -7,9 +7,12 @@ use crate::scalar::Scalar;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a thread needs for a band.
+#[derive(Default)]
 pub(super) struct Room<T: Scalar> {
     pub levels: [Level<T>; SIDES.len()],
     pub memory: Memory<T>,
+    /// [`Tracer::screens`](super::tiles::Tracer::screens).
+    pub screens: [Vec<[f64; 4]>; 2],
 }
 
 /// The rooms that no thread is in.
@@ -22,9 +25,7 @@ impl<T: Scalar> Rooms<T> {
 
     pub fn take(&self) -> Box<Room<T>> {
         let room = self.lock().pop();
-        room.unwrap_or_else(|| {
-            Box::new(Room { levels: Default::default(), memory: Memory::default() })
-        })
+        room.unwrap_or_default()
     }
 
     pub fn hand_back(&self, room: Box<Room<T>>) {

@@ -41,8 +41,9 @@ const VECTOR: usize = 32;
 #[inline]
 pub(super) fn saves_a_vector<T>(live: u16) -> bool {
     let lanes = (VECTOR / size_of::<T>()) as u32;
-    let last = LANES as u32 - live.leading_zeros();
-    live.count_ones().div_ceil(lanes) < last.div_ceil(lanes)
+    // Mostly one holds them as they are, which takes no counting.
+    live >> lanes != 0
+        && live.count_ones().div_ceil(lanes) < (LANES as u32 - live.leading_zeros()).div_ceil(lanes)
 }
 
 /// The live lanes once they are the first ones; not all may be.

@@ -20,8 +20,6 @@ pub(super) struct Asked<T: Scalar> {
     pub segments: Segments<T>,
     /// The longest bracket of a hit.
     pub longest: Lanes<T>,
-    /// Between which values of s the ray is certainly in the region.
-    pub inside: [Lanes<T>; 2],
 }
 
 /// What became of segments: a bit for each lane in use, in one of these.
@@ -46,36 +44,34 @@ impl Sifted {
 }
 
 impl<T: Scalar> Default for Asked<T> {
-    /// Rays that are nowhere outside the region.
     fn default() -> Self {
-        let inside = [f64::NEG_INFINITY, f64::INFINITY];
-        Self {
-            segments: Segments::default(),
-            longest: Lanes::splat(T::default()),
-            inside: inside.map(|end| Lanes::splat(T::nearest(end))),
-        }
+        Self { segments: Segments::default(), longest: Lanes::splat(T::default()) }
     }
 }
 
 impl<T: Scalar> Asked<T> {
     /// Tells the segments in these lanes apart by what was asked of them, and puts what is left of each, or its nearer part,
-    /// in its place.
+    /// in its place. `inside`: between which values of s each ray is certainly in the region, if not all are throughout.
     #[inline(always)]
     pub fn sift<S: Simd>(
         &mut self,
         simd: S,
         out: &Contractions<T>,
+        inside: Option<&[Lanes<T>; 2]>,
         live: u16,
         limits: &Limits<T>,
     ) -> Sifted {
         let Limits { grain, coarse } = *limits;
         let [stalled, steady, unsteady, share] = [STALLED, STEADY, UNSTEADY, CUT].map(T::nearest);
-        let (mut empty, mut short, mut shorter, mut cut, mut within) = (0, 0, 0, 0, 0);
-        let Self { segments, longest, inside } = self;
+        let (mut empty, mut short, mut shorter, mut cut) = (0, 0, 0, 0);
+        let mut within = if inside.is_some() { 0 } else { u16::MAX };
+        let Self { segments, longest } = self;
         for part in parts::<S, T::Vector<S>>(simd, segments.count as usize) {
             let asked = [part.load(&segments.near), part.load(&segments.far)];
-            let [first, last] = inside.each_ref().map(|ends| part.load(ends));
-            within |= part.bits(first.simd_le(asked[0]) & asked[1].simd_le(last));
+            if let Some([firsts, lasts]) = inside {
+                let (first, last) = (part.load(firsts), part.load(lasts));
+                within |= part.bits(first.simd_le(asked[0]) & asked[1].simd_le(last));
+            }
             let (near, far, longest) =
                 (part.load(&out.near), part.load(&out.far), part.load(longest));
             let (length, before) = (far - near, asked[1] - asked[0]);

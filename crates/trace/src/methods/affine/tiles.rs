@@ -33,6 +33,9 @@ const TILTED: f64 = 2.0;
 /// A segment that stays longer than this share of what it was is not asked again, but that of a tile to be split, or cut.
 const STALLED: f64 = 0.85;
 
+/// Between two looks at whether the work is still wanted, at least so many calls of kernels.
+const POLLED: u64 = 16;
+
 /// Traces a band.
 pub(super) fn trace<T: Scalar>(
     method: &Affine<'_, T>,
@@ -41,25 +44,40 @@ pub(super) fn trace<T: Scalar>(
     band: &mut Band<'_>,
     work: &mut Work,
 ) {
+    dispatch!(Vectors::new(), simd => trace_with(simd, method, frame, rays, band, work));
+}
+
+/// The same, compiled for such vectors.
+#[inline(always)]
+fn trace_with<T: Scalar, S: Simd>(
+    simd: S,
+    method: &Affine<'_, T>,
+    frame: Frame,
+    rays: &RayGrid,
+    band: &mut Band<'_>,
+    work: &mut Work,
+) {
     let is_patched = rays.is_patched();
     let across = if is_patched { 1 } else { band.width.div_ceil(4) };
+    assert!(across.max(band.height) < 1 << 16, "places of tiles fit in the halves of a number");
     let mut open =
         if is_patched { vec![u16::MAX; band.height] } else { open_pixels(band.width, band.height) };
     close_unasked(&mut open, band, across, is_patched);
     let mut room = method.rooms.take();
-    let Room { levels, memory } = &mut *room;
+    let Room { levels, memory, screens } = &mut *room;
     for level in levels.iter_mut() {
         level.batch = frame.tiles();
     }
     memory.set_error(frame.segments_error());
-    let fours = |axis: usize, first: usize, count: usize| {
-        (0..count).map(|four| rays.screens(axis, 2 * (first + 4 * four), 2)).collect()
-    };
-    let screens = if is_patched {
-        Default::default()
-    } else {
-        [fours(0, 0, across), fours(1, band.top, open.len() / across)]
-    };
+    if !is_patched {
+        let parts = [[0, across], [band.top, open.len() / across]];
+        for (axis, ([first, count], screens)) in parts.into_iter().zip(&mut *screens).enumerate() {
+            screens.resize(count, [0.0; 4]);
+            for (four, screens) in screens.iter_mut().enumerate() {
+                *screens = rays.screens(axis, 2 * (first + 4 * four), 2);
+            }
+        }
+    }
     let size = frame.size();
     let blur = BLURRED * frame.error_in::<T>(size).max_element();
     let coarse = (COARSE * T::GRAIN * size).max(blur);
@@ -67,7 +85,6 @@ pub(super) fn trace<T: Scalar>(
         method,
         rays,
         band,
-        followed: vec![0; open.len()],
         open,
         across,
         screens,
@@ -76,7 +93,9 @@ pub(super) fn trace<T: Scalar>(
         memory,
         frame,
         work,
-        vectors: Vectors::new(),
+        over: false,
+        polled: 0,
+        simd,
     };
     // Rounded outward once; all later ends are floats.
     let [near, far] = tracer.frame.span;
@@ -86,19 +105,29 @@ pub(super) fn trace<T: Scalar>(
     } else {
         (0, tracer.band.width.div_ceil(SIDES[0]))
     };
+    let mut unreached = 0;
     for start in (0..count).step_by(LANES) {
-        if !tracer.band.is_wanted() {
-            tracer.empty_pool();
-            tracer.band.give_up(if is_patched { 0 } else { SIDES[0] * start });
+        if tracer.over || !tracer.band.is_wanted() {
+            tracer.over = true;
             break;
         }
+        unreached = start;
         let some = start..count.min(start + LANES);
         let places = if is_patched { [0..1, some] } else { [some, 0..1] };
         levels[first].start(&tracer, places, first, span, None, false);
-        tracer.run(&mut levels[first..], first);
+        if is_patched {
+            tracer.run::<LAST>(&mut levels[LAST..]);
+        } else {
+            tracer.run::<0>(levels);
+        }
     }
     tracer.empty_pool();
-    method.rooms.hand_back(room);
+    if tracer.over {
+        tracer.give_up_pool();
+        tracer.band.give_up(if is_patched { 0 } else { SIDES[0] * unreached });
+    } else {
+        method.rooms.hand_back(room);
+    }
 }
 
 /// A bit for each pixel of each 4×4 tile, row by row: clear for what sticks out of the picture.
@@ -146,36 +175,41 @@ struct Verdicts<T> {
     finer: u16,
     /// What is left is cut in two.
     cut: u16,
+    /// Those of them that were asked about so often that no more parts of them are to be.
+    tired: u16,
     /// Where all of what is left lies in the region.
     within: u16,
     /// The far ends of what is left.
     far: Lanes<T>,
 }
 
-pub(super) struct Tracer<'a, 'b, 'm, T: Scalar> {
+pub(super) struct Tracer<'a, 'b, 'm, T: Scalar, S> {
     pub method: &'a Affine<'m, T>,
     pub rays: &'a RayGrid,
     pub frame: Frame,
     pub band: &'a mut Band<'b>,
     /// A bit per pixel of each 4×4 tile: whether it is not finished.
     pub open: Vec<u16>,
-    /// The same: whether its ray is in the pool, or set apart.
-    pub followed: Vec<u16>,
     /// Tiles of 4×4 in a row.
     pub across: usize,
-    /// Screen coordinates of columns and rows of pixels, by fours; none of patches.
-    pub screens: [Vec<[f64; 4]>; 2],
+    /// Screen coordinates of columns and rows of pixels, by fours; not of patches.
+    pub screens: &'a [Vec<[f64; 4]>; 2],
     /// The farthest end of a segment.
     pub size: f64,
     pub limits: Limits<T>,
     pub memory: &'a mut Memory<T>,
     pub work: &'a mut Work,
-    /// Those that the processor has.
-    pub vectors: Vectors,
+    /// Whether nobody wants what is still to be found.
+    pub over: bool,
+    /// How many calls had been made when that was asked.
+    polled: u64,
+    /// Vectors that the processor has.
+    pub simd: S,
 }
 
-impl<T: Scalar> Tracer<'_, '_, '_, T> {
+impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// The first and last column and row of a tile's pixels in the band.
+    #[inline(always)]
     pub(super) fn pixels(&self, [column, row]: [usize; 2], level: usize) -> [[usize; 2]; 2] {
         let side = SIDES[level];
         let range = |place: usize, size: usize| [side * place, (side * place + side).min(size) - 1];
@@ -183,14 +217,14 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// The screen coordinate in the middle of a column of tiles, and how far its rays are from that.
-    #[inline]
+    #[inline(always)]
     pub(super) fn across(&self, column: usize, level: usize) -> [f64; 2] {
         let [columns, _] = self.pixels([column, 0], level);
         self.extent(0, columns[0], columns[1])
     }
 
     /// The same of a row of tiles.
-    #[inline]
+    #[inline(always)]
     pub(super) fn upward(&self, row: usize, level: usize) -> [f64; 2] {
         let top = self.band.top;
         if let Some(patch) = self.rays.patch(top + row) {
@@ -201,7 +235,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// The same of some columns of pixels, or rows, the last included.
-    #[inline]
+    #[inline(always)]
     pub(super) fn extent(&self, axis: usize, first: usize, last: usize) -> [f64; 2] {
         let centre = self.rays.screen(first + last, first + last)[axis];
         [centre, (last - first) as f64 * self.rays.unit()]
@@ -209,7 +243,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
 
     /// The first column and row of these tiles, if they are a square of sixteen of the last level with all of their pixels in
     /// the picture.
-    #[inline]
+    #[inline(always)]
     pub(super) fn square(
         &self,
         [columns, rows]: &[Range<usize>; 2],
@@ -225,7 +259,7 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// The screen coordinates in the middle of a square's columns, and of its rows.
-    #[inline]
+    #[inline(always)]
     pub(super) fn centres(&self, [column, row]: [usize; 2]) -> [[f64; 4]; 2] {
         let side = SIDES[LAST];
         let centres = |axis: usize, first: usize| {
@@ -236,13 +270,13 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// How far the rays of a square's tiles are from the middle of each.
-    #[inline]
+    #[inline(always)]
     pub(super) fn reach(&self) -> f64 {
         (SIDES[LAST] - 1) as f64 * self.rays.unit()
     }
 
     /// Which of a square's tiles have pixels that are not finished, as bits.
-    #[inline]
+    #[inline(always)]
     pub(super) fn open_in_square(&self, [column, row]: [usize; 2]) -> u16 {
         let mut all = 0;
         for k in 0..4 {
@@ -266,13 +300,13 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// Whether some pixel of a tile is not finished.
-    #[inline]
+    #[inline(always)]
     pub(super) fn is_open(&self, place: [usize; 2], level: usize) -> bool {
         self.any_in(&self.open, place, level)
     }
 
     /// Whether any bit of a tile is set among bits of each 4×4 tile.
-    #[inline]
+    #[inline(always)]
     fn any_in(&self, bits: &[u16], [column, row]: [usize; 2], level: usize) -> bool {
         if level == LAST {
             return bits[row * self.across + column] != 0;
@@ -288,36 +322,50 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     }
 
     /// The width of a pixel in units of s.
-    #[inline]
+    #[inline(always)]
     pub(super) fn footprint(&self, s: f64) -> f64 {
         self.rays.footprint(self.frame.start + s)
     }
 
-    fn run(&mut self, levels: &mut [Level<T>], depth: usize) {
+    /// Whether nobody wants what is still to be found. Not asked each time: to look at a clock takes as long as a short call.
+    #[inline(always)]
+    pub(super) fn is_over(&mut self) -> bool {
+        let calls = self.work.tiles.calls + self.work.segments.calls;
+        if calls >= self.polled + POLLED {
+            (self.polled, self.over) = (calls, self.over || !self.band.is_wanted());
+        }
+        self.over
+    }
+
+    #[inline(always)]
+    fn run<const DEPTH: usize>(&mut self, levels: &mut [Level<T>]) {
         let (level, finer) = levels.split_first_mut().expect("a level");
-        while level.live != 0 {
-            level.pack(self.vectors);
+        while level.live != 0 && !self.is_over() {
+            level.pack(self.simd);
             self.method.tiles.ask(&level.batch, &mut level.out);
             self.work.tiles.called(level.live.count_ones());
             let possible = level.live & level.out.possible;
+            let tired = level.tire(self.simd);
             let mut kept = 0;
             if possible != 0 {
-                let verdicts =
-                    dispatch!(self.vectors, simd => self.verdicts(simd, level, depth, possible));
+                let verdicts = self.verdicts::<DEPTH>(level, possible, tired);
                 kept = verdicts.shorter | verdicts.cut;
-                self.act(level, finer, depth, &verdicts);
+                self.act::<DEPTH>(level, finer, &verdicts);
             }
             let later = level.keep(kept);
-            self.go_on(level, later, depth);
+            self.go_on(level, later, DEPTH);
         }
     }
 
     /// Goes on with what was put aside of the tiles in these lanes, each once none of its rays is followed any more.
+    #[inline(always)]
     fn go_on(&mut self, level: &mut Level<T>, mut lanes: u16, depth: usize) {
-        while lanes != 0 {
+        while lanes != 0 && !self.over {
             for lane in ones(lanes) {
                 let place = level.place(lane);
-                if !self.any_in(&self.followed, place, depth) {
+                // A tile has four times as many columns and rows of those of the last level.
+                let finer = 2 * (LAST - depth) as u32;
+                if !self.memory.pool.has_ray_of(self.simd, place, finer) {
                     level.go_on(lane, self.is_open(place, depth));
                     lanes &= !(1 << lane);
                 }
@@ -330,22 +378,22 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
     /// What is to be done with the tiles that may hold a zero. What is left of their segments, or the nearer part of what is
     /// cut, takes their place.
     #[inline(always)]
-    fn verdicts<S: Simd>(
+    fn verdicts<const DEPTH: usize>(
         &self,
-        simd: S,
         level: &mut Level<T>,
-        depth: usize,
         possible: u16,
+        tired: u16,
     ) -> Verdicts<T> {
+        let simd = self.simd;
         let contracts = self.method.options.ideas.contract;
         let Level { batch, out, .. } = level;
         let [_, growth] = self.rays.pixel();
-        let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER[depth] };
+        let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER[DEPTH] };
         let [longest, width, growth, slender, grain] = [
             self.method.longest,
             self.footprint(0.0),
             growth,
-            slender * SIDES[depth] as f64,
+            slender * SIDES[DEPTH] as f64,
             T::GRAIN * self.size,
         ]
         .map(T::nearest);
@@ -385,7 +433,8 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let is_flat = contracts && !self.method.cleared;
         let mut flat = if is_flat { possible & crossing & fine } else { 0 };
         let shorter = possible & shorter & !last;
-        let finer = possible & (crossing | short | last) & !shorter;
+        let tired = tired & possible & !shorter;
+        let finer = possible & (crossing | short | last) & !shorter | tired;
         let mut within = u16::MAX;
         if !level.within {
             let region = self.method.region;
@@ -411,18 +460,21 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         let (shorter, finer) = (shorter & !flat, finer & !flat);
         let cuts = possible & !(flat | shorter | finer);
         let far = level.batch.far;
-        for lane in ones(cuts) {
-            level.batch.far[lane] = cut[lane];
+        if cuts != 0 {
+            for part in parts::<S, T::Vector<S>>(simd, level.batch.count as usize) {
+                let far = part.mask(cuts).select(part.load(&cut), part.load(&far));
+                part.store(far, &mut level.batch.far);
+            }
         }
-        Verdicts { flat, shorter, finer, cut: cuts, within, far }
+        Verdicts { flat, shorter, finer, cut: cuts, tired: tired & finer, within, far }
     }
 
     /// Does with tiles what is to be done.
-    fn act(
+    #[inline(always)]
+    fn act<const DEPTH: usize>(
         &mut self,
         level: &mut Level<T>,
         finer: &mut [Level<T>],
-        depth: usize,
         verdicts: &Verdicts<T>,
     ) {
         for lane in ones(verdicts.cut) {
@@ -430,36 +482,39 @@ impl<T: Scalar> Tracer<'_, '_, '_, T> {
         }
         for lane in ones(verdicts.flat) {
             let plane = Plane::new(&level.batch, &level.out, lane);
-            self.emit(&plane, depth, level.place(lane));
+            self.emit(&plane, DEPTH, level.place(lane));
+        }
+        for lane in ones(verdicts.tired) {
+            level.join(lane);
         }
         for lane in ones(verdicts.finer) {
             let segment = [level.batch.near[lane].into(), verdicts.far[lane].into()];
             let within = verdicts.within >> lane & 1 == 1;
-            if finer.is_empty() {
+            if DEPTH == LAST {
                 self.follow(level, lane, segment, within);
             } else {
-                self.split(level, finer, depth, lane, segment, within);
+                self.split(level, finer, lane, segment, within);
             }
         }
     }
 
     /// Looks at the sixteen parts of a tile.
+    #[inline(always)]
     fn split(
         &mut self,
         level: &Level<T>,
         finer: &mut [Level<T>],
-        depth: usize,
         lane: usize,
         segment: [f64; 2],
         within: bool,
     ) {
         let [column, row] = level.place(lane).map(|place| 4 * place);
-        let side = SIDES[depth + 1];
+        let side = SIDES[LAST];
         let (columns, rows) = (self.band.width.div_ceil(side), self.band.height.div_ceil(side));
         let parts = [column..columns.min(column + 4), row..rows.min(row + 4)];
         let plane = self.method.options.ideas.contract;
         let plane = plane.then(|| Plane::new(&level.batch, &level.out, lane));
-        finer[0].start(self, parts, depth + 1, segment, plane.as_ref(), within);
-        self.run(finer, depth + 1);
+        finer[0].start(self, parts, LAST, segment, plane.as_ref(), within);
+        self.run::<LAST>(finer);
     }
 }
