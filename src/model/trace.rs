@@ -24,6 +24,9 @@ pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 /// Reach of central differences, as a share of the domain's largest extent.
 const STEP: f64 = 1e-3;
 
+/// Where a region is farther from the origin than so many times its size, `f32` places points too coarsely for their normals.
+const FAR: f64 = 1024.0;
+
 impl Model {
     /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since it was last called,
     /// and ends the work early by returning `false`, as the end of the settings' budget does: what was not reached then is
@@ -194,6 +197,13 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let kernels = self.model.program.kernels::<T>(surface);
         Ok(match self.settings.normals {
             None => None,
+            Some(Normals::Gradient) if self.settings.precision == Precision::Auto => {
+                let (region, kernel) = (&self.model.region, kernels.gradients()?);
+                let farthest = region.low().abs().max(region.high().abs()).max_element();
+                let everywhere = farthest > FAR * region.half_extent();
+                let double = self.model.program.surface(surface).double();
+                Some(NormalSource::Refined { kernel, double, everywhere })
+            }
             Some(Normals::Gradient) => Some(NormalSource::Gradient(kernels.gradients()?)),
             Some(Normals::Central) => Some(NormalSource::Central(kernels.values()?)),
         })

@@ -8,6 +8,7 @@ mod cameras;
 mod certified;
 mod domains;
 mod framing;
+mod normals;
 mod paints;
 mod properties;
 mod property_support;

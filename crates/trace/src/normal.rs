@@ -4,7 +4,7 @@
 //! none. A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the
 //! function's domain) is replaced by that a little farther along the ray, then by central
 //! differences over growing steps, and at last by the direction to the eye, so that a picture never
-//! holds a NaN.
+//! holds a NaN. Before all that `f64` is asked, if the picture's precision allows it.
 
 mod gradients;
 
@@ -16,13 +16,22 @@ use crate::rows::{Rows, work_on};
 use crate::shade::Canvas;
 use crate::work::Work;
 use glam::DVec3;
-use zeroset_eval::{Kernel, LANES, Points, Real, Sample, SampleGradient};
+use zeroset_eval::{Kernel, Kernels, LANES, Points, Real, Sample, SampleGradient};
 
 /// Which kernel answers for normals.
 #[derive(Clone, Copy)]
 pub enum NormalSource<'a, T: Real = f32> {
     /// The exact derivative, rounded.
     Gradient(&'a (dyn Kernel<SampleGradient, T> + 'a)),
+    /// The same, and in `f64` where `T` has none.
+    Refined {
+        /// Asked first.
+        kernel: &'a (dyn Kernel<SampleGradient, T> + 'a),
+        /// Has what is asked where the gradient is beyond the range of `T`.
+        double: &'a (dyn Kernels<f64> + 'a),
+        /// Whether that is asked of all points, since `T` places them too coarsely.
+        everywhere: bool,
+    },
     /// Differences of the values one step to either side on each axis, as in Knoll et al. 2007.
     Central(&'a (dyn Kernel<Sample, T> + 'a)),
 }
@@ -118,7 +127,12 @@ impl<T: Real> NormalSource<'_, T> {
     fn of_batch(&self, rests: &[Rest], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
         let points: Vec<DVec3> = rests.iter().map(|rest| rest.ray.origin).collect();
         let mut normals = vec![None; points.len()];
-        if let Self::Gradient(kernel) = self {
+        if let Self::Refined { double, .. } = self
+            && let Ok(kernel) = double.gradients()
+        {
+            fill(&mut normals, |open| gradients(kernel, open.iter().map(|&k| points[k]), work));
+        }
+        if let Self::Gradient(kernel) | Self::Refined { kernel, .. } = self {
             for ahead in AHEAD {
                 let point = |k: usize| rests[k].ray.at(ahead * rests[k].step);
                 fill(&mut normals, |open| gradients(*kernel, open.iter().map(|&k| point(k)), work));
@@ -186,7 +200,7 @@ impl<T: Real> NormalSource<'_, T> {
     fn sample(&self, points: &[DVec3], work: &mut Work) -> Vec<T> {
         let batches = batches(points);
         let (values, count): (Vec<_>, _) = match self {
-            Self::Gradient(kernel) => (
+            Self::Gradient(kernel) | Self::Refined { kernel, .. } => (
                 kernel.ask_all(&batches).iter().flat_map(|out| *out.value).collect(),
                 &mut work.gradient,
             ),

@@ -26,7 +26,8 @@ impl<T: Real> NormalSource<'_, T> {
         canvas: Option<&mut Canvas<'_>>,
         work: &mut Work,
     ) -> Vec<usize> {
-        let Self::Gradient(kernel) = self else {
+        let (Self::Gradient(kernel) | Self::Refined { kernel, everywhere: false, .. }) = self
+        else {
             if let Some(canvas) = canvas {
                 canvas.left.extend(windows);
             }
