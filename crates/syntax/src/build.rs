@@ -227,10 +227,11 @@ impl<'a> Builder<'a> {
     /// A product with the signs before it.
     pub(crate) fn term(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let signs = self.signs(pairs);
-        if signs.is_empty() {
-            return self.product(pairs);
+        let of_term = |pair: &Pair<'_>| !matches!(pair.as_str(), "+" | "-");
+        if signs.is_empty() || pairs.clone().take_while(of_term).any(|pair| is_remainder(&pair)) {
+            return self.product(signs, pairs);
         }
-        self.signed(&signs, |b| b.product(pairs))
+        self.signed(&signs, |b| b.product(Signs::new(), pairs))
     }
 
     /// Takes the signs that stand next.
@@ -257,14 +258,21 @@ impl<'a> Builder<'a> {
         negated(self.deeper(*first, minus.count(), build)?, signs)
     }
 
+    /// A product; `before` are signs before it that are part of what the first remainder is taken of.
     #[inline(never)]
-    fn product(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
+    fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let mut joint = Joint { sign: ProductSign::Times, function: None };
         let mut factors: Vec<(ProductSign, Expr)> = Vec::new();
         loop {
             let signs = self.signs(pairs);
             let run = self.run(pairs)?;
             self.join(&mut factors, joint, &signs, run)?;
+            if pairs.peek().is_some_and(|pair| is_remainder(&pair)) {
+                // Of all that is left of it, as in every language that writes it so.
+                let signs = std::mem::take(&mut before);
+                let whole = self.signed(&signs, |_| product_of(std::mem::take(&mut factors)))?;
+                factors.push((ProductSign::Times, whole));
+            }
             match self.joint(pairs) {
                 Some(next) => joint = next,
                 None => return product_of(factors),
@@ -437,6 +445,11 @@ fn sum_of_terms(mut terms: Vec<(SumSign, Expr)>) -> Fallible<Expr> {
     let Some((_, last)) = terms.last() else { return Ok(first) };
     let span = first.span.to(last.span);
     Ok(sum_of(first, terms, span))
+}
+
+/// Whether this is the operator that takes remainders.
+fn is_remainder(pair: &Pair<'_>) -> bool {
+    pair.as_str() == "٪"
 }
 
 /// A product of one or more factors, which must be numbers; one inside its first factor is opened,

@@ -103,7 +103,7 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
 
 /// Whether a text begins with a divisor: a number, brackets, or a short name that is no word of a comment.
 fn divides(rest: &str) -> bool {
-    let rest = rest.trim_start_matches(' ');
+    let rest = rest.trim_start_matches([' ', '-']);
     let name = name_length(rest);
     let behind = rest[name..].trim_start_matches(' ');
     rest.starts_with(|c: char| c.is_ascii_digit() || c == '(')

@@ -124,6 +124,9 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         if symbol == '\n' && open.is_empty() && "+-*/^".contains(last) && continues(&text[end..]) {
             continue;
         }
+        if symbol == '\n' && open.is_empty() && goes_back(&text[end..], &tokens) {
+            continue;
+        }
         match symbol {
             '\n' | ';' if open.is_empty() => {
                 if !tokens.is_empty() {
@@ -206,6 +209,18 @@ fn continues(rest: &str) -> bool {
     is_operand
         && !defines
         && !crate::spelling::symbol(&line[..name]).is_some_and(crate::spelling::is_setting)
+}
+
+/// Whether a line is the rest of the formula above it, since no other starts as it does: with a plus or a relation, or, if it
+/// is indented, a minus. Not if both have a relation.
+fn goes_back(rest: &str, above: &[Token]) -> bool {
+    let is_relation = |c: char| "=≠<≤>≥≔".contains(c);
+    let line = start(&rest[..line_length(rest)], 300);
+    let formula = line.trim_start();
+    let has_relation = above.iter().any(|token| is_relation(token.symbol));
+    let is_rest = formula.starts_with(|c| c == '+' || is_relation(c))
+        || formula.len() < line.len() && formula.starts_with(['-', '−']);
+    is_rest && !above.is_empty() && !(has_relation && formula.contains(is_relation))
 }
 
 /// The index of the bracket that `symbol` at `span` closes.
