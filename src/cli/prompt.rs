@@ -42,6 +42,9 @@ pub fn run(session: &Arc<Session>, preview: bool) -> anyhow::Result<()> {
     read_lines(session, preview).map_err(|error| anyhow!("the prompt has stopped: {error}"))
 }
 
+/// Said of bytes that are not UTF-8.
+const NOT_TEXT: &str = "the terminal sent bytes that are not UTF-8 text; the line is left out";
+
 fn show(session: &Session) {
     if let Err(error) = session.show_preview() {
         notes::error(&error);
@@ -86,6 +89,13 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                     session.end();
                 }
                 break;
+            }
+            // What the terminal sent is no text; the next line may be.
+            Err(ReadlineError::Io(error))
+                if interactive && error.kind() == std::io::ErrorKind::InvalidData =>
+            {
+                notes::say(NOT_TEXT);
+                continue;
             }
             Err(error) => {
                 session.print_with(None);

@@ -222,6 +222,18 @@ fn a_private_file_stays_private() {
 }
 
 #[test]
+fn bytes_that_are_no_text_end_nothing() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    terminal.send(b"\xff\xfe");
+    terminal.shows("not UTF-8 text");
+    terminal.type_in("x = 0.125\r");
+    terminal.type_in(":status\r");
+    terminal.shows("surface     x = 0.125");
+    terminal.leaves();
+}
+
+#[test]
 fn lines_that_come_together_are_all_read() {
     let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
     terminal.shows("undecided");

@@ -194,6 +194,11 @@ impl Terminal {
         self.log.lock().expect("whole").shown.clone()
     }
 
+    /// Sends bytes as they are.
+    pub fn send(&mut self, bytes: &[u8]) {
+        self.master.write_all(bytes).expect("sent");
+    }
+
     /// Types once a line is being read: what is typed earlier is dropped. After a line's end, waits until it was read.
     pub fn type_in(&mut self, text: &str) {
         let lines = || {
