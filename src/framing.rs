@@ -7,6 +7,7 @@ use crate::model::Model;
 use crate::picture::Settings;
 use crate::scene::{self, CameraChoice, SceneError};
 use glam::{DQuat, DVec3};
+use std::time::Instant;
 use zeroset_syntax::Document;
 use zeroset_trace::{Camera, CameraError, Projection, Region, StandardView};
 
@@ -120,21 +121,22 @@ fn fitted(
     Ok(Some(fitted.unwrap_or(usual)))
 }
 
-/// As [`camera_while`], to the end.
+/// As [`camera_while`], to the end, or to that of the settings' budget of time: then it is the view of the whole domain.
 ///
 /// # Errors
 /// As [`camera_while`].
-///
-/// # Panics
-/// Never: the camera is wanted to the end.
 pub fn camera(
     model: &Model,
     document: &Document,
     choice: &CameraChoice,
     settings: &Settings,
 ) -> Result<Camera, SceneError> {
-    let camera = camera_while(model, document, choice, settings, &|| true)?;
-    Ok(camera.expect("wanted to the end"))
+    let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
+    let is_early = || end.is_none_or(|end| Instant::now() < end);
+    match camera_while(model, document, choice, settings, &is_early)? {
+        Some(camera) => Ok(camera),
+        None => Ok(usual(document, model.region(), choice, settings)?.0),
+    }
 }
 
 /// The view of the whole domain, and how another is fitted where that is free to be chosen.

@@ -280,11 +280,16 @@ fn remark(
             zeroset_trace::STEPS,
         ));
     } else if passed_over > 0 {
-        let deeper = if deepens { "a larger --max-depth or " } else { "" };
+        // With the finest floats at work there is nothing to advise.
+        let advice = match (deepens, settings.precision) {
+            (true, Precision::F64) => "; a larger --max-depth may decide more of them",
+            (true, _) => "; a larger --max-depth or --precision f64 may decide more of them",
+            (false, Precision::F32) => "; --precision f64 may decide more of them",
+            (false, _) => "",
+        };
         notes::note(&format!(
             "{passed_over} of these are not drawn: the function has no bounds along those rays, as near \
-             a pole or beyond the range of floats, so a root there would not be seen; {deeper}--precision \
-             f64 may decide more of them"
+             a pole, at a gap or beyond the range of floats, so a root there would not be seen{advice}"
         ));
     }
 }
