@@ -218,7 +218,10 @@ fn goes_back(rest: &str, above: &[Token]) -> bool {
     let line = start(&rest[..line_length(rest)], 300);
     let formula = line.trim_start();
     let has_relation = above.iter().any(|token| is_relation(token.symbol));
-    let is_rest = formula.starts_with(|c| c == '+' || is_relation(c))
+    // `<p>` is a tag, and no relation.
+    let is_tag = formula.starts_with('<')
+        && formula[1..].starts_with(|c: char| c == '/' || c.is_alphabetic());
+    let is_rest = !is_tag && formula.starts_with(|c| c == '+' || is_relation(c))
         || formula.len() < line.len() && formula.starts_with(['-', '−']);
     is_rest && !above.is_empty() && !(has_relation && formula.contains(is_relation))
 }

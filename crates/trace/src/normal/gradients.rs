@@ -26,18 +26,21 @@ impl<T: Real> NormalSource<'_, T> {
         canvas: Option<&mut Canvas<'_>>,
         work: &mut Work,
     ) -> Vec<usize> {
-        let (Self::Gradient(kernel) | Self::Refined { kernel, everywhere: false, .. }) = self
-        else {
-            if let Some(canvas) = canvas {
-                canvas.left.extend(windows);
-            }
-            let is_faced = |pixel: &usize| !seen.cap.get(*pixel).is_some_and(|cap| *cap);
-            return windows.iter().flat_map(|window| window.pixels()).filter(is_faced).collect();
-        };
-        let (kernel, open) = (*kernel, Vec::new());
-        let mut band = Band { kernel, rays, seen, normals, canvas, open, work };
-        dispatch!(Level::new(), simd => band.face(simd, windows));
-        band.open
+        if let Self::Refined { double, everywhere: true, .. } = self
+            && let Ok(kernel) = double.gradients()
+        {
+            return Band { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
+                .found(windows);
+        }
+        if let Self::Gradient(kernel) | Self::Refined { kernel, .. } = *self {
+            return Band { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
+                .found(windows);
+        }
+        if let Some(canvas) = canvas {
+            canvas.left.extend(windows);
+        }
+        let is_faced = |pixel: &usize| !seen.cap.get(*pixel).is_some_and(|cap| *cap);
+        windows.iter().flat_map(|window| window.pixels()).filter(is_faced).collect()
     }
 }
 
@@ -55,6 +58,12 @@ struct Band<'a, 'c, 'n, T: Real> {
 }
 
 impl<T: Real> Band<'_, '_, '_, T> {
+    /// Finds what can be found; returns the pixels without a gradient.
+    fn found(mut self, windows: &[Window]) -> Vec<usize> {
+        dispatch!(Level::new(), simd => self.face(simd, windows));
+        self.open
+    }
+
     #[inline(always)]
     fn face<S: Simd>(&mut self, simd: S, windows: &[Window]) {
         let mut points: [Points<T>; TOGETHER] = Default::default();

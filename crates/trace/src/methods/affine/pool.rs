@@ -9,7 +9,7 @@
 //! A ray is here once at most: nothing that comes later is asked of its tile before it is finished.
 
 use super::narrow::Scratch;
-use super::screens::{packed, saves_a_vector};
+use super::screens::{UNMOVED, packed, saves_a_vector};
 use super::sift::Asked;
 use super::slots::Stack;
 use super::tiles::Tracer;
@@ -221,7 +221,7 @@ impl<T: Scalar> Pool<T> {
         let wide = mask32x16::from_bitmask(simd, u64::from(to));
         let tiles = u32x16::simd_from(simd, self.tiles);
         wide.select(u32x16::splat(simd, rays.tile), tiles).store_slice(&mut self.tiles);
-        let bits = u32x16::simd_from(simd, LANE_NUMBERS);
+        let bits = u32x16::simd_from(simd, UNMOVED.map(u32::from));
         let bits = bits.compress(mask32x16::from_bitmask(simd, u64::from(from)));
         let bits = bits.expand_merge(wide, u32x16::simd_from(simd, self.bits));
         bits.store_slice(&mut self.bits);
@@ -262,21 +262,10 @@ impl<T: Scalar> Pool<T> {
     }
 }
 
-/// The lanes' numbers.
-const LANE_NUMBERS: [u32; LANES] = {
-    let mut numbers = [0; LANES];
-    let mut lane = 1;
-    while lane < LANES {
-        numbers[lane] = lane as u32;
-        lane += 1;
-    }
-    numbers
-};
-
 /// The lowest `count` of the bits that are set.
 #[inline(always)]
 fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
-    let first = u32x16::simd_from(simd, LANE_NUMBERS).simd_lt(count);
+    let first = u32x16::simd_from(simd, UNMOVED.map(u32::from)).simd_lt(count);
     let first = first.select(u32x16::splat(simd, 1), u32x16::splat(simd, 0));
     let spread = first.expand(mask32x16::from_bitmask(simd, u64::from(bits)));
     spread.simd_gt(0).to_bitmask() as u16
