@@ -5,7 +5,7 @@ use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, VECTOR, Vector, type_of};
 #[cfg(target_arch = "x86_64")]
-use crate::wide;
+use crate::wide::{Width, widened};
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I64;
@@ -98,14 +98,14 @@ fn check_processor() -> Result<(), Error> {
     }
 }
 
-/// Bytes of the widest vectors that kernels compute with on this processor. One that would use too much of the stack for them
-/// computes with those of 16 bytes.
-pub fn widest_vector() -> usize {
+/// Bytes of the vectors that kernels can compute with on this processor, the widest first, which they do. One that would use
+/// too much of the stack for them computes with narrower ones.
+pub fn vector_widths() -> impl Iterator<Item = usize> {
     #[cfg(target_arch = "x86_64")]
-    if wide::is_possible() {
-        return wide::WIDTH;
-    }
-    VECTOR
+    let wider = Width::ALL.into_iter().filter(|width| width.is_possible()).map(Width::bytes);
+    #[cfg(not(target_arch = "x86_64"))]
+    let wider = std::iter::empty();
+    wider.chain([VECTOR])
 }
 
 /// Compiles what answers a question.
@@ -114,14 +114,14 @@ pub fn widest_vector() -> usize {
 /// If the tape computes another number of expressions than the question needs.
 pub fn compile<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Code, Error> {
     check_processor()?;
-    generate(|width| build::<Q, T>(tape, width), None)
+    generate(|width| build::<Q, T>(tape, width), None, usize::MAX)
 }
 
-/// As [`compile`], for vectors of 128 bits whatever the processor has.
+/// As [`compile`], for vectors of at most so many bytes.
 #[cfg(feature = "comparison")]
-pub fn compile_narrow<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Code, Error> {
+pub fn compile_narrow<Q: Question, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code, Error> {
     check_processor()?;
-    generate_narrow(build::<Q, T>(tape, VECTOR)?, None)
+    generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
 /// As [`compile`], written on the machine that `other` puts around the one that emits, by the slower tier whatever its size.
@@ -131,35 +131,44 @@ pub fn compile_for_comparison<Q: Question, T: Real>(
     other: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
 ) -> Result<Code, Error> {
     check_processor()?;
-    generate(|width| build_with::<Q, T>(tape, width, &other), Some(Tier::Optimised))
+    let write = |width| build_with::<Q, T>(tape, width, &other);
+    generate(write, Some(Tier::Optimised), usize::MAX)
 }
 
-/// From intermediate code to memory. It is written for vectors of so many bytes, the widest that there can be; by a tier that
-/// its size tells, if none is given.
+/// From intermediate code to memory. It is written for vectors of so many bytes, as many as the processor has of up to the
+/// `widest`; by a tier that its size tells, if none is given.
 fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,
+    widest: usize,
 ) -> Result<Code, Error> {
     #[cfg(target_arch = "x86_64")]
-    if wide::is_possible()
-        && let Some(code) = generate_wide(write(wide::WIDTH)?, tier)?
-    {
-        return Ok(code);
+    for width in Width::ALL {
+        if width.bytes() <= widest
+            && width.is_possible()
+            && let Some(code) = generate_wide(write(width.bytes())?, tier, width)?
+        {
+            return Ok(code);
+        }
     }
     generate_narrow(write(VECTOR)?, tier)
 }
 
-/// The same for vectors that are twice as wide as Cranelift's; `None` if the code would use too much of the stack, or cannot be
+/// The same for vectors that are wider than Cranelift's; `None` if the code would use too much of the stack, or cannot be
 /// made so wide.
 #[cfg(target_arch = "x86_64")]
-fn generate_wide(function: Function, tier: Option<Tier>) -> Result<Option<Code>, Error> {
+fn generate_wide(
+    function: Function,
+    tier: Option<Tier>,
+    width: Width,
+) -> Result<Option<Code>, Error> {
     let slots = function.fixed_stack_size();
     let code = match machine_code(function, tier, Looks::Later) {
         Err(Error::TooDeep { .. }) => return Ok(None),
         code => code?,
     };
-    let wider = wide::widened(code.buffer.data(), slots, STACK);
-    wider.map(|bytes| place(&bytes, wide::WIDTH as u64, wide::WIDTH)).transpose()
+    let wider = widened(code.buffer.data(), width, slots, STACK);
+    wider.map(|bytes| place(&bytes, width.bytes() as u64, width.bytes())).transpose()
 }
 
 /// The same for Cranelift's own vectors.

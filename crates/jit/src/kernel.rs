@@ -30,7 +30,7 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
         Ok(Self::of(compile::<Q, T>(&tape)?, tape))
     }
 
-    /// As [`Compiled::new`] for vectors of 128 bits, as processors run it that have no wider ones: to be compared.
+    /// As [`Compiled::new`] for vectors of so many bytes at most, as processors run it that have no wider ones: to be compared.
     ///
     /// # Errors
     /// As [`Compiled::new`].
@@ -38,8 +38,8 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
     /// # Panics
     /// As [`Compiled::new`].
     #[cfg(feature = "comparison")]
-    pub fn narrow(tape: Tape<T>) -> Result<Self, Error> {
-        Ok(Self::of(crate::compiler::compile_narrow::<Q, T>(&tape)?, tape))
+    pub fn narrow(tape: Tape<T>, widest: usize) -> Result<Self, Error> {
+        Ok(Self::of(crate::compiler::compile_narrow::<Q, T>(&tape, widest)?, tape))
     }
 
     fn of(code: Code, tape: Tape<T>) -> Self {

@@ -15,6 +15,6 @@ mod rounding;
 #[cfg(target_arch = "x86_64")]
 mod wide;
 
-pub use compiler::{intermediate_code, widest_vector};
+pub use compiler::{intermediate_code, vector_widths};
 pub use error::Error;
 pub use kernel::{Compiled, Native};

@@ -48,18 +48,24 @@ pub unsafe fn call_rounding_up(
     parameters: *const u8,
 ) {
     // SAFETY: the block declares every register that a function of this convention may change, keeps `entry` in one that
-    // the callee preserves, and leaves MXCSR at the default that Rust code assumes. The stack is aligned because
-    // `nostack` is not given. The two statics are plain memory that `ldmxcsr` reads. What the callee reads and
+    // the callee preserves, and leaves MXCSR at the default that Rust code assumes. The stack is given back as it was; until then
+    // what a kernel puts on it, below a return address and a register, is aligned as the widest vectors are, or each of them
+    // would lie in two lines of the cache. The two statics are plain memory that `ldmxcsr` reads. What the callee reads and
     // writes is the caller's promise.
     #[cfg(target_arch = "x86_64")]
     unsafe {
         std::arch::asm!(
+            "mov r13, rsp",
+            "and rsp, -64",
+            "sub rsp, 48",
             "ldmxcsr [rip + {up}]",
             "call r12",
             "ldmxcsr [rip + {nearest}]",
+            "mov rsp, r13",
             up = sym ROUND_UP,
             nearest = sym ROUND_NEAREST,
             in("r12") entry,
+            out("r13") _,
             in("rdi") input,
             in("rsi") output,
             in("rdx") count,

@@ -1,4 +1,4 @@
-//! Native code gives the bits of the reference evaluator; −0 equals +0 and NaN equals NaN. So does that for narrow vectors,
+//! Native code gives the bits of the reference evaluator; −0 equals +0 and NaN equals NaN. So does that for narrower vectors,
 //! which a processor with wider ones never runs elsewhere.
 
 use super::tile::{Tile, pack_segments, pack_tiles};
@@ -11,7 +11,7 @@ use zeroset_eval::{
     SampleGradient, Segments, Tape, Tiles,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
-use zeroset_jit::{Compiled, widest_vector};
+use zeroset_jit::{Compiled, vector_widths};
 
 /// Compilation is superlinear, so that longer functions would take most of the time.
 const LONGEST: usize = 400;
@@ -100,31 +100,33 @@ pub fn agree<T: Adversarial>(
     let tape = |case: &Case| subject.tape::<T>(simple, case);
     let (boxes, points) = (random_boxes, random_points);
     let (segments, tiles) = (random_segments, random_tiles);
-    let narrow = rng.u32(0..4) == 0;
+    // Mostly the widest.
+    let widths: Vec<usize> = vector_widths().collect();
+    let width = widths[if rng.bool() { 0 } else { rng.u32(0..widths.len() as u32) as usize }];
     match subject {
         Subject::Bounds => {
-            compare::<Enclose, T>(case, &tape, &batches(case, rng, inputs, boxes), narrow)
+            compare::<Enclose, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
         Subject::Zeros | Subject::Branches => {
-            compare::<FindZeros, T>(case, &tape, &batches(case, rng, inputs, boxes), narrow)
+            compare::<FindZeros, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
         Subject::GradientBounds => {
-            compare::<EncloseGradient, T>(case, &tape, &batches(case, rng, inputs, boxes), narrow)
+            compare::<EncloseGradient, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
         Subject::Segments => compare::<ContractSegments, T>(
             case,
             &tape,
             &batches(case, rng, inputs, segments),
-            narrow,
+            width,
         ),
         Subject::Tiles => {
-            compare::<ContractTiles, T>(case, &tape, &batches(case, rng, inputs, tiles), narrow)
+            compare::<ContractTiles, T>(case, &tape, &batches(case, rng, inputs, tiles), width)
         }
         Subject::Values => {
-            compare::<Sample, T>(case, &tape, &batches(case, rng, inputs, points), narrow)
+            compare::<Sample, T>(case, &tape, &batches(case, rng, inputs, points), width)
         }
         Subject::Gradients => {
-            compare::<SampleGradient, T>(case, &tape, &batches(case, rng, inputs, points), narrow)
+            compare::<SampleGradient, T>(case, &tape, &batches(case, rng, inputs, points), width)
         }
     }
 }
@@ -192,17 +194,15 @@ fn same<T: Real, B: Output<T>>(a: &B, b: &B, count: usize) -> bool {
     quantities && (0..B::MASKS).all(|number| used(a, number) == used(b, number))
 }
 
-/// The answers of native code, for `narrow` vectors or the widest, and of the reference.
+/// The answers of native code, for vectors of so many bytes, and of the reference.
 fn both<Q: Question, T: Real>(
     tape: Tape<T>,
     case: &Case,
     inputs: &[Q::Input<T>],
-    narrow: bool,
+    width: usize,
 ) -> [Vec<Q::Output<T>>; 2] {
     let binding = Binding::new(&case.parameters);
-    let make = if narrow { Compiled::<Q, T>::narrow } else { Compiled::new };
-    let compiled = make(tape.clone()).expect("compiles");
-    let width = if narrow { 16 } else { widest_vector() };
+    let compiled = Compiled::<Q, T>::narrow(tape.clone(), width).expect("compiles");
     assert_eq!(compiled.vector_bytes(), width, "{:?}", tape.steps());
     let native = compiled.bind(binding.clone());
     [native.ask_all(inputs), Reference::<Q, T>::new(tape, binding).ask_all(inputs)]
@@ -212,7 +212,7 @@ fn compare<Q: Question, T: Real>(
     case: &Case,
     tape: &dyn Fn(&Case) -> Option<Tape<T>>,
     inputs: &[Q::Input<T>],
-    narrow: bool,
+    width: usize,
 ) -> Result<Tally, Failure>
 where
     Q::Input<T>: Debug,
@@ -229,16 +229,18 @@ where
     }
     let Some(steps) = tape(case) else { return Ok(Tally::default()) };
     let compared = inputs.iter().map(|input| input.count() as u64).sum();
-    let Some(at) = differing::<Q, T>(&both::<Q, T>(steps, case, inputs, narrow), inputs) else {
+    let Some(at) = differing::<Q, T>(&both::<Q, T>(steps, case, inputs, width), inputs) else {
         return Ok(Tally { compared, defined: compared });
     };
     let input = &inputs[at..=at];
-    let answers = |case: &Case| Some(both::<Q, T>(tape(case)?, case, input, narrow));
+    let answers = |case: &Case| Some(both::<Q, T>(tape(case)?, case, input, width));
     let mut differs =
         |case: &Case| answers(case).is_some_and(|both| differing::<Q, T>(&both, input).is_some());
     let least = minimise(case, &mut differs);
     let answers = answers(&least);
     let case = least.describe::<T>(&Place::At([0.0; 3]));
-    let width = if narrow { ", narrow vectors" } else { "" };
-    Err(Failure::new(format!("{}{width}: {case}\n{input:?}\n{answers:#?}", Q::NAME)))
+    Err(Failure::new(format!(
+        "{}, vectors of {width} bytes: {case}\n{input:?}\n{answers:#?}",
+        Q::NAME
+    )))
 }

@@ -240,8 +240,8 @@ impl<T: Scalar> Level<T> {
 
     /// Moves the live lanes to the first ones, where that saves a vector.
     #[inline(always)]
-    pub fn pack(&mut self, simd: impl Simd) {
-        if saves_a_vector::<T>(self.live) {
+    pub fn pack<S: Simd>(&mut self, simd: S) {
+        if saves_a_vector::<T, S>(self.live) {
             self.pack_batch(simd);
             let mut waiting = 0;
             for (to, from) in ones(self.live).enumerate() {

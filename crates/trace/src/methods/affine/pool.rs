@@ -235,7 +235,7 @@ impl<T: Scalar> Pool<T> {
     /// Moves the rays to the first lanes, where that saves a vector.
     #[inline(always)]
     fn pack<S: Simd>(&mut self, simd: S) {
-        if !saves_a_vector::<T>(self.live) {
+        if !saves_a_vector::<T, S>(self.live) {
             return;
         }
         // A copy of its own, which need not be read again for each quantity.

@@ -34,15 +34,13 @@ pub(super) const UNMOVED: [u8; LANES] = {
     things
 };
 
-/// Bytes of a kernel's vectors, where the processor has such.
-const VECTOR: usize = 32;
-
-/// Whether fewer vectors of `T` hold the live lanes once they are the first ones.
-#[inline]
-pub(super) fn saves_a_vector<T>(live: u16) -> bool {
-    let lanes = (VECTOR / size_of::<T>()) as u32;
+/// Whether fewer vectors of `T` hold the live lanes once they are the first ones. Kernels have vectors as wide as these.
+#[inline(always)]
+pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
+    let lanes = (S::f32s::LEN * size_of::<f32>() / size_of::<T>()) as u32;
     // Mostly one holds them as they are, which takes no counting.
-    live >> lanes != 0
+    lanes < LANES as u32
+        && live >> lanes != 0
         && live.count_ones().div_ceil(lanes) < (LANES as u32 - live.leading_zeros()).div_ceil(lanes)
 }
 

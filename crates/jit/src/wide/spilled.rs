@@ -1,0 +1,184 @@
+//! What Cranelift puts away on the stack, kept in registers that it does not know.
+//!
+//! With vectors of 512 bits there are twice as many registers. Code writes a vector to a place on the stack and reads it from
+//! there until it writes another one: as long as that takes, a register does as well, and faster.
+
+use super::is_of_vectors;
+use iced_x86::{Code, Instruction, OpKind, Register};
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+/// How many registers there are beyond those that code is made for, and the first.
+const REGISTERS: u32 = 16;
+const FIRST: Register = Register::ZMM16;
+
+/// By instruction, the register that takes the place of what it has on the stack, if one does. Nothing is known of the first
+/// `slots` bytes: code reckons with where they are.
+pub fn registers(read: &[Instruction], slots: u32) -> Vec<Option<Register>> {
+    let mut spans = spans(read, slots);
+    // Where a register saves most for how long it is taken.
+    let price =
+        |span: &Span| (span.lasts.end() - span.lasts.start() + 1) as f64 / span.uses.len() as f64;
+    spans.sort_by(|a, b| price(a).total_cmp(&price(b)));
+    let mut taken: Vec<Vec<RangeInclusive<usize>>> = vec![Vec::new(); REGISTERS as usize];
+    let mut registers = vec![None; read.len()];
+    for span in spans {
+        let is_free = |taken: &Vec<RangeInclusive<usize>>| {
+            taken
+                .iter()
+                .all(|other| other.end() < span.lasts.start() || span.lasts.end() < other.start())
+        };
+        if let Some(number) = taken.iter().position(is_free) {
+            for instruction in span.uses {
+                registers[instruction] = Some(FIRST + number as u32);
+            }
+            taken[number].push(span.lasts);
+        }
+    }
+    registers
+}
+
+/// Puts a register in the place of what an instruction has in memory.
+pub fn keep_in(instruction: &mut Instruction, register: Register) {
+    for operand in 0..instruction.op_count() {
+        if instruction.op_kind(operand) == OpKind::Memory {
+            instruction.set_op_kind(operand, OpKind::Register);
+            instruction.set_op_register(operand, register);
+        }
+    }
+}
+
+/// Instructions that write a vector to a place on the stack and read it from there, and between which of them it is there.
+struct Span {
+    uses: Vec<usize>,
+    lasts: RangeInclusive<usize>,
+}
+
+fn spans(read: &[Instruction], slots: u32) -> Vec<Span> {
+    let blocks = blocks(read);
+    let mut places = BTreeMap::<u64, Vec<usize>>::new();
+    for (number, instruction) in read.iter().enumerate() {
+        if instruction.memory_base() == Register::RSP {
+            places.entry(instruction.memory_displacement64()).or_default().push(number);
+        }
+    }
+    let is_whole = |instruction: &Instruction| {
+        is_of_vectors(instruction) && instruction.code() != Code::VEX_Vcvtps2pd_xmm_xmmm64
+    };
+    let is_write = |number: usize| read[number].op0_kind() == OpKind::Memory;
+    let mut spans = Vec::new();
+    for (place, uses) in places {
+        if place < u64::from(slots) || !uses.iter().all(|&number| is_whole(&read[number])) {
+            continue;
+        }
+        let is_local =
+            is_write(uses[0]) && uses.iter().all(|&number| blocks[number] == blocks[uses[0]]);
+        if is_local {
+            // From each write to the next.
+            spans.extend(
+                uses.chunk_by(|_, &next| !is_write(next)).map(|uses| Span {
+                    uses: uses.to_vec(),
+                    lasts: uses[0]..=uses[uses.len() - 1],
+                }),
+            );
+        } else {
+            // It may be there when a loop begins anew.
+            spans.push(Span { uses, lasts: 0..=read.len() });
+        }
+    }
+    spans
+}
+
+/// By instruction, the number of the block that it is in: where one of them runs, all do, in order.
+fn blocks(read: &[Instruction]) -> Vec<usize> {
+    let mut targets: Vec<u64> = read.iter().filter_map(super::target).collect();
+    targets.sort_unstable();
+    let mut block = 0;
+    let number = |instruction: &Instruction| {
+        block += usize::from(targets.binary_search(&instruction.ip()).is_ok());
+        let here = block;
+        block += usize::from(super::target(instruction).is_some());
+        here
+    };
+    read.iter().map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iced_x86::MemoryOperand;
+
+    fn place(offset: i64) -> MemoryOperand {
+        MemoryOperand::with_base_displ(Register::RSP, offset)
+    }
+
+    fn write(offset: i64) -> Instruction {
+        let code = Code::VEX_Vmovups_xmmm128_xmm;
+        Instruction::with2(code, place(offset), Register::XMM1).expect("valid")
+    }
+
+    fn read(offset: i64) -> Instruction {
+        let code = Code::VEX_Vaddps_xmm_xmm_xmmm128;
+        let [to, a] = [Register::XMM1, Register::XMM2];
+        Instruction::with3(code, to, a, place(offset)).expect("valid")
+    }
+
+    /// Registers of these instructions, by how far behind the first they are.
+    fn found(read: &[Instruction]) -> Vec<Option<u32>> {
+        let number = |register: Register| register as u32 - FIRST as u32;
+        registers(read, 0).into_iter().map(|register| register.map(number)).collect()
+    }
+
+    #[test]
+    fn what_is_needed_at_once_has_registers_of_its_own() {
+        let apart = [write(0), read(0), write(16), read(16), write(0), read(0)];
+        assert_eq!(found(&apart), [Some(0); 6]);
+        let all = found(&[write(0), write(16), read(0), read(16)]);
+        assert_eq!(all[..2], all[2..]);
+        assert_ne!(all[0], all[1]);
+    }
+
+    #[test]
+    fn what_has_no_register_stays_where_it_is() {
+        // Each is needed until all are there; the last but two are read twice.
+        let places = || (0..20).map(|k| 16 * k);
+        let again = places().take(18).map(read);
+        let all: Vec<_> = places().map(write).chain(places().map(read)).chain(again).collect();
+        let registers = found(&all);
+        let [written, read] = [&registers[..20], &registers[20..40]];
+        assert_eq!(written, read);
+        assert_eq!(written.iter().flatten().count(), REGISTERS as usize);
+        assert_eq!(registers[40..], written[..18]);
+    }
+
+    #[test]
+    fn a_vector_that_outlasts_its_block_keeps_its_register() {
+        // A loop that reads what it wrote the last time.
+        let mut all = vec![read(0), write(16), read(16), write(0), write(32), read(32)];
+        let back = Instruction::with_branch(Code::Jb_rel32_64, 1).expect("valid");
+        all.push(back);
+        for (k, instruction) in all.iter_mut().enumerate() {
+            instruction.set_ip(1 + k as u64);
+        }
+        let registers = found(&all);
+        assert_eq!(registers[0], registers[3]);
+        for other in [1, 2, 4, 5] {
+            assert!(registers[other].is_some() && registers[other] != registers[0]);
+        }
+        // And so does one that is read behind a branch.
+        let branch = Instruction::with_branch(Code::Jb_rel32_64, 5).expect("valid");
+        let registers = found(&[write(0), branch, write(16), read(16), read(0)]);
+        assert_eq!(registers[0], registers[4]);
+        assert!(registers[0].is_some() && registers[2] != registers[0]);
+    }
+
+    #[test]
+    fn only_whole_vectors_are_kept_in_registers() {
+        let scalar = Instruction::with2(Code::Mov_r64_rm64, Register::RAX, place(0));
+        assert_eq!(found(&[write(0), read(0), scalar.expect("valid")]), [None; 3]);
+        let half = Code::VEX_Vcvtps2pd_xmm_xmmm64;
+        let half = Instruction::with2(half, Register::XMM1, place(0)).expect("valid");
+        assert_eq!(found(&[write(0), half]), [None; 2]);
+        assert_eq!(registers(&[write(48), read(48)], 64), [None; 2]);
+    }
+}
