@@ -320,19 +320,19 @@ impl RayGrid {
         }
         let (mut aside, mut to_eye) = ([row; 3], [row; 3]);
         for axis in 0..3 {
-            aside[axis] = column * right[axis] + row * up[axis];
+            aside[axis] = column.mul_add(right[axis], row * up[axis]);
             to_eye[axis] = f32x16::splat(simd, -forward[axis]);
         }
         if !self.parallel {
             let [x, y, z] = aside;
-            let square = x * x + y * y + z * z;
+            let square = z.mul_add(z, y.mul_add(y, x * x));
             let length = (1.0 + square).sqrt();
             let both = 1.0 / (length * (1.0 + length));
             let scale = both * (1.0 + length);
             // 1 − 1/length without cancellation, so that its error is relative, too.
             let less = both * square;
             for axis in 0..3 {
-                aside[axis] = aside[axis] * scale - forward[axis] * less;
+                aside[axis] = aside[axis].mul_sub(scale, forward[axis] * less);
                 to_eye[axis] -= aside[axis];
             }
         }
@@ -357,8 +357,8 @@ impl RayGrid {
         for (axis, points) in points.iter_mut().enumerate() {
             let (eye, forward) = (self.eye[axis], self.basis.forward[axis]);
             // From a far eye it is a small difference.
-            let middle = (eye + low * forward).narrow(eye + high * forward);
-            let point = middle + ways.aside[axis] * reach;
+            let middle = low.mul_add(forward, eye).narrow(high.mul_add(forward, eye));
+            let point = ways.aside[axis].mul_add(reach, middle);
             point.store_slice(&mut points[..]);
         }
         points

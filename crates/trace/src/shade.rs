@@ -154,7 +154,7 @@ pub fn shade_painted(
     shade_with(Level::new(), buffer, rays, appearance, paint)
 }
 
-/// The same with such vectors; the bytes do not depend on how wide they are.
+/// The same with such vectors; the bytes do not depend on how wide they are, but for how sums of products are rounded.
 fn shade_with(
     level: Level,
     buffer: &GBuffer,

@@ -56,7 +56,16 @@ impl<S: Simd, V: SimdBase<S>> Part<S, V> {
     }
 }
 
-/// All widths of vectors that this processor has: what is computed in them does not hang on it.
+/// Whether with such vectors a product to which something is added is not rounded before.
+#[cfg(test)]
+pub(crate) fn is_fused(level: fearless_simd::Level) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return level.as_avx2().is_some();
+    #[cfg(not(target_arch = "x86_64"))]
+    return !level.is_fallback();
+}
+
+/// All widths of vectors that this processor has: what is computed in them does not hang on it, where they are [fused](is_fused).
 #[cfg(test)]
 pub(crate) fn levels() -> Vec<fearless_simd::Level> {
     use fearless_simd::Level;

@@ -191,7 +191,7 @@ fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3],
     let exponent: u32x16<S> = largest.to_bits() & EXPONENT;
     let scale = f32x16::from_bits(u32x16::splat(simd, 254 << 23) - exponent);
     let [x, y, z] = [x * scale, y * scale, z * scale];
-    let square = x * x + y * y + z * z;
+    let square = z.mul_add(z, y.mul_add(y, x * x));
     let scale = 1.0 / square.sqrt();
     // Not so for NaN, nor where the power is none.
     let found = square.simd_ge(1.0) & square.simd_le(12.0);

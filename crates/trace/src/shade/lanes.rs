@@ -31,7 +31,7 @@ pub fn left<S: Simd>(simd: S, hidden: &[u8; LANES]) -> f32x16<S> {
 /// The scalar products.
 #[inline(always)]
 pub fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
 /// Light as a picture shows it: what is brighter than most of the range is brought into it, rather than cut off.

@@ -299,7 +299,7 @@ impl Shader<'_> {
             look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
         let mut white = rim;
         if let Some(shine) = shine {
-            white += look.highlight * direct.sqrt() * shine;
+            white = (look.highlight * direct.sqrt()).mul_add(shine, white);
         }
         // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
         let from_above = 0.5 + 0.5 * (side * dot(normal, splat(simd, lamps.above)));
@@ -323,7 +323,7 @@ impl Shader<'_> {
                 let painted = f32x16::from_slice(simd, &own.base[primary][..]);
                 base = painted.is_nan().select(base, painted);
             }
-            let mut amount = toned(simd, base * factor + white);
+            let mut amount = toned(simd, base.mul_add(factor, white));
             if OWN {
                 let [left, tint] = &own.marks;
                 amount *= 1.0 - INK * f32x16::from_slice(simd, &own.ink[..]);

@@ -111,7 +111,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         for (parts, way) in self.frame.by_axis().into_iter().zip(ways) {
             for ([start, a, b], lanes) in parts.into_iter().zip(way) {
                 // What a column of the tile has in common, and what a row has.
-                let along = start + across * a;
+                let along = across.mul_add(a, start);
                 let up = patch.upward.map(|upward| upward * b);
                 let rows = [
                     (along + up[0]).combine(along + up[1]),

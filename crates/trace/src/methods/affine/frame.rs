@@ -279,14 +279,14 @@ impl<S: Simd> Wide<S> {
     #[inline(always)]
     fn range(&self, parts: [f64; 3], k: usize) -> [f64x8<S>; 2] {
         let (middle, [_, a, b]) = (self.middle(parts, k), parts);
-        let reach = self.half[0][k] * a.abs() + self.half[1][k] * b.abs();
+        let reach = self.half[1][k].mul_add(b.abs(), self.half[0][k] * a.abs());
         [middle - reach, middle + reach]
     }
 
     /// The coordinate in the middle of each.
     #[inline(always)]
     fn middle(&self, [start, a, b]: [f64; 3], k: usize) -> f64x8<S> {
-        start + self.centre[0][k] * a + self.centre[1][k] * b
+        self.centre[1][k].mul_add(b, self.centre[0][k].mul_add(a, start))
     }
 }
 

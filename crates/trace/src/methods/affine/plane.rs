@@ -48,7 +48,8 @@ impl Plane {
         let up = f64::wide(simd, &screens[1]);
         for (along, up) in along.iter_mut().zip(up) {
             let [along_way, up_way] = [*along - self.centre[0], up - self.centre[1]];
-            *along = self.s + (self.per_screen[0] * along_way + self.per_screen[1] * up_way);
+            let s = along_way.mul_add(self.per_screen[0], self.s);
+            *along = up_way.mul_add(self.per_screen[1], s);
         }
         along
     }
@@ -61,13 +62,13 @@ impl Plane {
         if let Some([wide, high]) = half {
             let [wide, high] = [f64::wide(simd, wide), f64::wide(simd, high)];
             for k in 0..2 {
-                reach[k] += wide[k] * across + high[k] * upward;
+                reach[k] = high[k].mul_add(upward, wide[k].mul_add(across, reach[k]));
             }
         }
         let [mut near, mut far] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
         for (k, s) in self.at(simd, centre).into_iter().enumerate() {
             // More than what these sums are rounded by; and so what overflows is not a number, which bounds nothing.
-            let reach = reach[k] + T::PATH_ERROR * s.abs();
+            let reach = s.abs().mul_add(T::PATH_ERROR, reach[k]);
             near[k] = (s - reach).max_precise(near[k]);
             far[k] = (s + reach).min_precise(far[k]);
         }

@@ -81,7 +81,7 @@ impl<T: Scalar> Asked<T> {
             short |= part.bits(enough | length.simd_le(longest * unsteady));
             let much = length.simd_le(before * stalled);
             shorter |= part.bits(much & length.simd_gt(grain));
-            let between = near + length * share;
+            let between = length.mul_add(share, near);
             let progress = are_progress([near, far], between, before);
             cut |= part.bits(length.simd_gt(coarse) & progress);
             part.store(near, &mut segments.near);

@@ -410,7 +410,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let [across, upward, along] = out.slope.each_ref().map(|slope| part.load(slope));
             let [half, error] = [part.load(&out.half), part.load(&out.error)];
             let (before, left) = (last - first, far - near);
-            let footprint = near * growth + width;
+            let footprint = near.mul_add(growth, width);
             empty |= part.bits(left.simd_lt(T::default()));
             narrowed |= part.bits(first.simd_le(near) & far.simd_le(last));
             // Not where both overflow.
@@ -420,7 +420,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let tilt = across.abs() + upward.abs();
             let is_tilted = error.simd_le(tilt * tilted);
             short |= part.bits(left.simd_le(footprint * slender) | is_tilted);
-            let between = near + left * share;
+            let between = left.mul_add(share, near);
             // An eye in the region has no pixel's width before it to stop at.
             let progress = are_progress([near, far], between, before);
             whole |= part.bits(left.simd_gt(grain) & progress);
