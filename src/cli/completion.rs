@@ -121,7 +121,15 @@ pub fn is_open(text: &str) -> bool {
             _ => 0,
         })
         .sum();
-    depth > 0 && !text.trim_start().starts_with(':')
+    depth > 0 && !text.trim_start().starts_with(':') && given_up(text).is_none()
+}
+
+/// What was left open, and the command in the line behind it, if there is one: nobody goes on with a formula that way.
+pub fn given_up(text: &str) -> Option<(&str, &str)> {
+    let (above, last) = text.trim_end().rsplit_once('\n')?;
+    let name = last.trim_start().strip_prefix(':')?.split_whitespace().next()?;
+    let is_command = COMMANDS.iter().any(|row| row.name == name);
+    (is_command && is_open(above)).then_some((above, last))
 }
 
 #[cfg(test)]
@@ -210,6 +218,10 @@ mod tests {
     fn open_brackets_ask_for_another_line() {
         assert!(is_open("max(x,"));
         assert!(is_open("x = 1 {y > 0,\n"));
+        assert!(is_open("max(x > 0 ? y\n: z,") && is_open("max(x > 0 ? y\n:z,"));
+        assert_eq!(given_up("max(x,\n:quit"), Some(("max(x,", ":quit")));
+        assert_eq!(given_up("max(x,\ny,\n :help sin\n"), Some(("max(x,\ny,", " :help sin")));
+        assert!(!is_open("max(x,\n:quit") && given_up("x = 1\n:quit").is_none());
         assert!(
             !is_open("max(x,\ny)") && !is_open("x # (") && !is_open(":help (") && !is_open(")")
         );

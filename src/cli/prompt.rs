@@ -1,7 +1,7 @@
 //! The prompt: a line that is typed, with history, completion and colours. What a line means is
 //! decided elsewhere.
 
-use super::completion::{Class, candidates, classes, is_open};
+use super::completion::{Class, candidates, classes, given_up, is_open};
 use super::data::data_directory;
 use super::history::KEPT_LINES;
 use super::session::Session;
@@ -115,18 +115,21 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             // At once, so that nothing is lost however the program ends.
             let _ = editor.append_history(history);
         }
-        match session.enter(&line, |to| session.png(to.as_deref(), session.live.revision())) {
-            // What a command says is not to scroll away behind a picture that was there already.
-            Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
-                session.fit_terminal();
-                let shown = session.live.request();
-                if last.as_ref() != Some(&shown) {
-                    show(session);
-                    last = Some(shown);
+        let parts = given_up(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
+        for line in parts {
+            match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
+                // What a command says is not to scroll away behind a picture that was there already.
+                Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
+                    session.fit_terminal();
+                    let shown = session.live.request();
+                    if last.as_ref() != Some(&shown) {
+                        show(session);
+                        last = Some(shown);
+                    }
                 }
+                Ok(_) => {}
+                Err(wrong) => notes::say(&wrong.full),
             }
-            Ok(_) => {}
-            Err(wrong) => notes::say(&wrong.full),
         }
     }
     session.print_with(None);

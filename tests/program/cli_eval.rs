@@ -24,6 +24,25 @@ fn points_have_values_and_gradients() {
 }
 
 #[test]
+fn a_slope_without_bounds_has_its_sign() {
+    for (formula, at, slope) in [
+        ("asin(x)", 1, "inf"),
+        ("asin(x)", -1, "inf"),
+        ("acos(x)", 1, "-inf"),
+        ("acos(x)", -1, "-inf"),
+        ("sqrt(1 - x)", 1, "-inf"),
+    ] {
+        for precision in ["f32", "f64"] {
+            for arguments in [&["-"][..], &["-", "--reference"]] {
+                let line = json!({"f": formula, "at": [at, 0, 0], "precision": precision});
+                let found = answers(arguments, &line.to_string()).remove(0);
+                assert_eq!(found["grad"][0], slope, "{formula} at {at}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_point_where_there_is_no_value_is_told_from_others() {
     // Rounding alone would make numbers of all of these.
     for formula in ["1/x", "atan(1/x)", "max(-1/x, 5)", "min(sqrt(-1-x^2), 3)", "0*ln(x-1)"] {

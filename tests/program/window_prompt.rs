@@ -21,7 +21,9 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     terminal.shows("did you mean :status?");
     // An open bracket asks for another line.
     terminal.type_in("max(abs(x),\rabs(y), abs(z)) = 1\r");
-    terminal.type_in(":status\r");
+    // A command does not go on with what is left open.
+    terminal.type_in("sin(x\r:status\r");
+    terminal.shows("is never closed");
     terminal.shows("surface     max(abs(x), abs(y), abs(z)) = 1");
     terminal.type_in(":save cube.zset\r");
     terminal.shows("saved 'cube.zset'");

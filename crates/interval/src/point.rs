@@ -37,7 +37,11 @@ pub fn evaluate<M: Machine>(
             rule.m.sub(a, floor)
         }
         Op::Sqr => rule.m.mul(a, a),
-        Op::Sqrt => rule.m.sqrt(a),
+        Op::Sqrt => {
+            // That of −0, as which a difference may come out, is −0, and the reciprocal of that on the wrong side.
+            let root = rule.m.sqrt(a);
+            rule.m.abs(root)
+        }
         Op::Cbrt => rule.near_at(a, |approx, a| approx.cbrt(a)),
         Op::Exp => rule.at_halves(a, |approx, a| approx.exp_near(a)),
         Op::Ln => rule.logarithm_at(a, Base::E),
