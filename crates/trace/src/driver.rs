@@ -30,7 +30,7 @@ pub struct Driver<'a> {
     /// What follows them.
     pub tracer: &'a dyn Tracer,
     /// Told how many pixels were finished since it was last called; ends the work early by returning `false`. Pixels of a
-    /// new picture that were not reached then are undecided and not painted, and those traced anew are as they were.
+    /// new picture that were not reached then are undecided and not painted, and those followed on are as they were.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
@@ -100,43 +100,6 @@ impl Driver<'_> {
         work
     }
 
-    /// Traces these pixels of a picture anew, in the order in which they should go together.
-    ///
-    /// # Panics
-    /// If there is no such pixel, or the picture has another size.
-    pub fn pixels(&self, pixels: &[usize], buffer: &mut GBuffer) -> Work {
-        assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
-        let tiles = pixels.par_chunks(LIST).map(|tile| (self.places(tile), tile.len()));
-        let mut work = Work::default();
-        let done = self.follow(tiles, &self.primary(), Start::Anywhere);
-        for (tile, done) in pixels.chunks(LIST).zip(done) {
-            // A pixel that was not reached keeps what is known of it: to call it a miss would be a claim.
-            let Some((found, part)) = done else { continue };
-            work += part;
-            for &pixel in tile {
-                buffer.set(pixel, &Found::MISS);
-            }
-            self.write(found, buffer);
-        }
-        work
-    }
-
-    /// The rays through the pixels' centres.
-    fn primary(&self) -> impl Fn(Pixel) -> Segment + Sync {
-        let rays = self.rays;
-        move |[column, row]| Segment {
-            ray: rays.ray(column as usize, row as usize),
-            to: f64::INFINITY,
-            pixel: rays.pixel(),
-        }
-    }
-
-    fn write(&self, found: Findings, buffer: &mut GBuffer) {
-        for (pixel, found) in found {
-            buffer.set(self.index(pixel), &found);
-        }
-    }
-
     /// Finds which painted points of `buffer` do not see the light: that of `lights` whose turn it is, in squares of as many
     /// pixels. A ray starts `offset` away from its point (in world
     /// units), and what it meets before it is clear of that surface does not count: otherwise a surface would shade
@@ -159,11 +122,11 @@ impl Driver<'_> {
                 pixel: [f64::INFINITY, 0.0],
             }
         };
-        let tiles = painted.par_chunks(LIST).map(|tile| (self.places(tile), 0));
+        let tiles = painted.par_chunks(LIST).map(|tile| self.places(tile));
         buffer.shadow.clear();
         buffer.shadow.resize(buffer.status.len(), 0);
         let mut work = Work::default();
-        for (found, part) in self.follow(tiles, &segment, Start::OnSurface).into_iter().flatten() {
+        for (found, part) in self.follow(tiles, &segment, Start::OnSurface) {
             work += part;
             for (pixel, found) in found {
                 let hidden = if found.drawn.is_finite() { u8::MAX } else { 0 };
@@ -194,9 +157,9 @@ impl Driver<'_> {
                 pixel: [width + growth * t, growth],
             }
         };
-        let tiles = pixels.par_chunks(LIST).map(|tile| (self.places(tile), 0));
+        let tiles = pixels.par_chunks(LIST).map(|tile| self.places(tile));
         let mut work = Work::default();
-        for (found, part) in self.follow(tiles, &segment, start).into_iter().flatten() {
+        for (found, part) in self.follow(tiles, &segment, start) {
             work += part;
             for (pixel, found) in found {
                 let pixel = self.index(pixel);
@@ -222,15 +185,15 @@ impl Driver<'_> {
         pixels.iter().map(|pixel| [(pixel % width) as u32, (pixel / width) as u32]).collect()
     }
 
-    /// Follows a ray for each pixel; returns what is no miss, tile by tile, distances in world units. `None` for a tile
-    /// that was no longer wanted.
+    /// Follows a ray for each pixel; returns what is no miss, distances in world units, tile by tile but for those that were
+    /// no longer wanted.
     fn follow(
         &self,
-        tiles: impl IndexedParallelIterator<Item = (Vec<Pixel>, usize)>,
+        tiles: impl ParallelIterator<Item = Vec<Pixel>>,
         segment: &(impl Fn(Pixel) -> Segment + Sync),
         start: Start,
-    ) -> Vec<Option<(Findings, Work)>> {
-        let follow = |(tile, size): (Vec<Pixel>, usize)| {
+    ) -> Vec<(Findings, Work)> {
+        let follow = |tile: Vec<Pixel>| {
             if !(self.advance)(0) {
                 return None;
             }
@@ -250,10 +213,9 @@ impl Driver<'_> {
                     }
                 }
             }
-            (self.advance)(size);
             Some((all, work))
         };
-        tiles.map(follow).collect()
+        tiles.filter_map(follow).collect()
     }
 }
 

@@ -195,7 +195,7 @@ fn depths_out_of_range_are_brought_within() {
 }
 
 #[test]
-fn pixels_traced_anew_are_as_in_the_whole_picture() {
+fn pixels_followed_from_the_eye_are_as_in_the_whole_picture() {
     let kernel = Stubborn::new(-0.875, 2.1e-5);
     let (whole, _) = trace(&kernel, 12);
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
@@ -207,16 +207,19 @@ fn pixels_traced_anew_are_as_in_the_whole_picture() {
         .expect("a kernel");
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
     let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| true };
-    driver.pixels(&[3, 9, 10], &mut buffer);
+    let mut starts = [f64::INFINITY; SIZE * SIZE];
+    for pixel in [3, 9, 10] {
+        starts[pixel] = 0.0;
+    }
+    driver.behind(&starts, Start::Anywhere, &mut buffer);
     for pixel in 0..SIZE * SIZE {
-        let expected =
-            if [3, 9, 10].contains(&pixel) { whole.distance(pixel) } else { f64::INFINITY };
+        let expected = if starts[pixel] == 0.0 { whole.distance(pixel) } else { f64::INFINITY };
         assert_eq!(buffer.distance(pixel), expected, "{pixel}");
     }
     // What is no longer wanted stays as it was: nothing is proven of it.
     let before = buffer.clone();
     let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| false };
-    driver.pixels(&[3, 9, 10], &mut buffer);
+    driver.behind(&starts, Start::Anywhere, &mut buffer);
     assert_eq!(buffer, before);
 }
 
