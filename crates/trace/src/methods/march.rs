@@ -26,7 +26,8 @@ fn prepare<'a, T: Scalar>(
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    Ok(Box::new(March::<T>::new(surface, region, &options)?))
+    let refiner = Refiner::new(T::kernels(surface).values()?, &options);
+    Ok(Box::new(March { refiner, region, samples: options.steps.max(2) }))
 }
 
 struct March<'a, T: Scalar> {
@@ -36,16 +37,7 @@ struct March<'a, T: Scalar> {
     samples: u32,
 }
 
-impl<'a, T: Scalar> March<'a, T> {
-    fn new(
-        surface: &'a dyn Surface,
-        region: &'a Region,
-        options: &Options,
-    ) -> Result<Self, KernelError> {
-        let refiner = Refiner::new(T::kernels(surface).values()?, options);
-        Ok(Self { refiner, region, samples: options.steps.max(2) })
-    }
-
+impl<T: Scalar> March<'_, T> {
     /// The first cell between two samples in which the function changes sign.
     fn cell(
         &self,

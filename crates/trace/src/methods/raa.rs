@@ -42,20 +42,11 @@ struct Forms<'a, T: Scalar> {
 }
 
 /// What is asked, and what is answered.
+#[derive(Default)]
 struct Batch<T: Scalar> {
     segments: Segments<T>,
     out: Contractions<T>,
     boxes: Boxes<T>,
-}
-
-impl<T: Scalar> Default for Batch<T> {
-    fn default() -> Self {
-        Self {
-            segments: Segments::default(),
-            out: Contractions::default(),
-            boxes: Boxes::default(),
-        }
-    }
 }
 
 impl<T: Scalar> SlabTest<T> for Forms<'_, T> {

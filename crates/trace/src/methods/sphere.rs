@@ -28,7 +28,9 @@ fn prepare<'a, T: Scalar>(
     region: &'a Region,
     options: Options,
 ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    Ok(Box::new(Sphere::<T>::new(surface, region, &options)?))
+    let slopes = Slopes::<T>::new(surface, region)?;
+    let Options { tolerance, steps, .. } = options;
+    Ok(Box::new(Sphere { slopes, region, tolerance, steps }))
 }
 
 struct Sphere<'a, T: Scalar> {
@@ -75,16 +77,7 @@ enum End {
     Open(f64, Reason, Option<f64>),
 }
 
-impl<'a, T: Scalar> Sphere<'a, T> {
-    fn new(
-        surface: &'a dyn Surface,
-        region: &'a Region,
-        options: &Options,
-    ) -> Result<Self, KernelError> {
-        let Options { tolerance, steps, .. } = *options;
-        Ok(Self { slopes: Slopes::new(surface, region)?, region, tolerance, steps })
-    }
-
+impl<T: Scalar> Sphere<'_, T> {
     /// A ray at the start of its way.
     fn walk(&self, lane: usize, segment: &Segment, way: Way, start: Start) -> Walk {
         let length = way.span[1];
