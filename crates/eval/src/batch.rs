@@ -438,19 +438,7 @@ impl<T: Real> Input<T> for Boxes<T> {
     }
 }
 
-impl<T: Real> Input<T> for Points<T> {
-    #[inline]
-    fn count(&self) -> usize {
-        self.count as usize
-    }
-
-    /// Samples bound nothing, so points may lie anywhere.
-    fn is_within(&self, _: &[Interval; 3]) -> bool {
-        true
-    }
-}
-
-macro_rules! rays {
+macro_rules! input_anywhere {
     ($name:ident) => {
         impl<T: Real> Input<T> for $name<T> {
             #[inline]
@@ -458,7 +446,7 @@ macro_rules! rays {
                 self.count as usize
             }
 
-            /// What is answered holds for those points that lie in the domain.
+            /// Samples bound nothing, and what is answered of rays holds for those points that lie in the domain.
             fn is_within(&self, _: &[Interval; 3]) -> bool {
                 true
             }
@@ -466,8 +454,9 @@ macro_rules! rays {
     };
 }
 
-rays!(Segments);
-rays!(Tiles);
+input_anywhere!(Points);
+input_anywhere!(Segments);
+input_anywhere!(Tiles);
 
 mod sealed {
     pub trait Sealed {}

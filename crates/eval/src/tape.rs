@@ -185,7 +185,7 @@ impl<T: Real> Tape<T> {
     ) -> Vec<D::Value> {
         assert!(self.branches.is_none(), "branches only find zeros");
         let mut terms: Vec<Term<D::Value>> = Vec::with_capacity(self.steps.len());
-        let mut twins = Twins::default();
+        let mut twins = Twins(HashMap::new());
         for (step, &range) in self.steps.iter().zip(&self.ranges) {
             let value = match step {
                 Step::Coordinate(axis) => domain.coordinate(m, *axis),
@@ -235,12 +235,6 @@ pub(crate) fn may_vanish<M: Machine>(
 /// Values computed together with their twins and not yet asked for, by operation and the step of its operand.
 struct Twins<V>(HashMap<(Op, usize), V>);
 
-impl<V> Default for Twins<V> {
-    fn default() -> Self {
-        Self(HashMap::new())
-    }
-}
-
 impl<V> Twins<V> {
     /// The value of `op` at a step: kept, or from `both`, which gives it before its twin's; `None` if it has no twin.
     fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
@@ -281,26 +275,21 @@ fn range_of<T: Real>(
             let nowhere = T::bits(value.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
             let range = match Interval::new(lo, hi) {
                 Some(range) if !nowhere => range,
-                _ => return given(Interval::ENTIRE).with_facts(&value),
+                _ => return with_facts(given(Interval::ENTIRE), &value),
             };
             let range = op.row().excess.map_or(range, |[f32, f64]| match T::FORMAT {
                 Format::F32 => inflate(range, f64::from(f32::from_bits(1)) * f32 as f64),
                 Format::F64 => inflate(range, f64::from_bits(f64)),
             });
-            given(range).with_facts(&value)
+            with_facts(given(range), &value)
         }
     }
 }
 
-trait WithFacts {
-    fn with_facts(self, facts: &Enclosure<Vector>) -> Self;
-}
-
-impl WithFacts for Operand<Vector> {
-    fn with_facts(self, facts: &Enclosure<Vector>) -> Self {
-        let value = Enclosure { neg_lo: self.value.neg_lo, hi: self.value.hi, ..*facts };
-        Self { value, ..self }
-    }
+/// The same bounds, with the facts of `value`.
+fn with_facts(bounds: Operand<Vector>, value: &Enclosure<Vector>) -> Operand<Vector> {
+    let Enclosure { neg_lo, hi, .. } = bounds.value;
+    Operand { value: Enclosure { neg_lo, hi, ..*value }, ..bounds }
 }
 
 /// The number in the first lane.
