@@ -1,6 +1,6 @@
 //! The command line's arguments.
 
-use crate::grid::{Values, precision};
+use crate::grid::{Values, distinct, precision};
 use crate::growth;
 use crate::rigour;
 use crate::row::Frame;
@@ -247,18 +247,7 @@ fn precision_name(text: &str) -> Result<String, String> {
 /// These surfaces, each once, or the ten.
 fn named_or_ten(names: &[String]) -> Vec<String> {
     let ten = || surfaces::names().into_iter().map(str::to_owned).collect();
-    if names.is_empty() { ten() } else { distinct(names) }
-}
-
-/// Each once, as they come.
-fn distinct<T: PartialEq + Clone>(values: &[T]) -> Vec<T> {
-    let mut all: Vec<T> = Vec::new();
-    for value in values {
-        if !all.contains(value) {
-            all.push(value.clone());
-        }
-    }
-    all
+    if names.is_empty() { ten() } else { distinct(names.iter().cloned()) }
 }
 
 impl RunArguments {
@@ -275,10 +264,10 @@ impl RunArguments {
     /// The options' values.
     pub fn values(&self) -> Values {
         Values {
-            depths: distinct(&self.max_depth),
-            tolerances: distinct(&self.tolerances),
-            steps: distinct(&self.steps),
-            precisions: distinct(&self.precision),
+            depths: distinct(self.max_depth.iter().copied()),
+            tolerances: distinct(self.tolerances.iter().copied()),
+            steps: distinct(self.steps.iter().copied()),
+            precisions: distinct(self.precision.iter().cloned()),
         }
     }
 
@@ -289,10 +278,8 @@ impl RunArguments {
 
     /// The pictures' sizes.
     pub fn sizes(&self) -> Vec<usize> {
-        let sizes = distinct(&self.sizes).into_iter();
-        let sizes: Vec<usize> =
-            sizes.map(|size| if self.quick { size.min(64) } else { size } as usize).collect();
-        distinct(&sizes)
+        let size = |size: &u32| if self.quick { *size.min(&64) } else { *size } as usize;
+        distinct(self.sizes.iter().map(size))
     }
 
     /// How pictures are measured.

@@ -4,7 +4,7 @@ mod errors;
 mod options;
 mod resolution;
 
-use crate::grid::Configuration;
+use crate::grid::{Configuration, distinct};
 use crate::plot::{Figure, Series, Shape};
 use crate::quantile::{Quartiles, geometric_mean};
 use crate::row::Row;
@@ -99,16 +99,6 @@ fn mean(values: &[f64]) -> Option<f64> {
         return values.first().copied();
     }
     geometric_mean(&values.iter().map(|value| value.max(LEAST)).collect::<Vec<_>>())
-}
-
-fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
-    let mut all: Vec<T> = Vec::new();
-    for value in values {
-        if !all.contains(&value) {
-            all.push(value);
-        }
-    }
-    all
 }
 
 /// From its lower to its upper quartile, if there is more than one.

@@ -1,7 +1,7 @@
 //! Time against error, over all surfaces and surface by surface.
 
-use super::{Chart, Rows, bar, circumstances, distinct, families, letters, mean, series};
-use crate::grid::Configuration;
+use super::{Chart, Rows, bar, circumstances, families, letters, mean, series};
+use crate::grid::{Configuration, distinct};
 use crate::pareto::front;
 use crate::plot::{Figure, Mark, Series, Shape};
 use crate::row::Row;

@@ -1,7 +1,7 @@
 //! What options cost: work by tolerance and depth, time by precision.
 
-use super::{Chart, Rows, bar, circumstances, colour, distinct, families, mean, series, shape};
-use crate::grid::{Configuration, meaning};
+use super::{Chart, Rows, bar, circumstances, colour, families, mean, series, shape};
+use crate::grid::{Configuration, distinct, meaning};
 use crate::plot::{Figure, Mark, Series};
 use crate::quantile::quantile;
 use crate::row::Row;

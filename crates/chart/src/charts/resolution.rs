@@ -1,6 +1,7 @@
 //! Time against resolution.
 
-use super::{Chart, Rows, bar, circumstances, distinct, families, mean, series};
+use super::{Chart, Rows, bar, circumstances, families, mean, series};
+use crate::grid::distinct;
 use crate::plot::{Figure, Mark};
 
 /// If there are several sizes: time a pixel, each method in the middle of its configurations.

@@ -4,7 +4,7 @@ use super::{escaped, push};
 use crate::difference::{difference, png};
 use crate::error::ChartError;
 use crate::errors::Errors;
-use crate::grid::Configuration;
+use crate::grid::{Configuration, distinct};
 use crate::reference::{Reference, Sampling};
 use crate::row::Row;
 use crate::store::Store;
@@ -38,12 +38,7 @@ pub fn pictures(store: &Store, advance: &dyn Fn(&str)) -> Result<String, ChartEr
 /// Of each method, that in the middle of those measured, in `auto` where it was.
 fn middles(rows: &[Row], surface: &str) -> Vec<Configuration> {
     let of_surface = rows.iter().filter(|row| row.surface == surface);
-    let mut measured: Vec<Configuration> = Vec::new();
-    for one in of_surface.filter_map(|row| row.configuration().ok()) {
-        if !measured.contains(&one) {
-            measured.push(one);
-        }
-    }
+    let measured = distinct(of_surface.filter_map(|row| row.configuration().ok()));
     let middle = |name: &str| {
         let of_method = measured.iter().filter(|one| one.method.name == name);
         let of_method: Vec<&Configuration> = of_method.collect();

@@ -1,7 +1,7 @@
 //! Means of each configuration over all surfaces and views, as a table.
 
 use super::{escaped, push};
-use crate::grid::Configuration;
+use crate::grid::distinct;
 use crate::plot::written;
 use crate::quantile::geometric_mean;
 use crate::row::Row;
@@ -9,14 +9,8 @@ use crate::row::Row;
 /// A line for each configuration and size.
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::from(HEAD);
-    let mut kinds: Vec<(Configuration, usize)> = Vec::new();
-    for row in rows {
-        let Ok(configuration) = row.configuration() else { continue };
-        if !kinds.contains(&(configuration, row.size)) {
-            kinds.push((configuration, row.size));
-        }
-    }
-    for (configuration, size) in kinds {
+    let kind = |row: &Row| Some((row.configuration().ok()?, row.size));
+    for (configuration, size) in distinct(rows.iter().filter_map(kind)) {
         let is_of = |row: &&Row| {
             row.size == size && row.configuration().is_ok_and(|other| other == configuration)
         };
