@@ -135,13 +135,7 @@ enum Steps<Q: Question, T: Real> {
 ///
 /// The first place is for code in which what depends on parameters alone is computed beforehand, the other for values with
 /// which that has no value.
-struct Slot<Q: Question, T: Real>([Once<Option<Code<Q, T>>>; 2]);
-
-impl<Q: Question, T: Real> Default for Slot<Q, T> {
-    fn default() -> Self {
-        Self([OnceLock::new(), OnceLock::new()])
-    }
-}
+type Slot<Q, T> = [Once<Option<Code<Q, T>>>; 2];
 
 /// The code of one surface in one precision.
 #[derive(Default)]
@@ -240,7 +234,7 @@ impl Source {
         slot: &Slot<Q, T>,
         form: Form,
     ) -> Result<Option<Bound<Q, T>>, KernelError> {
-        for (slot, hoisted) in slot.0.iter().zip([true, false]) {
+        for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
                 // Asked beforehand, so that no code is made which does not hold.
                 let steps = self.simplified.steps(self.surface, form, hoisted);
