@@ -52,21 +52,21 @@ pub struct AutoDomain {
     pub work: u64,
 }
 
-/// What is known of where a surface lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What is known of where a surface lies. Of two surfaces together the greater is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Finding {
-    /// Nothing of it lies outside the domain: proven.
-    Bounded,
-    /// Nothing of it lies within ±[`REACH`] outside the domain: proven.
-    BoundedNear,
-    /// It could not be shown to be bounded; the domain is a window, a box.
-    Unbounded,
-    /// The same, but it looks better in the [ball](zeroset_trace::Region::with_ball) in that box.
-    UnboundedInBall,
     /// It has no point: proven.
     Empty,
     /// It has no point within ±[`REACH`]: proven.
     EmptyNear,
+    /// Nothing of it lies outside the domain: proven.
+    Bounded,
+    /// Nothing of it lies within ±[`REACH`] outside the domain: proven.
+    BoundedNear,
+    /// As [`Finding::Unbounded`], but it looks better in the [ball](zeroset_trace::Region::with_ball) in that box.
+    UnboundedInBall,
+    /// It could not be shown to be bounded; the domain is a window, a box.
+    Unbounded,
 }
 
 impl Finding {

@@ -3,7 +3,7 @@
 //! Every frame depends on its number alone, so that frames can be made in any order and on different machines. All have the
 //! same domain and the same camera, but for its turning: both are chosen for samples of the whole sequence.
 
-use crate::domain::{AutoDomain, Finding};
+use crate::domain::AutoDomain;
 use crate::framing;
 use crate::model::Model;
 use crate::picture::Settings;
@@ -209,21 +209,8 @@ fn both(
     let searched = found.zip(*found_too).map(|(one, other)| AutoDomain {
         low: low.to_array(),
         high: high.to_array(),
-        finding: widest(one.finding, other.finding),
+        finding: one.finding.max(other.finding),
         work: one.work + other.work,
     });
     (region, searched)
-}
-
-/// What is known of two surfaces together.
-fn widest(one: Finding, other: Finding) -> Finding {
-    let rank = |finding: &Finding| match finding {
-        Finding::Empty => 0,
-        Finding::EmptyNear => 1,
-        Finding::Bounded => 2,
-        Finding::BoundedNear => 3,
-        Finding::UnboundedInBall => 4,
-        Finding::Unbounded => 5,
-    };
-    if rank(&one) >= rank(&other) { one } else { other }
 }
