@@ -121,26 +121,15 @@ impl Settings {
     /// The same with the light and the finish of others.
     #[must_use]
     pub fn lit_as(&self, others: &Self) -> Self {
-        let Self {
-            shadow_depth,
-            undecided,
-            look,
-            occlusion,
-            antialias,
-            light,
-            ambient,
-            background,
-            ..
-        } = *others;
         Self {
-            shadow_depth,
-            undecided,
-            look,
-            occlusion,
-            antialias,
-            light,
-            ambient,
-            background,
+            shadow_depth: others.shadow_depth,
+            undecided: others.undecided,
+            look: others.look,
+            occlusion: others.occlusion,
+            antialias: others.antialias,
+            light: others.light,
+            ambient: others.ambient,
+            background: others.background,
             ..self.clone()
         }
     }
