@@ -198,13 +198,8 @@ pub fn region_again(
         }
     }
     let [x, y, z] = ranges.map(Option::unwrap_or_default);
-    let mut region = Region::new(DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]))?;
-    if is_ball {
-        region = region.with_ball();
-    }
-    if let Some(plane) = plane.or(typed_clip(document)) {
-        region = region.with_clip(plane)?;
-    }
+    let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
+    let region = clipped(low, high, is_ball, plane.or(typed_clip(document)))?;
     Ok(Some((region, searched)))
 }
 
