@@ -1,6 +1,6 @@
 //! What is written over a picture that goes to a file: axes, and which value has which color.
 
-use super::canvas::{Canvas, Mark, mixed};
+use super::canvas::{Canvas, Mark};
 use super::overlay::{Shown, draw_box};
 use super::ticks::ticks;
 use zeroset::legend::Legend;
@@ -62,12 +62,7 @@ impl Marks {
     pub fn draw(&self, picture: &mut Picture, top: usize) {
         let first = top * picture.buffer.width;
         let pixels = picture.rgb.as_chunks_mut::<3>().0;
-        for Mark { pixel, colour, share } in &self.0 {
-            if let Some(pixel) = pixel.checked_sub(first).and_then(|there| pixels.get_mut(there)) {
-                let [_, parts @ ..] = colour.to_be_bytes();
-                *pixel = mixed(*pixel, parts, u32::from(*share));
-            }
-        }
+        self.0.iter().for_each(|mark| mark.mix(pixels, first));
     }
 }
 

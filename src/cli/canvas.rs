@@ -23,7 +23,7 @@ const PI: [[u8; 7]; 16] = {
 pub type Rgb = u32;
 
 /// A colour into which so much of 255 of another is mixed.
-pub fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
+fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
     let part = |n: usize| (u32::from(old[n]) * (255 - share) + u32::from(new[n]) * share) / 255;
     [0, 1, 2].map(|n| part(n) as u8)
 }
@@ -45,6 +45,16 @@ pub struct Mark {
     pub pixel: usize,
     pub colour: Rgb,
     pub share: u8,
+}
+
+impl Mark {
+    /// Mixes it into its pixel, if that is one of `pixels`, of which the first has the index `first`.
+    pub fn mix(self, pixels: &mut [[u8; 3]], first: usize) {
+        if let Some(pixel) = self.pixel.checked_sub(first).and_then(|there| pixels.get_mut(there)) {
+            let [_, parts @ ..] = self.colour.to_be_bytes();
+            *pixel = mixed(*pixel, parts, u32::from(self.share));
+        }
+    }
 }
 
 impl Canvas {

@@ -1,9 +1,8 @@
-//! A contact sheet: small pictures with their names. The letters are Noto Sans Mono (SIL Open Font
-//! License 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
+//! A contact sheet: small pictures with their names.
 
+use super::canvas::Canvas;
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 /// Side of a small picture, in pixels.
 const SIDE: u32 = 224;
@@ -15,10 +14,7 @@ const LABEL: u32 = 22;
 const COLUMNS: u32 = 13;
 
 const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
-const INK: u8 = 32;
-
-const WEIGHT: FontWeight = FontWeight::Regular;
-const HEIGHT: RasterHeight = RasterHeight::Size16;
+const INK: u32 = 0x0020_2020;
 
 /// A sheet with room for a given number of pictures.
 pub struct Sheet {
@@ -57,26 +53,12 @@ impl Sheet {
     }
 
     fn write(&mut self, text: &str, left: u32, top: u32) {
-        let advance = get_raster_width(WEIGHT, HEIGHT) as u32;
-        let room = (SIDE / advance) as usize;
-        let shown: String = if text.chars().count() > room {
-            text.chars().take(room - 2).chain("..".chars()).collect()
-        } else {
-            text.to_owned()
-        };
-        let indent = (SIDE - shown.chars().count() as u32 * advance) / 2;
-        for (place, letter) in (0..).zip(shown.chars()) {
-            let Some(glyph) = get_raster(letter, WEIGHT, HEIGHT) else {
-                continue;
-            };
-            for (y, line) in (top..).zip(glyph.rows()) {
-                for (x, &cover) in (left + indent + place * advance..).zip(line.iter()) {
-                    if x < self.image.width() && y < self.image.height() {
-                        let shade = 255 - (u32::from(cover) * u32::from(255 - INK) / 255) as u8;
-                        self.image.put_pixel(x, y, Rgb([shade; 3]));
-                    }
-                }
-            }
-        }
+        let [width, height] = [self.image.width(), self.image.height()].map(|side| side as usize);
+        let mut canvas = Canvas::new(width, height, Vec::new(), 1);
+        let shown = canvas.fitting(text, SIDE as usize);
+        let indent = (SIDE as usize - shown.chars().count() * canvas.advance()) / 2;
+        canvas.write(&shown, i64::from(left) + indent as i64, i64::from(top), INK);
+        let pixels = self.image.as_chunks_mut().0;
+        canvas.marks.iter().for_each(|mark| mark.mix(pixels, 0));
     }
 }
