@@ -134,17 +134,21 @@ impl Window {
         }
     }
 
+    /// Where its pictures are now.
+    fn grid(&self) -> Grid {
+        let (size, Browser { scroll, chosen, .. }) = (self.size(), &self.browser);
+        Grid::new(size, self.scale_at(size.1), *scroll, *chosen)
+    }
+
     /// Sees to it that there are pictures of what is shown, and says what that is.
     pub(super) fn browsed(&mut self) -> Option<Shown> {
         if !self.browser.is_open {
             return None;
         }
-        let size = self.size();
-        let scale = self.scale_at(size.1);
+        let matches = self.browser.matches();
+        self.browser.chosen = self.browser.chosen.min(matches.len().saturating_sub(1));
+        let grid = self.grid();
         let browser = &mut self.browser;
-        let matches = browser.matches();
-        browser.chosen = browser.chosen.min(matches.len().saturating_sub(1));
-        let grid = Grid::new(size, scale, browser.scroll, browser.chosen);
         browser.scroll = grid.first;
         let seen = matches[grid.shown(matches.len())].to_vec();
         let thumbnails = browser.thumbnails.as_mut()?;
@@ -162,10 +166,8 @@ impl Window {
     /// What another key does then.
     pub(super) fn browse(&mut self, key: Key) {
         let count = self.browser.matches().len();
-        let size = self.size();
-        let scale = self.scale_at(size.1);
+        let grid = self.grid();
         let browser = &mut self.browser;
-        let grid = Grid::new(size, scale, browser.scroll, browser.chosen);
         let page = grid.columns * grid.rows;
         let last = count.saturating_sub(1);
         let chosen = browser.chosen;
@@ -190,10 +192,8 @@ impl Window {
     /// What the mouse does then: it chooses and, where it is pressed, opens.
     pub(super) fn point_gallery(&mut self, at: (f64, f64), moved: bool, pressed: bool) {
         let count = self.browser.matches().len();
-        let size = self.size();
-        let scale = self.scale_at(size.1);
+        let grid = self.grid();
         let browser = &mut self.browser;
-        let grid = Grid::new(size, scale, browser.scroll, browser.chosen);
         let Some(number) = grid.at(at, count).filter(|_| moved || pressed) else { return };
         browser.chosen = number;
         if pressed {
@@ -204,10 +204,8 @@ impl Window {
     /// Scrolls by rows.
     pub(super) fn scroll_gallery(&mut self, steps: f64) {
         let count = self.browser.matches().len();
-        let size = self.size();
-        let scale = self.scale_at(size.1);
+        let grid = self.grid();
         let browser = &mut self.browser;
-        let grid = Grid::new(size, scale, browser.scroll, browser.chosen);
         let rows = count.div_ceil(grid.columns);
         let most = rows.saturating_sub(grid.rows);
         let first = grid.first;
