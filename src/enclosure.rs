@@ -3,7 +3,6 @@
 use zeroset_eval::Assumptions;
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 use zeroset_ir::{Graph, Node, NodeId};
-use zeroset_ops::Op;
 
 /// Bounds of `root` and what is proven of it, for all points and parameters within `assumptions`.
 ///
@@ -41,38 +40,6 @@ pub fn enclose_all(
     roots.iter().map(found).collect()
 }
 
-/// Whether each of `roots` depends on a coordinate.
-pub fn varies(graph: &Graph, roots: &[NodeId]) -> Vec<bool> {
-    let mut varies = vec![false; graph.len()];
-    for (id, node) in graph.iter() {
-        varies[id.index()] = match node {
-            Node::Variable(_) => true,
-            Node::Parameter(_) | Node::Constant(_) => false,
-            Node::Apply(_, operands) => operands.iter().any(|operand| varies[operand.index()]),
-        };
-    }
-    roots.iter().map(|root| varies[root.index()]).collect()
-}
-
-/// Whether any of `roots` contains a sine, cosine or tangent of something that depends on a coordinate.
-pub fn is_periodic(graph: &Graph, roots: &[NodeId]) -> bool {
-    let needed = graph.reachable(roots);
-    let mut varies = vec![false; graph.len()];
-    let mut periodic = false;
-    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
-        varies[id.index()] = match node {
-            Node::Variable(_) => true,
-            Node::Parameter(_) | Node::Constant(_) => false,
-            Node::Apply(op, operands) => {
-                let varying = operands.iter().any(|operand| varies[operand.index()]);
-                periodic |= varying && matches!(op, Op::Sin | Op::Cos | Op::Tan);
-                varying
-            }
-        };
-    }
-    periodic
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,15 +56,5 @@ mod tests {
         assert_eq!(of("x^2+1").0.lo, 1.0);
         assert!(of("sqrt(-1-x^2)").1.has(Facts::NOWHERE));
         assert!(!of("sqrt(1-x^2)").1.has(Facts::NOWHERE));
-    }
-
-    #[test]
-    fn only_functions_of_coordinates_count_as_periodic() {
-        let periodic = |formula: &str| {
-            let document = read(formula, &Options::default()).expect("reads");
-            is_periodic(&document.graph, &[document.surfaces[0].root])
-        };
-        assert!(periodic("sin(2*x)+y"));
-        assert!(!periodic("sin(2)*x+y"));
     }
 }
