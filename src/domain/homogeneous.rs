@@ -258,34 +258,22 @@ fn applied(
 ) -> Option<(Step, i32)> {
     let one = |k: usize| at(k).0;
     let degree = |k: usize| degrees[one(k)];
-    let level = || {
+    let level = |step: fn(Lifted, Lifted) -> Step| {
         let most = degree(0).max(degree(1));
         let lifted = |k: usize| (one(k), (most - degree(k)) as u32);
-        (lifted(0), lifted(1), most)
+        (step(lifted(0), lifted(1)), most)
     };
     Some(match op {
         Op::Neg => (Step::Negation(one(0)), degree(0)),
         Op::Abs => (Step::Absolute(one(0)), degree(0)),
         Op::Sqr => (Step::Power(one(0), 2), 2 * degree(0)),
         Op::Sqrt if degree(0) % 2 == 0 => (Step::Root(one(0)), degree(0) / 2),
-        Op::Add => {
-            let (a, b, most) = level();
-            (Step::Sum(a, b), most)
-        }
-        Op::Sub => {
-            let (a, b, most) = level();
-            (Step::Difference(a, b), most)
-        }
+        Op::Add => level(Step::Sum),
+        Op::Sub => level(Step::Difference),
         Op::Mul => (Step::Product(one(0), one(1)), degree(0) + degree(1)),
         Op::Div => (Step::Quotient(one(0), one(1)), degree(0) - degree(1)),
-        Op::Min => {
-            let (a, b, most) = level();
-            (Step::Least(a, b), most)
-        }
-        Op::Max => {
-            let (a, b, most) = level();
-            (Step::Most(a, b), most)
-        }
+        Op::Min => level(Step::Least),
+        Op::Max => level(Step::Most),
         Op::Pow => {
             let Node::Constant(exponent) = graph.node(at(1).1) else { return None };
             let exponent = u32::try_from(exponent.as_integer()?).ok()?;
