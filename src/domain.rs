@@ -235,9 +235,9 @@ fn pure_weights(graph: &Graph, root: NodeId) -> impl Iterator<Item = [u32; 3]> {
             Node::Parameter(_) | Node::Constant(_) => Some(0),
             Node::Apply(op, operands) => {
                 let power = |k: usize| powers[operands[k].index()][axis];
-                let exponent = |k: usize| match graph.node(operands[k]) {
-                    Node::Constant(value) => value.as_integer().and_then(|n| u32::try_from(n).ok()),
-                    Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
+                let exponent = |k: usize| {
+                    let whole = graph.number(operands[k])?.as_integer()?;
+                    u32::try_from(whole).ok()
                 };
                 if *op == Op::Mul {
                     power(0).zip(power(1)).and_then(|(a, b)| a.checked_add(b))

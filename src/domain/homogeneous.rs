@@ -275,8 +275,7 @@ fn applied(
         Op::Min => level(Step::Least),
         Op::Max => level(Step::Most),
         Op::Pow => {
-            let Node::Constant(exponent) = graph.node(at(1).1) else { return None };
-            let exponent = u32::try_from(exponent.as_integer()?).ok()?;
+            let exponent = u32::try_from(graph.number(at(1).1)?.as_integer()?).ok()?;
             (Step::Power(one(0), exponent), degree(0).checked_mul(i32::try_from(exponent).ok()?)?)
         }
         Op::Sqrt

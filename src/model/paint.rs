@@ -7,7 +7,7 @@ use crate::legend::{Legend, nice};
 use crate::scene::nearest;
 use rayon::prelude::*;
 use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
-use zeroset_ir::Node;
+use zeroset_ir::{Constant, Node};
 use zeroset_syntax::{MappedColor, POINT_NAMES, PointValue, SurfaceColor};
 use zeroset_trace::{Appearance, ColourMap, GBuffer, Paint, RayGrid};
 
@@ -193,9 +193,8 @@ impl<'a> Painter<'a> {
                     }
                     Node::Constant(constant) => both([nearest(constant); 2]),
                     Node::Apply(op, operands) => {
-                        let exponent = operands
-                            .last()
-                            .map_or(Exponent::Real, |last| exponent(value.graph.node(*last)));
+                        let last = operands.last().and_then(|last| value.graph.number(*last));
+                        let exponent = last.map_or(Exponent::Real, Constant::exponent);
                         let operands: Vec<Vector128> =
                             operands.iter().map(|id| known[id.index()]).collect();
                         evaluate(&mut Software::new(), Format::F64, *op, &operands, exponent)
@@ -217,12 +216,6 @@ impl<'a> Painter<'a> {
 /// The painted pixels for which something holds.
 fn points(picture: &GBuffer, holds: impl Fn(usize) -> bool) -> Vec<usize> {
     (0..picture.drawn.len()).filter(|&pixel| picture.is_drawn(pixel) && holds(pixel)).collect()
-}
-
-/// What a node is as an exponent.
-fn exponent(node: &Node) -> Exponent {
-    let Node::Constant(value) = node else { return Exponent::Real };
-    value.exponent()
 }
 
 /// Where lines of equal value are in a picture.

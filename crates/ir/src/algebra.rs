@@ -10,14 +10,11 @@ use num_rational::BigRational;
 use zeroset_ops::{Class, Op};
 
 fn exact(graph: &Graph, id: NodeId) -> Option<&BigRational> {
-    match graph.node(id) {
-        Node::Constant(value) => value.exact(),
-        Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
-    }
+    graph.number(id)?.exact()
 }
 
 fn is_integer(graph: &Graph, id: NodeId, value: i64) -> bool {
-    matches!(graph.node(id), Node::Constant(c) if c.as_integer() == Some(value))
+    graph.number(id).is_some_and(|number| number.as_integer() == Some(value))
 }
 
 fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
@@ -124,11 +121,7 @@ pub(crate) fn div(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
 
 /// `a ^ b`
 pub(crate) fn pow(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
-    let integer = match graph.node(b) {
-        Node::Constant(constant) => constant.as_integer(),
-        Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
-    };
-    match integer {
+    match graph.number(b).and_then(Constant::as_integer) {
         Some(n) => powi(graph, a, n),
         None => graph.apply(Op::Pow, &[a, b]),
     }

@@ -155,10 +155,7 @@ fn combine(
         }
         Class::Square if !whole => Some(power(graph, &parts[0], 2)),
         Class::Power => {
-            let exponent = match graph.node(operands[1]) {
-                Node::Constant(constant) => constant.as_integer()?,
-                Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return None,
-            };
+            let exponent = graph.number(operands[1])?.as_integer()?;
             let magnitude = u32::try_from(exponent.unsigned_abs()).ok()?;
             if magnitude > EXPONENT_LIMIT || (whole && exponent >= 0) {
                 return None;

@@ -100,6 +100,17 @@ impl Graph {
         &self.nodes[id.index()]
     }
 
+    /// The number that `id` is, if it is one.
+    ///
+    /// # Panics
+    /// If `id` belongs to a larger graph.
+    pub fn number(&self, id: NodeId) -> Option<&Constant> {
+        match self.node(id) {
+            Node::Constant(value) => Some(value),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
+        }
+    }
+
     /// All nodes, operands before users.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = (NodeId, &Node)> {
         self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))

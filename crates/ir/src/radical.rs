@@ -55,7 +55,7 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
             Node::Apply(Op::Neg, operands) => rest.push(operands[0]),
             Node::Apply(op, operands)
                 if LIKE_THEIR_OPERAND.contains(op)
-                    || *op == Op::Pow && is_whole(graph, operands[1]) =>
+                    || *op == Op::Pow && whole(graph, operands[1]).is_some() =>
             {
                 is_simpler = true;
                 rest.push(operands[0]);
@@ -92,9 +92,9 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
 }
 
-/// Whether a node is a whole number above 0.
-fn is_whole(graph: &Graph, id: NodeId) -> bool {
-    matches!(graph.node(id), Node::Constant(value) if value.as_integer().is_some_and(|n| n > 0))
+/// A node's value, if that is a whole number above 0.
+fn whole(graph: &Graph, id: NodeId) -> Option<i64> {
+    graph.number(id)?.as_integer().filter(|n| *n > 0)
 }
 
 #[cfg(test)]

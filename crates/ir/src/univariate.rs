@@ -72,7 +72,7 @@ fn expanded(graph: &Graph, root: NodeId) -> Option<(Axis, Polynomial)> {
                 } else if *op == Op::Div && operand(1).len() == 1 {
                     scaled(operand(0), &operand(1)[0].recip())
                 } else if *op == Op::Pow {
-                    power(operand(0), graph.node(operands[1]))?
+                    power(operand(0), graph.number(operands[1])?)?
                 } else {
                     return None;
                 }
@@ -84,8 +84,7 @@ fn expanded(graph: &Graph, root: NodeId) -> Option<(Axis, Polynomial)> {
     axis.map(|axis| (axis, polynomial))
 }
 
-fn power(base: &Polynomial, exponent: &Node) -> Option<Polynomial> {
-    let Node::Constant(exponent) = exponent else { return None };
+fn power(base: &Polynomial, exponent: &Constant) -> Option<Polynomial> {
     let exponent = usize::try_from(exponent.as_integer()?).ok()?;
     let within =
         exponent * base.len().saturating_sub(1) <= DEGREE_LIMIT && exponent <= DEGREE_LIMIT;

@@ -6,7 +6,7 @@
 use crate::ast::{Expr, ExprKind, Relation};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::{Locals, Lowering};
-use zeroset_ir::{Node, NodeId};
+use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
 impl<'a> Lowering<'a> {
@@ -53,12 +53,10 @@ impl<'a> Lowering<'a> {
                     let each = operands.iter().all(|operand| self.total[operand.index()]);
                     each && match op.row().domain {
                         Domain::All => true,
-                        Domain::Power => match self.graph.node(operands[1]) {
-                            Node::Constant(exponent) => {
-                                exponent.as_integer().is_some_and(|n| n >= 0)
-                            }
-                            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => false,
-                        },
+                        Domain::Power => {
+                            let exponent = self.graph.number(operands[1]);
+                            exponent.and_then(Constant::as_integer).is_some_and(|n| n >= 0)
+                        }
                         Domain::Nonneg
                         | Domain::Positive
                         | Domain::LastNonzero

@@ -66,11 +66,8 @@ fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<Constant>> {
     let Ok((graph, roots)) = simplify(graph, roots, &[Interval::ENTIRE; 3], &[]) else {
         return vec![None; roots.len()];
     };
-    let value = |root: &NodeId| match graph.node(*root) {
-        Node::Constant(value) => Some(value.clone()).filter(|value| value.bounds().is_bounded()),
-        Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
-    };
-    roots.iter().map(value).collect()
+    let value = |root: &NodeId| graph.number(*root).filter(|value| value.bounds().is_bounded());
+    roots.iter().map(|root| value(root).cloned()).collect()
 }
 
 /// The ends of a range, which stands at `span`: the first must be below the second.

@@ -14,7 +14,7 @@ use crate::prelude;
 use crate::span::Span;
 use crate::value::{Value, component, numbers, vector};
 use rustc_hash::FxHashMap;
-use zeroset_ir::{Constant, Graph, Node, NodeId};
+use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_ops::Op;
 
 /// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers
@@ -266,11 +266,8 @@ impl<'a> Lowering<'a> {
     /// The opposite of a number; that of a negative number is a number, so that `x^-2` has one for
     /// its exponent.
     fn opposite(&mut self, inner: NodeId) -> NodeId {
-        let opposite = match self.graph.node(inner) {
-            Node::Constant(constant) => constant.exact().map(|value| Constant::rational(-value)),
-            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
-        };
-        match opposite {
+        let exact = self.graph.number(inner).and_then(Constant::exact);
+        match exact.map(|value| Constant::rational(-value)) {
             Some(constant) => self.graph.constant(constant),
             None => self.graph.apply(Op::Neg, &[inner]),
         }
@@ -409,10 +406,7 @@ impl<'a> Lowering<'a> {
     /// The n-th root of `radicand`: of negative numbers too where n is odd.
     #[inline(never)]
     fn root(&mut self, radicand: NodeId, index: NodeId, span: Span) -> Fallible<NodeId> {
-        let whole = match self.graph.node(index) {
-            Node::Constant(constant) => constant.as_integer(),
-            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
-        };
+        let whole = self.graph.number(index).and_then(Constant::as_integer);
         let one = self.graph.integer(1);
         let Some(n) = whole else {
             let exponent = self.graph.apply(Op::Div, &[one, index]);

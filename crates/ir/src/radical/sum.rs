@@ -1,6 +1,6 @@
 //! Sums of terms that are nowhere below 0: each vanishes only where all of its terms do.
 
-use super::FACTOR_LIMIT;
+use super::{FACTOR_LIMIT, whole};
 use crate::graph::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
@@ -81,7 +81,7 @@ fn term(graph: &Graph, id: NodeId) -> Option<Term> {
             Node::Apply(Op::Pow, operands) => {
                 let [base, exponent] = [operands[0], operands[1]];
                 let is_absolute = matches!(graph.node(base), Node::Apply(Op::Abs, _));
-                let exponent = integer(graph, exponent)?;
+                let exponent = whole(graph, exponent)?;
                 if !is_absolute && exponent % 2 != 0 {
                     return None;
                 }
@@ -104,14 +104,6 @@ fn term(graph: &Graph, id: NodeId) -> Option<Term> {
     Some(term)
 }
 
-/// A node's value, if that is a whole number above 0.
-fn integer(graph: &Graph, id: NodeId) -> Option<i64> {
-    match graph.node(id) {
-        Node::Constant(value) => value.as_integer().filter(|n| *n > 0),
-        Node::Apply(..) | Node::Variable(_) | Node::Parameter(_) => None,
-    }
-}
-
 /// Adds the factors of what is raised to a power, each without powers of its own.
 fn bases(graph: &Graph, root: NodeId, term: &mut Term) -> Option<()> {
     let mut rest = vec![root];
@@ -123,7 +115,7 @@ fn bases(graph: &Graph, root: NodeId, term: &mut Term) -> Option<()> {
                 term.is_flat = true;
                 rest.push(operands[0]);
             }
-            Node::Apply(Op::Pow, operands) if integer(graph, operands[1]).is_some() => {
+            Node::Apply(Op::Pow, operands) if whole(graph, operands[1]).is_some() => {
                 term.is_flat = true;
                 rest.push(operands[0]);
             }

@@ -199,17 +199,12 @@ impl Rewriter<'_> {
             let enclosed: Vec<zeroset_interval::Decorated> = operands
                 .iter()
                 .map(|&id| {
-                    let exponent = match self.graph.node(id) {
-                        Node::Constant(constant) => constant.exponent(),
-                        Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => {
-                            zeroset_interval::Exponent::Real
-                        }
-                    };
+                    let exponent = self.graph.number(id).map(Constant::exponent);
                     let known = self.known(id);
                     zeroset_interval::Decorated {
                         bounds: known.range,
                         facts: known.facts,
-                        exponent,
+                        exponent: exponent.unwrap_or_default(),
                     }
                 })
                 .collect();
@@ -229,10 +224,7 @@ impl Rewriter<'_> {
 
     /// The exact number that a node is.
     fn exact(&self, id: NodeId) -> Option<&BigRational> {
-        match self.graph.node(id) {
-            Node::Constant(constant) => constant.exact(),
-            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
-        }
+        self.graph.number(id)?.exact()
     }
 
     /// The operands of a node, if it applies `op`.
