@@ -20,7 +20,7 @@ pub enum Constant {
     /// This rational number.
     Exact(BigRational),
     /// This irrational number.
-    Named(Name),
+    Named(NamedConstant),
     /// Some real number within these bounds (the bits of an [`Interval`], so that equality is that
     /// of bits). Two of them with the same bounds need not be the same number.
     Enclosed([u64; 2]),
@@ -28,7 +28,7 @@ pub enum Constant {
 
 /// An irrational number with a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Name {
+pub enum NamedConstant {
     /// The circle constant π.
     Pi,
     /// The circle constant τ = 2π.
@@ -39,9 +39,12 @@ pub enum Name {
     Phi,
 }
 
-impl Name {
+impl NamedConstant {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Pi, Self::Tau, Self::E, Self::Phi];
+
     /// How it is written.
-    pub fn text(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Pi => "pi",
             Self::Tau => "tau",
@@ -147,22 +150,22 @@ impl Constant {
 
     /// The circle constant π.
     pub fn pi() -> Self {
-        Self::Named(Name::Pi)
+        Self::Named(NamedConstant::Pi)
     }
 
     /// The circle constant τ = 2π.
     pub fn tau() -> Self {
-        Self::Named(Name::Tau)
+        Self::Named(NamedConstant::Tau)
     }
 
     /// Euler's number e.
     pub fn e() -> Self {
-        Self::Named(Name::E)
+        Self::Named(NamedConstant::E)
     }
 
     /// The golden ratio φ = (1 + √5)/2.
     pub fn phi() -> Self {
-        Self::Named(Name::Phi)
+        Self::Named(NamedConstant::Phi)
     }
 
     /// The tightest `f64` bounds of the number.

@@ -130,7 +130,7 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
 fn number(constant: &Constant) -> (Binding, String) {
     let value = match constant {
         Constant::Exact(value) => value,
-        Constant::Named(name) => return (Binding::Atom, name.text().into()),
+        Constant::Named(name) => return (Binding::Atom, name.name().into()),
         Constant::Enclosed(_) => {
             let bounds = constant.bounds();
             return (Binding::Atom, format!("[{}, {}]", bounds.lo, bounds.hi));

@@ -22,7 +22,7 @@ mod testing;
 
 pub use clear::{Cleared, clear};
 pub use compact::compact;
-pub use constant::{Constant, Name};
+pub use constant::{Constant, NamedConstant};
 pub use derivative::gradient;
 pub use display::{TEXT_LIMIT, display};
 pub use error::{IrError, NODE_LIMIT};

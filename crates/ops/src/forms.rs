@@ -17,15 +17,18 @@ pub enum Meaning {
     Vector(u8),
     /// A square matrix with this many rows.
     Matrix(u8),
-    /// A matrix with rows and columns exchanged.
-    Transpose,
-    /// The determinant of a matrix.
-    Determinant,
+    /// A function that mixes the components of vectors or matrices.
+    OfVectors(VectorFunction),
     /// A product of matrices and vectors.
     Multiply,
-    /// A scalar product.
+}
+
+/// A function that mixes the components of its arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum VectorFunction {
+    /// The scalar product.
     Dot,
-    /// A vector product.
+    /// The vector product.
     Cross,
     /// A vector of length 1.
     Normalize,
@@ -33,6 +36,29 @@ pub enum Meaning {
     Distance,
     /// A vector mirrored in a plane.
     Reflect,
+    /// A matrix with rows and columns exchanged.
+    Transpose,
+    /// The determinant of a matrix.
+    Determinant,
+}
+
+impl VectorFunction {
+    /// The name that it is printed by.
+    ///
+    /// # Panics
+    /// Never: each has a row.
+    pub fn name(self) -> &'static str {
+        let row = FORMS.iter().find(|form| form.meaning == Meaning::OfVectors(self));
+        row.expect("each has a row").name
+    }
+
+    /// The number of its arguments.
+    pub fn arity(self) -> usize {
+        match self {
+            Self::Normalize | Self::Transpose | Self::Determinant => 1,
+            Self::Dot | Self::Cross | Self::Distance | Self::Reflect => 2,
+        }
+    }
 }
 
 /// A form, and how it is written.
@@ -74,14 +100,14 @@ pub static FORMS: &[Form] = &[
     row("mat2", &["mat2x2", "mat2x2f", "float2x2", "half2x2", "matrix"], Meaning::Matrix(2), "mat2(1, 0, 0, 1)", "a matrix of two columns, given one after the other; times a vector it is one"),
     row("mat3", &["mat3x3", "mat3x3f", "float3x3", "half3x3"], Meaning::Matrix(3), "mat3(1, 0, 0, 0, 1, 0, 0, 0, 1)", "a matrix of three columns"),
     row("mat4", &["mat4x4", "mat4x4f", "float4x4", "half4x4"], Meaning::Matrix(4), "mat4(1)", "a matrix of four columns, here with ones on its diagonal"),
-    row("transpose", &[], Meaning::Transpose, "transpose(mat2(1, 2, 3, 4))", "a matrix with rows and columns exchanged"),
-    row("determinant", &["det"], Meaning::Determinant, "determinant(mat2(1, 2, 3, 4))", "the determinant of a matrix"),
+    row("transpose", &[], Meaning::OfVectors(VectorFunction::Transpose), "transpose(mat2(1, 2, 3, 4))", "a matrix with rows and columns exchanged"),
+    row("determinant", &["det"], Meaning::OfVectors(VectorFunction::Determinant), "determinant(mat2(1, 2, 3, 4))", "the determinant of a matrix"),
     row("mul", &[], Meaning::Multiply, "mul(mat2(1, 2, 3, 4), vec2(x, y))", "m*p: a product of matrices and vectors"),
-    row("dot", &[], Meaning::Dot, "dot(p, q)", "scalar product of two vectors"),
-    row("cross", &[], Meaning::Cross, "cross(p, q)", "vector product of two vectors of three components"),
-    row("normalize", &[], Meaning::Normalize, "normalize(p)", "p/length(p)"),
-    row("distance", &[], Meaning::Distance, "distance(p, q)", "length(p - q)"),
-    row("reflect", &[], Meaning::Reflect, "reflect(p, n)", "p - 2 dot(n, p) n"),
+    row("dot", &[], Meaning::OfVectors(VectorFunction::Dot), "dot(p, q)", "scalar product of two vectors"),
+    row("cross", &[], Meaning::OfVectors(VectorFunction::Cross), "cross(p, q)", "vector product of two vectors of three components"),
+    row("normalize", &[], Meaning::OfVectors(VectorFunction::Normalize), "normalize(p)", "p/length(p)"),
+    row("distance", &[], Meaning::OfVectors(VectorFunction::Distance), "distance(p, q)", "length(p - q)"),
+    row("reflect", &[], Meaning::OfVectors(VectorFunction::Reflect), "reflect(p, n)", "p - 2 dot(n, p) n"),
 ];
 
 /// The form called `name` (exact spelling, aliases included).

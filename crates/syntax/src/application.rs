@@ -1,7 +1,7 @@
 //! Functions and what they are applied to: brackets, or the implicit product up to the next
 //! function.
 
-use crate::ast::{Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign};
+use crate::ast::{Expr, ExprKind, Function, NamedValue, ProductSign};
 use crate::build::{Builder, number_only, product_of};
 use crate::closed::is_vector;
 use crate::error::{Error, ErrorKind, Fallible};
@@ -12,6 +12,7 @@ use crate::run::{Item, Items};
 use crate::scope::{Callee, is_variadic};
 use crate::span::Span;
 use crate::spelling::{is_name, short_formula};
+use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
 impl Builder<'_> {

@@ -1,11 +1,12 @@
 //! Arithmetic that other systems write as functions, `Plus[a, b]`, and functions that stand for a formula of ours:
 //! `Boole[c]`, `ChebyshevT[n, x]`.
 
-use crate::ast::{Expr, ExprKind, Function, ProductSign, SumSign, VectorFunction};
+use crate::ast::{Expr, ExprKind, Function, ProductSign, SumSign};
 use crate::build::{Builder, product_of, sum_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::Pair;
 use crate::span::Span;
+use zeroset_ops::VectorFunction;
 
 /// What a name stands for before brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

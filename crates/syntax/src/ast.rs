@@ -6,8 +6,8 @@
 //! equal whatever their spans are.
 
 use crate::span::Span;
-use zeroset_ir::Axis;
-use zeroset_ops::Op;
+use zeroset_ir::{Axis, NamedConstant};
+use zeroset_ops::{Op, VectorFunction};
 
 /// An expression and where it stands.
 #[derive(Clone, Debug)]
@@ -185,7 +185,7 @@ pub enum NamedValue {
     Coordinate(Axis),
     /// Time, `t`.
     Time,
-    /// A constant of the language.
+    /// A constant of the language; a document may give its name another meaning.
     Constant(NamedConstant),
     /// A parameter of the function being defined.
     Local(String),
@@ -203,43 +203,6 @@ impl NamedValue {
             Self::Time => "t",
             Self::Constant(constant) => constant.name(),
             Self::Local(name) | Self::Defined(name) => name,
-        }
-    }
-}
-
-/// A constant of the language; a document may give its name another meaning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum NamedConstant {
-    /// The circle constant.
-    Pi,
-    /// Twice pi.
-    Tau,
-    /// Euler's number.
-    E,
-    /// The golden ratio.
-    Phi,
-}
-
-impl NamedConstant {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Pi, Self::Tau, Self::E, Self::Phi];
-
-    /// The name as printed.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pi => "pi",
-            Self::Tau => "tau",
-            Self::E => "e",
-            Self::Phi => "phi",
-        }
-    }
-
-    /// What the name stands for, where a reader may not know it.
-    pub(crate) fn meaning(self) -> Option<&'static str> {
-        match self {
-            Self::Pi | Self::E => None,
-            Self::Tau => Some("2*pi = 6.2831853…"),
-            Self::Phi => Some("the golden ratio, (1 + sqrt(5))/2 = 1.6180339…"),
         }
     }
 }
@@ -266,40 +229,6 @@ pub enum Function {
     Iterate(Box<Function>),
     /// A function that the document defines.
     Defined(String),
-}
-
-/// What can be computed of vectors, beside what is computed component by component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum VectorFunction {
-    /// The scalar product.
-    Dot,
-    /// The vector product.
-    Cross,
-    /// A vector divided by its length.
-    Normalize,
-    /// The length of a difference.
-    Distance,
-    /// A vector mirrored in a plane.
-    Reflect,
-    /// A matrix with rows and columns exchanged.
-    Transpose,
-    /// The determinant of a matrix.
-    Determinant,
-}
-
-impl VectorFunction {
-    /// The name as printed.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Dot => "dot",
-            Self::Cross => "cross",
-            Self::Normalize => "normalize",
-            Self::Distance => "distance",
-            Self::Reflect => "reflect",
-            Self::Transpose => "transpose",
-            Self::Determinant => "determinant",
-        }
-    }
 }
 
 impl Function {

@@ -2,9 +2,7 @@
 //! shapes.
 
 use crate::aliases::Aliases;
-use crate::ast::{
-    Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign, VectorFunction,
-};
+use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule, recognise};
 use crate::limits::Limits;
@@ -15,6 +13,7 @@ use crate::scope::{Callee, Scope};
 use crate::span::Span;
 use crate::spelling::short_formula;
 use rustc_hash::FxHashSet;
+use zeroset_ops::VectorFunction;
 
 /// Builds the trees of one statement.
 pub(crate) struct Builder<'a> {

@@ -5,7 +5,7 @@
 //! is remembered by its arguments, so repeated use costs nothing.
 
 use crate::ast::{
-    Definition, Expr, ExprKind, Function, NamedConstant, NamedValue, ProductSign, Relation, SumSign,
+    Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, SumSign,
 };
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
@@ -287,12 +287,7 @@ impl<'a> Lowering<'a> {
                 None => self.graph.integer(0),
             })),
             NamedValue::Constant(constant) => {
-                Ok(Value::Number(self.graph.constant(match constant {
-                    NamedConstant::Pi => Constant::pi(),
-                    NamedConstant::Tau => Constant::tau(),
-                    NamedConstant::E => Constant::e(),
-                    NamedConstant::Phi => Constant::phi(),
-                })))
+                Ok(Value::Number(self.graph.constant(Constant::Named(*constant))))
             }
             NamedValue::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);

@@ -4,20 +4,20 @@
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
 use crate::arithmetic::{Arithmetic, arithmetic};
-use crate::ast::{Expr, ExprKind, NamedConstant, NamedValue, ProductSign};
+use crate::ast::{Expr, ExprKind, NamedValue, ProductSign};
 use crate::build::{Builder, Signs, number_only, root_text};
 use crate::closed::{native, number};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::lexer::method;
 use crate::note::NoteKind;
-use crate::scope::{Callee, Meaning};
+use crate::scope::{Callee, Meaning, meaning};
 use crate::span::Span;
 use crate::special::{Logic, logic};
 use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
 use crate::value::LETTERS;
 use std::collections::VecDeque;
-use zeroset_ir::Axis;
+use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{Form, Op};
 
 /// A piece of a run.
@@ -213,7 +213,7 @@ impl Builder<'_> {
                 self.used.insert("t".to_owned());
             }
             NamedValue::Constant(constant) => {
-                if let Some(meaning) = constant.meaning() {
+                if let Some(meaning) = meaning(*constant) {
                     let name = constant.name();
                     self.note(span, NoteKind::ConstantUsed { name, meaning });
                 }

@@ -1,10 +1,10 @@
 //! What a name means: parameters of the function at hand, then the document's names, then the
 //! language's own.
 
-use crate::ast::{Function, Name, NamedConstant, NamedValue};
+use crate::ast::{Function, Name, NamedValue};
 use crate::words::{WordKind, words};
 use rustc_hash::FxHashMap;
-use zeroset_ir::Axis;
+use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Form, Notation, Op, TABLE, form, names, natives};
 
 /// The names that statements can see.
@@ -311,6 +311,15 @@ pub(crate) fn canonical(name: &str) -> Option<&'static str> {
         "theta" | "θ" | "ϑ" | "vartheta" => Some("theta"),
         "phi" | "φ" | "ϕ" | "varphi" => Some("phi"),
         _ => None,
+    }
+}
+
+/// What the name of a constant stands for, where a reader may not know it.
+pub(crate) fn meaning(constant: NamedConstant) -> Option<&'static str> {
+    match constant {
+        NamedConstant::Pi | NamedConstant::E => None,
+        NamedConstant::Tau => Some("2*pi = 6.2831853…"),
+        NamedConstant::Phi => Some("the golden ratio, (1 + sqrt(5))/2 = 1.6180339…"),
     }
 }
 

@@ -2,7 +2,7 @@
 //! languages.
 
 use crate::application::note_form;
-use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation, VectorFunction};
+use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation};
 use crate::build::{Builder, joined, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
@@ -11,7 +11,7 @@ use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
 use crate::spelling::plain_name;
-use zeroset_ops::{Form, Meaning as Stands};
+use zeroset_ops::{Form, Meaning as Stands, VectorFunction};
 
 /// A condition that is written as a function.
 #[derive(Clone, Copy, Debug)]
@@ -83,27 +83,14 @@ impl Builder<'_> {
                 built.map(|built| built.map(without_array))
             }
             Stands::Matrix(size) => self.matrix(size, span, parts, place),
-            Stands::Transpose => self.of_vectors(VectorFunction::Transpose, 1, parts, place),
-            Stands::Determinant => self.of_vectors(VectorFunction::Determinant, 1, parts, place),
+            Stands::OfVectors(function) => {
+                let count = Some(function.arity());
+                self.of_values(Function::OfVectors(function), count, parts, place)
+            }
             Stands::Multiply => self.multiply(&parts, place),
-            Stands::Dot => self.of_vectors(VectorFunction::Dot, 2, parts, place),
-            Stands::Cross => self.of_vectors(VectorFunction::Cross, 2, parts, place),
-            Stands::Normalize => self.of_vectors(VectorFunction::Normalize, 1, parts, place),
-            Stands::Distance => self.of_vectors(VectorFunction::Distance, 2, parts, place),
-            Stands::Reflect => self.of_vectors(VectorFunction::Reflect, 2, parts, place),
         };
         let kind = || ErrorKind::FormUsage { name: form.name, usage: form.usage };
         built?.ok_or_else(|| Error::new(place, kind()))
-    }
-
-    fn of_vectors(
-        &mut self,
-        function: VectorFunction,
-        count: usize,
-        parts: Vec<Pair<'_>>,
-        place: Span,
-    ) -> Fallible<Option<Expr>> {
-        self.of_values(Function::OfVectors(function), Some(count), parts, place)
     }
 
     /// A function of values, of which there are `count` unless any number will do.

@@ -220,10 +220,8 @@ fn accepts(head: &Head) -> Option<bool> {
     if let Some(form) = zeroset_ops::form(&head.name.text) {
         return match form.meaning {
             Stands::Vector(_) | Stands::Matrix(_) => Some(true),
-            Stands::Dot | Stands::Cross | Stands::Distance | Stands::Reflect | Stands::Multiply => {
-                Some(count == 2)
-            }
-            Stands::Normalize | Stands::Transpose | Stands::Determinant => Some(count == 1),
+            Stands::OfVectors(function) => Some(count == function.arity()),
+            Stands::Multiply => Some(count == 2),
             Stands::Choose | Stands::Pieces | Stands::Sum | Stands::Product | Stands::Iterate => {
                 None
             }

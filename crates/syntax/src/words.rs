@@ -1,11 +1,11 @@
 //! Every word of the language and what kind it is, for help, completion and colours: drawn from the tables that reading
 //! uses. What is done with them is not known here.
 
-use crate::ast::NamedConstant;
 use crate::paint::{COLOR_MAPS, POINT_NAMES};
-use crate::scope::ROOT_NAMES;
+use crate::scope::{ROOT_NAMES, meaning};
 use crate::setting::SETTINGS;
 use crate::spelling::{LOOKS, PRESETS};
+use zeroset_ir::NamedConstant;
 
 /// What a word is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -90,7 +90,7 @@ pub fn word_help(word: &str) -> Option<String> {
         return Some(text.to_owned());
     }
     if let Some(constant) = NamedConstant::ALL.iter().find(|constant| constant.name() == word) {
-        return Some(constant.meaning().unwrap_or("a constant").to_owned());
+        return Some(meaning(*constant).unwrap_or("a constant").to_owned());
     }
     if let Some(text) = found(JOINTS) {
         return Some(format!("as in {text}"));

@@ -4,11 +4,10 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use zeroset_ir::Axis;
-use zeroset_ops::{COMPOSED, Notation, TABLE};
+use zeroset_ir::{Axis, NamedConstant};
+use zeroset_ops::{COMPOSED, Notation, TABLE, VectorFunction};
 use zeroset_syntax::ast::{
-    Expr, ExprKind, Function, Name, NamedConstant, NamedValue, ProductSign, Relation, Series,
-    Statement, SumSign, VectorFunction,
+    Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, Series, Statement, SumSign,
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 

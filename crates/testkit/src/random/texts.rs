@@ -3,7 +3,7 @@
 
 use super::Rng;
 use super::values::below;
-use zeroset_ops::{COMPOSED, FORMS, Meaning};
+use zeroset_ops::{COMPOSED, FORMS, Meaning, VectorFunction};
 
 /// Names of vectors and of a function, which each text defines.
 const HEAD: &str = "p = vec3(x, y, z)\nq = vec3(y, 1 - z, x*y)\nf(a) = a^2 - x/2\n";
@@ -142,16 +142,18 @@ impl Text<'_> {
                 format!("({}*{vector}).x", self.matrix(size, depth.min(1)))
             }
             Meaning::Matrix(_) => format!("(mat4({})*vec4(p, 1)).w", self.number(depth)),
-            Meaning::Transpose => format!("({name}({})*p.yz).y", self.matrix(2, depth)),
-            Meaning::Determinant => format!("{name}({})", self.matrix(2, depth)),
             Meaning::Multiply => format!("{name}({}, p.xz).x", self.matrix(2, depth)),
-            Meaning::Dot | Meaning::Distance => {
-                format!("{name}({}, {})", self.vector(depth), self.vector(depth))
-            }
-            Meaning::Cross | Meaning::Reflect => {
-                format!("{name}({}, {}).z", self.vector(depth), self.vector(depth))
-            }
-            Meaning::Normalize => format!("{name}({}).y", self.vector(depth)),
+            Meaning::OfVectors(function) => match function {
+                VectorFunction::Transpose => format!("({name}({})*p.yz).y", self.matrix(2, depth)),
+                VectorFunction::Determinant => format!("{name}({})", self.matrix(2, depth)),
+                VectorFunction::Dot | VectorFunction::Distance => {
+                    format!("{name}({}, {})", self.vector(depth), self.vector(depth))
+                }
+                VectorFunction::Cross | VectorFunction::Reflect => {
+                    format!("{name}({}, {}).z", self.vector(depth), self.vector(depth))
+                }
+                VectorFunction::Normalize => format!("{name}({}).y", self.vector(depth)),
+            },
         }
     }
 }
