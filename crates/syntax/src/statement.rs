@@ -300,7 +300,7 @@ fn set(
     expression: Pair<'_>,
     wrap: Option<&Wrap>,
 ) -> Fallible<Definition> {
-    check_head(head)?;
+    check_head(head, false, false)?;
     let mut body = builder.expression(expression)?;
     let span = body.span;
     let is_condition = body.is_condition();
@@ -342,8 +342,9 @@ fn set(
     Ok(Definition { name, parameters, body, range: None })
 }
 
-/// Fails on a left side with too many parameters, or two alike.
-fn check_head(head: &Head) -> Fallible<()> {
+/// Fails on a left side with too many parameters, or two alike, or with a name that cannot be defined: its own is one if it
+/// is that of a function or a keyword of the language.
+fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MOST_PARAMETERS {
         let limit = MOST_PARAMETERS;
@@ -354,14 +355,13 @@ fn check_head(head: &Head) -> Fallible<()> {
             let name = parameter.text.clone();
             return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
         }
+    // LaTeX can spell names that cannot be written otherwise.
     }
     let word = std::iter::once(&head.name).chain(parameters).find(|n| !is_definable(&n.text));
-    match word {
-        Some(name) => {
-            let kind = ErrorKind::Reserved { name: name.text.clone(), is_function: false };
-            Err(Error::new(name.span, kind))
-        }
-        None => Ok(()),
+    if let Some(name) = (is_function || is_keyword).then_some(&head.name).or(word) {
+        let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
+        return Err(Error::new(name.span, kind));
+    Ok(())
     }
 }
 
@@ -373,27 +373,11 @@ fn define(
     range: Option<(Expr, Expr)>,
 ) -> Fallible<Definition> {
     let name = &head.name;
-    let parameters = head.parameters.as_deref().unwrap_or_default();
-    if parameters.len() > MOST_PARAMETERS {
-        let limit = MOST_PARAMETERS;
-        return Err(Error::new(name.span, ErrorKind::TooManyParameters { limit }));
-    }
-    for (index, parameter) in parameters.iter().enumerate() {
-        if parameters[..index].contains(parameter) {
-            let name = parameter.text.clone();
-            return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
-        }
-    }
     let built_in = Scope::default().meaning(&name.text, &[]);
     let is_function = head.parameters.is_none() && matches!(built_in, Meaning::Function(_));
     // `domain(x) = …` is a domain line with a slip.
     let is_keyword = head.parameters.is_some() && name.text == "domain";
-    // LaTeX can spell names that cannot be written otherwise.
-    let word = std::iter::once(name).chain(parameters).find(|name| !is_definable(&name.text));
-    if let Some(name) = (is_function || is_keyword).then_some(name).or(word) {
-        let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
-        return Err(Error::new(name.span, kind));
-    }
+    check_head(head, is_function, is_keyword)?;
     let span = builder.span(&expression);
     let mut sides = expression.into_inner().skip(2);
     let body = sides.next().expect("a definition has a right side");
