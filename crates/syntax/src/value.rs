@@ -25,10 +25,7 @@ pub(crate) enum Value {
 
 impl Value {
     fn size(&self) -> usize {
-        match self {
-            Self::Number(_) => 1,
-            Self::Vector(nodes) | Self::Matrix(nodes) => nodes.len(),
-        }
+        self.parts().len()
     }
 
     /// A component, or the number itself.
@@ -77,15 +74,8 @@ impl Lowering<'_> {
         value: Value,
         apply: impl Fn(&mut Self, NodeId) -> NodeId,
     ) -> Value {
-        match value {
-            Value::Number(node) => Value::Number(apply(self, node)),
-            Value::Vector(nodes) => {
-                Value::Vector(nodes.into_iter().map(|node| apply(self, node)).collect())
-            }
-            Value::Matrix(nodes) => {
-                Value::Matrix(nodes.into_iter().map(|node| apply(self, node)).collect())
-            }
-        }
+        let nodes = value.parts().iter().map(|node| apply(self, *node)).collect();
+        Value::shaped(nodes, &[value])
     }
 
     /// An operation, component by component.
@@ -192,11 +182,7 @@ pub(crate) fn vector(size: usize, arguments: &[Value], span: Span) -> Fallible<V
 /// The components that `letters` name.
 pub(crate) fn component(value: Value, letters: &str, span: Span) -> Fallible<Value> {
     if let (Value::Matrix(nodes), Some(column)) = (&value, LETTERS.find(letters)) {
-        let rows = match nodes.len() {
-            4 => 2,
-            9 => 3,
-            _ => 4,
-        };
+        let rows = nodes.len().isqrt();
         if letters.len() == 1 && (column + 1) * rows <= nodes.len() {
             return Ok(Value::Vector(nodes[column * rows..(column + 1) * rows].to_vec()));
         }
@@ -219,9 +205,8 @@ pub(crate) fn component(value: Value, letters: &str, span: Span) -> Fallible<Val
 /// The number of components of all operands; that of numbers is 1.
 pub(crate) fn common_size(operands: &[Value], span: Span) -> Fallible<usize> {
     let mut size = 1;
-    let is_matrix = |value: &&Value| value.is_matrix();
-    if operands.iter().any(|value| is_matrix(&value))
-        && operands.iter().filter(|value| value.size() > 1).any(|value| !is_matrix(&value))
+    if operands.iter().any(Value::is_matrix)
+        && operands.iter().any(|value| value.size() > 1 && !value.is_matrix())
     {
         return Err(Error::new(span, ErrorKind::Matrix));
     }
