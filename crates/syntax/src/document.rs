@@ -234,12 +234,7 @@ impl<'a> Reader<'a> {
             }
         }
         self.check()?;
-        built.extend(program.made.iter().map(|made| Built {
-            statement: made.statement.clone(),
-            span: made.span,
-            notes: Vec::new(),
-            used: made.used.clone(),
-        }));
+        built.extend(program.made.iter().cloned());
         let mut built = needed(built, &program.generated);
         if let Some((drawn, note)) = drawn_by_program(&program, &built) {
             built.push(drawn);

@@ -6,7 +6,6 @@ use crate::note::{Note, NoteKind};
 use crate::program::Program;
 use crate::span::Span;
 use crate::statement::{Built, is_plain_number};
-use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 
 /// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
@@ -29,9 +28,7 @@ pub(crate) fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible
         let drawn = expr.to_string();
         let statement = Statement::Draw { expr, restrictions: Vec::new() };
         let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };
-        let built =
-            Built { statement, span: built.span, notes: Vec::new(), used: FxHashSet::default() };
-        return Ok((built, note));
+        return Ok((Built::made(statement, built.span), note));
     }
     let Some((definition, _)) = definitions.last() else {
         return Err(Error::new(Span::at(0), ErrorKind::Empty));

@@ -2,23 +2,17 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
 use crate::span::Span;
+use crate::statement::Built;
 use rustc_hash::FxHashSet;
 
-/// A statement that the text does not spell out.
-pub(crate) struct Made {
-    pub statement: Statement,
-    pub span: Span,
-    /// Names that it uses.
-    pub used: FxHashSet<String>,
-}
-
-impl Made {
-    pub(crate) fn new(statement: Statement, span: Span) -> Self {
+impl Built {
+    /// A statement that the text does not spell out.
+    pub(crate) fn made(statement: Statement, span: Span) -> Self {
         let mut used = FxHashSet::default();
         let (Statement::Draw { expr, .. } | Statement::Define(Definition { body: expr, .. })) =
             &statement;
         names_in(expr, &mut used);
-        Self { statement, span, used }
+        Self { statement, span, notes: Vec::new(), used }
     }
 }
 

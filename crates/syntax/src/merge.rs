@@ -4,9 +4,9 @@
 use crate::aliases::Aliases;
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Statement};
 use crate::counting::number_of;
-use crate::made::Made;
 use crate::reader::{Frame, Reader};
 use crate::span::Span;
+use crate::statement::Built;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::control::{LEFT, RESULT, more_than};
@@ -21,7 +21,7 @@ impl Reader<'_> {
         let body = Expr::new(body, span);
         let name = Name { text, span };
         let definition = Definition { name, parameters, body, range: None };
-        self.program.made.push(Made::new(Statement::Define(definition), span));
+        self.program.made.push(Built::made(Statement::Define(definition), span));
         kind
     }
 
@@ -110,7 +110,7 @@ impl Reader<'_> {
             }
             None => Statement::Draw { expr: body, restrictions: Vec::new() },
         };
-        self.program.made.push(Made::new(statement, span));
+        self.program.made.push(Built::made(statement, span));
     }
 }
 

@@ -9,13 +9,12 @@ use crate::aliases::Aliases;
 use crate::ast::{ExprKind, Name};
 use crate::error::Fallible;
 use crate::limits::Limits;
-use crate::made::Made;
 use crate::note::Note;
 use crate::program_words::Words;
 use crate::reader::{Frame, Reader};
 use crate::scan::{Piece, scan};
 use crate::span::Span;
-use crate::statement::Head;
+use crate::statement::{Built, Head};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::Cell;
 
@@ -53,7 +52,7 @@ pub(crate) struct Program {
     /// The last number that was set outside functions.
     pub last_value: Option<Name>,
     /// What the text does not spell out.
-    pub made: Vec<Made>,
+    pub made: Vec<Built>,
     /// Names that were made for branches and loops, which may be used nowhere.
     pub generated: FxHashSet<String>,
     pub notes: Vec<Note>,

@@ -6,14 +6,13 @@ use crate::ast::{Expr, ExprKind, Name, NamedValue, Statement};
 use crate::calls::{Macro, Procedure};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
-use crate::made::Made;
 use crate::plots::Plot;
 use crate::program::{Program, Unit, Wrap};
 use crate::program_words::{Words, begins_name, closing, is_whole_type, size_of};
 use crate::scan::Token;
 use crate::scope::coordinate;
 use crate::spelling::is_setting;
-use crate::statement::Head;
+use crate::statement::{Built, Head};
 use crate::wrappers::Unwrapped;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::Cell;
@@ -228,7 +227,7 @@ impl Reader<'_> {
                 let value = NamedValue::Defined("surface".to_owned());
                 let expr = Expr::new(ExprKind::Name(value), name.span);
                 let statement = Statement::Draw { expr, restrictions: Vec::new() };
-                self.program.made.push(Made::new(statement, name.span));
+                self.program.made.push(Built::made(statement, name.span));
                 Ok(())
             }
         }

@@ -36,7 +36,8 @@ pub(crate) struct Head {
     pub parameters: Option<Vec<Name>>,
 }
 
-/// A statement with its trees, and what was noticed while building them.
+/// A statement with its trees, what was noticed while building them, and the names that it uses.
+#[derive(Clone)]
 pub(crate) struct Built {
     pub statement: Statement,
     pub span: Span,
