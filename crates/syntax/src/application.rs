@@ -196,7 +196,7 @@ impl Builder<'_> {
             }
             // SymPy and MATLAB have the mean at 0.
             (Callee::BuiltIn(name), [_]) if name == "heaviside" && typed == "Heaviside" => {
-                let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), span);
+                let number = |digits| Expr::of_digits(digits, span);
                 let half = vec![(ProductSign::Over, number("2"))];
                 let half = ExprKind::Product(Box::new(number("1")), half);
                 arguments.push(Expr::new(half, span));
@@ -217,7 +217,7 @@ impl Builder<'_> {
                 return product_of(parts);
             }
             (Callee::Logarithm(base), [_]) => {
-                let base = Expr::new(ExprKind::Number(base.clone()), span);
+                let base = Expr::of_digits(base.as_str(), span);
                 let argument = arguments.remove(0);
                 return Ok(logarithm(argument, base, span.to(place)));
             }

@@ -59,7 +59,7 @@ impl Builder<'_> {
         };
         if let (Arithmetic::Boole, [only]) = (kind, parts.as_slice()) {
             let condition = self.condition_of(only.clone())?;
-            let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), place);
+            let number = |digits| Expr::of_digits(digits, place);
             let pieces = vec![(condition, number("1"))];
             return Ok(Expr::new(ExprKind::Choice(pieces, Some(Box::new(number("0")))), place));
         }
@@ -92,7 +92,7 @@ impl Builder<'_> {
             }
             Arithmetic::Minus => first.negated(place),
             Arithmetic::Total => {
-                let one = Expr::new(ExprKind::Number("1".to_owned()), place);
+                let one = Expr::of_digits("1", place);
                 let function = Function::OfVectors(VectorFunction::Dot);
                 Expr::new(ExprKind::Call(function, vec![first, one]), place)
             }
@@ -122,7 +122,7 @@ fn chebyshev(degree: u32, a: &Expr, span: Span) -> Expr {
         }
         before = std::mem::replace(&mut now, next);
     }
-    let number = |value: i64| Expr::new(ExprKind::Number(value.abs().to_string()), span);
+    let number = |value: i64| Expr::of_digits(value.abs().to_string(), span);
     let mut terms = Vec::new();
     for (power, factor) in before.iter().enumerate().rev().filter(|(_, factor)| **factor != 0) {
         let power_of = match power {

@@ -30,6 +30,17 @@ impl Expr {
         Self { kind, span }
     }
 
+    /// The number that is written so.
+    pub(crate) fn of_digits(digits: impl Into<String>, span: Span) -> Self {
+        Self::new(ExprKind::Number(digits.into()), span)
+    }
+
+    /// The equation of two, at the place of the first.
+    pub(crate) fn equals(self, right: Self) -> Self {
+        let span = self.span;
+        Self::new(ExprKind::Compare(Box::new(self), vec![(Relation::Equal, right)]), span)
+    }
+
     /// Whether this is a condition (true or false) rather than a number.
     pub fn is_condition(&self) -> bool {
         match self.kind {

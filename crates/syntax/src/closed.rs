@@ -103,7 +103,7 @@ impl Builder<'_> {
     fn part(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         match pair.as_rule() {
-            Rule::digit => Ok(number(self.typed(&pair).to_owned(), span)),
+            Rule::digit => Ok(Expr::of_digits(self.typed(&pair), span)),
             _ => self.deeper(span, 1, |b| b.closed(pair, span)),
         }
     }
@@ -127,7 +127,7 @@ fn first_part(pair: Pair<'_>) -> Pair<'_> {
 fn vulgar_fraction(typed: &str, span: Span) -> Fallible<Expr> {
     let digits = typed.chars().next().and_then(vulgar);
     let digits = digits.expect("the scanner knows no others");
-    let part = |digit: char| (ProductSign::Over, number(digit.to_string(), span));
+    let part = |digit: char| (ProductSign::Over, Expr::of_digits(digit, span));
     product_of(digits.map(part).to_vec())
 }
 
@@ -142,10 +142,6 @@ pub(crate) fn is_vector(expr: &Expr) -> bool {
         ExprKind::Sum(first, rest) => is_vector(first) || rest.iter().any(|(_, e)| is_vector(e)),
         _ => false,
     }
-}
-
-pub(crate) fn number(digits: String, span: Span) -> Expr {
-    Expr::new(ExprKind::Number(digits), span)
 }
 
 pub(crate) fn native(op: Op, argument: Expr, span: Span) -> Expr {

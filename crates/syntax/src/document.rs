@@ -7,7 +7,7 @@ use crate::cycle::no_recursion;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::grammar::Rule;
 use crate::heading::heading;
-use crate::implied::{drawn_by_program, equals, implied_drawing, number_zero};
+use crate::implied::{drawn_by_program, implied_drawing};
 use crate::limits::Limits;
 use crate::lower::Lowering;
 use crate::note::{MOST_NOTES, Note, NoteKind};
@@ -461,6 +461,6 @@ fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     if expr.is_condition() {
         return Drawing { expr, restrictions }.to_string();
     }
-    let equation = equals(expr.clone(), number_zero(expr.span));
+    let equation = expr.clone().equals(Expr::of_digits("0", expr.span));
     Drawing { expr: &equation, restrictions }.to_string()
 }

@@ -1,6 +1,6 @@
 //! What is drawn where a text only defines.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, NamedValue, Relation, Statement};
+use crate::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::note::{Note, NoteKind};
 use crate::program::Program;
@@ -21,8 +21,8 @@ pub(crate) fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible
             Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
         let call = Expr::new(ExprKind::Call(function, arguments), span);
         let expr = match parameters.as_slice() {
-            ["x", "y", "z"] => equals(call, number_zero(span)),
-            ["x", "y"] => equals(coordinate(Axis::Z), call),
+            ["x", "y", "z"] => call.equals(Expr::of_digits("0", span)),
+            ["x", "y"] => coordinate(Axis::Z).equals(call),
             _ => continue,
         };
         let drawn = expr.to_string();
@@ -62,15 +62,5 @@ pub(crate) fn drawn_by_program(program: &Program, built: &[Built]) -> Option<(Bu
     let drawn = expr.to_string();
     let statement = Statement::Draw { expr, restrictions: Vec::new() };
     let note = Note { span: name.span, kind: NoteKind::DrawsFunction { drawn } };
-    let used = std::iter::once(name.text.clone()).collect();
-    Some((Built { statement, span: name.span, notes: Vec::new(), used }, note))
-}
-
-pub(crate) fn equals(left: Expr, right: Expr) -> Expr {
-    let span = left.span;
-    Expr::new(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]), span)
-}
-
-pub(crate) fn number_zero(span: Span) -> Expr {
-    Expr::new(ExprKind::Number("0".to_owned()), span)
+    Some((Built::made(statement, name.span), note))
 }

@@ -6,7 +6,7 @@
 use crate::arithmetic::{Arithmetic, arithmetic};
 use crate::ast::{Expr, ExprKind, NamedValue, ProductSign};
 use crate::build::{Builder, Signs, number_only, root_text};
-use crate::closed::{native, number};
+use crate::closed::native;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::lexer::method;
@@ -76,11 +76,12 @@ impl Builder<'_> {
         let typed = self.typed(&pair);
         items.push_back(match pair.as_rule() {
             Rule::name => return self.name(typed, span, items),
-            Rule::number => Item::Leaf(number(decimal(typed), span)),
+            Rule::number => Item::Leaf(Expr::of_digits(decimal(typed), span)),
             Rule::superscript => {
                 // `&sup2;` has its digit as it is.
                 let digit = |c: char| superscript_digit(c).or(Some(c).filter(char::is_ascii_digit));
-                let digits = number(typed.chars().filter_map(digit).collect(), span);
+                let digits: String = typed.chars().filter_map(digit).collect();
+                let digits = Expr::of_digits(digits, span);
                 Item::Superscript(if typed.starts_with('⁻') {
                     digits.negated(span)
                 } else {
@@ -500,7 +501,7 @@ impl Builder<'_> {
 /// What a degree is.
 fn degree(span: Span) -> Expr {
     let pi = Expr::new(ExprKind::Name(NamedValue::Constant(NamedConstant::Pi)), span);
-    let rest = vec![(ProductSign::Over, number("180".to_owned(), span))];
+    let rest = vec![(ProductSign::Over, Expr::of_digits("180", span))];
     Expr::new(ExprKind::Product(Box::new(pi), rest), span)
 }
 

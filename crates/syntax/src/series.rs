@@ -61,14 +61,13 @@ impl Builder<'_> {
         // `range(n)` counts from 0, and the end is not reached.
         let built: Fallible<Vec<Expr>> = rest.into_iter().map(|end| self.value(end)).collect();
         let mut built = built?;
-        let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), place);
         if built.len() == 1 {
-            built.insert(0, number("0"));
+            built.insert(0, Expr::of_digits("0", place));
         }
         if let Some(end) = built.get_mut(1) {
             let span = end.span;
-            let past = std::mem::replace(end, number("0"));
-            *end = sum_of(past, vec![(SumSign::Minus, number("1"))], span);
+            let past = std::mem::replace(end, Expr::of_digits("0", place));
+            *end = sum_of(past, vec![(SumSign::Minus, Expr::of_digits("1", place))], span);
         }
         Ok((index, built))
     }
@@ -87,7 +86,7 @@ impl Builder<'_> {
         let built: Fallible<Vec<Expr>> = ends.iter().map(|end| self.value(end.clone())).collect();
         let mut built = built?;
         if built.len() == 1 {
-            built.insert(0, Expr::new(ExprKind::Number("1".to_owned()), place));
+            built.insert(0, Expr::of_digits("1", place));
         }
         self.series_over(is_product, body, &index, built, place)
     }
@@ -133,10 +132,7 @@ impl Builder<'_> {
             return Err(Error::new(end_span, ErrorKind::TooManyTerms { limit }));
         }
         let high = match end.as_rule() {
-            Rule::number => {
-                let digits = decimal(self.typed(&end));
-                Expr::new(ExprKind::Number(digits), end_span)
-            }
+            Rule::number => Expr::of_digits(decimal(self.typed(&end)), end_span),
             Rule::name => {
                 let mut items = Items::new();
                 self.item(end, &mut items)?;

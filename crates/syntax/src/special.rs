@@ -257,7 +257,7 @@ impl Builder<'_> {
         // In Mathematica it is 0 where no condition holds.
         if is_list && otherwise.is_none() && self.text[span.range()].starts_with('P') {
             self.note(span, NoteKind::ZeroElsewhere);
-            otherwise = Some(Expr::new(ExprKind::Number("0".to_owned()), span));
+            otherwise = Some(Expr::of_digits("0", span));
         }
         Ok(chosen(pieces, otherwise, place))
     }
@@ -281,8 +281,7 @@ impl Builder<'_> {
                     let value = self.expression(first)?;
                     if value.is_condition() {
                         // In Desmos it is 1 where such a condition holds.
-                        let one = ExprKind::Number("1".to_owned());
-                        let one = Expr::new(one, value.span);
+                        let one = Expr::of_digits("1", value.span);
                         pieces.push((value, one));
                     } else {
                         last = Some(value);

@@ -281,10 +281,8 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         }
         let expr = builder.expression(expression)?;
         let expr = if line.unit.is_height && !expr.is_condition() {
-            let z = Expr::new(ExprKind::Name(NamedValue::Coordinate(Axis::Z)), expr.span);
-            let span = expr.span;
-            let kind = ExprKind::Compare(Box::new(z), vec![(Relation::Equal, expr)]);
-            Expr::new(kind, span)
+            let z = ExprKind::Name(NamedValue::Coordinate(Axis::Z));
+            Expr::new(z, expr.span).equals(expr)
         } else {
             expr
         };
@@ -307,7 +305,7 @@ fn set(
     let is_condition = body.is_condition();
     match wrap {
         Some(Wrap::Flag) => {
-            let number = |text: &str| Expr::new(ExprKind::Number(text.to_owned()), span);
+            let number = |digits| Expr::of_digits(digits, span);
             let condition = if is_condition {
                 body
             } else {
@@ -356,14 +354,14 @@ fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> 
             let name = parameter.text.clone();
             return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
         }
-    // LaTeX can spell names that cannot be written otherwise.
     }
+    // LaTeX can spell names that cannot be written otherwise.
     let word = std::iter::once(&head.name).chain(parameters).find(|n| !is_definable(&n.text));
     if let Some(name) = (is_function || is_keyword).then_some(&head.name).or(word) {
         let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
         return Err(Error::new(name.span, kind));
-    Ok(())
     }
+    Ok(())
 }
 
 /// The definition `head = …`, whose left side is not built, for it names what does not exist yet.
