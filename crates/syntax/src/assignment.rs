@@ -27,15 +27,12 @@ impl Reader<'_> {
     ) -> Fallible<()> {
         for tokens in split(tokens, ',') {
             let tokens = Words::without_type(tokens);
-            let is_inner = frame.function.is_some() || frame.prefix.is_some() || frame.nested > 0;
-            if is_whole
-                && is_inner
-                && let Some(name) = tokens.first()
-            {
-                frame.whole.insert(self.words.word(*name).to_owned());
-            }
             if is_whole && let Some(name) = tokens.first() {
-                self.whole.insert(self.words.word(*name).to_owned());
+                let word = self.words.word(*name);
+                if frame.is_inner() {
+                    frame.whole.insert(word.to_owned());
+                }
+                self.whole.insert(word.to_owned());
             }
             if self.counts(&tokens, frame) {
                 continue;
@@ -88,17 +85,6 @@ impl Reader<'_> {
     }
 
     /// `name = value`, whose names stand for what they are in `within`.
-    pub(crate) fn set_within(
-        &mut self,
-        name: Name,
-        size: usize,
-        value: Vec<Token>,
-        within: &Aliases,
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        self.set_to(name, size, value, None, within, frame)
-    }
-
     pub(crate) fn set_to(
         &mut self,
         name: Name,
@@ -114,7 +100,7 @@ impl Reader<'_> {
         let again = frame.set.iter().any(|(set, _)| *set == name.text)
             && frame.aliases.find(&name.text).is_some()
             || self.defined(&name.text);
-        let is_inner = frame.function.is_some() || frame.prefix.is_some() || frame.nested > 0;
+        let is_inner = frame.is_inner();
         let text = match &frame.function {
             _ if is_inner => self.fresh(&frame.made_name(&name.text)),
             None if again

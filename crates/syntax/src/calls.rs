@@ -146,13 +146,8 @@ impl Reader<'_> {
         for (given, argument) in procedure.parameters.iter().zip(arguments) {
             if given.is_in {
                 let within = frame.aliases.clone();
-                self.set_within(
-                    given.name.clone(),
-                    given.size,
-                    argument.clone(),
-                    &within,
-                    &mut inner,
-                )?;
+                let (name, value) = (given.name.clone(), argument.clone());
+                self.set_to(name, given.size, value, None, &within, &mut inner)?;
             } else {
                 inner.set.push((given.name.text.clone(), given.size));
             }

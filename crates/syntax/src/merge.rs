@@ -129,6 +129,11 @@ impl Frame {
         Self { nested: self.nested + 1, ..self.clone() }
     }
 
+    /// Whether it is within a function, a call or a statement that governs others.
+    pub(crate) fn is_inner(&self) -> bool {
+        self.function.is_some() || self.prefix.is_some() || self.nested > 0
+    }
+
     /// A name for what is made here.
     pub(crate) fn made_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {

@@ -243,7 +243,7 @@ impl Reader<'_> {
             // All values are those before any of the names is set.
             let within = frame.aliases.clone();
             for (name, value) in left.into_iter().zip(right) {
-                self.set_within(self.words.name(name), 1, value, &within, frame)?;
+                self.set_to(self.words.name(name), 1, value, None, &within, frame)?;
             }
             return Ok(None);
         }
