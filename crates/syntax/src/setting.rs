@@ -111,31 +111,26 @@ pub(crate) const SETTINGS: [Setting; 14] = {
             word: "hidden",
             hint: "write `hidden` above what is not to be seen, and `hidden off` above what is",
             read: |builder, line, span| {
-                let hidden = builder.switch(line, "hidden", span)?;
-                Ok(SceneSetting::Hidden(span.start, hidden))
+                Ok(SceneSetting::Hidden(span.start, builder.switch(line, span)?))
             },
             ..PLAIN
         },
         Setting {
             word: "shadows",
             hint: "write `shadows on` or `shadows off`",
-            read: |builder, line, span| {
-                builder.switch(line, "shadows", span).map(SceneSetting::Shadows)
-            },
+            read: |builder, line, span| builder.switch(line, span).map(SceneSetting::Shadows),
             ..PLAIN
         },
         Setting {
             word: "axes",
             hint: "write `axes on` or `axes off`",
-            read: |builder, line, span| builder.switch(line, "axes", span).map(SceneSetting::Axes),
+            read: |builder, line, span| builder.switch(line, span).map(SceneSetting::Axes),
             ..PLAIN
         },
         Setting {
             word: "legend",
             hint: "write `legend on` or `legend off`",
-            read: |builder, line, span| {
-                builder.switch(line, "legend", span).map(SceneSetting::Legend)
-            },
+            read: |builder, line, span| builder.switch(line, span).map(SceneSetting::Legend),
             ..PLAIN
         },
         Setting {
@@ -338,8 +333,8 @@ impl Builder<'_> {
     }
 
     /// Whether something is on: the word alone means that it is.
-    fn switch(&mut self, line: Pair<'_>, word: &'static str, span: Span) -> Fallible<bool> {
-        let parts = parts(line);
+    fn switch(&mut self, line: Pair<'_>, span: Span) -> Fallible<bool> {
+        let (word, parts) = (self.word(), parts(line));
         match &parts[..] {
             [] => Ok(true),
             [part] => {
