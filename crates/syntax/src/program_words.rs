@@ -334,32 +334,27 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The names and values of `a, b = 1, 2`.
-    pub(crate) fn parallel(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Vec<Token>>)> {
+    /// The names before an equals sign, and what stands behind it.
+    fn set_at_once(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
         let equals = tokens.iter().position(|token| token.symbol == '=')?;
-        let names = split(tokens[..equals].to_vec(), ',');
-        let values = split(tokens[equals + 1..].to_vec(), ',');
         let single = |tokens: &Vec<Token>| match tokens.as_slice() {
             [only] if is_name(only.symbol) => Some(*only),
             _ => None,
         };
-        let names: Option<Vec<Token>> = names.iter().map(single).collect();
-        let names = names.filter(|names| names.len() > 1 && names.len() == values.len())?;
-        Some((names, values))
+        let names: Option<_> = split(tokens[..equals].to_vec(), ',').iter().map(single).collect();
+        names.map(|names| (names, tokens[equals + 1..].to_vec()))
+    }
+
+    /// The names and values of `a, b = 1, 2`.
+    pub(crate) fn parallel(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Vec<Token>>)> {
+        let (names, values) = Self::set_at_once(tokens)?;
+        let values = split(values, ',');
+        (names.len() > 1 && names.len() == values.len()).then_some((names, values))
     }
 
     /// The names and the value of `x, y, z = p`.
     pub(crate) fn unpacked(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
-        let equals = tokens.iter().position(|token| token.symbol == '=')?;
-        let names: Option<Vec<Token>> = split(tokens[..equals].to_vec(), ',')
-            .iter()
-            .map(|part| match part.as_slice() {
-                [only] if is_name(only.symbol) => Some(*only),
-                _ => None,
-            })
-            .collect();
-        let names = names.filter(|names| matches!(names.len(), 2..=4))?;
-        Some((names, tokens[equals + 1..].to_vec()))
+        Self::set_at_once(tokens).filter(|(names, _)| matches!(names.len(), 2..=4))
     }
 
     /// Whether the components of a parameter are taken in `lines`.
