@@ -214,40 +214,16 @@ fn component(rest: &str, context: Context) -> (char, usize) {
 
 /// The function that a method is, as Rust has them.
 pub(crate) fn method(word: &str) -> Option<&'static str> {
-    const METHODS: &[(&str, &str)] = &[
-        ("powi", "pow"),
-        ("powf", "pow"),
-        ("pow", "pow"),
-        ("sqrt", "sqrt"),
-        ("cbrt", "cbrt"),
-        ("abs", "abs"),
-        ("sin", "sin"),
-        ("cos", "cos"),
-        ("tan", "tan"),
-        ("asin", "asin"),
-        ("acos", "acos"),
-        ("atan", "atan"),
-        ("atan2", "atan2"),
-        ("sinh", "sinh"),
-        ("cosh", "cosh"),
-        ("tanh", "tanh"),
-        ("exp", "exp"),
-        ("ln", "ln"),
-        ("log2", "log2"),
-        ("log10", "log10"),
-        ("floor", "floor"),
-        ("ceil", "ceil"),
-        ("round", "round"),
-        ("signum", "sign"),
-        ("recip", "recip"),
-        ("min", "min"),
-        ("max", "max"),
-        ("clamp", "clamp"),
-        ("hypot", "hypot"),
-        ("norm", "length"),
-        ("length", "length"),
+    const ALIKE: &[&str] = &[
+        "pow", "sqrt", "cbrt", "abs", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh",
+        "cosh", "tanh", "exp", "ln", "log2", "log10", "floor", "ceil", "round", "recip", "min",
+        "max", "clamp", "hypot", "length",
     ];
-    METHODS.iter().find(|(name, _)| *name == word).map(|(_, function)| *function)
+    const OTHERS: &[(&str, &str)] =
+        &[("powi", "pow"), ("powf", "pow"), ("signum", "sign"), ("norm", "length")];
+    let alike = ALIKE.iter().find(|name| **name == word).copied();
+    let other = || OTHERS.iter().find(|(name, _)| *name == word).map(|(_, function)| *function);
+    alike.or_else(other)
 }
 
 /// Whether a word names components of a vector.
