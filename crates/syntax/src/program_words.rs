@@ -5,7 +5,7 @@ use crate::scan::Token;
 use crate::span::Span;
 use crate::spelling::{closer, is_closer, is_name, plain_name};
 
-/// Types and what else stands before a name that is declared.
+/// Types and what else stands before a name that is declared, but for vectors and matrices.
 const TYPES: &[&str] = &[
     "float",
     "int",
@@ -14,18 +14,6 @@ const TYPES: &[&str] = &[
     "real",
     "bool",
     "uint",
-    "vec2",
-    "vec3",
-    "vec4",
-    "float2",
-    "float3",
-    "float4",
-    "half2",
-    "half3",
-    "half4",
-    "mat2",
-    "mat3",
-    "mat4",
     "const",
     "let",
     "var",
@@ -46,27 +34,6 @@ const TYPES: &[&str] = &[
     "precise",
     "long",
     "unsigned",
-    "mat2x2",
-    "mat3x3",
-    "mat4x4",
-    "float2x2",
-    "float3x3",
-    "float4x4",
-    "ivec2",
-    "ivec3",
-    "ivec4",
-    "uvec2",
-    "uvec3",
-    "uvec4",
-    "bvec2",
-    "bvec3",
-    "bvec4",
-    "dvec2",
-    "dvec3",
-    "dvec4",
-    "vec2f",
-    "vec3f",
-    "vec4f",
     "in",
     "poly",
     "public",
@@ -74,6 +41,9 @@ const TYPES: &[&str] = &[
     "nonlocal",
     "global",
 ];
+
+/// What the types of vectors begin with, of which the number of components is the end.
+const VECTORS: &[&str] = &["vec", "float", "half", "ivec", "uvec", "bvec", "dvec"];
 
 /// What functions are called that tell the distance of a scene.
 pub(crate) const SCENES: &[&str] =
@@ -85,13 +55,18 @@ pub(crate) fn is_whole_type(word: &str) -> bool {
 }
 
 pub(crate) fn is_type(word: &str) -> bool {
+    let sized =
+        |stem: &str, ends: &[&str]| word.strip_prefix(stem).is_some_and(|end| ends.contains(&end));
     TYPES.contains(&word)
+        || VECTORS.iter().any(|stem| sized(stem, &["2", "3", "4"]))
+        || sized("vec", &["2f", "3f", "4f"])
+        || sized("mat", &["2", "3", "4"])
+        || ["mat", "float"].iter().any(|stem| sized(stem, &["2x2", "3x3", "4x4"]))
 }
 
 /// The number of components of a type.
 pub(crate) fn size_of(word: &str) -> usize {
-    let stems = ["vec", "float", "half", "ivec", "uvec", "bvec", "dvec"];
-    let is_vector = stems.iter().any(|stem| word.starts_with(stem)) && !word.contains('x');
+    let is_vector = VECTORS.iter().any(|stem| word.starts_with(stem)) && !word.contains('x');
     let word = word.strip_suffix('f').unwrap_or(word);
     match word.chars().last().and_then(|last| last.to_digit(10)) {
         Some(digit @ 2..=4) if is_vector => digit as usize,
