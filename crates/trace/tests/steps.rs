@@ -212,8 +212,8 @@ fn pixels_followed_from_the_eye_are_as_in_the_whole_picture() {
         starts[pixel] = 0.0;
     }
     driver.behind(&starts, Start::Anywhere, &mut buffer);
-    for pixel in 0..SIZE * SIZE {
-        let expected = if starts[pixel] == 0.0 { whole.distance(pixel) } else { f64::INFINITY };
+    for (pixel, start) in starts.iter().enumerate() {
+        let expected = if *start == 0.0 { whole.distance(pixel) } else { f64::INFINITY };
         assert_eq!(buffer.distance(pixel), expected, "{pixel}");
     }
     // What is no longer wanted stays as it was: nothing is proven of it.
