@@ -163,7 +163,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let mut a = f64::wide(simd, &screens[0]);
         let b = f64::wide(simd, &screens[1]);
         for (a, b) in a.iter_mut().zip(b) {
-            *a = b.mul_add(b, a.mul_add(*a, 1.0)).sqrt();
+            // Rounded as that of one ray is: it does not hang on the others whether a ray is finished with them.
+            *a = (1.0 + *a * *a + b * b).sqrt();
         }
         a
     }
