@@ -140,6 +140,10 @@ pub fn compile_for_comparison<Q: Question, T: Real>(
 fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        expect(unused_variables, reason = "there is one width")
+    )]
     widest: usize,
 ) -> Result<Code, Error> {
     #[cfg(target_arch = "x86_64")]

@@ -15,6 +15,11 @@ pub(super) fn widen(
     width: Width,
     written: &mut Vec<Instruction>,
 ) -> Option<()> {
+    if width == Width::Zmm
+        && let Some(by_lanes) = by_lanes(instruction.code())
+    {
+        return widen_by_lanes(instruction, &by_lanes, written);
+    }
     let [to, a, b] = [0, 1, 2].map(|operand| instruction.op_register(operand));
     let whole = |register| width.whole(register);
     match instruction.code() {
@@ -35,33 +40,6 @@ pub(super) fn widen(
             let half = width.half(b);
             written.push(Instruction::with4(code, whole(to), whole(a), half, 1).ok()?);
         }
-        code if width == Width::Zmm && by_lanes(code).is_some() => {
-            let by_lanes = by_lanes(code)?;
-            let mut other = *instruction;
-            other.set_code(by_lanes.code());
-            for operand in 0..other.op_count() {
-                if other.op_kind(operand) == OpKind::Register {
-                    other.set_op_register(operand, whole(instruction.op_register(operand)));
-                }
-            }
-            match by_lanes {
-                ByLanes::Compare(_, spread) => {
-                    other.set_op0_register(LANES);
-                    written.push(other);
-                    written.push(Instruction::with2(spread, whole(to), LANES).ok()?);
-                }
-                ByLanes::Choose(_, gather) => {
-                    let signs = whole(instruction.op3_register());
-                    written.push(Instruction::with2(gather, LANES, signs).ok()?);
-                    other.set_op_mask(LANES);
-                    written.push(other);
-                }
-                ByLanes::Signs(gather) => {
-                    written.push(Instruction::with2(gather, LANES, whole(a)).ok()?);
-                    written.push(Instruction::with2(Code::VEX_Kmovw_r32_kr, to, LANES).ok()?);
-                }
-            }
-        }
         code => {
             let mut wider = *instruction;
             wider.set_code(encoding(code, width)?);
@@ -78,6 +56,40 @@ pub(super) fn widen(
                 }
             }
             written.push(wider);
+        }
+    }
+    Some(())
+}
+
+/// The same by a bit a lane.
+fn widen_by_lanes(
+    instruction: &Instruction,
+    by_lanes: &ByLanes,
+    written: &mut Vec<Instruction>,
+) -> Option<()> {
+    let whole = |operand| Width::Zmm.whole(instruction.op_register(operand));
+    let mut other = *instruction;
+    other.set_code(by_lanes.code());
+    for operand in 0..other.op_count() {
+        if other.op_kind(operand) == OpKind::Register {
+            other.set_op_register(operand, whole(operand));
+        }
+    }
+    match *by_lanes {
+        ByLanes::Compare(_, spread) => {
+            other.set_op0_register(LANES);
+            written.push(other);
+            written.push(Instruction::with2(spread, whole(0), LANES).ok()?);
+        }
+        ByLanes::Choose(_, gather) => {
+            written.push(Instruction::with2(gather, LANES, whole(3)).ok()?);
+            other.set_op_mask(LANES);
+            written.push(other);
+        }
+        ByLanes::Signs(gather) => {
+            let to = instruction.op0_register();
+            written.push(Instruction::with2(gather, LANES, whole(1)).ok()?);
+            written.push(Instruction::with2(Code::VEX_Kmovw_r32_kr, to, LANES).ok()?);
         }
     }
     Some(())

@@ -163,7 +163,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let mut a = f64::wide(simd, &screens[0]);
         let b = f64::wide(simd, &screens[1]);
         for (a, b) in a.iter_mut().zip(b) {
-            // Rounded as that of one ray is: it does not hang on the others whether a ray is finished with them.
+            // Rounded product by product, as `length` rounds: which of the two a pixel gets hangs on its neighbours.
             *a = (1.0 + *a * *a + b * b).sqrt();
         }
         a
