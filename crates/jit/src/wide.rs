@@ -7,6 +7,7 @@
 //! instruction that is not known stays as it is.
 
 mod encodings;
+mod masks;
 mod spilled;
 
 use encodings::widen;
@@ -99,6 +100,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
     let kept = if width == Width::Zmm { spilled::registers(&read, slots) } else { Vec::new() };
     let mut constants = Constants { width, places: HashMap::new(), bytes: Vec::new() };
     let mut written = Vec::with_capacity(read.len() + 8);
+    let (of_read, mut blocks) = (spilled::blocks(&read), Vec::with_capacity(read.len() + 8));
     for (number, mut instruction) in read.into_iter().enumerate() {
         let (ip, first) = (instruction.ip(), written.len());
         if !frame.takes(&instruction, &mut written)? {
@@ -129,6 +131,10 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
         for (k, instruction) in written[first..].iter_mut().enumerate() {
             instruction.set_ip(if k == 0 { ip } else { 0 });
         }
+        blocks.resize(written.len(), of_read[number]);
+    }
+    if width == Width::Zmm {
+        written = masks::kept(written, blocks);
     }
     // Constants are thought to be far behind the code until it is known how long that is.
     for instruction in written.iter_mut().filter(|written| written.is_ip_rel_memory_operand()) {

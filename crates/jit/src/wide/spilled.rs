@@ -90,7 +90,7 @@ fn spans(read: &[Instruction], slots: u32) -> Vec<Span> {
 }
 
 /// By instruction, the number of the block that it is in: where one of them runs, all do, in order.
-fn blocks(read: &[Instruction]) -> Vec<usize> {
+pub fn blocks(read: &[Instruction]) -> Vec<usize> {
     let mut targets: Vec<u64> = read.iter().filter_map(super::target).collect();
     targets.sort_unstable();
     let mut block = 0;

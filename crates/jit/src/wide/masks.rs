@@ -1,0 +1,322 @@
+//! Bits a lane that are taken where they are.
+//!
+//! With vectors of 512 bits a comparison gives a bit a lane, and a choice takes one. Written instruction by instruction, there is
+//! a vector in between, which has to be made and to be read again. Within a block it is known where the bits still are.
+
+use super::target;
+use iced_x86::{Code, Instruction, Mnemonic, OpKind, Register};
+use std::collections::{HashMap, HashSet};
+
+/// Registers for bits, and the first of them: K0 stands for none.
+const REGISTERS: u32 = 7;
+const FIRST: Register = Register::K1;
+
+/// The same code without what makes bits of vectors while they are still there, and without vectors that nothing reads then. By
+/// instruction, `blocks` has the number of the block that it is in.
+pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
+    let targets: HashSet<u64> = written.iter().filter_map(target).collect();
+    let (written, blocks) = with_bits(written, blocks, &targets);
+    let mut is_needed = vec![true; written.len()];
+    let (mut needs, mut block) = (Needs::default(), usize::MAX);
+    for (number, instruction) in written.iter().enumerate().rev() {
+        if blocks[number] != block {
+            (needs, block) = (Needs::default(), blocks[number]);
+        }
+        is_needed[number] = targets.contains(&instruction.ip()) || needs.needs(instruction);
+        if is_needed[number] {
+            needs.go_back(instruction);
+        }
+    }
+    let mut is_needed = is_needed.into_iter();
+    written.into_iter().filter(|_| is_needed.next() == Some(true)).collect()
+}
+
+/// Code that takes bits where they are. All have one register before, and those who take them come right behind those who give
+/// them; here they are kept in all registers in turn.
+fn with_bits(
+    written: Vec<Instruction>,
+    blocks: Vec<usize>,
+    targets: &HashSet<u64>,
+) -> (Vec<Instruction>, Vec<usize>) {
+    let (mut code, mut numbers) = (Vec::with_capacity(written.len()), Vec::new());
+    let mut bits = Bits::default();
+    let mut given = None;
+    for (mut instruction, block) in written.into_iter().zip(blocks) {
+        if numbers.last() != Some(&block) {
+            bits.known.clear();
+        }
+        let [to, a, b] = [0, 1, 2].map(|operand| instruction.op_register(operand));
+        let mut is_left_out = false;
+        if let Some(register) = given.take() {
+            bits.known.remove(&to);
+            if instruction.op_mask() != Register::None {
+                instruction.set_op_mask(register);
+            } else {
+                instruction.set_op1_register(register);
+                if let Some(lanes) = spread(instruction.code()) {
+                    bits.known.insert(to, (register, lanes));
+                }
+            }
+        } else if let Some(lanes) = gathered(instruction.code()) {
+            let register = match bits.known.get(&a) {
+                Some(&(register, known)) if known == lanes => {
+                    is_left_out = !targets.contains(&instruction.ip());
+                    register
+                }
+                _ => bits.fresh(),
+            };
+            bits.known.insert(a, (register, lanes));
+            instruction.set_op0_register(register);
+            given = Some(register);
+        } else if to.is_k() {
+            let register = bits.fresh();
+            instruction.set_op0_register(register);
+            given = Some(register);
+        } else if let Some(logic) = logic(instruction.code())
+            && let (Some(&(a, lanes)), Some(&(b, others))) =
+                (bits.known.get(&a), bits.known.get(&b))
+            && lanes == others
+        {
+            let register = bits.fresh();
+            code.extend(Instruction::with3(logic, register, a, b));
+            numbers.push(block);
+            bits.known.insert(to, (register, lanes));
+        } else if let Some(&same) = bits.known.get(&a)
+            && is_move(&instruction)
+        {
+            bits.known.insert(to, same);
+        } else {
+            bits.known.remove(&whole(to));
+        }
+        if !is_left_out {
+            code.push(instruction);
+            numbers.push(block);
+        }
+    }
+    (code, numbers)
+}
+
+/// Where bits are.
+#[derive(Default)]
+struct Bits {
+    /// By vector, the register with the signs of its lanes, and how many lanes those are.
+    known: HashMap<Register, (Register, u32)>,
+    next: u32,
+}
+
+impl Bits {
+    /// The register that was given away first.
+    fn fresh(&mut self) -> Register {
+        let register = FIRST + self.next % REGISTERS;
+        self.next += 1;
+        self.known.retain(|_, (other, _)| *other != register);
+        register
+    }
+}
+
+/// What the rest of a block reads, and what comes after it.
+#[derive(Default)]
+struct Needs {
+    /// Vectors that are written before they are read. All others may be read.
+    lost: HashSet<Register>,
+    /// Bits that are read; never after the block.
+    read: HashSet<Register>,
+}
+
+impl Needs {
+    /// Whether anything needs what an instruction does.
+    fn needs(&self, instruction: &Instruction) -> bool {
+        let (to, code) = (instruction.op0_register(), instruction.code());
+        if to.is_k() {
+            return self.read.contains(&to);
+        }
+        let is_of_bits = spread(code).is_some() || logic(code).is_some() || is_move(instruction);
+        !is_of_bits || !self.lost.contains(&to)
+    }
+
+    /// Takes an instruction before the rest.
+    fn go_back(&mut self, instruction: &Instruction) {
+        let to = whole(instruction.op0_register());
+        if to.is_zmm() {
+            self.lost.insert(to);
+        }
+        self.read.remove(&to);
+        let first = usize::from(!reads_what_it_writes(instruction)) as u32;
+        for operand in first..instruction.op_count() {
+            let register = whole(instruction.op_register(operand));
+            self.lost.remove(&register);
+            if register.is_k() {
+                self.read.insert(register);
+            }
+        }
+        self.read.insert(instruction.op_mask());
+    }
+}
+
+/// Whether what is added to a product, or multiplied, gives its place to the sum.
+fn reads_what_it_writes(instruction: &Instruction) -> bool {
+    use Mnemonic::{
+        Vfmadd132pd, Vfmadd132ps, Vfmadd213pd, Vfmadd213ps, Vfmsub132pd, Vfmsub132ps, Vfmsub213pd,
+        Vfmsub213ps,
+    };
+    [Vfmadd132pd, Vfmadd132ps, Vfmadd213pd, Vfmadd213ps]
+        .into_iter()
+        .chain([Vfmsub132pd, Vfmsub132ps, Vfmsub213pd, Vfmsub213ps])
+        .any(|mnemonic| mnemonic == instruction.mnemonic())
+}
+
+/// The register that has this one as its lowest part.
+fn whole(register: Register) -> Register {
+    let first = match register {
+        _ if register.is_xmm() => Register::XMM0,
+        _ if register.is_ymm() => Register::YMM0,
+        _ => return register,
+    };
+    Register::ZMM0 + (register as u32 - first as u32)
+}
+
+/// Whether a vector is copied from one register to another.
+fn is_move(instruction: &Instruction) -> bool {
+    let moves = [Code::EVEX_Vmovups_zmm_k1z_zmmm512, Code::EVEX_Vmovupd_zmm_k1z_zmmm512];
+    moves.contains(&instruction.code()) && instruction.op1_kind() == OpKind::Register
+}
+
+/// How many lanes an instruction takes the signs of.
+fn gathered(code: Code) -> Option<u32> {
+    match code {
+        Code::EVEX_Vpmovd2m_kr_zmm => Some(16),
+        Code::EVEX_Vpmovq2m_kr_zmm => Some(8),
+        _ => None,
+    }
+}
+
+/// How many lanes an instruction makes of bits.
+fn spread(code: Code) -> Option<u32> {
+    match code {
+        Code::EVEX_Vpmovm2d_zmm_kr => Some(16),
+        Code::EVEX_Vpmovm2q_zmm_kr => Some(8),
+        _ => None,
+    }
+}
+
+/// What does the same to bits as an instruction does to the signs of vectors.
+fn logic(code: Code) -> Option<Code> {
+    Some(match code {
+        Code::EVEX_Vandps_zmm_k1z_zmm_zmmm512b32 | Code::EVEX_Vandpd_zmm_k1z_zmm_zmmm512b64 => {
+            Code::VEX_Kandw_kr_kr_kr
+        }
+        Code::EVEX_Vorps_zmm_k1z_zmm_zmmm512b32 | Code::EVEX_Vorpd_zmm_k1z_zmm_zmmm512b64 => {
+            Code::VEX_Korw_kr_kr_kr
+        }
+        Code::EVEX_Vxorps_zmm_k1z_zmm_zmmm512b32 | Code::EVEX_Vxorpd_zmm_k1z_zmm_zmmm512b64 => {
+            Code::VEX_Kxorw_kr_kr_kr
+        }
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Register::{K1, ZMM0, ZMM1, ZMM2, ZMM3, ZMM4, ZMM5};
+
+    fn with(code: Code, operands: &[Register]) -> Instruction {
+        let mut instruction = Instruction::default();
+        instruction.set_code(code);
+        for (number, register) in (0..).zip(operands) {
+            instruction.set_op_kind(number, OpKind::Register);
+            instruction.set_op_register(number, *register);
+        }
+        instruction
+    }
+
+    /// A vector that is set where one is less than another.
+    fn compare(to: Register, [a, b]: [Register; 2]) -> [Instruction; 2] {
+        let code = Code::EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae;
+        let mut less = Instruction::with4(code, K1, a, b, 1).expect("valid");
+        less.set_op_mask(Register::None);
+        [less, with(Code::EVEX_Vpmovm2d_zmm_kr, &[to, K1])]
+    }
+
+    /// One of two vectors, by the signs of a third.
+    fn choose(to: Register, signs: Register, [a, b]: [Register; 2]) -> [Instruction; 2] {
+        let mut blend = with(Code::EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32, &[to, a, b]);
+        blend.set_op_mask(K1);
+        [with(Code::EVEX_Vpmovd2m_kr_zmm, &[K1, signs]), blend]
+    }
+
+    fn add(to: Register, [a, b]: [Register; 2]) -> Instruction {
+        with(Code::EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er, &[to, a, b])
+    }
+
+    /// What is left, as mnemonics.
+    fn left(written: Vec<Instruction>) -> Vec<Mnemonic> {
+        let blocks = vec![0; written.len()];
+        kept(written, blocks).iter().map(Instruction::mnemonic).collect()
+    }
+
+    #[test]
+    fn what_was_compared_is_chosen_by_at_once() {
+        use Mnemonic::{Vaddps, Vblendmps, Vcmpps, Vpmovm2d};
+        let twice = || {
+            let chosen = choose(ZMM3, ZMM0, [ZMM1, ZMM2]).into_iter();
+            chosen.chain(choose(ZMM4, ZMM0, [ZMM2, ZMM1]))
+        };
+        let code: Vec<_> = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(twice()).collect();
+        // Something else may read the vector after the block.
+        assert_eq!(left(code.clone()), [Vcmpps, Vpmovm2d, Vblendmps, Vblendmps]);
+        let lost: Vec<_> = code.into_iter().chain([add(ZMM0, [ZMM3, ZMM4])]).collect();
+        assert_eq!(left(lost.clone()), [Vcmpps, Vblendmps, Vblendmps, Vaddps]);
+        // The bits are where they are looked for.
+        let blocks = vec![0; lost.len()];
+        let kept = kept(lost, blocks);
+        assert!(kept[1..3].iter().all(|blend| blend.op_mask() == kept[0].op0_register()));
+    }
+
+    #[test]
+    fn bits_are_not_taken_of_what_a_vector_was() {
+        use Mnemonic::{Vaddps, Vblendmps, Vcmpps, Vpmovd2m, Vpmovm2d};
+        let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain([add(ZMM0, [ZMM1, ZMM2])]);
+        let code: Vec<_> = code.chain(choose(ZMM3, ZMM0, [ZMM1, ZMM2])).collect();
+        assert_eq!(left(code), [Vaddps, Vpmovd2m, Vblendmps]);
+        // Nor in another block.
+        let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(choose(ZMM3, ZMM0, [ZMM1, ZMM2]));
+        let kept = kept(code.collect(), vec![0, 0, 1, 1]);
+        let kept: Vec<_> = kept.iter().map(Instruction::mnemonic).collect();
+        assert_eq!(kept, [Vcmpps, Vpmovm2d, Vpmovd2m, Vblendmps]);
+    }
+
+    #[test]
+    fn both_of_two_are_so_by_bits() {
+        use Mnemonic::{Kandw, Vaddps, Vblendmps, Vcmpps};
+        let and = with(Code::EVEX_Vandps_zmm_k1z_zmm_zmmm512b32, &[ZMM5, ZMM0, ZMM3]);
+        let lost = [ZMM0, ZMM3, ZMM5].map(|to| add(to, [ZMM1, ZMM2]));
+        let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(compare(ZMM3, [ZMM2, ZMM1]));
+        let code = code.chain([and]).chain(choose(ZMM4, ZMM5, [ZMM1, ZMM2])).chain(lost);
+        let expected = [Vcmpps, Vcmpps, Kandw, Vblendmps, Vaddps, Vaddps, Vaddps];
+        assert_eq!(left(code.collect()), expected);
+    }
+
+    #[test]
+    fn where_registers_run_out_bits_are_made_again() {
+        let vectors: Vec<Register> = (0..8).map(|k| ZMM0 + 8 + k).collect();
+        let mut code = Vec::new();
+        for vector in &vectors {
+            code.extend(compare(*vector, [ZMM1, ZMM2]));
+        }
+        for vector in &vectors {
+            code.extend(choose(ZMM3, *vector, [ZMM1, ZMM2]));
+        }
+        let made = left(code).into_iter().filter(|mnemonic| *mnemonic == Mnemonic::Vpmovd2m);
+        // Each that is made takes the place of the one that comes next.
+        assert_eq!(made.count(), 8);
+        let mut code = Vec::new();
+        for vector in &vectors[..7] {
+            code.extend(compare(*vector, [ZMM1, ZMM2]));
+        }
+        for vector in &vectors[..7] {
+            code.extend(choose(ZMM3, *vector, [ZMM1, ZMM2]));
+        }
+        assert!(!left(code).contains(&Mnemonic::Vpmovd2m));
+    }
+}
