@@ -313,7 +313,8 @@ fn thick(mut cell: Cell, share: f64) -> Cell {
     for (axis, middle) in cell.centre().into_iter().enumerate() {
         if cell.extent(axis) < share * largest {
             let half = THICK * largest / 2.0;
-            (cell.low[axis], cell.high[axis]) = (middle - half, middle + half);
+            let end = |end: f64| rounded(end, largest / 1000.0);
+            (cell.low[axis], cell.high[axis]) = (end(middle - half), end(middle + half));
         }
     }
     cell

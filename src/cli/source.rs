@@ -63,6 +63,9 @@ pub fn find(argument: &OsStr) -> Result<Source> {
             None => bail!("there is no file '{shown}'; 'zeroset gallery --list' lists the gallery"),
         }
     }
+    if is_like_a_path(path) && !is_formula(text) {
+        bail!("there is no file '{shown}', and it is no formula");
+    }
     if let Some(slug) = misspelt(text) {
         bail!(
             "'{shown}' is not a file, a surface of the gallery or a formula; did you mean '{slug}' of the gallery?"
@@ -85,7 +88,20 @@ fn misspelt(text: &str) -> Option<&'static str> {
     let begun = slugs().find(|slug| slug.starts_with(text));
     let near = || slugs().filter(|slug| distance(slug) <= 2 && distance(slug) * 3 <= text.len());
     let slug = begun.or_else(|| near().min_by_key(|slug| distance(slug)))?;
-    zeroset_syntax::read(text, &zeroset_syntax::Options::default()).is_err().then_some(slug)
+    (!is_formula(text)).then_some(slug)
+}
+
+fn is_formula(text: &str) -> bool {
+    zeroset_syntax::read(text, &zeroset_syntax::Options::default()).is_ok()
+}
+
+/// Whether it is a file's name with an extension of some letters, perhaps in a directory.
+fn is_like_a_path(path: &Path) -> bool {
+    let is_word = |text: &str| text.chars().all(|c| c.is_alphanumeric() || "-_./\\".contains(c));
+    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+    extension.len() > 1
+        && extension.chars().all(|c| c.is_ascii_alphabetic())
+        && path.to_str().is_some_and(is_word)
 }
 
 /// The text of a file.

@@ -41,6 +41,9 @@ const SPACE: f64 = 0.02;
 /// Heights that differ by less than this share of them may be the same but for rounding, as where little is added to much.
 const ROUNDING: f64 = 1e-12;
 
+/// A top that is less than this share of the largest one high is not seen.
+const SEEN: f64 = 0.02;
+
 /// Steps of the search for a top, and how often they are halved.
 const STEPS: usize = 24;
 const HALVINGS: usize = 5;
@@ -66,6 +69,11 @@ impl Grid {
                 let found = climb(heights, places[n], sampled[n], sign, apart);
                 tops.extend(found.filter(|top| (top.2 - sampled[n]).abs() <= (high - low) / 2.0));
             }
+            // What dies away has tops that nobody sees.
+            let middle = sorted[sorted.len() / 2];
+            let size = |top: &(f64, f64, f64)| (top.2 - middle).abs();
+            let most = tops.iter().map(size).fold(0.0, f64::max);
+            tops.retain(|top| size(top) >= SEEN * most);
         }
         Self { half, sorted, border, tops }
     }

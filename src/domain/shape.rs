@@ -25,6 +25,8 @@ pub struct Shape {
     pub is_of_planes: bool,
     /// The axis for which it can be solved, since it is that axis times a number and a function of the two others.
     pub height: Option<(usize, f64)>,
+    /// The same where one of the two others does not count: with the one that does. Not of polynomials, whose places are found.
+    pub profile: Option<(usize, usize, f64)>,
     /// Whether all of it is sums, products and whole powers.
     pub is_polynomial: bool,
 }
@@ -90,11 +92,16 @@ impl Shape {
         shape.is_plane = found.linear.is_some();
         shape.is_of_planes = found.is_of_planes;
         // Graphs over the ground first.
-        let height = [2, 1, 0].into_iter().find_map(|axis| {
-            let factor = found.solved[axis].filter(|factor| *factor != 0.0)?;
-            (0..3).all(|other| found.depends[other]).then_some((axis, factor))
-        });
-        shape.height = height.filter(|_| !shape.is_plane);
+        let solved = |axis: usize| found.solved[axis].filter(|factor| *factor != 0.0);
+        let heights = || [2, 1, 0].into_iter().filter_map(|up| Some((up, solved(up)?)));
+        if found.depends == [true; 3] {
+            shape.height = heights().next().filter(|_| !shape.is_plane);
+        } else if !found.is_polynomial {
+            shape.profile = heights().find_map(|(up, factor)| {
+                let along = (0..3).find(|other| *other != up && found.depends[*other])?;
+                Some((up, along, factor))
+            });
+        }
         shape.find_waves(graph, root, &known);
         shape
     }

@@ -117,6 +117,24 @@ fn a_window_holds_what_is_particular_off_the_axes() {
 }
 
 #[test]
+fn a_window_on_what_dies_away_shows_what_is_seen_of_it() {
+    // Its waves go on for ever, ever lower.
+    for (text, half) in [
+        ("z=exp(-x^2-y^2) sin(5x)", 1.5..4.0),
+        ("z=exp(-x^2) cos(7x)", 1.5..4.0),
+        // And along ridges as long as the window.
+        ("z=sinc(x)", 8.0..20.0),
+        ("y=sin(x)/x", 8.0..20.0),
+        ("x=3+exp(-z^2)", 1.0..4.0),
+    ] {
+        let found = found(text);
+        let (low, high) = (found.low, found.high);
+        let axis = if text.starts_with('x') { 2 } else { 0 };
+        assert!(half.contains(&high[axis]) && low[axis] == -high[axis], "{text}: {found:?}");
+    }
+}
+
+#[test]
 fn bounded_is_said_only_of_what_is_bounded() {
     for text in [
         "x^2+y^2=z^2",

@@ -130,6 +130,17 @@ impl View<'_> {
         if let Some((up, factor)) = height {
             return few_digits(around_tops(&|places| self.heights(up, factor, places)));
         }
+        if let Some((up, along, factor)) = self.sight.shape.profile {
+            // Of a ridge that is as long as the window one place counts.
+            let across = usize::from((up + 1) % 3 == along);
+            let heights = |places: &[[f64; 2]]| {
+                let is_middle = |place: &[f64; 2]| place[across] == 0.0;
+                let all = self.heights(up, factor, places);
+                let heights = all.into_iter().zip(places);
+                heights.map(|(h, place)| if is_middle(place) { h } else { f64::NAN }).collect()
+            };
+            return few_digits(around_tops(&heights));
+        }
         let reach = self.landmarks().reach();
         if is_plane {
             return if reach == 0.0 { PLAIN } else { few_digits(ROOM_OF_PLANE * reach) };

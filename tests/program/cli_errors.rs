@@ -141,6 +141,10 @@ fn files_that_cannot_be_read() {
     assert_refused(&place, &run, "not valid UTF-8 text: line 2", "invalid UTF-8 on standard input");
     let run = place.run(&["render", "missing.zset", "-o", PICTURE]);
     assert_refused(&place, &run, "there is no file 'missing.zset'", "a missing file");
+    for name in ["missing.txt", "folder/missing.glsl"] {
+        let run = place.run(&["render", name, "-o", PICTURE]);
+        assert_refused(&place, &run, &format!("there is no file '{name}'"), "a missing text");
+    }
     std::fs::create_dir(place.path("folder.zset")).expect("made");
     let run = place.run(&["render", "folder.zset", "-o", PICTURE]);
     assert_refused(&place, &run, "is a directory", "a directory");
