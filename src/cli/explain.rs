@@ -60,6 +60,9 @@ fn explain_in<T: KernelFloat>(
     }
     // A formula without a surface can be explained too; nothing is then assumed of its domain.
     let region = scene::region(document, subject.domain, None).map(|(region, _)| region);
+    if let Err(error) = &region {
+        writeln!(text, "no surface  {error}")?;
+    }
     let domain = region.as_ref().map_or([Interval::ENTIRE; 3], scene::bounds);
     // Kernels do not depend on it beyond the domain.
     let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
@@ -116,12 +119,15 @@ fn explain_in<T: KernelFloat>(
     Ok(text + &code)
 }
 
-/// The value if the bounds enclose one number as tightly as they can, else the bounds.
+/// The value if the bounds enclose one number as tightly as they can, as the one that has fewer digits; else the bounds.
 fn range(bounds: Interval) -> String {
-    if bounds.lo.next_up() >= bounds.hi {
-        format!("{}", bounds.hi)
+    let [low, high] = [bounds.lo, bounds.hi].map(|bound| bound.to_string());
+    if bounds.lo.next_up() < bounds.hi {
+        format!("[{low}, {high}]")
+    } else if low.len() < high.len() {
+        low
     } else {
-        format!("[{}, {}]", bounds.lo, bounds.hi)
+        high
     }
 }
 

@@ -490,8 +490,12 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     };
     assert!(code("f32").contains("f32x4") && !code("f32").contains("f64x2"));
     assert!(code("f64").contains("f64x2") && !code("f64").contains("f32x4"));
-    // A constant has no surface, but it can be explained.
-    place.run(&["explain", "3"]).ok();
+    // A constant has no surface, but it can be explained, and so is why.
+    let three = place.run(&["explain", "3"]).ok();
+    assert!(three.text().contains("no surface  '3' is constant: it is 3"), "{}", three.text());
+    // The float below 0.3 is the one that is written so.
+    let parameter = place.run(&["explain", "x^2+y^2+z^2=a", "-D", "a=0.3"]).ok();
+    assert!(parameter.text().contains("parameter   a = 0.3\n"), "{}", parameter.text());
 }
 
 #[test]

@@ -49,13 +49,13 @@ fn with_bits(
         let mut is_left_out = false;
         if let Some(register) = given.take() {
             bits.known.remove(&to);
-            if instruction.op_mask() != Register::None {
-                instruction.set_op_mask(register);
-            } else {
+            if instruction.op_mask() == Register::None {
                 instruction.set_op1_register(register);
                 if let Some(lanes) = spread(instruction.code()) {
                     bits.known.insert(to, (register, lanes));
                 }
+            } else {
+                instruction.set_op_mask(register);
             }
         } else if let Some(lanes) = gathered(instruction.code()) {
             let register = match bits.known.get(&a) {
