@@ -134,10 +134,12 @@ impl View<'_> {
             // Of a ridge that is as long as the window one place counts.
             let across = usize::from((up + 1) % 3 == along);
             let heights = |places: &[[f64; 2]]| {
-                let is_middle = |place: &[f64; 2]| place[across] == 0.0;
-                let all = self.heights(up, factor, places);
-                let heights = all.into_iter().zip(places);
-                heights.map(|(h, place)| if is_middle(place) { h } else { f64::NAN }).collect()
+                let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
+                let middle: Vec<[f64; 2]> = places.iter().filter(is_middle).copied().collect();
+                let mut heights = self.heights(up, factor, &middle).into_iter();
+                let mut height =
+                    |place| if is_middle(&place) { heights.next() } else { Some(f64::NAN) };
+                places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
             };
             return few_digits(around_tops(&heights));
         }

@@ -97,10 +97,14 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
     let frame =
         Frame { slots: i64::from(slots), most: i64::from(stack), times: width.times() as i64 };
     let read = instructions(code)?;
-    let kept = if width == Width::Zmm { spilled::registers(&read, slots) } else { Vec::new() };
+    let (mut kept, mut blocks) = (Vec::new(), Vec::new());
+    if width == Width::Zmm {
+        blocks = spilled::blocks(&read);
+        kept = spilled::registers(&read, &blocks, slots);
+    }
     let mut constants = Constants { width, places: HashMap::new(), bytes: Vec::new() };
     let mut written = Vec::with_capacity(read.len() + 8);
-    let (of_read, mut blocks) = (spilled::blocks(&read), Vec::with_capacity(read.len() + 8));
+    let mut blocks_of_written = Vec::with_capacity(blocks.len() + 8);
     for (number, mut instruction) in read.into_iter().enumerate() {
         let (ip, first) = (instruction.ip(), written.len());
         if !frame.takes(&instruction, &mut written)? {
@@ -131,10 +135,12 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
         for (k, instruction) in written[first..].iter_mut().enumerate() {
             instruction.set_ip(if k == 0 { ip } else { 0 });
         }
-        blocks.resize(written.len(), of_read[number]);
+        if let Some(block) = blocks.get(number) {
+            blocks_of_written.resize(written.len(), *block);
+        }
     }
     if width == Width::Zmm {
-        written = masks::kept(written, blocks);
+        written = masks::kept(written, blocks_of_written);
     }
     // Constants are thought to be far behind the code until it is known how long that is.
     for instruction in written.iter_mut().filter(|written| written.is_ip_rel_memory_operand()) {

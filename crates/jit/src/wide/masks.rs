@@ -5,24 +5,25 @@
 
 use super::target;
 use iced_x86::{Code, Instruction, Mnemonic, OpKind, Register};
-use std::collections::{HashMap, HashSet};
 
 /// Registers for bits, and the first of them: K0 stands for none.
 const REGISTERS: u32 = 7;
 const FIRST: Register = Register::K1;
+/// Registers for vectors.
+const VECTORS: usize = 32;
 
 /// The same code without what makes bits of vectors while they are still there, and without vectors that nothing reads then. By
-/// instruction, `blocks` has the number of the block that it is in.
+/// instruction, `blocks` has the number of the block that it is in: a branch leads to the first of one.
 pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
-    let targets: HashSet<u64> = written.iter().filter_map(target).collect();
-    let (written, blocks) = with_bits(written, blocks, &targets);
+    let targets: Vec<u64> = written.iter().filter_map(target).collect();
+    let (written, blocks) = with_bits(written, blocks);
     let mut is_needed = vec![true; written.len()];
     let (mut needs, mut block) = (Needs::default(), usize::MAX);
     for (number, instruction) in written.iter().enumerate().rev() {
         if blocks[number] != block {
             (needs, block) = (Needs::default(), blocks[number]);
         }
-        is_needed[number] = targets.contains(&instruction.ip()) || needs.needs(instruction);
+        is_needed[number] = needs.needs(instruction) || targets.contains(&instruction.ip());
         if is_needed[number] {
             needs.go_back(instruction);
         }
@@ -33,39 +34,34 @@ pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
 
 /// Code that takes bits where they are. All have one register before, and those who take them come right behind those who give
 /// them; here they are kept in all registers in turn.
-fn with_bits(
-    written: Vec<Instruction>,
-    blocks: Vec<usize>,
-    targets: &HashSet<u64>,
-) -> (Vec<Instruction>, Vec<usize>) {
+fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>, Vec<usize>) {
     let (mut code, mut numbers) = (Vec::with_capacity(written.len()), Vec::new());
-    let mut bits = Bits::default();
+    let (mut bits, mut last) = (Bits::default(), usize::MAX);
     let mut given = None;
     for (mut instruction, block) in written.into_iter().zip(blocks) {
-        if numbers.last() != Some(&block) {
-            bits.known.clear();
+        if block != last {
+            (bits.known, last) = (Known::default(), block);
         }
         let [to, a, b] = [0, 1, 2].map(|operand| instruction.op_register(operand));
-        let mut is_left_out = false;
         if let Some(register) = given.take() {
-            bits.known.remove(&to);
+            bits.forget(to);
             if instruction.op_mask() == Register::None {
                 instruction.set_op1_register(register);
                 if let Some(lanes) = spread(instruction.code()) {
-                    bits.known.insert(to, (register, lanes));
+                    bits.know(to, (register, lanes));
                 }
             } else {
                 instruction.set_op_mask(register);
             }
         } else if let Some(lanes) = gathered(instruction.code()) {
-            let register = match bits.known.get(&a) {
-                Some(&(register, known)) if known == lanes => {
-                    is_left_out = !targets.contains(&instruction.ip());
-                    register
-                }
-                _ => bits.fresh(),
-            };
-            bits.known.insert(a, (register, lanes));
+            if let Some((register, known)) = bits.of(a)
+                && known == lanes
+            {
+                given = Some(register);
+                continue;
+            }
+            let register = bits.fresh();
+            bits.know(a, (register, lanes));
             instruction.set_op0_register(register);
             given = Some(register);
         } else if to.is_k() {
@@ -73,54 +69,71 @@ fn with_bits(
             instruction.set_op0_register(register);
             given = Some(register);
         } else if let Some(logic) = logic(instruction.code())
-            && let (Some(&(a, lanes)), Some(&(b, others))) =
-                (bits.known.get(&a), bits.known.get(&b))
+            && let (Some((a, lanes)), Some((b, others))) = (bits.of(a), bits.of(b))
             && lanes == others
         {
             let register = bits.fresh();
             code.extend(Instruction::with3(logic, register, a, b));
             numbers.push(block);
-            bits.known.insert(to, (register, lanes));
-        } else if let Some(&same) = bits.known.get(&a)
+            bits.know(to, (register, lanes));
+        } else if let Some(same) = bits.of(a)
             && is_move(&instruction)
         {
-            bits.known.insert(to, same);
+            bits.know(to, same);
         } else {
-            bits.known.remove(&whole(to));
+            bits.forget(to);
         }
-        if !is_left_out {
-            code.push(instruction);
-            numbers.push(block);
-        }
+        code.push(instruction);
+        numbers.push(block);
     }
     (code, numbers)
 }
 
+/// By vector, the register with the signs of its lanes, and how many lanes those are.
+type Known = [Option<(Register, u32)>; VECTORS];
+
 /// Where bits are.
 #[derive(Default)]
 struct Bits {
-    /// By vector, the register with the signs of its lanes, and how many lanes those are.
-    known: HashMap<Register, (Register, u32)>,
+    known: Known,
     next: u32,
 }
 
 impl Bits {
+    fn of(&self, vector: Register) -> Option<(Register, u32)> {
+        self.known[number(vector)?]
+    }
+
+    fn know(&mut self, vector: Register, bits: (Register, u32)) {
+        if let Some(number) = number(vector) {
+            self.known[number] = Some(bits);
+        }
+    }
+
+    fn forget(&mut self, vector: Register) {
+        if let Some(number) = number(vector) {
+            self.known[number] = None;
+        }
+    }
+
     /// The register that was given away first.
     fn fresh(&mut self) -> Register {
         let register = FIRST + self.next % REGISTERS;
         self.next += 1;
-        self.known.retain(|_, (other, _)| *other != register);
+        for known in &mut self.known {
+            *known = known.filter(|(other, _)| *other != register);
+        }
         register
     }
 }
 
-/// What the rest of a block reads, and what comes after it.
+/// What the rest of a block reads, and what comes after it: a bit for each register.
 #[derive(Default)]
 struct Needs {
     /// Vectors that are written before they are read. All others may be read.
-    lost: HashSet<Register>,
+    lost: u32,
     /// Bits that are read; never after the block.
-    read: HashSet<Register>,
+    read: u32,
 }
 
 impl Needs {
@@ -128,29 +141,44 @@ impl Needs {
     fn needs(&self, instruction: &Instruction) -> bool {
         let (to, code) = (instruction.op0_register(), instruction.code());
         if to.is_k() {
-            return self.read.contains(&to);
+            return self.read & bit_of_bits(to) != 0;
         }
         let is_of_bits = spread(code).is_some() || logic(code).is_some() || is_move(instruction);
-        !is_of_bits || !self.lost.contains(&to)
+        !is_of_bits || self.lost & bit(to) == 0
     }
 
     /// Takes an instruction before the rest.
     fn go_back(&mut self, instruction: &Instruction) {
-        let to = whole(instruction.op0_register());
-        if to.is_zmm() {
-            self.lost.insert(to);
-        }
-        self.read.remove(&to);
-        let first = usize::from(!reads_what_it_writes(instruction)) as u32;
+        let to = instruction.op0_register();
+        self.lost |= bit(to);
+        self.read &= !bit_of_bits(to);
+        let first = u32::from(!reads_what_it_writes(instruction));
         for operand in first..instruction.op_count() {
-            let register = whole(instruction.op_register(operand));
-            self.lost.remove(&register);
-            if register.is_k() {
-                self.read.insert(register);
-            }
+            let register = instruction.op_register(operand);
+            self.lost &= !bit(register);
+            self.read |= bit_of_bits(register);
         }
-        self.read.insert(instruction.op_mask());
+        self.read |= bit_of_bits(instruction.op_mask());
     }
+}
+
+/// The bit of a vector, and that of a register for bits; none of others.
+fn bit(vector: Register) -> u32 {
+    number(vector).map_or(0, |number| 1 << number)
+}
+
+fn bit_of_bits(register: Register) -> u32 {
+    if register.is_k() { 1 << (register as u32 - Register::K0 as u32) } else { 0 }
+}
+
+/// The number of a vector, or of the one that half of one lies in.
+fn number(vector: Register) -> Option<usize> {
+    let first = match vector {
+        _ if vector.is_zmm() => Register::ZMM0,
+        _ if vector.is_ymm() => Register::YMM0,
+        _ => return None,
+    };
+    Some(vector as usize - first as usize)
 }
 
 /// Whether what is added to a product, or multiplied, gives its place to the sum.
@@ -159,20 +187,17 @@ fn reads_what_it_writes(instruction: &Instruction) -> bool {
         Vfmadd132pd, Vfmadd132ps, Vfmadd213pd, Vfmadd213ps, Vfmsub132pd, Vfmsub132ps, Vfmsub213pd,
         Vfmsub213ps,
     };
-    [Vfmadd132pd, Vfmadd132ps, Vfmadd213pd, Vfmadd213ps]
-        .into_iter()
-        .chain([Vfmsub132pd, Vfmsub132ps, Vfmsub213pd, Vfmsub213ps])
-        .any(|mnemonic| mnemonic == instruction.mnemonic())
-}
-
-/// The register that has this one as its lowest part.
-fn whole(register: Register) -> Register {
-    let first = match register {
-        _ if register.is_xmm() => Register::XMM0,
-        _ if register.is_ymm() => Register::YMM0,
-        _ => return register,
-    };
-    Register::ZMM0 + (register as u32 - first as u32)
+    matches!(
+        instruction.mnemonic(),
+        Vfmadd132pd
+            | Vfmadd132ps
+            | Vfmadd213pd
+            | Vfmadd213ps
+            | Vfmsub132pd
+            | Vfmsub132ps
+            | Vfmsub213pd
+            | Vfmsub213ps
+    )
 }
 
 /// Whether a vector is copied from one register to another.

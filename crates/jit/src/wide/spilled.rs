@@ -12,10 +12,10 @@ use std::ops::RangeInclusive;
 const REGISTERS: u32 = 16;
 const FIRST: Register = Register::ZMM16;
 
-/// By instruction, the register that takes the place of what it has on the stack, if one does. Nothing is known of the first
+/// By instruction, the register that takes the place of what it has on the stack, if one does; it is in the block with that number. Nothing is known of the first
 /// `slots` bytes: code reckons with where they are.
-pub fn registers(read: &[Instruction], slots: u32) -> Vec<Option<Register>> {
-    let mut spans = spans(read, slots);
+pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
+    let mut spans = spans(read, blocks, slots);
     // Where a register saves most for how long it is taken.
     let price =
         |span: &Span| (span.lasts.end() - span.lasts.start() + 1) as f64 / span.uses.len() as f64;
@@ -54,8 +54,7 @@ struct Span {
     lasts: RangeInclusive<usize>,
 }
 
-fn spans(read: &[Instruction], slots: u32) -> Vec<Span> {
-    let blocks = blocks(read);
+fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Span> {
     let mut places = BTreeMap::<u64, Vec<usize>>::new();
     for (number, instruction) in read.iter().enumerate() {
         if instruction.memory_base() == Register::RSP {
@@ -126,7 +125,7 @@ mod tests {
     /// Registers of these instructions, by how far behind the first they are.
     fn found(read: &[Instruction]) -> Vec<Option<u32>> {
         let number = |register: Register| register as u32 - FIRST as u32;
-        registers(read, 0).into_iter().map(|register| register.map(number)).collect()
+        registers(read, &blocks(read), 0).into_iter().map(|register| register.map(number)).collect()
     }
 
     #[test]
@@ -179,6 +178,6 @@ mod tests {
         let half = Code::VEX_Vcvtps2pd_xmm_xmmm64;
         let half = Instruction::with2(half, Register::XMM1, place(0)).expect("valid");
         assert_eq!(found(&[write(0), half]), [None; 2]);
-        assert_eq!(registers(&[write(48), read(48)], 64), [None; 2]);
+        assert_eq!(registers(&[write(48), read(48)], &[0; 2], 64), [None; 2]);
     }
 }
