@@ -133,7 +133,7 @@ fn number(constant: &Constant) -> (Binding, String) {
         Constant::Named(name) => return (Binding::Atom, name.name().into()),
         Constant::Enclosed(_) => {
             let bounds = constant.bounds();
-            return (Binding::Atom, format!("[{}, {}]", bounds.lo, bounds.hi));
+            return (Binding::Atom, format!("[{:?}, {:?}]", bounds.lo, bounds.hi));
         }
     };
     let sign = if value.is_negative() { Binding::Sign } else { Binding::Atom };
