@@ -3,75 +3,155 @@
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lexer::{begins_operand, ends_operand};
 use crate::scan::Token;
-use crate::span::Span;
 use crate::spelling::{closer, is_closer};
 
-/// Tells closing bars from opening ones. They open and close in turn within each pair of brackets;
-/// whatever else they could mean is an error. Two bars side by side between operands, where none is
-/// open, join conditions.
+/// Bars that may be open at once.
+const DEPTH: usize = 12;
+
+/// What a bar is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Opens,
+    Closes,
+    /// The second of two that join conditions.
+    Joins,
+}
+
+const ROLES: [Role; 3] = [Role::Opens, Role::Closes, Role::Joins];
+
+/// The best reading of all bars up to one, which has a role, and behind which as many are open as its place in a list says.
+#[derive(Clone, Copy)]
+struct Reading {
+    /// How much in it is unusual; the least counts.
+    cost: u32,
+    /// Whether other readings cost as little.
+    is_tied: bool,
+    /// The role of the bar before.
+    before: Role,
+}
+
+/// The readings of the bars up to one, by how many are open behind it and by its role.
+type Readings = [[Option<Reading>; ROLES.len()]; DEPTH + 1];
+
+/// Tells closing bars from opening ones within each pair of brackets. Of all pairings that are possible the one with the
+/// fewest products without a sign beside a bar is meant; it is an error if there are several such, or none. Two bars side by
+/// side between operands, where none is open, join conditions.
 pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
-    #[derive(Default)]
-    struct Level {
-        /// The open bar.
-        open: Option<Span>,
-        /// The opening bar of the last pair, if an operand followed the pair directly.
-        loose: Option<Span>,
-    }
-    let count = tokens.iter().filter(|token| token.symbol == '|').count();
-    if count == 0 {
+    if !tokens.iter().any(|token| matches!(token.symbol, '|' | '❘' | '¦')) {
         return Ok(());
     }
-    let mut levels = vec![Level::default()];
+    let mut levels = vec![Vec::new()];
     for index in 0..tokens.len() {
-        let Token { symbol, span, .. } = tokens[index];
+        let symbol = tokens[index].symbol;
         if closer(symbol).is_some() {
-            levels.push(Level::default());
+            levels.push(Vec::new());
+        } else if is_closer(symbol) {
+            pair(tokens, &levels.pop().unwrap_or_default())?;
+        } else if let ('|' | '❘' | '¦', Some(level)) = (symbol, levels.last_mut()) {
+            level.push(index);
         }
-        if is_closer(symbol)
-            && let Some(span) = levels.pop().and_then(|level| level.open)
-        {
-            return Err(Error::new(span, ErrorKind::UnclosedBar));
-        }
-        let (Some(level), '|') = (levels.last_mut(), symbol) else {
-            continue;
-        };
-        let before = index.checked_sub(1).map_or(' ', |before| tokens[before].symbol);
-        let after = tokens.get(index + 1).map_or(' ', |after| after.symbol);
-        let Some(open) = level.open.take() else {
-            let begins = |beyond: &Token| {
-                let is_apart = beyond.span.start > tokens[index + 1].span.end;
-                begins_operand(beyond.symbol)
-                    || beyond.symbol == '-'
-                    || beyond.symbol == '|' && is_apart
-            };
-            if after == '|'
-                && tokens[index + 1].span.start == span.end
-                && ends_operand(before)
-                && tokens.get(index + 2).is_some_and(begins)
-            {
-                tokens[index].symbol = '∨';
-                tokens[index + 1].symbol = ' ';
-                continue;
-            }
-            if let (true, Some(first)) = (ends_operand(before), level.loose) {
-                return Err(Error::new(first.to(span), ErrorKind::AmbiguousBars));
-            }
-            level.open = Some(span);
-            continue;
-        };
-        let is_empty = before == '|';
-        if is_empty || (!ends_operand(before) && begins_operand(after)) {
-            let kind =
-                if is_empty && count <= 2 { ErrorKind::EmptyBars } else { ErrorKind::NestedBars };
-            return Err(Error::new(open.to(span), kind));
-        }
-        level.loose = begins_operand(after).then_some(open);
-        tokens[index].symbol = '¦';
+    }
+    for level in levels {
+        pair(tokens, &level)?;
     }
     tokens.retain(|token| token.symbol != ' ');
-    match levels.pop().and_then(|level| level.open) {
-        Some(span) => Err(Error::new(span, ErrorKind::UnclosedBar)),
-        None => Ok(()),
+    Ok(())
+}
+
+/// Pairs the bars at `places`, between which all brackets are closed.
+fn pair(tokens: &mut [Token], places: &[usize]) -> Fallible<()> {
+    let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return Ok(()) };
+    let mut readings: Vec<Readings> = vec![[[None; ROLES.len()]; DEPTH + 1]; places.len() + 1];
+    // Nothing is read yet: as behind a joint.
+    readings[0][0][Role::Joins as usize] =
+        Some(Reading { cost: 0, is_tied: false, before: Role::Joins });
+    for bar in 0..places.len() {
+        for depth in 0..=DEPTH {
+            for role in ROLES {
+                if let Some(reading) = readings[bar][depth][role as usize] {
+                    go_on(tokens, places, bar, (depth, role, reading), &mut readings);
+                }
+            }
+        }
+    }
+    let whole = readings[places.len()][0];
+    let found = ROLES.iter().filter_map(|role| Some((*role, whole[*role as usize]?)));
+    let Some((mut role, best)) = found.min_by_key(|(_, reading)| reading.cost) else {
+        let is_empty = places.len() == 2 && first + 1 == last;
+        let kind = if is_empty { ErrorKind::EmptyBars } else { ErrorKind::UnclosedBar };
+        let from = if is_empty { first } else { last };
+        return Err(Error::new(tokens[from].span.to(tokens[last].span), kind));
+    };
+    let costs = whole.iter().flatten().filter(|reading| reading.cost == best.cost);
+    if best.is_tied || costs.count() > 1 {
+        let all = tokens[first].span.to(tokens[last].span);
+        return Err(Error::new(all, ErrorKind::AmbiguousBars));
+    }
+    let (mut bar, mut depth) = (places.len(), 0);
+    while bar > 0 {
+        let before = readings[bar][depth][role as usize].map_or(Role::Joins, |found| found.before);
+        bar -= 1;
+        match role {
+            Role::Opens => {
+                tokens[places[bar]].symbol = '|';
+                depth -= 1;
+            }
+            Role::Closes => {
+                tokens[places[bar]].symbol = '¦';
+                depth += 1;
+            }
+            Role::Joins => {
+                tokens[places[bar]].symbol = ' ';
+                bar -= 1;
+                tokens[places[bar]].symbol = '∨';
+            }
+        }
+        role = before;
+    }
+    Ok(())
+}
+
+/// Adds the readings that go on from one of the bars before `bar`.
+fn go_on(
+    tokens: &[Token],
+    places: &[usize],
+    bar: usize,
+    (depth, role, reading): (usize, Role, Reading),
+    readings: &mut [Readings],
+) {
+    let index = places[bar];
+    let symbol = |index: usize| tokens.get(index).map_or(' ', |token| token.symbol);
+    let is_bar = |symbol: char| matches!(symbol, '|' | '❘' | '¦');
+    let follows_bar = bar > 0 && places[bar - 1] + 1 == index;
+    let (before, after) = (index.checked_sub(1).map_or(' ', symbol), symbol(index + 1));
+    let ends = if follows_bar { role == Role::Closes } else { ends_operand(before) };
+    let begins = |symbol: char| begins_operand(symbol) || is_bar(symbol) || symbol == '-';
+    let mut add = |bars: usize, depth: usize, next: Role, cost: u32| {
+        let cost = reading.cost + cost;
+        let place = &mut readings[bar + bars][depth][next as usize];
+        let is_tied = match place {
+            Some(other) if other.cost < cost => return,
+            Some(other) if other.cost == cost => true,
+            _ => reading.is_tied,
+        };
+        *place = Some(Reading { cost, is_tied, before: role });
+    };
+    let typed = tokens[index].symbol;
+    if typed != '¦' && depth < DEPTH && (!ends || begins(after)) {
+        // Bars directly within bars say nothing more.
+        add(1, depth + 1, Role::Opens, (ends || follows_bar).into());
+    }
+    if typed != '❘' && depth > 0 && ends {
+        add(1, depth - 1, Role::Closes, (!is_bar(after) && begins_operand(after)).into());
+    }
+    let touches = || tokens[index].span.end == tokens[index + 1].span.start;
+    let goes_on = || {
+        let Some(beyond) = tokens.get(index + 2) else { return false };
+        let is_apart = beyond.span.start > tokens[index + 1].span.end;
+        begins(beyond.symbol) && (!is_bar(beyond.symbol) || is_apart)
+    };
+    if typed == '|' && after == '|' && depth == 0 && ends && touches() && goes_on() {
+        add(2, depth, Role::Joins, 2);
     }
 }
 
@@ -86,6 +166,35 @@ mod tests {
         pair_bars(&mut statements[0]).err().map(|e| e.kind)
     }
 
+    /// What bars were told to be: `(` and `)` if they open and close.
+    fn paired(text: &str) -> String {
+        let mut statements = scan(text, &Limits::default()).expect("brackets are paired");
+        pair_bars(&mut statements[0]).expect("bars are paired");
+        let shown = |token: &Token| match token.symbol {
+            '|' => '(',
+            '¦' => ')',
+            _ => text[token.span.range()].chars().next().expect("a sign"),
+        };
+        statements[0].iter().map(shown).collect()
+    }
+
+    #[test]
+    fn bars_within_bars() {
+        for (text, expected) in [
+            ("||x|-1|", "((x)-1)"),
+            ("|x-|y+z||", "(x-(y+z))"),
+            ("||x||", "((x))"),
+            ("||x|-|y||", "((x)-(y))"),
+            ("|x|-y|z|", "(x)-y(z)"),
+            ("2||x|-1|", "2((x)-1)"),
+            ("|||x|-2|-1|", "(((x)-2)-1)"),
+            ("|x||y||z|", "(x)(y)(z)"),
+            (r"\left|x\left|y\right|z\right|", "(x(y)z)"),
+        ] {
+            assert_eq!(paired(text), expected, "{text}");
+        }
+    }
+
     #[test]
     fn bars_pair_in_one_way_or_not_at_all() {
         for text in ["|x|", "|x|+|y|", "|x||y|", "2|x|y", "|x|-y|z|", "(|x|)|y|", "|(|x|)|"] {
@@ -94,9 +203,7 @@ mod tests {
         for text in ["|x|y|z|", "|x| 2|y|", "|x| y + 2 |z|"] {
             assert_eq!(kind(text), Some(ErrorKind::AmbiguousBars), "{text}");
         }
-        for text in ["||x|-1|", "|x+|y||", "||x||", "2 |||x|-1|"] {
-            assert_eq!(kind(text), Some(ErrorKind::NestedBars), "{text}");
-        }
+        assert_eq!(kind("2 |||x|-1|"), Some(ErrorKind::UnclosedBar));
         assert_eq!(kind("|x"), Some(ErrorKind::UnclosedBar));
         assert_eq!(kind("(|x)|"), Some(ErrorKind::UnclosedBar));
         assert_eq!(kind("||"), Some(ErrorKind::EmptyBars));

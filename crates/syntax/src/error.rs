@@ -125,8 +125,6 @@ pub enum ErrorKind {
     UnclosedBar,
     #[error("there is nothing between these bars")]
     EmptyBars,
-    #[error("nested bars are ambiguous")]
-    NestedBars,
     #[error("these bars can be paired in two ways")]
     AmbiguousBars,
     #[error("these brackets are empty")]

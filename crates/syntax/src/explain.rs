@@ -41,7 +41,7 @@ impl Error {
                  and so is a function of (x, y, z) or (x, y)"
             }
             ErrorKind::UnexpectedCharacter { character } => return character_reason(*character),
-            ErrorKind::NestedBars | ErrorKind::AmbiguousBars => {
+            ErrorKind::AmbiguousBars => {
                 "opening and closing bars look alike, so this has more than one reading"
             }
             ErrorKind::NumberAfterFactor | ErrorKind::LostSuperscript { .. } => {
@@ -238,7 +238,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
         ErrorKind::Unclosed { .. } => "write the bracket that closes it where it should end",
         ErrorKind::Unopened { .. } => "remove it, or open a bracket before it",
-        ErrorKind::NestedBars | ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => {
+        ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => {
             "write `abs(…)` in place of bars"
         }
         ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`",

@@ -311,7 +311,18 @@ fn command(rest: &str) -> (char, usize) {
         }
         "sum" => return ('Σ', end),
         "prod" => return ('Π', end),
-        "lvert" | "rvert" | "vert" | "lVert" | "rVert" | "Vert" => return ('|', end),
+        "left" | "right" => {
+            let bar = [r"\lvert", r"\rvert", r"\vert", r"\lVert", r"\rVert", r"\Vert", r"\|", "|"];
+            let space = prefix(after, |c| c == ' ');
+            let is_bar = |bar: &&&str| after[space..].starts_with(**bar);
+            return match bar.iter().find(is_bar) {
+                Some(bar) => (if word == "left" { '❘' } else { '¦' }, end + space + bar.len()),
+                None => (' ', end),
+            };
+        }
+        "lvert" | "lVert" => return ('❘', end),
+        "rvert" | "rVert" => return ('¦', end),
+        "vert" | "Vert" => return ('|', end),
         "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (' ', end),
         "over" => return ('÷', end),
         "lbrace" => return ('{', end),

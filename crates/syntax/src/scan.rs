@@ -193,7 +193,12 @@ pub(crate) fn start(text: &str, most: usize) -> &str {
 
 /// Whether a line of an environment goes on with the one before.
 fn goes_on(rest: &str) -> bool {
-    let rest = rest.trim_start_matches([' ', '\n', '\r', '\t', '&']);
+    const BLANKS: [&str; 11] =
+        [" ", "\n", "\r", "\t", "&", "{}", r"\quad", r"\qquad", r"\,", r"\;", r"\ "];
+    let mut rest = rest;
+    while let Some(beyond) = BLANKS.iter().find_map(|blank| rest.strip_prefix(blank)) {
+        rest = beyond;
+    }
     rest.starts_with(['+', '-', '−', '=', '*', '<', '>', '/'])
         || [r"\cdot", r"\times", r"\le", r"\ge"].iter().any(|sign| rest.starts_with(sign))
 }
