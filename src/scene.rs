@@ -45,6 +45,46 @@ impl FromStr for DomainChoice {
     }
 }
 
+/// The plane that cuts a domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ClipChoice {
+    /// What the document says.
+    #[default]
+    Document,
+    /// None, whatever the document says.
+    Off,
+    /// This one.
+    Plane(HalfSpace),
+}
+
+impl ClipChoice {
+    /// The plane, for a document with this one of its own.
+    pub fn or(self, own: Option<HalfSpace>) -> Option<HalfSpace> {
+        match self {
+            Self::Document => own,
+            Self::Off => None,
+            Self::Plane(plane) => Some(plane),
+        }
+    }
+}
+
+impl FromStr for ClipChoice {
+    type Err = String;
+
+    /// `off` or four numbers; whether they are a plane's is not looked at.
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim() == "off" {
+            return Ok(Self::Off);
+        }
+        match numbers(text)?[..] {
+            [a, b, c, offset] => Ok(Self::Plane(HalfSpace { normal: DVec3::new(a, b, c), offset })),
+            ref other => {
+                Err(format!("expected off or 4 numbers with commas between, found {}", other.len()))
+            }
+        }
+    }
+}
+
 /// What a domain is clipped to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClipTo {
@@ -60,15 +100,15 @@ pub enum ClipTo {
 /// What is cut away of a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cut {
-    /// What is behind this plane; `None` for what the document says.
-    pub plane: Option<HalfSpace>,
+    /// What is behind this plane.
+    pub plane: ClipChoice,
     /// What is outside of this.
     pub to: ClipTo,
 }
 
-impl From<Option<HalfSpace>> for Cut {
-    fn from(plane: Option<HalfSpace>) -> Self {
-        Self { plane, ..Self::default() }
+impl From<Option<ClipChoice>> for Cut {
+    fn from(plane: Option<ClipChoice>) -> Self {
+        Self { plane: plane.unwrap_or_default(), ..Self::default() }
     }
 }
 

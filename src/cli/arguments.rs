@@ -12,9 +12,9 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset::names::Named;
 use zeroset::picture::{Normals, Precision};
-use zeroset::scene::{self, CameraChoice, ClipTo, DomainChoice};
+use zeroset::scene::{self, CameraChoice, ClipChoice, ClipTo, DomainChoice};
 use zeroset_trace::{
-    HalfSpace, Ideas, LOOKS, Look, METHODS, Method, Projection, StandardView, UndecidedStyle,
+    Ideas, LOOKS, Look, METHODS, Method, Projection, StandardView, UndecidedStyle,
 };
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
@@ -211,9 +211,9 @@ pub struct CameraArgs {
     #[arg(long, value_name = "HEIGHT", conflicts_with = "fov", allow_hyphen_values = true)]
     ortho: Option<f64>,
 
-    /// Clip by a plane: keep a*x + b*y + c*z <= d
+    /// Clip by a plane: keep a*x + b*y + c*z <= d; `off` for none, whatever the file says
     #[arg(long, value_name = "A,B,C,D", allow_hyphen_values = true)]
-    clip: Option<Numbers<4>>,
+    clip: Option<ClipChoice>,
 }
 
 impl CameraArgs {
@@ -229,9 +229,8 @@ impl CameraArgs {
         }
     }
 
-    pub fn clip(&self) -> Option<HalfSpace> {
-        let Numbers([a, b, c, d]) = self.clip?;
-        Some(HalfSpace { normal: DVec3::new(a, b, c), offset: d })
+    pub fn clip(&self) -> ClipChoice {
+        self.clip.unwrap_or_default()
     }
 }
 

@@ -122,12 +122,12 @@ impl OpenFiles {
         self.0.iter_mut().try_for_each(|file| file.check(|rows| rows.add(picture)))
     }
 
-    /// Makes the files appear.
+    /// Makes the files appear, the picture last: where it is, the others are.
     ///
     /// # Errors
     /// If one cannot be written.
     pub fn finish(self) -> Result<()> {
-        self.0.into_iter().try_for_each(OpenFile::finish)
+        self.0.into_iter().rev().try_for_each(OpenFile::finish)
     }
 }
 

@@ -332,14 +332,16 @@ impl<'a> Maker<'a> {
                 arrays: arrays.collect::<Result<_>>()?,
                 json: wanted.json,
             };
-            let is_there = |path: &PathBuf| {
-                if files.picture.as_ref() == Some(path) {
-                    origin.is_of(path)
-                } else {
-                    path.is_file()
-                }
+            let is_there = |picture: &PathBuf| {
+                let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
+                let last = written(picture);
+                // Arrays do not say whose they are: those of another sequence are newer than this one's picture.
+                let is_of_it = |(_, array): &(_, PathBuf)| {
+                    array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
+                };
+                origin.is_of(picture) && files.arrays.iter().all(is_of_it)
             };
-            if resume && files.picture.is_some() && files.paths().all(is_there) {
+            if resume && files.picture.as_ref().is_some_and(is_there) {
                 count.kept += 1;
                 continue;
             }

@@ -327,7 +327,7 @@ impl Session {
         };
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
-        self.live.saved(&path);
+        self.live.saved(&path, &text);
         self.follow();
         self.say(&format!("saved '{}'", path.display()));
         Ok(())

@@ -4,7 +4,7 @@ use super::command::{refused, say};
 use super::edit::Refusal;
 use super::session::{Live, Reply};
 use super::undo::Gesture;
-use crate::scene::numbers;
+use crate::scene::{ClipChoice, typed_clip};
 use glam::DVec3;
 use zeroset_trace::{HalfSpace, Region};
 
@@ -13,17 +13,18 @@ impl Live {
     /// cut away already, nothing any more; tells whether something is now. Nothing happens before
     /// there is a picture.
     pub fn toggle_cut(&self) -> bool {
-        let seen = self.snapshot().rendering;
+        let Some(seen) = self.snapshot().rendering else { return false };
         let mut cuts = false;
         self.change(|request| {
-            request.clip = match (request.clip, &seen) {
-                (None, Some(seen)) => {
-                    let normal = (seen.camera.eye() - seen.camera.target()).normalize();
-                    Some(HalfSpace { normal, offset: normal.dot(seen.camera.target()) })
-                }
-                (Some(_), _) | (None, None) => None,
+            let own = typed_clip(&seen.document);
+            cuts = request.clip.or(own).is_none();
+            request.clip = if cuts {
+                let normal = (seen.camera.eye() - seen.camera.target()).normalize();
+                let offset = normal.dot(seen.camera.target());
+                ClipChoice::Plane(HalfSpace { normal, offset })
+            } else {
+                none(own)
             };
-            cuts = request.clip.is_some();
         });
         cuts
     }
@@ -34,33 +35,40 @@ impl Live {
         let Some(seen) = self.snapshot().rendering else { return };
         let step = seen.model.region().half_extent() / 50.0;
         self.change_by(Some(Gesture::Clip), |request| {
-            if let Some(HalfSpace { normal, offset }) = &mut request.clip {
-                *offset += steps * step * normal.length();
+            if let Some(mut plane) = request.clip.or(typed_clip(&seen.document)) {
+                plane.offset += steps * step * plane.normal.length();
+                request.clip = ClipChoice::Plane(plane);
             }
         });
     }
 }
 
+/// No plane, said only where the document has one of its own.
+fn none(own: Option<HalfSpace>) -> ClipChoice {
+    if own.is_some() { ClipChoice::Off } else { ClipChoice::Document }
+}
+
 /// Sets the plane, takes it away, or tells which it is; `None` if what is given is no plane.
 pub(super) fn clip(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
+    let request = live.request();
+    let own = || request.read().ok().and_then(|document| typed_clip(&document));
     let clip = match text {
         "" => {
-            return Some(say(match live.request().clip {
+            return Some(say(match request.clip.or(own()) {
                 Some(HalfSpace { normal: n, offset }) => {
                     format!("kept is {}*x + {}*y + {}*z <= {offset}", n.x, n.y, n.z)
                 }
                 None => "nothing is cut away".to_owned(),
             }));
         }
-        "off" => None,
+        "off" => none(own()),
         _ => {
-            let [a, b, c, offset] = numbers(text).ok()?[..] else { return None };
-            let clip = HalfSpace { normal: DVec3::new(a, b, c), offset };
+            let ClipChoice::Plane(clip) = text.parse().ok()? else { return None };
             let anywhere = Region::new(DVec3::NEG_ONE, DVec3::ONE);
             if let Err(error) = anywhere.and_then(|region| region.with_clip(clip)) {
                 return Some(refused(error.to_string()));
             }
-            Some(clip)
+            ClipChoice::Plane(clip)
         }
     };
     live.change(|request| request.clip = clip);

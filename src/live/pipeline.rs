@@ -19,12 +19,12 @@ use crate::blank::Blank;
 use crate::domain::AutoDomain;
 use crate::model::Model;
 use crate::picture::{Picture, Settings};
-use crate::scene::{CameraChoice, DomainChoice, SceneError};
+use crate::scene::{CameraChoice, ClipChoice, DomainChoice, SceneError};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use zeroset_syntax::{Document, Errors, Options};
-use zeroset_trace::{Camera, HalfSpace, Region};
+use zeroset_trace::{Camera, Region};
 
 /// Whether the domain's box is shown with axes: a view that nobody chose then has it whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,7 +63,7 @@ pub struct Request {
     /// Where to look.
     pub domain: DomainChoice,
     /// What to cut away.
-    pub clip: Option<HalfSpace>,
+    pub clip: ClipChoice,
     /// From where to look, until somebody turns the view.
     pub choice: CameraChoice,
     /// From where to look, if somebody did.

@@ -216,13 +216,13 @@ impl Live {
     }
 
     /// Does `work`, which may take long, without the lock, and again if somebody has changed the
-    /// document meanwhile. What it results in is then applied.
+    /// document meanwhile, the third time with the lock: values may move all the time. What it results in is then applied.
     pub(super) fn change_after<W, R>(
         &self,
         work: impl Fn(&Request, &str) -> Result<W, Refusal>,
         apply: impl FnOnce(&mut State, W) -> R,
     ) -> Result<R, Refusal> {
-        loop {
+        for _ in 0..2 {
             let (request, readable) = {
                 let state = self.lock();
                 (state.request.clone(), Arc::clone(&state.readable))
@@ -233,6 +233,9 @@ impl Live {
                 return Ok(apply(&mut state, result));
             }
         }
+        let mut state = self.lock();
+        let result = work(&state.request, &state.readable)?;
+        Ok(apply(&mut state, result))
     }
 
     /// Takes `text` for the document. If `again`, the text is the same document in a newer version:
@@ -284,11 +287,11 @@ impl Live {
         self.load(DocumentSource::Typed, "", false);
     }
 
-    /// Notes that the document is kept in this file as it is now.
-    pub fn saved(&self, path: &Path) {
+    /// Notes that this file keeps `text`, which was the document's.
+    pub fn saved(&self, path: &Path, text: &str) {
         let mut state = self.lock();
         state.request.source = DocumentSource::File(path.to_owned());
-        state.kept = Arc::clone(&state.request.text);
+        state.kept = text.into();
     }
 
     /// Whether the document differs from what was loaded or saved last.

@@ -3,7 +3,7 @@
 use super::pipeline::{Rendering, Snapshot};
 use crate::names::Named;
 use crate::picture::Settings;
-use crate::scene::{self, DomainChoice};
+use crate::scene::{self, ClipChoice, DomainChoice};
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -165,8 +165,12 @@ impl Rendering {
                 let _ = write!(command, " --domain {}", bounds.join(","));
             }
         }
-        if let Some(clip) = request.clip {
-            let _ = write!(command, " --clip {},{}", point(clip.normal), clip.offset);
+        match request.clip {
+            ClipChoice::Document => {}
+            ClipChoice::Off => command.push_str(" --clip off"),
+            ClipChoice::Plane(clip) => {
+                let _ = write!(command, " --clip {},{}", point(clip.normal), clip.offset);
+            }
         }
         let camera = &self.camera;
         let _ = write!(

@@ -38,7 +38,7 @@ fn the_document_s_domain_counts_unless_another_is_given() {
 fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
     let found = |text: &str, choice, to| {
         let (region, searched) =
-            region(&document(text), choice, Cut { plane: None, to }).expect(text);
+            region(&document(text), choice, Cut { plane: ClipChoice::Document, to }).expect(text);
         (region, searched.map(|found| found.finding))
     };
     let auto = |text| found(text, DomainChoice::Document, ClipTo::Auto);

@@ -4,6 +4,7 @@
 use crate::live_support::{settled, start};
 use glam::DVec3;
 use zeroset::live::{DocumentSource, Live, Reply};
+use zeroset::scene::ClipChoice;
 use zeroset_trace::HalfSpace;
 
 fn enter(live: &Live, line: &str) {
@@ -105,7 +106,7 @@ fn what_faces_the_eye_is_cut_off_moved_and_given_back() {
     let live = start("domain 2\nx^2+y^2+z^2 = 1\nview eye (6, 0, 0)", 48);
     let whole = settled(&live);
     assert!(live.toggle_cut());
-    let plane = |live: &Live| live.request().clip.expect("a plane");
+    let plane = |live: &Live| live.request().clip.or(None).expect("a plane");
     let HalfSpace { normal, offset } = plane(&live);
     assert!((normal - DVec3::X).length() < 1e-12 && offset.abs() < 1e-12);
     let cut = settled(&live);
@@ -128,7 +129,28 @@ fn what_faces_the_eye_is_cut_off_moved_and_given_back() {
     assert_eq!(said, "kept is 0*x + 1*y + 0*z <= 0.5");
     assert!(live.enter(":clip 0,0,0,1").is_err());
     enter(&live, ":clip off");
-    assert!(live.request().clip.is_none());
+    assert_eq!(live.request().clip, ClipChoice::Document);
+}
+
+#[test]
+fn a_plane_of_the_document_is_told_taken_away_and_given_back() {
+    let live = start("domain 2\nx^2+y^2+z^2 = 1\nclip 1, 0, 0, 0", 24);
+    let kept = || {
+        settled(&live);
+        let Ok(Reply::Say(said)) = live.enter(":clip") else { panic!("nothing is said") };
+        said
+    };
+    assert_eq!(kept(), "kept is 1*x + 0*y + 0*z <= 0");
+    let cut = settled(&live);
+    enter(&live, ":clip off");
+    assert_eq!(kept(), "nothing is cut away");
+    assert!(settled(&live).picture.rgb != cut.picture.rgb, "the same picture");
+    assert!(settled(&live).command("a.png").contains(" --clip off"));
+    // The key takes away what is cut, whoever said it.
+    assert!(live.undo());
+    settled(&live);
+    assert!(!live.toggle_cut());
+    assert_eq!(kept(), "nothing is cut away");
 }
 
 #[test]

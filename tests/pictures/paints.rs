@@ -28,7 +28,8 @@ fn rays() -> RayGrid {
 fn picture_of(text: &str, clip: Option<HalfSpace>, settings: &Settings) -> Picture {
     let document = read(text, &Options::default()).expect(text);
     let domain = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
-    let (region, _) = scene::region(&document, domain, clip).expect(text);
+    let (region, _) =
+        scene::region(&document, domain, clip.map(scene::ClipChoice::Plane)).expect(text);
     render(&document, &region, &camera(), settings, &|_, _| {}).expect(text)
 }
 

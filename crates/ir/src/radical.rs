@@ -80,8 +80,9 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
         )
     };
     let factors: Vec<NodeId> = factors.into_iter().flat_map(even).collect();
+    let mut work = univariate::WORK_LIMIT;
     for factor in factors {
-        let simple = univariate::squarefree(graph, factor);
+        let simple = univariate::squarefree(graph, factor, &mut work);
         is_simpler |= simple.is_some();
         let factor = simple.unwrap_or(factor);
         if !distinct.contains(&factor) {

@@ -14,19 +14,21 @@ const DEGREE_LIMIT: usize = 64;
 const BITS_LIMIT: u64 = 4096;
 /// Nor expressions of more operations.
 const NODE_LIMIT: usize = 2048;
+/// What exact arithmetic may take for all factors of one function, in products of two words: a tenth of a second.
+pub(crate) const WORK_LIMIT: u64 = 2_500_000;
 
 /// Coefficients from the constant on; the last is not 0.
 type Polynomial = Vec<BigRational>;
 
 /// A polynomial with the zeros of `root`, each simple, if `root` is a polynomial in one variable with a multiple root:
-/// added to `graph`.
-pub(crate) fn squarefree(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
-    let (axis, polynomial) = expanded(graph, root)?;
-    let common = gcd(polynomial.clone(), derivative(&polynomial))?;
+/// added to `graph`. Takes what it does from `work`, and gives up when that is used up.
+pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Option<NodeId> {
+    let (axis, polynomial) = expanded(graph, root, work)?;
+    let common = gcd(polynomial.clone(), derivative(&polynomial), work)?;
     if common.len() < 2 {
         return None;
     }
-    let (simple, rest) = divided(polynomial, &common)?;
+    let (simple, rest) = divided(polynomial, &common, work)?;
     debug_assert!(rest.is_empty(), "the common divisor divides");
     let variable = graph.variable(axis);
     let mut value = graph.integer(0);
@@ -39,7 +41,7 @@ pub(crate) fn squarefree(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
 }
 
 /// The coefficients of `root` and the axis that they belong to, if it is a polynomial in one variable of degree 2 or more.
-fn expanded(graph: &Graph, root: NodeId) -> Option<(Axis, Polynomial)> {
+fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polynomial)> {
     let needed = graph.reachable(&[root]);
     let count = needed.iter().filter(|needed| **needed).count();
     if count > NODE_LIMIT {
@@ -66,13 +68,13 @@ fn expanded(graph: &Graph, root: NodeId) -> Option<(Axis, Polynomial)> {
                 } else if *op == Op::Sub {
                     sum(operand(0), &scaled(operand(1), &-BigRational::one()))
                 } else if *op == Op::Mul {
-                    product(operand(0), operand(1))?
+                    product(operand(0), operand(1), work)?
                 } else if *op == Op::Sqr {
-                    product(operand(0), operand(0))?
+                    product(operand(0), operand(0), work)?
                 } else if *op == Op::Div && operand(1).len() == 1 {
                     scaled(operand(0), &operand(1)[0].recip())
                 } else if *op == Op::Pow {
-                    power(operand(0), graph.number(operands[1])?)?
+                    power(operand(0), graph.number(operands[1])?, work)?
                 } else {
                     return None;
                 }
@@ -84,12 +86,12 @@ fn expanded(graph: &Graph, root: NodeId) -> Option<(Axis, Polynomial)> {
     axis.map(|axis| (axis, polynomial))
 }
 
-fn power(base: &Polynomial, exponent: &Constant) -> Option<Polynomial> {
+fn power(base: &Polynomial, exponent: &Constant, work: &mut u64) -> Option<Polynomial> {
     let exponent = usize::try_from(exponent.as_integer()?).ok()?;
     let within =
         exponent * base.len().saturating_sub(1) <= DEGREE_LIMIT && exponent <= DEGREE_LIMIT;
     let one = vec![BigRational::one()];
-    (0..exponent).try_fold(one, |power, _| product(&power, base)).filter(|_| within)
+    (0..exponent).try_fold(one, |power, _| product(&power, base, work)).filter(|_| within)
 }
 
 fn trimmed(mut polynomial: Polynomial) -> Polynomial {
@@ -110,8 +112,8 @@ fn sum(a: &Polynomial, b: &Polynomial) -> Polynomial {
     trimmed(sum)
 }
 
-/// `None` if it is too large.
-fn product(a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
+/// `None` if it is too large, or takes too long.
+fn product(a: &Polynomial, b: &Polynomial, work: &mut u64) -> Option<Polynomial> {
     if a.is_empty() || b.is_empty() {
         return Some(Polynomial::new());
     }
@@ -121,10 +123,18 @@ fn product(a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
     }
     for (i, a) in a.iter().enumerate() {
         for (j, b) in b.iter().enumerate() {
+            spend(work, a, b)?;
             product[i + j] += a * b;
         }
     }
     is_moderate(&product).then_some(product)
+}
+
+/// Takes a product of two numbers, and the common divisor that its sum with another asks for, from `work`.
+fn spend(work: &mut u64, a: &BigRational, b: &BigRational) -> Option<()> {
+    let words = |value: &BigRational| 1 + value.numer().bits().max(value.denom().bits()) / 64;
+    *work = work.checked_sub((words(a) + words(b)).pow(2))?;
+    Some(())
 }
 
 fn is_moderate(polynomial: &[BigRational]) -> bool {
@@ -140,14 +150,19 @@ fn derivative(polynomial: &Polynomial) -> Polynomial {
     trimmed(polynomial.iter().enumerate().skip(1).map(term).collect())
 }
 
-/// Quotient and remainder; `None` if numbers grow too large.
-fn divided(mut rest: Polynomial, by: &Polynomial) -> Option<(Polynomial, Polynomial)> {
+/// Quotient and remainder; `None` if numbers grow too large, or it takes too long.
+fn divided(
+    mut rest: Polynomial,
+    by: &Polynomial,
+    work: &mut u64,
+) -> Option<(Polynomial, Polynomial)> {
     let last = by.last()?;
     let mut quotient = vec![BigRational::zero(); (rest.len() + 1).saturating_sub(by.len())];
     while rest.len() >= by.len() {
         let factor = rest.last()? / last;
         let shift = rest.len() - by.len();
         for (k, coefficient) in by.iter().enumerate() {
+            spend(work, coefficient, &factor)?;
             rest[shift + k] -= coefficient * &factor;
         }
         quotient[shift] = factor;
@@ -159,11 +174,11 @@ fn divided(mut rest: Polynomial, by: &Polynomial) -> Option<(Polynomial, Polynom
     Some((quotient, rest))
 }
 
-/// The common divisor with leading coefficient 1 (Euclid); `None` if numbers grow too large.
-fn gcd(mut a: Polynomial, mut b: Polynomial) -> Option<Polynomial> {
+/// The common divisor with leading coefficient 1 (Euclid); `None` if numbers grow too large, or it takes too long.
+fn gcd(mut a: Polynomial, mut b: Polynomial, work: &mut u64) -> Option<Polynomial> {
     while let Some(last) = b.last() {
         let monic = scaled(&b, &last.recip());
-        let (_, rest) = divided(a, &monic)?;
+        let (_, rest) = divided(a, &monic, work)?;
         (a, b) = (monic, rest);
     }
     Some(a)
@@ -185,7 +200,7 @@ mod tests {
             let term = graph.apply(Op::Mul, &[coefficient, power]);
             root = graph.apply(Op::Add, &[root, term]);
         }
-        squarefree(&mut graph, root).map(|root| display(&graph, root, &[]))
+        squarefree(&mut graph, root, &mut { WORK_LIMIT }).map(|root| display(&graph, root, &[]))
     }
 
     #[test]

@@ -238,9 +238,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
         ErrorKind::Unclosed { .. } => "write the bracket that closes it where it should end",
         ErrorKind::Unopened { .. } => "remove it, or open a bracket before it",
-        ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => {
-            "write `abs(…)` in place of bars"
-        }
+        ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => "write `abs(…)` in place of bars",
         ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`",
         ErrorKind::Comma => "to draw several surfaces, put each on a line of its own",
         ErrorKind::Tuple => {

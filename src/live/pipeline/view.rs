@@ -88,7 +88,9 @@ impl Worker {
         if let Some(framed) = self.framed.as_ref().filter(|framed| framed.asked == asked) {
             let is_fitted = framed.arrived
                 && (std::ptr::eq(framed.model.as_ptr(), Arc::as_ptr(model))
-                    || model.is_rebound() && framed.region == *model.region());
+                    || model.is_rebound()
+                        && framed.formula == formula
+                        && framed.region == *model.region());
             let mut state = self.shared.lock();
             let stays = state.moving && framed.formula == formula;
             if stays && !is_fitted {

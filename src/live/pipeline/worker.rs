@@ -354,7 +354,7 @@ impl Worker {
         }
         let mut search = self.search.take();
         let wanted = || self.wanted(job);
-        let found = scene::region_again(&mut search, document, *domain, *clip, &wanted);
+        let found = scene::region_again(&mut search, document, *domain, Some(*clip), &wanted);
         let Some((found, searched)) = found?.filter(|_| wanted()) else {
             self.search = search;
             return Ok(None);
