@@ -56,7 +56,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         .completion_type(CompletionType::List)
         .max_history_size(KEPT_LINES)?
         .build();
-    let typing = Arc::new(Mutex::new(Typing { at: Instant::now(), reported: 0 }));
+    let typing = Arc::new(Mutex::new(Typing { at: Instant::now(), is_begun: false, reported: 0 }));
     let mut editor: Editor<PromptHelper, FileHistory> = Editor::with_config(config)?;
     editor.set_helper(Some(PromptHelper {
         session: Arc::clone(session),
@@ -77,12 +77,21 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         let print = move |text: &str| printer.print(format!("{text}\n")).is_ok();
         session.print_with(Some(Box::new(print)));
         let session = Arc::clone(session);
+        let typing = Arc::clone(&typing);
         std::thread::spawn(move || report_faults(&session, &typing));
     }
     while !session.has_ended() {
         learn(session, &mut editor, &mut known)?;
         let line = match editor.readline("zeroset> ") {
-            Ok(line) => line,
+            Ok(line) => {
+                forget_line(&typing);
+                line
+            }
+            // As in a shell: what was begun is given up, not the session.
+            Err(ReadlineError::Interrupted) if forget_line(&typing) => {
+                session.live.type_line("");
+                continue;
+            }
             Err(ReadlineError::Eof | ReadlineError::Interrupted) => {
                 // Without a terminal the window, if there is one, goes on.
                 if interactive || preview {
@@ -148,10 +157,17 @@ fn learn(
     Ok(())
 }
 
-/// When something was typed last, and which request's fault was shown last.
+/// When something was typed last, whether the line holds anything, and which request's fault was shown last.
 struct Typing {
     at: Instant,
+    is_begun: bool,
     reported: u64,
+}
+
+/// Forgets the line that is typed; whether there was anything in it.
+fn forget_line(typing: &Mutex<Typing>) -> bool {
+    let mut typing = typing.lock().unwrap_or_else(PoisonError::into_inner);
+    std::mem::take(&mut typing.is_begun)
 }
 
 /// Says what is wrong with what is typed or saved, after a pause.
@@ -198,7 +214,10 @@ impl Hinter for PromptHelper {
 
     /// Called at every key, so that the picture follows what is typed.
     fn hint(&self, line: &str, pos: usize, _: &Context<'_>) -> Option<String> {
-        self.typing.lock().unwrap_or_else(PoisonError::into_inner).at = Instant::now();
+        {
+            let mut typing = self.typing.lock().unwrap_or_else(PoisonError::into_inner);
+            (typing.at, typing.is_begun) = (Instant::now(), !line.trim().is_empty());
+        }
         self.session.live.type_line(line);
         if pos < line.len() {
             return None;

@@ -102,15 +102,26 @@ pub struct Around {
 impl Around {
     /// As the command line says, or else the document.
     pub fn of(arguments: &RenderArgs, document: &Document) -> Self {
-        let said = &document.picture;
-        let axes = arguments.shading.axes || said.axes == Some(true);
-        Self { axes, legend: arguments.shading.legend || said.legend.unwrap_or(axes) }
+        let asked = &arguments.shading;
+        let axes = asked.axes || document.picture.axes == Some(true);
+        Self { axes, legend: asked.legend || has_legend(document, axes) }
+    }
+
+    /// As the document says.
+    pub fn said(document: &Document) -> Self {
+        let axes = document.picture.axes == Some(true);
+        Self { axes, legend: has_legend(document, axes) }
+    }
+
+    /// The colors of what is shown with it over them, as sRGB bytes.
+    pub fn over(self, shown: Shown<'_>) -> Vec<u8> {
+        annotated(shown, self.axes, self.legend)
     }
 
     /// Draws it.
     pub fn draw(self, picture: &mut Picture, camera: &Camera, region: &Region) {
         if (self.axes || self.legend) && !picture.rgb.is_empty() {
-            picture.rgb = annotated(Shown { camera, region, picture }, self.axes, self.legend);
+            picture.rgb = self.over(Shown { camera, region, picture });
         }
     }
 
@@ -118,6 +129,11 @@ impl Around {
     fn marks(self, shown: Shown<'_>, size: [usize; 2]) -> Marks {
         Marks::new(shown, size, self.axes, self.legend)
     }
+}
+
+/// Whether a picture of a document, with axes or without, tells which value has which color.
+pub fn has_legend(document: &Document, axes: bool) -> bool {
+    document.picture.legend.unwrap_or(axes)
 }
 
 /// Runs `work` with this many threads, or as many as there are processors.

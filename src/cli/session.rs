@@ -6,7 +6,8 @@ use super::files::Origin;
 use super::gallery::listed;
 use super::history::History;
 use super::output::{Output, check_png, write_png};
-use super::render::{beautiful, kernel_settings};
+use super::overlay::Shown;
+use super::render::{Around, beautiful, kernel_settings};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
@@ -364,11 +365,13 @@ impl Session {
         }
         let picture = finished
             .context("not saved: the picture was changed before it was finished, or never was")?;
-        let (buffer, rgb) = (&picture.picture.buffer, &picture.picture.rgb);
+        let (camera, region) = (&picture.camera, picture.model.region());
+        let shown = Shown { camera, region, picture: &picture.picture };
+        let (buffer, rgb) = (&picture.picture.buffer, Around::said(&picture.document).over(shown));
         let name = path.display().to_string();
         let command = picture.command(&name);
         let size = [buffer.width, buffer.height];
-        output.finish(|out| write_png(out, rgb, size, &Origin::command(&command)))?;
+        output.finish(|out| write_png(out, &rgb, size, &Origin::command(&command)))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
         Ok(())
     }

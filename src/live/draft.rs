@@ -10,12 +10,12 @@ use zeroset_syntax::{Limits, parse, setting_word};
 /// name, a single value where that stands; a drawing replaces all others, or joins them if
 /// `adding`, and is seen whatever was hidden; a `domain`, `view` or `color` line replaces the one
 /// before. A number for a value with a range keeps the range, which is extended to hold it. Text or
-/// line may be wrong; reading the result tells where. A text that is wrong itself is given up.
+/// line may be wrong; reading the result tells where. A text that is wrong even with the line is given up.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
     let base = text.trim_end();
-    if base.is_empty() || parse(base, &limits).is_err() {
+    if base.is_empty() || parse(base, &limits).is_err() && !completes(base, line) {
         return line.to_owned();
     }
     let joined = format!("{base}\n{line}");
@@ -66,6 +66,14 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     kept.trim_start_matches('\n').to_owned()
 }
 
+/// Whether a line defines what a text lacks to be read.
+pub(super) fn completes(text: &str, line: &str) -> bool {
+    let limits = Limits::default();
+    let defines = |one: &Statement| matches!(one, Statement::Define(_));
+    parse(line, &limits).is_ok_and(|all| all.iter().all(defines))
+        && parse(&format!("{}\n{line}", text.trim_end()), &limits).is_ok()
+}
+
 /// Whether what follows a text would not be seen.
 fn is_hidden_below(text: &str) -> bool {
     let last = text.lines().rfind(|line| scene_word(line) == Some("hidden"));
@@ -99,9 +107,10 @@ fn drawings(text: &str) -> Vec<Range<usize>> {
     statements.iter().filter(draws).map(extent).collect()
 }
 
-/// Whether a line that is entered replaces what is drawn.
-pub(super) fn draws(line: &str) -> bool {
-    scene_word(line).is_none() && !drawings(line).is_empty()
+/// Whether a line that is entered into a text replaces what it draws. Alone `x = r` may define `r`, which the text has.
+pub(super) fn draws(text: &str, line: &str) -> bool {
+    let joined = format!("{text}\n{line}");
+    scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
 }
 
 /// A text without those of `lines` that are comments or say where to look from and at what.
@@ -284,7 +293,12 @@ mod tests {
         let came = "# A\n# b\ndomain 2\nview top\ncolor red\nx";
         assert_eq!(without_scenery(came, came), "color red\nx");
         assert_eq!(without_scenery("# A\ndomain 3\nx", came), "domain 3\nx");
-        assert!(draws("x+y") && draws("y = x^2") && !draws("r = 2") && !draws("domain 2"));
+        for (text, line) in [("", "x+y"), ("", "y = x^2"), ("r = 2", "x^2+y^2 = r")] {
+            assert!(draws(text, line), "{line}");
+        }
+        for line in ["r = 2", "domain 2", "x^2+y^2 = r"] {
+            assert!(!draws("", line), "{line}");
+        }
     }
 
     #[test]

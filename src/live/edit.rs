@@ -1,7 +1,7 @@
 //! How a document is changed: lines entered, values set, surfaces taken away. What is wrong is
 //! refused before anything changes. Knows no commands.
 
-use super::draft::{draws, entered, without_scenery};
+use super::draft::{completes, draws, entered, without_scenery};
 use super::pipeline::Request;
 use super::session::{Live, Reply};
 use super::slider::TIME;
@@ -95,7 +95,8 @@ impl Live {
     pub(super) fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
         let document = self.edit(|request, readable| {
             let text = after(request, readable, line, adding);
-            let is_another = !adding && draws(line) && from_gallery(request).is_some();
+            let base = base(request, readable, line);
+            let is_another = !adding && draws(&base, line) && from_gallery(request).is_some();
             let edit = Edit::checked(request, text, defined(line))?;
             Ok(Edit { source: is_another.then_some(DocumentSource::Typed), ..edit })
         })?;
@@ -110,8 +111,9 @@ impl Live {
             Statement::Draw { .. } => false,
         };
         let document = self.edit(|request, readable| {
-            let base = base(request, readable);
-            let text = entered(&base, &format!("{name} = {value}"), false);
+            let line = format!("{name} = {value}");
+            let base = base(request, readable, &line);
+            let text = entered(&base, &line, false);
             if parse(&text, &Limits::default()).is_ok_and(|all| !all.iter().any(defines)) {
                 return Err(Refusal::Command(format!(
                     "`{name}` has a fixed meaning and cannot be set"
@@ -132,7 +134,7 @@ impl Live {
     /// Takes away the drawing with this number, counted from 1.
     pub(super) fn delete(&self, number: usize) -> Result<Reply, Refusal> {
         let document = self.edit(|request, readable| {
-            let text = without(&base(request, readable), &request.options(), number)
+            let text = without(&base(request, readable, ""), &request.options(), number)
                 .map_err(|count| no_surface(number, count))?;
             Edit::checked(request, text, Vec::new())
         })?;
@@ -205,19 +207,20 @@ impl Edit {
 /// The text that entering a line leads to. A formula that takes the place of a surface of the
 /// gallery has nothing to do with that one's domain, view and comments, and they go with it.
 pub(super) fn after(request: &Request, readable: &str, line: &str, adding: bool) -> String {
-    let base = base(request, readable);
-    let came = if adding || !draws(line) { None } else { from_gallery(request) };
+    let base = base(request, readable, line);
+    let came = if adding || !draws(&base, line) { None } else { from_gallery(request) };
     match came {
         Some(came) => entered(&without_scenery(&base, came.text), line, adding),
         None => entered(&base, line, adding),
     }
 }
 
-/// What a line is entered into. A text that lacks a value which was given on the command line is
-/// completed by that.
-pub(super) fn base<'a>(request: &'a Request, readable: &'a str) -> Cow<'a, str> {
+/// What a line is entered into: a text that can be read, if only with the line. One that lacks a value which was given on
+/// the command line is completed by that.
+pub(super) fn base<'a>(request: &'a Request, readable: &'a str, line: &str) -> Cow<'a, str> {
     let is_read = |text: &str| parse(text, &Limits::default()).is_ok();
-    if is_read(&request.text) {
+    // What was taken away does not come back.
+    if request.text.trim().is_empty() || is_read(&request.text) || completes(&request.text, line) {
         return Cow::Borrowed(&request.text);
     }
     let with = |given: &[&(String, String)]| {

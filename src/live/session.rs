@@ -41,6 +41,8 @@ pub(super) struct State {
     pub dragged: Vec<Dragged>,
     pub undo: Undo,
     revision: u64,
+    /// The latest request when there was nothing to show: what it led to is not seen any more.
+    cleared: u64,
 }
 
 impl State {
@@ -105,6 +107,7 @@ impl Live {
             dragged: Vec::new(),
             undo: Undo::default(),
             revision: 0,
+            cleared: 0,
             request: request.clone(),
         };
         let live = Self { state: Mutex::new(state), pipeline: Pipeline::new(request) };
@@ -119,9 +122,17 @@ impl Live {
 
     /// What can be seen now: nothing while the document is empty.
     pub fn snapshot(&self) -> Snapshot {
-        let is_empty = self.lock().shown.trim().is_empty();
-        let seen = self.pipeline.snapshot();
-        if is_empty { Snapshot { rendering: None, fault: None, ..seen } } else { seen }
+        let (is_empty, cleared) = {
+            let state = self.lock();
+            (state.shown.trim().is_empty(), state.cleared)
+        };
+        let Snapshot { rendering, fault, settled } = self.pipeline.snapshot();
+        let is_shown = |revision: u64| !is_empty && revision > cleared;
+        Snapshot {
+            rendering: rendering.filter(|seen| is_shown(seen.revision)),
+            fault: fault.filter(|fault| is_shown(fault.revision)),
+            settled,
+        }
     }
 
     /// Waits until the fine picture of everything asked for so far, or what is wrong with it, is
@@ -383,6 +394,7 @@ impl Live {
     pub(super) fn show(&self, state: &mut State, shown: Arc<str>) {
         state.shown = shown;
         if state.shown.trim().is_empty() {
+            state.cleared = state.revision;
             return;
         }
         let mut request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };

@@ -140,7 +140,7 @@ impl Live {
             (_, low, high) => format!("[{}, {}]", written(low), written(high)),
         };
         let moved = |request: &Request, readable: &str| {
-            let base = base(request, readable);
+            let base = base(request, readable, "");
             let typed = right_side(&request.text, name);
             Ok(with_value(&base, name, value, &range).map(|new| (new, typed)))
         };

@@ -227,7 +227,7 @@ impl Live {
         change: impl Fn(&mut Vec<Drawn>),
     ) -> Result<(), Refusal> {
         let work = |request: &Request, readable: &str| {
-            let base = base(request, readable);
+            let base = base(request, readable, "");
             let options = request.options();
             let count = zeroset_syntax::read(&base, &options).map_or(0, |now| now.surfaces.len());
             if !(1..=count).contains(&number) {

@@ -1,7 +1,7 @@
 //! Everything that is said can be taken back and said again; surfaces and the whole document can be
 //! taken away, and what faces the eye cut off.
 
-use crate::live_support::{settled, start};
+use crate::live_support::{LIMIT, settled, start};
 use glam::DVec3;
 use zeroset::live::{DocumentSource, Live, Reply};
 use zeroset::scene::ClipChoice;
@@ -166,6 +166,11 @@ fn what_replaces_a_surface_of_the_gallery_is_not_seen_through_its_window() {
     enter(&live, "x^2+y^2+z^2 = 400");
     assert_eq!(live.text().trim(), "q = 3\nx^2+y^2+z^2 = 400");
     assert!(live.request().source == DocumentSource::Typed && live.is_changed());
+    // A value may come before the formula that needs it.
+    live.load(DocumentSource::Gallery(example), text, false);
+    enter(&live, "q = 4");
+    enter(&live, "x^2+y^2+z^2 = q");
+    assert_eq!(live.text().trim(), "q = 4\nx^2+y^2+z^2 = q");
     // What the user says stays, and what is only added goes along.
     live.load(DocumentSource::Gallery(example), text, false);
     enter(&live, "domain 4");
@@ -184,4 +189,31 @@ fn a_file_called_like_a_surface_of_the_gallery_stays_that_file() {
     enter(&live, "x = z");
     assert_eq!(live.text().trim(), "domain 4\nx = z");
     assert_eq!(live.request().source, source);
+}
+
+#[test]
+fn what_was_taken_away_does_not_come_back() {
+    let live = start("x^2+y^2+z^2 = 1", 16);
+    settled(&live);
+    enter(&live, ":clear");
+    let Ok(Reply::Say(_)) = live.enter("a = 3") else { panic!("there is something to draw") };
+    assert!(live.wait(LIMIT));
+    assert!(live.snapshot().rendering.is_none() && live.snapshot().fault.is_none());
+    live.type_line("b = ");
+    live.type_line("");
+    assert!(live.wait(LIMIT) && live.snapshot().rendering.is_none());
+    for line in [":undo", ":undo", ":redo"] {
+        enter(&live, line);
+    }
+    assert!(live.text().is_empty());
+    assert!(live.enter("axes").is_err() && live.text().is_empty());
+}
+
+#[test]
+fn a_value_that_a_formula_lacks_completes_it() {
+    let live = start("x + q = z", 16);
+    assert!(live.wait(LIMIT) && live.snapshot().fault.is_some());
+    enter(&live, "q = 1");
+    assert_eq!(live.text(), "x + q = z\nq = 1");
+    assert_eq!(settled(&live).document.surfaces.len(), 1);
 }

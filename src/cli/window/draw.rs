@@ -5,10 +5,11 @@ use super::enlarge::enlarge;
 use super::page::Page;
 use super::panel::Panel;
 use super::{MESSAGE, PAUSE, Window, browser, surfaces};
+use crate::cli::annotate;
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::help;
-use crate::cli::overlay::draw_box;
 use crate::cli::pick::Pick;
+use crate::cli::render::has_legend;
 use crate::cli::theme::{GROUND, INK};
 use anyhow::{Context, Result};
 use minifb::MouseMode;
@@ -241,12 +242,11 @@ impl Backdrop {
         let buffer = &rendering.picture.buffer;
         let shown = &rendering.picture.rgb;
         enlarge(shown, [buffer.width, buffer.height], &mut self.pixels, [picture.0, picture.1]);
-        if rendering.request.axes.are_shown(&rendering.document) {
-            let (width, height) = window;
-            let pixels = std::mem::take(&mut self.pixels);
-            let mut canvas = Canvas::new(width, height, pixels, scale);
-            draw_box(&mut canvas, (&**rendering).into(), picture.1);
-            self.pixels = canvas.pixels;
-        }
+        let axes = rendering.request.axes.are_shown(&rendering.document);
+        let legend = has_legend(&rendering.document, axes);
+        let pixels = std::mem::take(&mut self.pixels);
+        let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
+        annotate::draw(&mut canvas, (&**rendering).into(), picture.1, axes, legend);
+        self.pixels = canvas.pixels;
     }
 }
