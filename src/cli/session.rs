@@ -70,6 +70,8 @@ pub struct Session {
     history: Mutex<History>,
     /// Held while a picture is saved, so that no two take the same name.
     saving: Mutex<()>,
+    /// A file of somebody else's that the document was to be written over.
+    guarded: Mutex<Option<PathBuf>>,
     /// Whether pictures are as large as the terminal, not as a window.
     in_terminal: AtomicBool,
     /// Whether somebody asked for the gallery.
@@ -130,6 +132,7 @@ impl Session {
             printer: Mutex::default(),
             history: Mutex::default(),
             saving: Mutex::default(),
+            guarded: Mutex::default(),
             in_terminal: AtomicBool::new(arguments.preview),
             gallery: AtomicBool::new(false),
             ended: AtomicBool::new(false),
@@ -326,6 +329,13 @@ impl Session {
                 self.path().context("the document did not come from a file; use :save FILE.zset")?
             }
         };
+        let is_another = self.path().as_ref() != Some(&path) && path.exists();
+        if is_another && lock(&self.guarded).replace(path.clone()).as_ref() != Some(&path) {
+            anyhow::bail!(
+                "there is another file '{}' already; enter the line once more to write over it",
+                path.display()
+            );
+        }
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
         self.live.saved(&path, &text);

@@ -17,6 +17,10 @@ const WIDTH: f64 = 1.4;
 const LINES: f64 = 12.0;
 /// Where lines are closer than so many pixels they fade into their mean.
 const DENSE: f64 = 3.0;
+/// Values that differ by more than this share of the largest are surely different.
+const SAME: f64 = 1e-2;
+/// How far a painted point may be from the surface along its ray, in pixels.
+const PLACE: f64 = 0.1;
 /// Points that a thread takes at a time.
 const PART: usize = 512;
 
@@ -71,11 +75,21 @@ impl<'a> Painter<'a> {
         let blank = Self { model, scales: Vec::new(), contours: Vec::new() };
         let range = |value: &PointValue, shown: &dyn Fn(usize) -> bool| {
             let points = points(picture, |pixel| shown(usize::from(picture.surface[pixel])));
-            let values = blank.values(value, &points, picture, rays);
-            let finite = values.into_iter().filter(|value| value.is_finite());
+            let values = blank.values(value, &points, picture, rays, 0.0);
+            let finite = values.iter().copied().filter(|value| value.is_finite());
             let none = [f64::INFINITY, f64::NEG_INFINITY];
             let [low, high] = finite.fold(none, |[low, high], v| [low.min(v), high.max(v)]);
-            if low <= high { [low, high] } else { [0.0, 1.0] }
+            if low > high {
+                return [0.0, 1.0];
+            }
+            if high - low > SAME * low.abs().max(high.abs()) {
+                return [low, high];
+            }
+            // What differs by less than a point's place on its ray is unsure is one value.
+            let moved = blank.values(value, &points, picture, rays, PLACE);
+            let both = values.iter().zip(moved);
+            let unsure = both.map(|(value, moved)| (moved - value).abs()).fold(0.0, f64::max);
+            if high - low > unsure { [low, high] } else { [low.midpoint(high); 2] }
         };
         let is_same = |one: &MappedColor, other: &MappedColor| {
             (one.map, &one.value.echo, &one.range) == (other.map, &other.value.echo, &other.range)
@@ -132,7 +146,7 @@ impl<'a> Painter<'a> {
             let (scale, contours) = (&self.scales[surface], &self.contours[surface]);
             let mut known: Option<(&str, Vec<f64>)> = None;
             if let Some(Scale { map, value, low, high }) = scale {
-                let values = self.values(value, &points, picture, rays);
+                let values = self.values(value, &points, picture, rays, 0.0);
                 let extent = high - low;
                 for (&pixel, value) in points.iter().zip(&values) {
                     // Where there is one value only it has the middle colour.
@@ -146,7 +160,7 @@ impl<'a> Painter<'a> {
             let Some((value, step)) = contours else { continue };
             let values = match known {
                 Some((echo, values)) if echo == value.echo => values,
-                _ => self.values(value, &points, picture, rays),
+                _ => self.values(value, &points, picture, rays, 0.0),
             };
             let lines = Lines { step: *step, side: side as f64 };
             let mut field = vec![f64::NAN; picture.drawn.len()];
@@ -158,20 +172,22 @@ impl<'a> Painter<'a> {
         paint
     }
 
-    /// The value at each of these pixels' points.
+    /// The value at each of these pixels' points, or so many pixels behind them.
     fn values(
         &self,
         value: &PointValue,
         points: &[usize],
         picture: &GBuffer,
         rays: &RayGrid,
+        behind: f64,
     ) -> Vec<f64> {
         let parameters = &self.model.setting.parameters;
         let needed = value.graph.reachable(&[value.root]);
         let place = |pixel: usize| {
             let ray = rays.ray_of(pixel);
             let drawn = picture.drawn[pixel];
-            let at = ray.at(ray.parameter(drawn));
+            let t = ray.parameter(drawn);
+            let at = ray.at(t + behind * rays.footprint(t));
             let [nx, ny, nz] = picture.normal[pixel].map(f64::from);
             // x, y and z, and then the point's own names in their order.
             let own: [f64; POINT_NAMES.len()] = [nx, ny, nz, drawn];

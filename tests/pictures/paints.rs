@@ -167,6 +167,10 @@ fn colours_are_those_of_values() {
     assert!(legend.low < -1.9 && legend.high > 1.9 && legend.high <= 2.0, "{legend:?}");
     assert!(legend.value == "2*z" && legend.step.is_none(), "{legend:?}");
     assert!(picture(sphere).legends.is_empty());
+    // A value that is the same but for where points are found has the middle colour.
+    let flat = picture("color viridis(x)\nx = y/1e9 + 0.3");
+    let [one] = &flat.legends[..] else { panic!("one scale") };
+    assert!(one.low == one.high && (one.low - 0.3).abs() < 0.01, "{one:?}");
     // Where it has no value, the surface has its own colour.
     let [nowhere, own] =
         ["color viridis(sqrt(z-5))\n", ""].map(|line| picture(&format!("{line}{sphere}")));

@@ -33,6 +33,19 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     let read = |name: &str| std::fs::read_to_string(place.join(name)).expect(name);
     assert_eq!(read("cube.zset").replace('\n', " ").trim(), "max(abs(x), abs(y), abs(z)) = 1");
     assert!(read("data/zeroset/history").contains(":save cube.zset"));
+    // Another's file is written over only by who says so twice.
+    std::fs::write(place.join("notes.zset"), "x = y\n").expect("a file");
+    terminal.type_in(":save notes.zset\r");
+    terminal.shows("there is another file 'notes.zset'");
+    assert_eq!(read("notes.zset"), "x = y\n");
+    terminal.type_in(":save notes.zset\r");
+    terminal.shows("saved 'notes.zset'");
+    assert!(read("notes.zset").contains("max(abs(x)"));
+    // Its own file is saved at once, and again.
+    terminal.type_in(":save cube.zset\r");
+    terminal.shows("there is another file 'cube.zset'");
+    terminal.type_in(":save\r");
+    terminal.shows("saved 'notes.zset'");
     assert!(read("data/zeroset/last.zset").contains("abs(z)"));
     terminal.leaves();
 }
@@ -216,6 +229,8 @@ fn a_private_file_stays_private() {
     std::fs::write(&path, "x = 1.25").expect("written");
     let private = std::fs::Permissions::from_mode(0o600);
     std::fs::set_permissions(&path, private).expect("permitted");
+    terminal.type_in(":save surface.zset\r");
+    terminal.shows("enter the line once more");
     terminal.type_in(":save surface.zset\r");
     terminal.shows("saved 'surface.zset'");
     assert_eq!(std::fs::read_to_string(&path).expect("there"), "x+y+z\n");

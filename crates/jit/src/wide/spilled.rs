@@ -20,19 +20,20 @@ pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Opti
     let price =
         |span: &Span| (span.lasts.end() - span.lasts.start() + 1) as f64 / span.uses.len() as f64;
     spans.sort_by(|a, b| price(a).total_cmp(&price(b)));
-    let mut taken: Vec<Vec<RangeInclusive<usize>>> = vec![Vec::new(); REGISTERS as usize];
+    // From where to where each register is taken: long code has many thousand spans.
+    let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); REGISTERS as usize];
     let mut registers = vec![None; read.len()];
     for span in spans {
-        let is_free = |taken: &Vec<RangeInclusive<usize>>| {
-            taken
-                .iter()
-                .all(|other| other.end() < span.lasts.start() || span.lasts.end() < other.start())
+        let is_free = |taken: &BTreeMap<usize, usize>| {
+            let last = taken.range(..=span.lasts.end()).next_back();
+            last.is_none_or(|(_, end)| end < span.lasts.start())
         };
         if let Some(number) = taken.iter().position(is_free) {
             for instruction in span.uses {
                 registers[instruction] = Some(FIRST + number as u32);
             }
-            taken[number].push(span.lasts);
+            let (start, end) = span.lasts.into_inner();
+            taken[number].insert(start, end);
         }
     }
     registers
