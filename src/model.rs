@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, Surface};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
-use zeroset_syntax::{Contours, Document, PointValue, SrgbColor, SurfaceColor, SurfaceKind};
+use zeroset_syntax::{Contours, Document, PointValue, SrgbColor, SurfaceKind};
 use zeroset_trace::{Camera, Look, Options, Region};
 
 /// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed with the last model
@@ -28,7 +28,8 @@ use zeroset_trace::{Camera, Look, Options, Region};
 pub struct Model {
     region: Region,
     program: Program,
-    styles: Vec<Style>,
+    /// Of these what is not their function.
+    styles: Vec<zeroset_syntax::Surface>,
     setting: Setting,
     remarks: Vec<String>,
     /// What kernels compute in, unless a picture asks for something else.
@@ -37,16 +38,6 @@ pub struct Model {
     times: Option<Times>,
     /// Per surface, whether its negative side is the one seen from far away; found for the first picture that shows it.
     turned: Vec<OnceLock<bool>>,
-}
-
-/// What of a surface is not its function.
-struct Style {
-    kind: SurfaceKind,
-    color: Option<SurfaceColor>,
-    /// Share of the light from behind that it stops, within [0, 1].
-    opacity: f64,
-    /// Whether pictures leave it out.
-    hidden: bool,
 }
 
 /// What a document says of the picture.
@@ -128,7 +119,7 @@ impl Model {
             return Ok(None);
         }
         times.compile = watch.lap();
-        let (region, styles) = (*region, styles(document));
+        let (region, styles) = (*region, document.surfaces.clone());
         let (remarks, times) = (program.remarks(document), Some(times));
         let setting = Setting::of(document);
         let turned = vec![OnceLock::new(); styles.len()];
@@ -153,7 +144,7 @@ impl Model {
         }
         let (region, precision) = (*region, self.precision);
         let program = self.program.rebound(document)?;
-        let styles = styles(document);
+        let styles = document.surfaces.clone();
         Some(program.map(|program| {
             let remarks = program.remarks(document);
             let setting = Setting::of(document);
@@ -347,16 +338,6 @@ fn make_kernels<T: KernelFloat>(
 fn sample<T: KernelFloat>(surface: &dyn Surface, point: DVec3) -> Option<(f64, [f64; 3])> {
     let out = T::kernels(surface).gradients().ok()?.ask_all(&Points::near(&[point.to_array()]));
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
-}
-
-fn styles(document: &Document) -> Vec<Style> {
-    let style = |surface: &zeroset_syntax::Surface| Style {
-        kind: surface.kind,
-        color: surface.color.clone(),
-        opacity: surface.opacity,
-        hidden: surface.hidden,
-    };
-    document.surfaces.iter().map(style).collect()
 }
 
 /// Told how many of how many pixels are done, from several threads.

@@ -153,60 +153,45 @@ impl Region {
     /// Bounds on the t ≥ 0 whose points of `ray` lie inside the region, rounded outward: no point
     /// of the ray inside is left out. `None` if there is none.
     pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
-        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
-        for axis in 0..3 {
-            let (from, to) = self.slab(ray, axis)?;
-            near = near.max(from.0);
-            far = far.min(to.1);
-        }
-        if let Some(clip) = &self.clip {
-            let (room, slope) = clip.relation(ray);
-            // Kept are the t with t·slope ≤ room, for some slope and room within their bounds; as t
-            // ≥ 0, the smallest slope and the largest room keep the most.
-            let (slope, room) = (slope.0, room.1);
-            if slope > 0.0 {
-                far = far.min(up(room / slope));
-            } else if slope < 0.0 {
-                near = near.max(down(room / slope));
-            } else if room < 0.0 {
-                return None;
-            }
-        }
-        if let Some(ball) = &self.ball {
-            let [first, last] = ball.chord(ray).map(|chord| chord.outer)?;
-            near = near.max(first);
-            far = far.min(last);
-        }
+        let [near, far] = self.ends::<true>(ray)?;
         (near <= far).then_some((near, far))
     }
 
     /// Bounds on the t ≥ 0 between which all points of `ray` certainly lie inside the region; not in order if none do.
     pub(crate) fn inner(&self, ray: &Ray) -> [f64; 2] {
-        const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+        self.ends::<false>(ray).unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
+    }
+
+    /// Between which t ≥ 0 points lie inside, rounded outward or else inward; `None` or not in order if none do.
+    #[inline]
+    fn ends<const OUTWARD: bool>(&self, ray: &Ray) -> Option<[f64; 2]> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
         for axis in 0..3 {
-            let Some((from, to)) = self.slab(ray, axis) else { return NOWHERE };
-            near = near.max(from.1);
-            far = far.min(to.0);
+            let (from, to) = self.slab(ray, axis)?;
+            near = near.max(if OUTWARD { from.0 } else { from.1 });
+            far = far.min(if OUTWARD { to.1 } else { to.0 });
         }
         if let Some(clip) = &self.clip {
-            // As in `span`, but for the largest slope and the smallest room, which keep the least.
             let (room, slope) = clip.relation(ray);
-            let (slope, room) = (slope.1, room.0);
+            // Kept are the t with t·slope ≤ room, for some slope and room within their bounds; as t
+            // ≥ 0, the smallest slope and the largest room keep the most, and the others the least.
+            let (slope, room) = if OUTWARD { (slope.0, room.1) } else { (slope.1, room.0) };
+            let end = room / slope;
             if slope > 0.0 {
-                far = far.min(down(room / slope));
+                far = far.min(if OUTWARD { up(end) } else { down(end) });
             } else if slope < 0.0 {
-                near = near.max(up(room / slope));
+                near = near.max(if OUTWARD { down(end) } else { up(end) });
             } else if room < 0.0 {
-                return NOWHERE;
+                return None;
             }
         }
         if let Some(ball) = &self.ball {
-            let Some(chord) = ball.chord(ray) else { return NOWHERE };
-            near = near.max(chord.inner[0]);
-            far = far.min(chord.inner[1]);
+            let chord = ball.chord(ray)?;
+            let [first, last] = if OUTWARD { chord.outer } else { chord.inner };
+            near = near.max(first);
+            far = far.min(last);
         }
-        [near, far]
+        Some([near, far])
     }
 
     /// Where the ray enters, or `None` if it starts inside or never does.

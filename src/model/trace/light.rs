@@ -1,7 +1,7 @@
 //! What lights a picture, and what hides its points from that.
 
 use super::super::paint::{Finish, Painter};
-use super::super::{Aim, Stopwatch, Style};
+use super::super::{Aim, Stopwatch};
 use super::Shot;
 use crate::legend::Legend;
 use crate::picture::Times;
@@ -157,7 +157,7 @@ impl<T: KernelFloat> Shot<'_, T> {
             !self.model.styles[surface].hidden
                 && *known.get_or_init(|| self.is_negative_outside(surface))
         };
-        let surface = |(index, style): (usize, &Style)| {
+        let surface = |(index, style): (usize, &zeroset_syntax::Surface)| {
             let colours = match &style.color {
                 Some(SurfaceColor::Plain(color)) => {
                     SurfaceColours::around(LinearRgb::from_srgb(color.rgb))
