@@ -277,7 +277,8 @@ fn remark(
     }
     if let Some(why) = picture.why_undecided() {
         let all = pixels.miss + seen;
-        notes::note(&format!("{} of {all} pixels are undecided: {why}", pixels.undecided));
+        let are = if pixels.undecided == 1 { "is" } else { "are" };
+        notes::note(&format!("{} of {all} pixels {are} undecided: {why}", pixels.undecided));
     }
     let Open { blank, unreached, .. } = picture.statistics.open;
     if let Some(budget) = settings.budget.filter(|_| unreached > 0) {

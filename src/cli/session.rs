@@ -122,6 +122,9 @@ impl Session {
             None => format!(
                 "This is the {FIRST}. Type a formula such as x^2+y^2+z^2 = 1, or :help for more."
             ),
+            Some(_) if request.source == DocumentSource::Typed => {
+                "Type a formula to replace this one, or :help for more.".to_owned()
+            }
             Some(_) => {
                 format!("{}. Type a formula to replace it, or :help for more.", request.source)
             }

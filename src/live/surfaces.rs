@@ -34,7 +34,11 @@ impl Rendering {
     pub fn surfaces(&self) -> Vec<Listed> {
         let surfaces = self.document.surfaces.iter().enumerate();
         let listed = |(number, surface): (usize, &zeroset_syntax::Surface)| {
-            let own = || vec![SurfaceColours::default_for(number).positive.to_srgb()];
+            let own = || {
+                // Either side may be the one that is seen.
+                let SurfaceColours { positive, negative, .. } = SurfaceColours::default_for(number);
+                vec![positive.to_srgb(), negative.to_srgb()]
+            };
             let colours = match &surface.color {
                 Some(SurfaceColor::Plain(color)) => vec![LinearRgb::from_srgb(color.rgb).to_srgb()],
                 Some(SurfaceColor::Mapped(mapped)) => {
