@@ -16,7 +16,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use zeroset_interval::Interval;
 use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Document, ErrorKind, Errors, Limits, Options, parse};
+use zeroset_syntax::{Document, ErrorKind, Errors, Limits, Note, NoteKind, Options, parse};
 
 /// What an edit has made of a document.
 pub(super) struct Edit {
@@ -100,7 +100,11 @@ impl Live {
             let edit = Edit::checked(request, text, defined(line))?;
             Ok(Edit { source: is_another.then_some(DocumentSource::Typed), ..edit })
         })?;
-        Ok(document.map_or_else(nothing_drawn, |_| Reply::Done))
+        let Some(document) = document else { return Ok(nothing_drawn()) };
+        let given = defined(line);
+        let is_given = |note: &&Note| matches!(&note.kind, NoteKind::Unused { name, .. } if given.contains(name));
+        let unused = document.notes.iter().find(is_given);
+        Ok(unused.map_or(Reply::Done, |note| Reply::Say(format!("noted; {}", note.kind))))
     }
 
     /// Gives a name a value in the document; a slider keeps its range, which is extended to hold the

@@ -393,3 +393,13 @@ fn values_that_nothing_depends_on_are_noted() {
     assert!(say(":set t = 3").contains("nothing that is drawn depends on the time"));
     assert_eq!(live.enter(":set r = 2").ok(), Some(Reply::Done));
 }
+
+#[test]
+fn a_definition_that_nothing_drawn_uses_is_told() {
+    let live = start("x^2+y^2+z^2 = 1", 16);
+    let pasted = "float crust(vec3 p) { return length(p) - 2.0; }";
+    let said = "noted; `crust` is defined and never used";
+    assert_eq!(live.enter(pasted).ok(), Some(Reply::Say(said.into())));
+    assert_eq!(live.enter("crust(vec3(x, y, z)) = 0").ok(), Some(Reply::Done));
+    assert_eq!(live.enter("crust(p) = length(p) - 3").ok(), Some(Reply::Done));
+}
