@@ -244,3 +244,30 @@ fn bounds_have_few_digits() {
     let cell = Cell { low: [-130.0; 3], high: [128.0; 3] };
     assert_eq!(roomy(&cell), Cell { low: [-143.0; 3], high: [141.0; 3] });
 }
+
+/// The longest side, and the shortest.
+fn sides(found: &AutoDomain) -> [f64; 2] {
+    let sides = [0, 1, 2].map(|axis| found.high[axis] - found.low[axis]);
+    [sides.into_iter().fold(0.0, f64::max), sides.into_iter().fold(f64::INFINITY, f64::min)]
+}
+
+#[test]
+fn a_window_has_no_size_of_waves_that_have_none() {
+    // Sines of an angle or of a quotient: what they are part of has a size, or none.
+    for (text, longest) in [
+        ("r=2cos(theta)", 2.0..5.0),
+        ("r=cos(2*theta)", 2.0..5.0),
+        ("r^2=cos(2*theta)", 2.0..5.0),
+        ("r=20+cos(7*theta)", 42.0..80.0),
+        ("r=z*cos(theta)", 2.0..5.0),
+        ("sin(theta)^2+z^2=1", 2.0..5.0),
+        ("z^2=cos(theta)", 2.0..5.0),
+        ("z=r^2*cos(2*theta)", 4.0..6.0),
+        ("z=sin(1/x)", 2.0..5.0),
+        // An inner wave has one.
+        ("z=sin(2*sin(x^2+y^2))", 4.0..8.0),
+    ] {
+        let found = found(text);
+        assert!(longest.contains(&sides(&found)[0]), "{text}: {found:?}");
+    }
+}
