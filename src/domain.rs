@@ -6,6 +6,7 @@
 
 mod cells;
 mod centre;
+mod climb;
 mod critical;
 mod heights;
 mod homogeneous;

@@ -271,3 +271,63 @@ fn a_window_has_no_size_of_waves_that_have_none() {
         assert!(longest.contains(&sides(&found)[0]), "{text}: {found:?}");
     }
 }
+
+/// Whether a range is about the same on both sides of a place.
+fn is_about(place: f64, [low, high]: [f64; 2]) -> bool {
+    (low + high - 2.0 * place).abs() < 0.1 * (high - low)
+}
+
+#[test]
+fn a_graph_with_poles_up_and_down_is_seen_from_its_middle() {
+    for (text, middle, half) in [
+        ("z=tan(x)*tan(y)", 0.0, 6.3),
+        ("z=csc(x)*csc(y)", 0.0, 6.3),
+        ("z=tan(x)+tan(y)", 0.0, 6.3),
+        ("z=cot(x)*y", 0.0, 6.3),
+        ("z=sec(x)*y", 0.0, 6.3),
+        ("z=1/(x*y)", 0.0, 2.0),
+        ("z=3+1/(x*y)", 3.0, 2.0),
+        ("z=1/((x-3)*(y-2))", 0.0, 2.0),
+        ("z=1/(x^2-y^2)", 0.0, 2.0),
+        ("z=1/(x+y)", 0.0, 2.0),
+        ("z=x*y/(x-y)", 0.0, 2.0),
+        // As wide as high, whatever the factor.
+        ("z=100/(x*y)", 0.0, 8.0),
+        ("z=0.01/(x*y)", 0.0, 0.5),
+        ("z=100/x", 0.0, 16.0),
+        ("z=0.1/x", 0.0, 1.0),
+    ] {
+        let found = found(text);
+        let [longest, shortest] = sides(&found);
+        assert!(is_about(middle, [found.low[2], found.high[2]]), "{text}: {found:?}");
+        assert!(longest < 1.5 * shortest, "{text}: {found:?}");
+        assert!((0.9 * half..1.4 * half).contains(&(longest / 2.0)), "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn a_ridge_that_goes_on_has_no_place() {
+    for (text, half) in [
+        ("z=x^2*y", 2.0),
+        ("z=x*abs(y)", 2.0),
+        ("z=sqrt(x)*y", 2.0),
+        ("z=abs(x)*abs(y)", 2.0),
+        ("z=exp(x*y)", 2.0),
+        ("z=(x+y)^2", 2.0),
+        ("z=(x+2y)^2", 2.0),
+        ("z=x^y", 2.0),
+        ("z=min(x^2,y^2)", 2.0),
+        ("z=cos(theta)", 2.0),
+        ("z=sin(3*theta)", 2.0),
+        ("z=x^2*y/100", 16.0),
+        // But one that ends has.
+        ("z=abs(x^2+y^2-25)", 8.0),
+        ("z=max(abs(x),abs(y)-3)", 4.8),
+    ] {
+        let found = found(text);
+        let ground = [0, 1].map(|axis| found.high[axis]);
+        assert!(ground.iter().all(|high| (0.9..1.1).contains(&(high / half))), "{text}: {found:?}");
+        let [longest, shortest] = sides(&found);
+        assert!(shortest > 0.2 * longest, "{text}: {found:?}");
+    }
+}

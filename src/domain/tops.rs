@@ -2,6 +2,7 @@
 //!
 //! All of it is sampled. Knows neither surfaces nor kernels.
 
+use super::climb::Top;
 use super::heights::{Grid, Heights};
 use super::window::PLAIN;
 
@@ -16,16 +17,78 @@ const TOPS_ACROSS: f64 = 10.0;
 const FAR: f64 = 8.0;
 const FARTHER: f64 = 32.0;
 
+/// A ridge or a plateau ends if it does within this share of the square in which it is looked for.
+const ENDS: f64 = 0.75;
+
+/// Other sizes of a window differ from the plain one by factors of up to two to this power.
+const SCALES: i32 = 5;
+
+/// Half of a graph's heights lie within so many times its width, at least and at most, where it is neither flat nor steep.
+const LOW: f64 = 0.1;
+const HIGH: f64 = 3.0;
+
+/// Towards a pole heights grow by this factor at least when the window is halved.
+const GROWS: f64 = 1.2;
+
 /// Half the side of a window on the highest and lowest points of a graph; on some, if there are many.
 pub fn around_tops(heights: &Heights<'_>) -> f64 {
-    let mut tops = Grid::new(heights, FAR).tops;
-    if tops.is_empty() {
-        tops = Grid::new(heights, FARTHER).tops;
+    let near = Tops::find(heights, FAR);
+    let all = if near.half.is_some() { near } else { Tops::find(heights, FARTHER) };
+    match all.half {
+        Some(half) => PLAIN.max(half),
+        None if near.goes_on || has_poles(heights) => in_scale(heights),
+        None => PLAIN,
     }
-    if tops.len() > MOST_TOPS {
-        let apart = 2.0 * FAR / (tops.len() as f64 / 2.0).sqrt();
-        return TOPS_ACROSS / 2.0 * apart;
+}
+
+/// What is known of the tops of a graph.
+#[derive(Clone, Copy)]
+struct Tops {
+    /// Half the side of a window on them, if there are any.
+    half: Option<f64>,
+    /// Whether others form a ridge or a plateau that goes on, as along an axis where a factor is 0: it has no place.
+    goes_on: bool,
+}
+
+impl Tops {
+    /// Looks for tops so far from the centre.
+    fn find(heights: &Heights<'_>, far: f64) -> Self {
+        let tops = Grid::new(heights, far).tops.into_iter();
+        let (alone, others): (Vec<Top>, Vec<Top>) = tops.partition(|top| top.is_alone);
+        let reach = |tops: &[Top]| {
+            let ends = tops.iter().flat_map(|top| top.place);
+            ends.fold(0.0_f64, |most, along| most.max(along.abs()))
+        };
+        let goes_on = reach(&others) > ENDS * far;
+        let others = if goes_on { &[][..] } else { &others[..] };
+        let half = if alone.len() > MOST_TOPS {
+            let apart = 2.0 * far / (alone.len() as f64 / 2.0).sqrt();
+            Some(TOPS_ACROSS / 2.0 * apart)
+        } else {
+            let has_any = !alone.is_empty() || !others.is_empty();
+            has_any.then(|| ROOM_OF_GRAPH * reach(&alone).max(reach(others)))
+        };
+        Self { half, goes_on }
     }
-    let reach = tops.iter().map(|top| top.0.abs().max(top.1.abs()));
-    PLAIN.max(ROOM_OF_GRAPH * reach.fold(0.0, f64::max))
+}
+
+/// Whether heights grow inward, far up and far down.
+fn has_poles(heights: &Heights<'_>) -> bool {
+    let [plain, inner] = [PLAIN, PLAIN / 2.0].map(|half| Grid::without_tops(heights, half));
+    plain.is_far_out() && spread(&inner) > GROWS * spread(&plain)
+}
+
+/// Between which heights half of all lies: how far they are apart.
+fn spread(grid: &Grid) -> f64 {
+    let [low, high] = grid.quarters();
+    high - low
+}
+
+/// Half the side of a window in which a graph is about as high as wide, the nearest to the plain one.
+fn in_scale(heights: &Heights<'_>) -> f64 {
+    let halves = (0..=SCALES).flat_map(|k| [k, -k]).map(|k| PLAIN * f64::from(k).exp2());
+    let fits = |half: &f64| {
+        (LOW..=HIGH).contains(&(spread(&Grid::without_tops(heights, *half)) / (2.0 * half)))
+    };
+    halves.into_iter().find(fits).unwrap_or(PLAIN)
 }
