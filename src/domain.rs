@@ -8,6 +8,7 @@ mod cells;
 mod centre;
 mod climb;
 mod critical;
+mod ground;
 mod heights;
 mod homogeneous;
 mod outward;

@@ -26,7 +26,7 @@ const STEPS: usize = 24;
 const HALVINGS: usize = 5;
 
 /// What happens within this share of the way between two points of the grid does so at once.
-const AT_ONCE: f64 = 1.0 / 1024.0;
+pub const AT_ONCE: f64 = 1.0 / 1024.0;
 
 /// Ways out of a top that are tried, how often the highest is narrowed down to a fourth, and which share of the lowest way's
 /// fall a ridge does not fall.

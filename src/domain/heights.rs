@@ -2,7 +2,7 @@
 //!
 //! All of it is sampled. Knows neither surfaces nor kernels.
 
-use super::climb::{self, ROUNDING, Top};
+use super::climb::{self, AT_ONCE, ROUNDING, Top};
 
 /// Heights at places of the ground; not a number where there are none.
 pub type Heights<'a> = dyn Fn(&[[f64; 2]]) -> Vec<f64> + 'a;
@@ -116,6 +116,18 @@ impl Grid {
         let far = POLE * (rest - quarter);
         self.ends().is_some_and(|[lowest, highest]| quarter - lowest > far && highest - rest > far)
     }
+}
+
+/// The lowest and the highest of a graph over one axis, which has no heights beside it: a pole is seen close to a row of the
+/// grid if it is on that.
+pub fn ends_of_ridge(heights: &Heights<'_>, half: f64) -> [f64; 2] {
+    let apart = 2.0 * half / (SIDE - 1) as f64;
+    let near = [0.0, 1.0 / 32.0, -1.0 / 32.0, AT_ONCE, -AT_ONCE];
+    let all = (0..SIDE).flat_map(|row| near.map(|share| place(half, row) + share * apart));
+    let places: Vec<[f64; 2]> = all.flat_map(|along| [[along, 0.0], [0.0, along]]).collect();
+    let found = heights(&places).into_iter().filter(|height| height.is_finite());
+    let ends = [f64::INFINITY, f64::NEG_INFINITY];
+    found.fold(ends, |[low, high], height| [low.min(height), high.max(height)])
 }
 
 /// Which heights are shown: all tops and bottoms, and of what rises or falls to the border as much as is fit to be seen.

@@ -331,3 +331,40 @@ fn a_ridge_that_goes_on_has_no_place() {
         assert!(shortest > 0.2 * longest, "{text}: {found:?}");
     }
 }
+
+#[test]
+fn a_window_shows_only_the_ground_and_heights_that_a_graph_has() {
+    for (text, low, high) in [
+        ("x^x+y^y=z", [0.0, 0.0, 1.38], [2.0, 2.0, 4.0]),
+        ("z=sqrt(x)*y", [0.0, -2.0, -2.1], [2.0, 2.0, 2.1]),
+        ("z=ln(x-3)+ln(y)", [3.0, 0.0, -2.8], [5.0, 2.0, 1.5]),
+        ("z=exp(x*y)", [-2.0, -2.0, 0.0], [2.0, 2.0, 5.3]),
+        ("z=exp(x+y)", [-2.0, -2.0, 0.0], [2.0, 2.0, 5.3]),
+        // By intervals a quotient of zeros is anything.
+        ("z=sin(x)/x", [-12.4, -12.4, -0.22], [12.4, 12.4, 1.0]),
+        ("y=sin(3x)/x", [-12.5, -0.65, -12.5], [12.5, 3.0, 12.5]),
+    ] {
+        let found = found(text);
+        let near = |a: f64, b: f64, size: f64| (a - b).abs() < 0.25 * size;
+        for axis in 0..3 {
+            let size = high[axis] - low[axis];
+            let is_near =
+                near(found.low[axis], low[axis], size) && near(found.high[axis], high[axis], size);
+            assert!(is_near, "{text}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_window_is_not_empty_where_a_wider_one_is_not() {
+    for text in ["z=10/x^2", "z=100/x", "z=exp(x)+30", "y=sqrt(x-9)+12"] {
+        let document = document(text);
+        let program = Program::new(&document, [Interval::ENTIRE; 3]).expect("small");
+        let found = found(text);
+        let surfaces = vec![program.kernels::<f64>(0).zeros().expect("code")];
+        let work = Counter::new(WORK);
+        let search = Search { surfaces, forms: Vec::new(), wanted: &|| true, work };
+        let window = Cell { low: found.low, high: found.high };
+        assert!(search.tight(window, BOX_DEPTH).is_some(), "{text}: {found:?}");
+    }
+}

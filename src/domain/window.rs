@@ -6,7 +6,8 @@
 use super::FLAT;
 use super::cells::{BOX_DEPTH, Cell, Search};
 use super::critical::{Found, Seeker};
-use super::heights::{Grid, shown};
+use super::ground;
+use super::heights::{self, Grid, shown};
 use super::shape::Shape;
 use super::tops::around_tops;
 use super::waves::{Wave, calm};
@@ -28,6 +29,9 @@ const ROOM_OF_CRITICAL: f64 = 1.45;
 const CENTRED: f64 = 0.05;
 const GRAIN: f64 = 0.01;
 
+/// So are the ends of the ground over which a graph has heights, to this share.
+const GRAIN_OF_GROUND: f64 = 1e-3;
+
 /// A centre is known to within this share of its largest coordinate: what is nearer to it is at it.
 const KNOWN: f64 = 1e-9;
 
@@ -35,6 +39,9 @@ const KNOWN: f64 = 1e-9;
 /// opposite faces differ in distance by no more than this share of it.
 const NEARLY_CUBE: f64 = 0.8;
 const OFF_CENTRE: f64 = 0.1;
+
+/// A window in which there is nothing is doubled less often than this.
+const DOUBLINGS: i32 = 6;
 
 /// A place on an axis is known to within this share of itself before it is looked for.
 const NEAR: f64 = 0.01;
@@ -117,18 +124,8 @@ impl View<'_> {
         if let Some((up, factor)) = height {
             return few_digits(around_tops(&|places| self.heights(up, factor, places)));
         }
-        if let Some((up, along, factor)) = self.sight.shape.profile {
-            // Of a ridge that is as long as the window one place counts.
-            let across = usize::from((up + 1) % 3 == along);
-            let heights = |places: &[[f64; 2]]| {
-                let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
-                let middle: Vec<[f64; 2]> = places.iter().filter(is_middle).copied().collect();
-                let mut heights = self.heights(up, factor, &middle).into_iter();
-                let mut height =
-                    |place| if is_middle(&place) { heights.next() } else { Some(f64::NAN) };
-                places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
-            };
-            return few_digits(around_tops(&heights));
+        if let Some(profile) = self.sight.shape.profile {
+            return few_digits(around_tops(&|places| self.ridge(profile, places)));
         }
         let reach = self.landmarks().reach();
         if is_plane {
@@ -167,7 +164,30 @@ impl View<'_> {
             (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);
             return window;
         }
-        self.pruned(super::cube_about(self.centre, half))
+        let window = (0..DOUBLINGS).find_map(|k| {
+            // Where there is nothing, it is farther away.
+            self.pruned(super::cube_about(self.centre, half * f64::from(k).exp2()))
+        });
+        let window = window.unwrap_or(super::cube_about(self.centre, half));
+        match self.sight.shape.profile {
+            Some(profile) => self.trimmed(window, profile, half),
+            None => window,
+        }
+    }
+
+    /// The window without what intervals cannot tell from heights of a function of one axis, as where 0 is divided by 0.
+    fn trimmed(&self, mut window: Cell, profile: (usize, usize, f64), half: f64) -> Cell {
+        let up = profile.0;
+        let heights = |places: &[[f64; 2]]| self.ridge(profile, places);
+        let [lowest, highest] = heights::ends_of_ridge(&heights, half);
+        let height = highest - lowest;
+        if window.low[up] < lowest - height || window.high[up] > highest + height {
+            let space = super::SPACE * height;
+            let [low, high] = [lowest - space, highest + space].map(few_digits);
+            window.low[up] = window.low[up].max(low);
+            window.high[up] = window.high[up].min(high);
+        }
+        super::thick(window, FLAT)
     }
 
     /// The cube around the centre.
@@ -189,9 +209,9 @@ impl View<'_> {
         (0..sizes.len()).filter(is_new).map(find).fold(Found::default(), Found::and)
     }
 
-    /// The part of a window that may hold the surface. Where nothing changes along an axis, as much of it as fits the rest.
-    fn pruned(&self, window: Cell) -> Cell {
-        let Some(hull) = self.sight.search.tight(window, BOX_DEPTH) else { return window };
+    /// The part of a window that may hold the surface, if there is any. Where nothing changes along an axis, as much of it as fits the rest.
+    fn pruned(&self, window: Cell) -> Option<Cell> {
+        let hull = self.sight.search.tight(window, BOX_DEPTH)?;
         let Shape { depends, .. } = self.sight.shape;
         let across = (0..3).filter(|axis| depends[*axis]);
         let widest = across.map(|axis| hull.extent(axis)).fold(0.0, f64::max) / 2.0;
@@ -207,7 +227,7 @@ impl View<'_> {
             hull.low[axis] = hull.low[axis].max(window.low[axis]);
             hull.high[axis] = hull.high[axis].min(window.high[axis]);
         }
-        super::thick(hull, FLAT)
+        Some(super::thick(hull, FLAT))
     }
 
     /// The heights of what is as high as a function of two axes, at places on the ground as seen from the centre: `factor`
@@ -225,11 +245,31 @@ impl View<'_> {
         values.map(|value| self.centre[up] - value / factor).collect()
     }
 
+    /// The same of what is as high as a function of one axis: of a ridge that is as long as the window one place counts.
+    fn ridge(&self, (up, along, factor): (usize, usize, f64), places: &[[f64; 2]]) -> Vec<f64> {
+        let across = usize::from((up + 1) % 3 == along);
+        let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
+        let middle: Vec<[f64; 2]> = places.iter().filter(is_middle).copied().collect();
+        let mut heights = self.heights(up, factor, &middle).into_iter();
+        let mut height = |place| if is_middle(&place) { heights.next() } else { None };
+        places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
+    }
+
     /// The window on what is as high as a function of two axes, with this half side on the ground.
     fn graph(&self, up: usize, factor: f64, half: f64) -> Cell {
         let mut window = super::cube_about(self.centre, half);
         let heights = |places: &[[f64; 2]]| self.heights(up, factor, places);
-        if let Some(ends) = shown(&Grid::new(&heights, half)) {
+        let grid = Grid::new(&heights, half);
+        let ground = ground::ends(&heights, &grid);
+        for (axis, side) in [(up + 1) % 3, (up + 2) % 3].into_iter().zip(ground) {
+            for (end, side) in [&mut window.low[axis], &mut window.high[axis]].into_iter().zip(side)
+            {
+                *end = side.map_or(*end, |side| {
+                    super::rounded(self.centre[axis] + side, half * GRAIN_OF_GROUND)
+                });
+            }
+        }
+        if let Some(ends) = shown(&grid) {
             let [low, high] = ends.map(few_digits);
             (window.low[up], window.high[up]) = (low, high);
         }
