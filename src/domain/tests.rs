@@ -320,6 +320,8 @@ fn a_ridge_that_goes_on_has_no_place() {
         ("z=cos(theta)", 2.0),
         ("z=sin(3*theta)", 2.0),
         ("z=x^2*y/100", 16.0),
+        ("z=50*abs(x*y)", 0.25),
+        ("z=floor(x)/3+0*y", 2.0),
         // But one that ends has.
         ("z=abs(x^2+y^2-25)", 8.0),
         ("z=max(abs(x),abs(y)-3)", 4.8),

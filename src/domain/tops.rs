@@ -24,7 +24,7 @@ const ENDS: f64 = 0.75;
 const SCALES: i32 = 5;
 
 /// Half of a graph's heights lie within so many times its width, at least and at most, where it is neither flat nor steep.
-const LOW: f64 = 0.1;
+const LOW: f64 = 0.075;
 const HIGH: f64 = 3.0;
 
 /// Towards a pole heights grow by this factor at least when the window is halved.
@@ -36,7 +36,8 @@ pub fn around_tops(heights: &Heights<'_>) -> f64 {
     let all = if near.half.is_some() { near } else { Tops::find(heights, FARTHER) };
     match all.half {
         Some(half) => PLAIN.max(half),
-        None if near.goes_on || has_poles(heights) => in_scale(heights),
+        None if has_poles(heights) => in_scale(heights, true),
+        None if near.goes_on => in_scale(heights, false),
         None => PLAIN,
     }
 }
@@ -84,11 +85,16 @@ fn spread(grid: &Grid) -> f64 {
     high - low
 }
 
-/// Half the side of a window in which a graph is about as high as wide, the nearest to the plain one.
-fn in_scale(heights: &Heights<'_>) -> f64 {
-    let halves = (0..=SCALES).flat_map(|k| [k, -k]).map(|k| PLAIN * f64::from(k).exp2());
-    let fits = |half: &f64| {
-        (LOW..=HIGH).contains(&(spread(&Grid::without_tops(heights, *half)) / (2.0 * half)))
-    };
-    halves.into_iter().find(fits).unwrap_or(PLAIN)
+/// Half the side of a window in which a graph is about as high as wide, the nearest to the plain one. Whether heights grow
+/// inward tells where to look for it.
+fn in_scale(heights: &Heights<'_>, grows_inward: bool) -> f64 {
+    let share = |half: f64| spread(&Grid::without_tops(heights, half)) / (2.0 * half);
+    let plain = share(PLAIN);
+    let fits = |share: f64| (LOW..=HIGH).contains(&share);
+    if fits(plain) {
+        return PLAIN;
+    }
+    let side = if grows_inward == (plain > HIGH) { 1 } else { -1 };
+    let mut halves = (1..=SCALES).map(|k| PLAIN * f64::from(side * k).exp2());
+    halves.find(|half| fits(share(*half))).unwrap_or(PLAIN)
 }
