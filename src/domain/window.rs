@@ -164,11 +164,11 @@ impl View<'_> {
             (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);
             return window;
         }
-        let window = (0..DOUBLINGS).find_map(|k| {
-            // Where there is nothing, it is farther away.
-            self.pruned(super::cube_about(self.centre, half * f64::from(k).exp2()))
-        });
-        let window = window.unwrap_or(super::cube_about(self.centre, half));
+        // Where there is nothing, it is farther away.
+        let halves = (0..DOUBLINGS).map(|k| half * f64::from(k).exp2());
+        let mut cubes = halves.map(|half| (half, super::cube_about(self.centre, half)));
+        let found = cubes.find_map(|(half, cube)| Some((half, self.pruned(cube)?)));
+        let (half, window) = found.unwrap_or((half, super::cube_about(self.centre, half)));
         match self.sight.shape.profile {
             Some(profile) => self.trimmed(window, profile, half),
             None => window,
