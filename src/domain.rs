@@ -6,12 +6,16 @@
 
 mod cells;
 mod centre;
+mod climb;
 mod critical;
+mod ground;
 mod heights;
 mod homogeneous;
 mod outward;
 mod polynomial;
 mod shape;
+mod tops;
+mod waves;
 mod window;
 
 use crate::enclosure;
@@ -20,6 +24,7 @@ use cells::{BOX_DEPTH, Cell, FINE_DEPTH, Search};
 use homogeneous::Homogeneous;
 use shape::Shape;
 use std::cell::Cell as Counter;
+use waves::Wave;
 use window::Sight;
 use zeroset_eval::Assumptions;
 use zeroset_interval::Interval;
@@ -284,13 +289,13 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
                 bounds.lo.midpoint(bounds.hi)
             }
         };
-        let waves = shape.waves.map(value);
+        let waves: Vec<_> = shape.waves.iter().copied().map(value).collect();
         let sight = Sight {
             search: &alone,
             shape,
             values: program.kernels::<f64>(surface).values()?,
             centre: centre::centre(graph, root, parameters),
-            waves: waves.as_ref().map(|waves| waves as &dyn Fn([f64; 3]) -> f64),
+            waves: waves.iter().map(|wave| wave as &Wave<'_>).collect(),
         };
         let (window, is_round) = sight.window();
         all_round &= is_round;

@@ -11,14 +11,14 @@ use zeroset_ops::Op;
 type Linear = [f64; 3];
 
 /// What is known of a function.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
     /// Whether it depends on each axis.
     pub depends: [bool; 3],
     /// The period along each axis, where it depends on that only by sines, cosines and tangents of linear functions.
     pub period: [Option<f64>; 3],
-    /// Whether a sine, cosine or tangent of anything else that varies occurs, and of what: the first such argument.
-    pub waves: Option<NodeId>,
+    /// Of what else that varies sines, cosines and tangents occur, the outer ones first.
+    pub waves: Vec<NodeId>,
     /// Whether it is linear altogether.
     pub is_plane: bool,
     /// Whether its zeros are planes: it is linear, or a product of such functions.
@@ -129,8 +129,8 @@ impl Shape {
                             }
                         }
                         _ => {
-                            if waves && self.waves.is_none() {
-                                self.waves = Some(operands[0]);
+                            if waves {
+                                self.waves.push(operands[0]);
                             }
                             open.extend(operands.iter().copied());
                         }

@@ -244,3 +244,129 @@ fn bounds_have_few_digits() {
     let cell = Cell { low: [-130.0; 3], high: [128.0; 3] };
     assert_eq!(roomy(&cell), Cell { low: [-143.0; 3], high: [141.0; 3] });
 }
+
+/// The longest side, and the shortest.
+fn sides(found: &AutoDomain) -> [f64; 2] {
+    let sides = [0, 1, 2].map(|axis| found.high[axis] - found.low[axis]);
+    [sides.into_iter().fold(0.0, f64::max), sides.into_iter().fold(f64::INFINITY, f64::min)]
+}
+
+#[test]
+fn a_window_has_no_size_of_waves_that_have_none() {
+    // Sines of an angle or of a quotient: what they are part of has a size, or none.
+    for (text, longest) in [
+        ("r=2cos(theta)", 2.0..5.0),
+        ("r=cos(2*theta)", 2.0..5.0),
+        ("r^2=cos(2*theta)", 2.0..5.0),
+        ("r=20+cos(7*theta)", 42.0..80.0),
+        ("r=z*cos(theta)", 2.0..5.0),
+        ("sin(theta)^2+z^2=1", 2.0..5.0),
+        ("z^2=cos(theta)", 2.0..5.0),
+        ("z=r^2*cos(2*theta)", 4.0..6.0),
+        ("z=sin(1/x)", 2.0..5.0),
+        // An inner wave has one.
+        ("z=sin(2*sin(x^2+y^2))", 4.0..8.0),
+    ] {
+        let found = found(text);
+        assert!(longest.contains(&sides(&found)[0]), "{text}: {found:?}");
+    }
+}
+
+/// Whether a range is about the same on both sides of a place.
+fn is_about(place: f64, [low, high]: [f64; 2]) -> bool {
+    (low + high - 2.0 * place).abs() < 0.1 * (high - low)
+}
+
+#[test]
+fn a_graph_with_poles_up_and_down_is_seen_from_its_middle() {
+    for (text, middle, half) in [
+        ("z=tan(x)*tan(y)", 0.0, 6.3),
+        ("z=csc(x)*csc(y)", 0.0, 6.3),
+        ("z=tan(x)+tan(y)", 0.0, 6.3),
+        ("z=cot(x)*y", 0.0, 6.3),
+        ("z=sec(x)*y", 0.0, 6.3),
+        ("z=1/(x*y)", 0.0, 2.0),
+        ("z=3+1/(x*y)", 3.0, 2.0),
+        ("z=1/((x-3)*(y-2))", 0.0, 2.0),
+        ("z=1/(x^2-y^2)", 0.0, 2.0),
+        ("z=1/(x+y)", 0.0, 2.0),
+        ("z=x*y/(x-y)", 0.0, 2.0),
+        // As wide as high, whatever the factor.
+        ("z=100/(x*y)", 0.0, 8.0),
+        ("z=0.01/(x*y)", 0.0, 0.5),
+        ("z=100/x", 0.0, 16.0),
+        ("z=0.1/x", 0.0, 1.0),
+    ] {
+        let found = found(text);
+        let [longest, shortest] = sides(&found);
+        assert!(is_about(middle, [found.low[2], found.high[2]]), "{text}: {found:?}");
+        assert!(longest < 1.5 * shortest, "{text}: {found:?}");
+        assert!((0.9 * half..1.4 * half).contains(&(longest / 2.0)), "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn a_ridge_that_goes_on_has_no_place() {
+    for (text, half) in [
+        ("z=x^2*y", 2.0),
+        ("z=x*abs(y)", 2.0),
+        ("z=sqrt(x)*y", 2.0),
+        ("z=abs(x)*abs(y)", 2.0),
+        ("z=exp(x*y)", 2.0),
+        ("z=(x+y)^2", 2.0),
+        ("z=(x+2y)^2", 2.0),
+        ("z=x^y", 2.0),
+        ("z=min(x^2,y^2)", 2.0),
+        ("z=cos(theta)", 2.0),
+        ("z=sin(3*theta)", 2.0),
+        ("z=x^2*y/100", 16.0),
+        ("z=50*abs(x*y)", 0.25),
+        ("z=floor(x)/3+0*y", 2.0),
+        // But one that ends has.
+        ("z=abs(x^2+y^2-25)", 8.0),
+        ("z=max(abs(x),abs(y)-3)", 4.8),
+    ] {
+        let found = found(text);
+        let ground = [0, 1].map(|axis| found.high[axis]);
+        assert!(ground.iter().all(|high| (0.9..1.1).contains(&(high / half))), "{text}: {found:?}");
+        let [longest, shortest] = sides(&found);
+        assert!(shortest > 0.2 * longest, "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn a_window_shows_only_the_ground_and_heights_that_a_graph_has() {
+    for (text, low, high) in [
+        ("x^x+y^y=z", [0.0, 0.0, 1.38], [2.0, 2.0, 4.0]),
+        ("z=sqrt(x)*y", [0.0, -2.0, -2.1], [2.0, 2.0, 2.1]),
+        ("z=ln(x-3)+ln(y)", [3.0, 0.0, -2.8], [5.0, 2.0, 1.5]),
+        ("z=exp(x*y)", [-2.0, -2.0, 0.0], [2.0, 2.0, 5.3]),
+        ("z=exp(x+y)", [-2.0, -2.0, 0.0], [2.0, 2.0, 5.3]),
+        // By intervals a quotient of zeros is anything.
+        ("z=sin(x)/x", [-12.4, -12.4, -0.22], [12.4, 12.4, 1.0]),
+        ("y=sin(3x)/x", [-12.5, -0.65, -12.5], [12.5, 3.0, 12.5]),
+    ] {
+        let found = found(text);
+        let near = |a: f64, b: f64, size: f64| (a - b).abs() < 0.25 * size;
+        for axis in 0..3 {
+            let size = high[axis] - low[axis];
+            let is_near =
+                near(found.low[axis], low[axis], size) && near(found.high[axis], high[axis], size);
+            assert!(is_near, "{text}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_window_is_not_empty_where_a_wider_one_is_not() {
+    for text in ["z=10/x^2", "z=100/x", "z=exp(x)+30", "y=sqrt(x-9)+12"] {
+        let document = document(text);
+        let program = Program::new(&document, [Interval::ENTIRE; 3]).expect("small");
+        let found = found(text);
+        let surfaces = vec![program.kernels::<f64>(0).zeros().expect("code")];
+        let work = Counter::new(WORK);
+        let search = Search { surfaces, forms: Vec::new(), wanted: &|| true, work };
+        let window = Cell { low: found.low, high: found.high };
+        assert!(search.tight(window, BOX_DEPTH).is_some(), "{text}: {found:?}");
+    }
+}

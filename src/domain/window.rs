@@ -6,9 +6,11 @@
 use super::FLAT;
 use super::cells::{BOX_DEPTH, Cell, Search};
 use super::critical::{Found, Seeker};
-use super::heights::{Grid, Heights, shown};
+use super::ground;
+use super::heights::{self, Grid, shown};
 use super::shape::Shape;
-use std::f64::consts::PI;
+use super::tops::around_tops;
+use super::waves::{Wave, calm};
 use zeroset_eval::{Kernel, Sample};
 
 /// Half the side of the window on a surface that is like itself at every scale.
@@ -27,33 +29,25 @@ const ROOM_OF_CRITICAL: f64 = 1.45;
 const CENTRED: f64 = 0.05;
 const GRAIN: f64 = 0.01;
 
+/// So are the ends of the ground over which a graph has heights, to this share.
+const GRAIN_OF_GROUND: f64 = 1e-3;
+
 /// A centre is known to within this share of its largest coordinate: what is nearer to it is at it.
 const KNOWN: f64 = 1e-9;
-
-/// A graph's window reaches so many times farther than its highest and lowest points.
-const ROOM_OF_GRAPH: f64 = 1.6;
-
-/// What waves with another than a linear function of place is shown while that function's size is below this.
-const WAVES: f64 = 4.5 * PI;
 
 /// A box is as good as a cube if its sides are no shorter than this share of the longest, and as good as about the origin if
 /// opposite faces differ in distance by no more than this share of it.
 const NEARLY_CUBE: f64 = 0.8;
 const OFF_CENTRE: f64 = 0.1;
 
+/// A window in which there is nothing is doubled less often than this.
+const DOUBLINGS: i32 = 6;
+
 /// A place on an axis is known to within this share of itself before it is looked for.
 const NEAR: f64 = 0.01;
 
 /// A surface along which nothing changes is so many times longer than wide.
 const ROD: f64 = 1.6;
-
-/// Of what has more tops than these in a wide window, so many are shown across.
-const MOST_TOPS: usize = 24;
-const TOPS_ACROSS: f64 = 10.0;
-
-/// How far from the centre tops are looked for; if there are none, so far.
-const FAR: f64 = 8.0;
-const FARTHER: f64 = 32.0;
 
 /// What is looked for lies between two to these powers; where functions grow exponentially, between the last two.
 const SMALLEST: i32 = -40;
@@ -68,8 +62,8 @@ pub struct Sight<'a> {
     pub values: &'a dyn Kernel<Sample, f64>,
     /// The place about which it is arranged.
     pub centre: [f64; 3],
-    /// Those of the first argument of a sine that is not linear, if there is one.
-    pub waves: Option<&'a dyn Fn([f64; 3]) -> f64>,
+    /// Those of what it waves with that is not linear.
+    pub waves: Vec<&'a Wave<'a>>,
 }
 
 impl Sight<'_> {
@@ -104,9 +98,9 @@ impl View<'_> {
     /// Whether a surface that goes on alike in all directions is cut off there: edges that a box makes are then taken for its
     /// own. What is flat, repeats, or is as high as a function of two axes is read against the box.
     fn is_round(&self, cell: &Cell) -> bool {
-        let Shape { depends, period, waves, is_of_planes, height, .. } = self.sight.shape;
+        let Shape { depends, period, ref waves, is_of_planes, height, .. } = self.sight.shape;
         let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
-        let repeats = waves.is_some() || period.iter().any(Option::is_some);
+        let repeats = !waves.is_empty() || period.iter().any(Option::is_some);
         let largest = cell.largest();
         let is_cube = (0..3).all(|axis| {
             let off = cell.low[axis] + cell.high[axis] - 2.0 * self.centre[axis];
@@ -124,24 +118,14 @@ impl View<'_> {
         if longest > 0.0 {
             return longest;
         }
-        if let Some(waves) = self.sight.waves {
-            return few_digits(self.calm(waves, [0, 1, 2].map(on_ground)));
+        if let Some(half) = calm(&self.sight.waves, self.centre, [0, 1, 2].map(on_ground)) {
+            return few_digits(half);
         }
         if let Some((up, factor)) = height {
             return few_digits(around_tops(&|places| self.heights(up, factor, places)));
         }
-        if let Some((up, along, factor)) = self.sight.shape.profile {
-            // Of a ridge that is as long as the window one place counts.
-            let across = usize::from((up + 1) % 3 == along);
-            let heights = |places: &[[f64; 2]]| {
-                let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
-                let middle: Vec<[f64; 2]> = places.iter().filter(is_middle).copied().collect();
-                let mut heights = self.heights(up, factor, &middle).into_iter();
-                let mut height =
-                    |place| if is_middle(&place) { heights.next() } else { Some(f64::NAN) };
-                places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
-            };
-            return few_digits(around_tops(&heights));
+        if let Some(profile) = self.sight.shape.profile {
+            return few_digits(around_tops(&|places| self.ridge(profile, places)));
         }
         let reach = self.landmarks().reach();
         if is_plane {
@@ -180,7 +164,30 @@ impl View<'_> {
             (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);
             return window;
         }
-        self.pruned(super::cube_about(self.centre, half))
+        // Where there is nothing, it is farther away.
+        let halves = (0..DOUBLINGS).map(|k| half * f64::from(k).exp2());
+        let mut cubes = halves.map(|half| (half, super::cube_about(self.centre, half)));
+        let found = cubes.find_map(|(half, cube)| Some((half, self.pruned(cube)?)));
+        let (half, window) = found.unwrap_or((half, super::cube_about(self.centre, half)));
+        match self.sight.shape.profile {
+            Some(profile) => self.trimmed(window, profile, half),
+            None => window,
+        }
+    }
+
+    /// The window without what intervals cannot tell from heights of a function of one axis, as where 0 is divided by 0.
+    fn trimmed(&self, mut window: Cell, profile: (usize, usize, f64), half: f64) -> Cell {
+        let up = profile.0;
+        let heights = |places: &[[f64; 2]]| self.ridge(profile, places);
+        let [lowest, highest] = heights::ends_of_ridge(&heights, half);
+        let height = highest - lowest;
+        if window.low[up] < lowest - height || window.high[up] > highest + height {
+            let space = super::SPACE * height;
+            let [low, high] = [lowest - space, highest + space].map(few_digits);
+            window.low[up] = window.low[up].max(low);
+            window.high[up] = window.high[up].min(high);
+        }
+        super::thick(window, FLAT)
     }
 
     /// The cube around the centre.
@@ -191,7 +198,7 @@ impl View<'_> {
     /// Where critical points are that are about as far from the centre as the end of a window that is known, or as lengths are
     /// that people type.
     fn critical(&self, half: f64) -> Found {
-        let Sight { search, values, shape, .. } = *self.sight;
+        let Sight { search, values, ref shape, .. } = *self.sight;
         let sizes = [half, 4.0 * half, PLAIN, 4.0 * PLAIN];
         let is_new =
             |n: &usize| sizes[..*n].iter().all(|other| !(0.5..=2.0).contains(&(sizes[*n] / other)));
@@ -202,9 +209,9 @@ impl View<'_> {
         (0..sizes.len()).filter(is_new).map(find).fold(Found::default(), Found::and)
     }
 
-    /// The part of a window that may hold the surface. Where nothing changes along an axis, as much of it as fits the rest.
-    fn pruned(&self, window: Cell) -> Cell {
-        let Some(hull) = self.sight.search.tight(window, BOX_DEPTH) else { return window };
+    /// The part of a window that may hold the surface, if there is any. Where nothing changes along an axis, as much of it as fits the rest.
+    fn pruned(&self, window: Cell) -> Option<Cell> {
+        let hull = self.sight.search.tight(window, BOX_DEPTH)?;
         let Shape { depends, .. } = self.sight.shape;
         let across = (0..3).filter(|axis| depends[*axis]);
         let widest = across.map(|axis| hull.extent(axis)).fold(0.0, f64::max) / 2.0;
@@ -220,7 +227,7 @@ impl View<'_> {
             hull.low[axis] = hull.low[axis].max(window.low[axis]);
             hull.high[axis] = hull.high[axis].min(window.high[axis]);
         }
-        super::thick(hull, FLAT)
+        Some(super::thick(hull, FLAT))
     }
 
     /// The heights of what is as high as a function of two axes, at places on the ground as seen from the centre: `factor`
@@ -238,34 +245,35 @@ impl View<'_> {
         values.map(|value| self.centre[up] - value / factor).collect()
     }
 
+    /// The same of what is as high as a function of one axis: of a ridge that is as long as the window one place counts.
+    fn ridge(&self, (up, along, factor): (usize, usize, f64), places: &[[f64; 2]]) -> Vec<f64> {
+        let across = usize::from((up + 1) % 3 == along);
+        let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
+        let middle: Vec<[f64; 2]> = places.iter().filter(is_middle).copied().collect();
+        let mut heights = self.heights(up, factor, &middle).into_iter();
+        let mut height = |place| if is_middle(&place) { heights.next() } else { None };
+        places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
+    }
+
     /// The window on what is as high as a function of two axes, with this half side on the ground.
     fn graph(&self, up: usize, factor: f64, half: f64) -> Cell {
         let mut window = super::cube_about(self.centre, half);
         let heights = |places: &[[f64; 2]]| self.heights(up, factor, places);
-        if let Some(ends) = shown(&Grid::new(&heights, half)) {
+        let grid = Grid::new(&heights, half);
+        let ground = ground::ends(&heights, &grid);
+        for (axis, side) in [(up + 1) % 3, (up + 2) % 3].into_iter().zip(ground) {
+            for (end, side) in [&mut window.low[axis], &mut window.high[axis]].into_iter().zip(side)
+            {
+                *end = side.map_or(*end, |side| {
+                    super::rounded(self.centre[axis] + side, half * GRAIN_OF_GROUND)
+                });
+            }
+        }
+        if let Some(ends) = shown(&grid) {
             let [low, high] = ends.map(few_digits);
             (window.low[up], window.high[up]) = (low, high);
         }
         super::thick(window, FLAT)
-    }
-
-    /// Half the side of the cube around the centre in which the argument of a wave stays small; of a square on the ground if not
-    /// all axes count.
-    fn calm(&self, waves: &dyn Fn([f64; 3]) -> f64, axes: [bool; 3]) -> f64 {
-        let largest = |half: f64| {
-            let corners = (0..27).map(|n: i32| {
-                let place = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1];
-                [0, 1, 2].map(|k| {
-                    if axes[k] { self.centre[k] + half * f64::from(place[k]) } else { 0.0 }
-                })
-            });
-            let values = corners.map(waves).filter(|value| value.is_finite());
-            values.fold(0.0, |most: f64, value| most.max(value.abs()))
-        };
-        // In steps of an eighth of an octave.
-        let halves: Vec<f64> = (-40..=56).map(|k| (f64::from(k) / 8.0).exp2()).collect();
-        let calm = halves.partition_point(|half| largest(*half) <= WAVES);
-        if calm == 0 { PLAIN } else { halves[calm - 1] }
     }
 
     /// A box, as seen from the centre, around that, the places where the surface meets the lines through it along the axes, or
@@ -370,18 +378,4 @@ const FEW_OCTAVES: usize = 2;
 /// A length with three digits.
 fn few_digits(length: f64) -> f64 {
     format!("{length:.2e}").parse().unwrap_or(length)
-}
-
-/// Half the side of a window on the highest and lowest points of a graph; on some, if there are many.
-fn around_tops(heights: &Heights<'_>) -> f64 {
-    let mut tops = Grid::new(heights, FAR).tops;
-    if tops.is_empty() {
-        tops = Grid::new(heights, FARTHER).tops;
-    }
-    if tops.len() > MOST_TOPS {
-        let apart = 2.0 * FAR / (tops.len() as f64 / 2.0).sqrt();
-        return TOPS_ACROSS / 2.0 * apart;
-    }
-    let reach = tops.iter().map(|top| top.0.abs().max(top.1.abs()));
-    PLAIN.max(ROOM_OF_GRAPH * reach.fold(0.0, f64::max))
 }

@@ -1,0 +1,185 @@
+//! The tops and bottoms of a graph, climbed to from points of its grid.
+//!
+//! All of it is sampled. Knows neither surfaces nor kernels.
+
+use super::heights::{Grid, Heights, SIDE, places};
+
+/// The highest place around, or the lowest.
+#[derive(Clone, Copy, Debug)]
+pub struct Top {
+    /// Where on the ground.
+    pub place: [f64; 2],
+    /// How high.
+    pub height: f64,
+    /// Whether it is so in all directions: else it is part of a ridge, or of a plateau.
+    pub is_alone: bool,
+}
+
+/// Heights that differ by less than this share of them may be the same but for rounding, as where little is added to much.
+pub const ROUNDING: f64 = 1e-12;
+
+/// A top that is less than this share of the largest one high is not seen.
+const SEEN: f64 = 0.02;
+
+/// Steps of the search for a top, and how often they are halved.
+const STEPS: usize = 24;
+const HALVINGS: usize = 5;
+
+/// What happens within this share of the way between two points of the grid does so at once.
+pub const AT_ONCE: f64 = 1.0 / 1024.0;
+
+/// Ways out of a top that are tried, how often the highest is narrowed down to a fourth, and which share of the lowest way's
+/// fall a ridge does not fall.
+const WAYS: usize = 32;
+const NARROWED: usize = 5;
+const RIDGE: f64 = 1e-3;
+
+/// All that are found near points of a grid.
+pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Top> {
+    let Some([low, high]) = grid.ends() else { return Vec::new() };
+    let (places, apart) = (places(grid.half), grid.apart());
+    let mut tops = Vec::new();
+    for (n, sign) in candidates(&grid.sampled) {
+        let start = grid.sampled[n];
+        let found = climb(heights, places[n], start, sign, apart);
+        tops.extend(found.filter(|top| (top.height - start).abs() <= (high - low) / 2.0));
+    }
+    // What dies away has tops that nobody sees.
+    let [_, middle] = grid.without(0.5);
+    let size = |top: &Top| (top.height - middle).abs();
+    let most = tops.iter().map(size).fold(0.0, f64::max);
+    tops.retain(|top| size(top) >= SEEN * most);
+    tops
+}
+
+/// Points of the grid that are at least as high as all around them, or as low, and higher or lower than some by more than
+/// rounding: with the sign of the way to a top.
+fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+    let inner = |n: &usize| {
+        (1..SIDE - 1).contains(&(n % SIDE))
+            && (1..SIDE - 1).contains(&(n / SIDE))
+            && heights[*n].is_finite()
+    };
+    (0..SIDE * SIDE).filter(inner).filter_map(|n| {
+        let around = [
+            n - SIDE - 1,
+            n - SIDE,
+            n - SIDE + 1,
+            n - 1,
+            n + 1,
+            n + SIDE - 1,
+            n + SIDE,
+            n + SIDE + 1,
+        ];
+        let size =
+            around.iter().fold(heights[n].abs(), |most, other| most.max(heights[*other].abs()));
+        let differs = |sign: f64| {
+            let rises = |other: &usize| sign * (heights[*other] - heights[n]);
+            !around.iter().any(|other| rises(other) > 0.0)
+                && around.iter().any(|other| rises(other) < -ROUNDING * size)
+        };
+        [1.0, -1.0].into_iter().find(|sign| differs(*sign)).map(|sign| (n, sign))
+    })
+}
+
+/// The top near a place: `None` if the way there is long, as along a valley.
+fn climb(
+    heights: &Heights<'_>,
+    start: [f64; 2],
+    height: f64,
+    sign: f64,
+    apart: f64,
+) -> Option<Top> {
+    let ([mut x, mut y], mut height) = (start, height);
+    let (mut step, mut halvings) = (apart / 2.0, 0);
+    for _ in 0..STEPS {
+        let ways = [[-1.0, -1.0], [-1.0, 0.0], [-1.0, 1.0], [0.0, -1.0]];
+        let ways = ways.into_iter().flat_map(|[a, b]: [f64; 2]| [[a, b], [-a, -b]]);
+        let places: Vec<[f64; 2]> = ways.map(|[a, b]| [x + a * step, y + b * step]).collect();
+        let found = heights(&places);
+        let finite = (0..places.len()).filter(|n| found[*n].is_finite());
+        let best = finite.max_by(|a, b| (sign * found[*a]).total_cmp(&(sign * found[*b])));
+        if let Some(best) = best.filter(|best| sign * (found[*best] - height) > 0.0) {
+            ([x, y], height) = (places[best], found[best]);
+        } else {
+            (step, halvings) = (step / 2.0, halvings + 1);
+        }
+        let way = (x - start[0]).abs().max((y - start[1]).abs());
+        if way > 1.5 * apart {
+            return None;
+        }
+        if halvings == HALVINGS {
+            let place = [x, y];
+            let is_top = is_top(heights, place, apart / 8.0, apart)
+                && !is_pole(heights, place, height, apart);
+            let is_alone = || is_alone(heights, place, height, sign, apart);
+            return is_top.then(|| Top { place, height, is_alone: is_alone() });
+        }
+    }
+    None
+}
+
+/// Whether the paraboloid through the heights around a place has its top nearby, too: in a bent valley it has not.
+fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> bool {
+    let places: Vec<[f64; 2]> = (0..9)
+        .map(|n: i32| [x + f64::from(n % 3 - 1) * step, y + f64::from(n / 3 - 1) * step])
+        .collect();
+    let h = heights(&places);
+    let (slope_x, slope_y) = ((h[5] - h[3]) / 2.0, (h[7] - h[1]) / 2.0);
+    let (bend_x, bend_y) = (h[5] - 2.0 * h[4] + h[3], h[7] - 2.0 * h[4] + h[1]);
+    let twist = (h[8] - h[6] - h[2] + h[0]) / 4.0;
+    let bend = bend_x * bend_y - twist * twist;
+    let way_x = (bend_y * slope_x - twist * slope_y) / bend * step;
+    let way_y = (bend_x * slope_y - twist * slope_x) / bend * step;
+    // What has no paraboloid is no valley.
+    let way = way_x.abs().max(way_y.abs());
+    way.is_nan() || way <= apart
+}
+
+/// Whether a height that differs from all around does so at once, as where rounding leaves a number of a pole.
+fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
+    let falls = |far: f64| {
+        let place = |n: i32| [x + f64::from(n % 3 - 1) * far, y + f64::from(n / 3 - 1) * far];
+        let around: Vec<[f64; 2]> = (0..9).filter(|n| *n != 4).map(place).collect();
+        let falls = heights(&around).into_iter().map(|other| (height - other).abs());
+        falls.filter(|fall| fall.is_finite()).collect::<Vec<_>>()
+    };
+    let far = falls(apart).into_iter().fold(0.0, f64::max);
+    let near = falls(apart * AT_ONCE);
+    // Along a line of poles it may not differ.
+    let at_once = near.iter().filter(|fall| **fall > far / 2.0).count();
+    at_once > 0 && 4 * at_once >= 3 * near.len()
+}
+
+/// Whether a top is higher than all places around it, not along some line only as a ridge is: on a square about it nothing is
+/// about as high.
+fn is_alone(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
+    // How far along the square: each side is 2 long.
+    let on_square = |along: f64| {
+        let (side, rest) = ((along.rem_euclid(8.0) / 2.0).floor(), along.rem_euclid(2.0) - 1.0);
+        let [a, b] = match side as u32 {
+            0 => [1.0, rest],
+            1 => [-rest, 1.0],
+            2 => [-1.0, -rest],
+            _ => [rest, -1.0],
+        };
+        [x + half * a, y + half * b]
+    };
+    let below = |places: &[f64]| -> Vec<f64> {
+        let found = heights(&places.iter().map(|along| on_square(*along)).collect::<Vec<_>>());
+        let below = found.into_iter().map(|height| sign * (top - height));
+        below.map(|below| if below.is_finite() { below } else { f64::INFINITY }).collect()
+    };
+    let least = |below: &[f64]| (0..below.len()).min_by(|a, b| below[*a].total_cmp(&below[*b]));
+    let mut places: Vec<f64> = (0..WAYS).map(|k| 8.0 / WAYS as f64 * k as f64).collect();
+    let (mut step, mut known) = (8.0 / WAYS as f64, below(&places));
+    let finite = known.iter().copied().filter(|below| below.is_finite());
+    let most = finite.fold(0.0, f64::max);
+    for _ in 0..NARROWED {
+        let Some(best) = least(&known) else { return true };
+        let middle = places[best];
+        places = (-4..=4).map(|k| middle + step / 4.0 * f64::from(k)).collect();
+        (step, known) = (step / 4.0, below(&places));
+    }
+    least(&known).is_none_or(|best| known[best] > RIDGE * most)
+}

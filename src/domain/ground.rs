@@ -1,0 +1,47 @@
+//! The part of the ground over which a graph has heights.
+//!
+//! All of it is sampled. Knows neither surfaces nor kernels.
+
+use super::heights::{Grid, Heights, SIDE, place};
+
+/// An end of the ground is shown unless this share of its side is without heights there.
+const BARE: f64 = 0.1;
+
+/// Between two rows of the grid the end is narrowed down by so many halvings.
+const HALVINGS: u32 = 10;
+
+/// Where the ground begins and ends along its two axes; `None` for an end that has heights, or hardly any less.
+pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
+    let place = |row: usize| place(grid.half, row);
+    [0, 1].map(|axis| {
+        let has_height = |row: usize, k: usize| {
+            let n = if axis == 0 { row + k * SIDE } else { k + row * SIDE };
+            grid.sampled[n].is_finite()
+        };
+        // A number here and there, as some powers of negative ones are, is no ground.
+        let is_ground = |row: &usize| {
+            let is_height = |k: usize| has_height(*row, k) && has_height(row + 1, k);
+            (1..SIDE).any(|k| is_height(k - 1) && is_height(k))
+        };
+        let bare = |rows: usize| rows as f64 > BARE * (SIDE - 1) as f64;
+        let first = (0..SIDE - 1).find(is_ground).filter(|row| bare(*row));
+        let last = (0..SIDE - 1).rev().find(is_ground).map(|row| row + 1);
+        let last = last.filter(|row| bare(SIDE - 1 - row));
+        let end =
+            |row: usize, beyond: usize| end(heights, grid.half, axis, [row, beyond].map(place));
+        [first.map(|row| end(row, row - 1)), last.map(|row| end(row, row + 1))]
+    })
+}
+
+/// The end of the ground between a row of the grid and the next one, which is beyond it.
+fn end(heights: &Heights<'_>, half: f64, axis: usize, [mut row, mut beyond]: [f64; 2]) -> f64 {
+    for _ in 0..HALVINGS {
+        let middle = row.midpoint(beyond);
+        let places = (0..SIDE).map(|k| place(half, k));
+        let places = places.map(|k| if axis == 0 { [middle, k] } else { [k, middle] });
+        let found = heights(&places.collect::<Vec<_>>());
+        let is_ground = found.windows(2).any(|two| two.iter().all(|height| height.is_finite()));
+        if is_ground { row = middle } else { beyond = middle }
+    }
+    row
+}
