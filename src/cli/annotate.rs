@@ -82,7 +82,13 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
     let (scale, letter) = (canvas.scale, canvas.letter_height());
     let (space, broad) = (10 * scale, 14 * scale);
     let extent = legend.high - legend.low;
-    let marks = if extent > 0.0 { ticks(legend.low, legend.high).0 } else { Vec::new() };
+    let marks = if extent > 0.0 {
+        ticks(legend.low, legend.high).0
+    } else {
+        // The one value that there is, as far as floats that found its points know it.
+        let value = format!("{:.3e}", legend.low).parse().unwrap_or(legend.low);
+        vec![(legend.low, f64::to_string(&value))]
+    };
     let longest = marks.iter().map(|(_, text)| text.chars().count()).max().unwrap_or(0);
     let title = canvas.fitting(&legend.value, LONGEST * canvas.advance());
     let right = canvas.width.saturating_sub(space);
@@ -96,11 +102,10 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
         let color = u32::from_be_bytes([0, red, green, blue]);
         canvas.fill(left as i64, (bar + row) as i64, broad, 1, color, 255);
     }
-    // Where there is one value only there are no marks.
-    if extent <= 0.0 || extent.is_nan() {
-        return;
-    }
-    let place = |value: f64| bar as f64 + (legend.high - value) / extent * tall as f64;
+    let place = |value: f64| {
+        let share = if extent > 0.0 { (legend.high - value) / extent } else { 0.5 };
+        bar as f64 + share * tall as f64
+    };
     if let Some(step) = legend.step.filter(|step| extent / step < tall as f64 / 4.0) {
         let first = (legend.low / step).ceil() as i64;
         for line in (first..).map(|line| line as f64 * step).take_while(|v| *v <= legend.high) {
