@@ -4,6 +4,7 @@
 //! Symbols keep the places where they were typed, and their order; a bracket that was not typed
 //! stands at a place without length. Nothing here knows what a name means.
 
+use crate::environment::{matrix, scalar_products};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lexer::OTHERWISE;
 use crate::limits::Limits;
@@ -65,7 +66,7 @@ pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallib
     if arranged.is_empty() {
         return Ok(None);
     }
-    Piece::new(arranged, arranger.notes).map(Some)
+    Piece::new(scalar_products(text, arranged), arranger.notes).map(Some)
 }
 
 /// Takes away a label, and what ends a sentence.
@@ -138,6 +139,7 @@ impl Arranger<'_> {
     /// What stands up to the bracket that closes `open`, arranged; the bracket is left.
     fn level(&mut self, tokens: &mut Tokens, open: Option<Token>) -> Fallible<Vec<Token>> {
         let in_pieces = open.is_some_and(|open| open.symbol == '⦃');
+        let in_matrix = open.is_some_and(|open| open.symbol == '⟦');
         // What commas separate, with the comma behind each.
         let mut segments: Vec<(Vec<Node>, Option<Token>)> = Vec::new();
         let mut segment: Vec<Node> = Vec::new();
@@ -161,7 +163,7 @@ impl Arranger<'_> {
             if token.symbol == '␤' && in_pieces {
                 token.symbol = ',';
             }
-            if token.symbol != ',' {
+            if token.symbol != ',' && !(in_matrix && token.symbol == '␤') {
                 segment.push(Node::Leaf(token));
                 continue;
             }
@@ -182,7 +184,7 @@ impl Arranger<'_> {
         segments.push((segment, None));
         if let (true, Some((last, None))) = (segments.len() > 1, segments.last())
             && last.is_empty()
-            && open.is_some_and(|open| matches!(open.symbol, '(' | '[' | '⦃'))
+            && open.is_some_and(|open| matches!(open.symbol, '(' | '[' | '⦃' | '⟦'))
         {
             // A comma behind the last argument.
             segments.pop();
@@ -218,6 +220,10 @@ impl Arranger<'_> {
         nested: bool,
         before: Option<&Node>,
     ) -> Node {
+        if open.symbol == '⟦' {
+            let (open, inner, close) = matrix(self.typed(open), (open, close), inner);
+            return Node::Group(open, inner, close);
+        }
         let mut depth = 0_usize;
         let (mut colon, mut comma, mut relation) = (false, false, false);
         for token in &inner {

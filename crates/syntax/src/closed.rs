@@ -7,7 +7,10 @@ use crate::grammar::{Pair, Rule};
 use crate::scope::Callee;
 use crate::span::Span;
 use crate::spelling::vulgar;
-use zeroset_ops::Op;
+use zeroset_ops::{Op, VectorFunction};
+
+/// Bars of a norm, which are those of an absolute value where there is no matrix.
+const DOUBLE_BARS: &[&str] = &[r"\begin{V", r"\|", r"\left\|", "‖", r"\lVert", r"\Vert"];
 
 impl Builder<'_> {
     /// Round or square brackets around one expression.
@@ -61,9 +64,18 @@ impl Builder<'_> {
             Some('⌈') => Op::Ceil,
             _ => Op::Abs,
         };
+        let is_double = DOUBLE_BARS.iter().any(|bars| self.typed(&pair).starts_with(bars));
         let inner = self.argument(first_part(pair))?;
         if op == Op::Abs && is_vector(&inner) {
             return Ok(self.length_of(inner, span));
+        }
+        if op == Op::Abs && matches!(inner.kind, ExprKind::Call(Function::Matrix(_), _)) {
+            // Which norm is meant is not known.
+            if is_double {
+                return Err(Error::new(span, ErrorKind::Matrix));
+            }
+            let function = Function::OfVectors(VectorFunction::Determinant);
+            return Ok(Expr::new(ExprKind::Call(function, vec![inner]), span));
         }
         Ok(native(op, inner, span))
     }

@@ -193,10 +193,14 @@ pub enum ErrorKind {
     CrossSize,
     #[error("a matrix cannot be used like this")]
     Matrix,
+    #[error("a matrix is not a number")]
+    MatrixValue,
     #[error("this is not a matrix")]
     NotAMatrix,
     #[error("a matrix of {size} rows and columns cannot be made of {given} numbers")]
     MatrixSize { size: usize, given: usize },
+    #[error("a matrix has two to four rows, and as many values in each")]
+    MatrixShape,
 
     // ---- choices, sums, iteration
     #[error("a piece of a choice has no condition")]

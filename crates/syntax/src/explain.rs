@@ -271,8 +271,10 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::Matrix => {
             "add matrices of one size, or multiply with a number, a matrix or a vector: `m*p.xy`"
         }
+        ErrorKind::MatrixValue => "take its `determinant(…)`, or a component of `m*p`",
         ErrorKind::NotAMatrix => "write a matrix column by column, as in `mat2(c, s, -s, c)`",
         ErrorKind::MatrixSize { .. } => "give all elements, or one for the diagonal",
+        ErrorKind::MatrixShape => "a column of values is a vector; write out any other product",
         ErrorKind::PieceWithoutCondition => {
             "write `{x < 0: a, b}`: conditions first, then a value for all other points"
         }

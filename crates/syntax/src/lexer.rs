@@ -3,6 +3,7 @@
 //! What people paste is brought to the same symbols here: LaTeX environments, comments of other
 //! languages, names of modules before functions, components of vectors.
 
+use crate::environment::environment;
 use crate::foreign::{foreign, plain_text};
 use crate::scan::start;
 use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, symbol, vulgar};
@@ -66,9 +67,6 @@ const TYPESETTING: &[&str] = &[
 /// LaTeX commands whose text in braces is no part of a formula.
 const LABELS: &[&str] = &["tag", "label"];
 
-/// Environments of pieces: `\begin{…}` opens them.
-const PIECES: &[&str] = &["cases", "dcases", "rcases", "array", "cases*", "dcases*"];
-
 /// Words in `\text{…}` that only lead over to a condition, or mean nothing.
 const LEADS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
 
@@ -100,7 +98,7 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
         '…' => ('‥', length),
         '.' if context.touching.is_some_and(ends_value) => component(rest, context),
         '0'..='9' | '.' => number(rest),
-        '\\' => command(rest),
+        '\\' => command(rest, context),
         // Dollar signs stand around a formula, not in it.
         '$' if context.last.is_some()
             && !rest[1..].trim_start_matches([' ', '\t', '\r']).is_empty()
@@ -294,7 +292,7 @@ fn name(rest: &str, end: usize) -> (char, usize) {
     }
 }
 
-fn command(rest: &str) -> (char, usize) {
+fn command(rest: &str, context: Context) -> (char, usize) {
     let end = 1 + prefix(&rest[1..], |c| c.is_ascii_alphabetic());
     if end == 1 {
         return sign(rest);
@@ -302,7 +300,7 @@ fn command(rest: &str) -> (char, usize) {
     let word = &rest[1..end];
     let after = &rest[end..];
     match word {
-        "begin" | "end" => return environment(rest, word == "begin"),
+        "begin" | "end" => return environment(rest, word == "begin", context.last),
         "left" | "right" if after.starts_with('.') => return (' ', end + 1),
         "text" | "textrm" | "mbox" | "mathrm" | "textnormal" => {
             if let Some(found) = text(after) {
@@ -363,23 +361,6 @@ fn sign(rest: &str) -> (char, usize) {
         r"\}" => ('}', 2),
         other => symbol(other).map_or(('?', 1), |blank| (blank, two)),
     }
-}
-
-/// `\begin{…}` or `\end{…}`.
-fn environment(rest: &str, begins: bool) -> (char, usize) {
-    let open = if begins { r"\begin{".len() } else { r"\end{".len() };
-    let Some(length) = start(rest, 60).get(open..).and_then(|name| name.find('}')) else {
-        return ('?', 1);
-    };
-    let mut end = open + length + 1;
-    if !PIECES.contains(&&rest[open..open + length]) {
-        return (if begins { '⇥' } else { '⇤' }, end);
-    }
-    // The columns of an array.
-    if let Some(columns) = rest[end..].strip_prefix('{').filter(|_| begins) {
-        end += columns.find('}').map_or(0, |length| length + 2);
-    }
-    (if begins { '⦃' } else { '⦄' }, end)
 }
 
 /// Words in braces behind `\text`; `None` if they may be a name.

@@ -33,6 +33,7 @@ mod counting;
 mod cycle;
 mod diagnose;
 mod document;
+mod environment;
 mod error;
 mod explain;
 mod foreign;

@@ -145,7 +145,8 @@ impl<'a> Lowering<'a> {
     pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
         match self.value_of(expr, locals)? {
             Value::Number(node) => Ok(node),
-            Value::Vector(_) | Value::Matrix(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+            Value::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+            Value::Matrix(_) => Err(Error::new(expr.span, ErrorKind::MatrixValue)),
         }
     }
 

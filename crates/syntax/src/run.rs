@@ -119,7 +119,7 @@ impl Builder<'_> {
         }
         let behind = self.text[span.end..].trim_start_matches(BLANKS);
         let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
-        if behind.starts_with(['(', '[']) {
+        if behind.starts_with(['(', '[']) || behind.starts_with(r"\begin{") {
             if let Some(form) = self.scope.form(&name, &self.locals) {
                 items.push_back(Item::Form(form, span));
                 return Ok(());

@@ -95,16 +95,24 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let (mut symbol, length) = lex(rest, context);
         let span = Span::new(end, end + length);
         end = span.end;
-        let in_pieces = open.last().is_some_and(|index| tokens[*index].symbol == '⦃');
+        let within = open.last().map_or(' ', |index| tokens[*index].symbol);
+        let in_rows = matches!(within, '⦃' | '⟦');
         match symbol {
+            // What an environment closes is what was opened; outside brackets it had lines.
+            '⟧' if within == '⦃' => symbol = '⦄',
+            '⟧' if open.is_empty() && aligned > 0 => {
+                symbol = '⇤';
+                aligned -= 1;
+            }
             '⇥' => aligned += 1,
             '⇤' => aligned = aligned.saturating_sub(1),
-            '&' if in_pieces => symbol = '¿',
+            '&' if within == '⦃' => symbol = '¿',
+            '&' if within == '⟦' => symbol = ',',
             '&' if aligned > 0 => symbol = ' ',
             // Windows ends lines with two characters.
             '\n' if text[end - length..].starts_with("\r\n") => symbol = ' ',
             // A line that starts with an operator goes on with the one before.
-            '␤' if !in_pieces => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
+            '␤' if !in_rows => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
             _ => {}
         }
         if symbol == '\n' {

@@ -175,6 +175,10 @@ impl Builder<'_> {
         if let Some(matrix) = self.rows(&inner, span)? {
             return Ok(matrix);
         }
+        // A list of lists can be nothing else.
+        if inner.iter().any(|part| sole(part, Rule::list).is_some()) {
+            return Err(Error::new(span, ErrorKind::MatrixShape));
+        }
         let parts: Fallible<Vec<Expr>> = pair.into_inner().map(|part| self.value(part)).collect();
         let parts = parts?;
         match u8::try_from(parts.len()) {

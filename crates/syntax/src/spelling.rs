@@ -92,12 +92,12 @@ pub(crate) fn is_operator(symbol: char) -> bool {
 
 /// The bracket that closes `open`.
 pub(crate) fn closer(open: char) -> Option<char> {
-    "([{⌊⌈⦃⟨".chars().zip(")]}⌋⌉⦄⟩".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
+    "([{⌊⌈⦃⟨⟦".chars().zip(")]}⌋⌉⦄⟩⟧".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
 }
 
 /// Whether a symbol is a closing bracket.
 pub(crate) fn is_closer(symbol: char) -> bool {
-    ")]}⌋⌉⦄⟩".contains(symbol)
+    ")]}⌋⌉⦄⟩⟧".contains(symbol)
 }
 
 /// Whether `character` may stand in a name after its first letter.
