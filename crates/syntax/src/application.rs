@@ -169,8 +169,17 @@ impl Builder<'_> {
             let read = short_formula(&read.join("*"));
             self.note(span.to(second), NoteKind::FunctionOfProduct { name, read });
         }
+        self.note_powers(&factors);
         let product = product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect())?;
         number_only(&product)?;
+        if matches!(callee, Callee::BuiltIn(name) if matches!(name.as_str(), "sqrt" | "cbrt"))
+            && items.is_empty()
+            && self.root_goes_on(&product)
+        {
+            let name = callee.name().to_owned();
+            let read = short_formula(&product.to_string());
+            self.note(span.to(product.span), NoteKind::FunctionOfProduct { name, read });
+        }
         Ok(product)
     }
 

@@ -55,6 +55,7 @@ mod prelude;
 mod print;
 mod program;
 mod program_words;
+mod reach;
 mod reader;
 mod render;
 mod run;

@@ -20,6 +20,8 @@ pub struct Note {
 pub enum NoteKind {
     #[error("read as `{read}`; for the other reading, write `{other}`")]
     ImplicitDivision { read: String, other: String },
+    #[error("read as `{read}`; for the other reading, write `{other}`")]
+    PowerScope { read: String, other: String },
     #[error("read as `{read}`; for the root, write `{root}`")]
     DividedPower { read: String, root: String },
     #[error(

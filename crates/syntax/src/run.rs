@@ -58,6 +58,7 @@ impl Builder<'_> {
         while !items.is_empty() {
             self.factor(&mut items, &mut factors)?;
         }
+        self.note_powers(&factors);
         Ok(factors)
     }
 
@@ -143,6 +144,10 @@ impl Builder<'_> {
                 items.push_back(Item::Function(callee, span));
             }
             Meaning::Product => {
+                // Of an exponent and a divisor only the first letter is one, which a note on these says.
+                let is_exponent = matches!(items.back(), Some(Item::Caret(..)))
+                    && !matches!(items.iter().nth_back(1), Some(Item::Function(..)));
+                let is_noted = is_exponent || items.is_empty() && self.follows(span, "/");
                 let letters: Vec<String> = name.chars().map(String::from).collect();
                 let mut at = span.start;
                 for letter in &letters {
@@ -156,8 +161,10 @@ impl Builder<'_> {
                         items.push_back(self.leaf(value, place));
                     }
                 }
-                let product = letters.join("*");
-                self.note(span, NoteKind::ProductOfNames { name, product });
+                if !is_noted {
+                    let product = letters.join("*");
+                    self.note(span, NoteKind::ProductOfNames { name, product });
+                }
             }
             Meaning::Unknown => {
                 if TIMES.contains(&typed) {
@@ -441,6 +448,9 @@ impl Builder<'_> {
             Item::Leaf(_) | Item::Group(_) | Item::Function(..) | Item::Form(..) | Item::Closed(_),
         ) = items.front()
         {
+            self.note(place, NoteKind::RadicalScope { radical });
+        }
+        if items.is_empty() && self.root_goes_on(&inner) {
             self.note(place, NoteKind::RadicalScope { radical });
         }
         let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };
