@@ -12,7 +12,7 @@ use crate::scan::Piece;
 use crate::scope::{Meaning, Scope, coordinate};
 use crate::setting::{SETTINGS, Setting};
 use crate::span::Span;
-use crate::spelling::{is_definable, plain_name};
+use crate::spelling::{is_definable, is_name, plain_name};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::Meaning as Stands;
@@ -128,7 +128,12 @@ fn head(text: &str, piece: &Piece, line: &Pair<'_>) -> Option<Head> {
 }
 
 /// Decides for every line with a head whether it defines; those that do not lose their head.
-pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mut Vec<Note>) {
+pub(crate) fn settle_heads(
+    text: &str,
+    lines: &mut [Line<'_>],
+    scope: &mut Scope,
+    notes: &mut Vec<Note>,
+) {
     for line in lines.iter_mut() {
         if line.unit.head.is_some() {
             continue;
@@ -137,7 +142,7 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
             line.head = None;
         }
     }
-    settle_levels(lines, notes);
+    settle_levels(text, lines, notes);
     // Whether `hypot(a, b) = 2` draws depends on whether a and b have values, so values come first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
@@ -164,8 +169,9 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
     }
 }
 
-/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels.
-fn settle_levels(lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
+/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels, and `f(x, y) = z` below `f(x, y) = x^2` an
+/// equation.
+fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     for line in lines.iter_mut() {
         let Some(head) = &line.head else { continue };
@@ -177,16 +183,31 @@ fn settle_levels(lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
             continue;
         }
         let key = (head.name.text.clone(), parameters.count());
-        let is_number = matches!(
-            line.piece.tokens.as_slice(),
-            [.., sign, number] if sign.symbol == '=' && number.symbol == '0'
-        );
-        if is_number && line.unit.head.is_none() && defined.contains(&key) {
+        let is_value = line.unit.head.is_none() && !looks_like_body(text, line.piece, key.1);
+        if is_value && defined.contains(&key) {
             notes.push(Note { span: head.name.span, kind: NoteKind::LevelOf { name: key.0 } });
             line.head = None;
         } else {
             defined.insert(key);
         }
+    }
+}
+
+/// Whether a right side looks like what a function of two or three coordinates is: it names two of three, or one of two and not
+/// the third.
+fn looks_like_body(text: &str, piece: &Piece, parameters: usize) -> bool {
+    let signs = piece.tokens.iter().skip_while(|token| token.symbol != '=');
+    let right = signs.take_while(|token| !matches!(token.symbol, '{' | '∈'));
+    let names = right.filter(|token| is_name(token.symbol)).map(|token| &text[token.span.range()]);
+    // `exp` names none; longer names are no products.
+    let is_product = |name: &&str| {
+        name.len() <= 3 && !matches!(Scope::default().meaning(name, &[]), Meaning::Function(_))
+    };
+    let products: Vec<&str> = names.filter(is_product).collect();
+    let has = |axis: char| products.iter().any(|name| name.contains(axis));
+    match parameters {
+        2 => (has('x') || has('y')) && !has('z'),
+        _ => "xyz".chars().filter(|axis| has(*axis)).count() > 1,
     }
 }
 
