@@ -6,7 +6,7 @@
 
 use crate::environment::{matrix, scalar_products};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::lexer::OTHERWISE;
+use crate::lexer::{OTHERWISE, ends_operand};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::scan::{Piece, Token, scan};
@@ -317,6 +317,7 @@ impl Arranger<'_> {
             over(nodes, at, out);
             return Ok(());
         }
+        self.infix(&mut nodes);
         self.then(&mut nodes);
         let is_ternary = nodes.iter().any(|node| node.is('⸮'));
         let is_conditional = nodes.iter().skip(1).any(|node| self.is_word(node, "if"))
@@ -355,6 +356,25 @@ impl Arranger<'_> {
         let end = inner.last().map_or(word.span().end, |last| last.span.end);
         let open = Token::new('{', Span::at(word.span().end));
         nodes.push(Node::Group(open, inner, Token::new('}', Span::at(end))));
+    }
+
+    /// `a mod b` as `a % b`: behind what is divided, and not before brackets with arguments of its own.
+    fn infix(&self, nodes: &mut [Node]) {
+        for index in 1..nodes.len() {
+            let is_call = |next: &Node| matches!(next, Node::Group(_, inner, _) if inner.iter().any(|token| token.symbol == ','));
+            let ends = match &nodes[index - 1] {
+                Node::Leaf(token) => ends_operand(token.symbol),
+                Node::Group(..) => true,
+            };
+            let is_infix = ends
+                && self.is_word(&nodes[index], "mod")
+                && nodes.get(index + 1).is_some_and(|next| !is_call(next));
+            if let Node::Leaf(token) = &mut nodes[index]
+                && is_infix
+            {
+                token.symbol = '٪';
+            }
+        }
     }
 
     /// `if c then a else b` as `c ? a : b`.

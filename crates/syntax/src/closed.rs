@@ -4,6 +4,7 @@ use crate::ast::{Expr, ExprKind, Function, ProductSign};
 use crate::build::{Builder, number_only, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
+use crate::run::Items;
 use crate::scope::Callee;
 use crate::span::Span;
 use crate::spelling::vulgar;
@@ -116,6 +117,11 @@ impl Builder<'_> {
         let span = self.span(&pair);
         match pair.as_rule() {
             Rule::digit => Ok(Expr::of_digits(self.typed(&pair), span)),
+            Rule::name => {
+                let mut items = Items::new();
+                self.item(pair, &mut items)?;
+                self.power(&mut items)
+            }
             _ => self.deeper(span, 1, |b| b.closed(pair, span)),
         }
     }

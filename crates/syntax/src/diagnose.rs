@@ -5,7 +5,7 @@ use crate::grammar::Rule;
 use crate::scan::{Piece, Token};
 use crate::setting::setting;
 use crate::span::Span;
-use crate::spelling::{closer, is_closer, is_operator, short_name};
+use crate::spelling::{closer, is_closer, is_name, is_operator, short_name};
 
 /// The error behind the grammar's refusal of `piece`; `next` is the index of the token at which it
 /// stopped.
@@ -124,6 +124,12 @@ fn comma(piece: &Piece, index: usize) -> Box<Error> {
 
 /// The place of `\frac` if its second part is missing right behind `before`.
 fn half_fraction(before: &[Token]) -> Option<Span> {
+    if let [.., fraction, part] = before
+        && fraction.symbol == 'F'
+        && is_name(part.symbol)
+    {
+        return Some(fraction.span);
+    }
     let mut depth = 0_usize;
     for token in before.iter().rev() {
         match token.symbol {

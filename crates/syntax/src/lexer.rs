@@ -127,6 +127,16 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
             let end = prefix(rest, in_name);
             let below = rest[..end].find(is_below);
             let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
+            // Between conditions these are the words that they are in small letters; before brackets they may be functions.
+            let is_joint = context.last.is_some_and(ends_operand);
+            match &rest[..end] {
+                "AND" if is_joint => return ('∧', end),
+                "OR" if is_joint => return ('∨', end),
+                "NOT" => return ('¬', end),
+                // A part of a fraction is one letter.
+                word if context.is_part && !word.is_empty() => return name(rest, length),
+                _ => {}
+            }
             module(rest, end).map_or_else(|| name(rest, end), |length| (' ', length))
         }
         '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {

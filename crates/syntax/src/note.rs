@@ -31,6 +31,8 @@ pub enum NoteKind {
     InverseFunction { name: String, inverse: String },
     #[error("`{name}` is read as the product `{product}`")]
     ProductOfNames { name: String, product: String },
+    #[error("`{name}` is read as `{read}`")]
+    ReadAs { name: String, read: &'static str },
     #[error("`{name}` is {meaning}")]
     ConstantUsed { name: &'static str, meaning: &'static str },
     #[error(
@@ -117,6 +119,7 @@ impl NoteKind {
             self,
             Self::ConstantUsed { .. }
                 | Self::ProductOfNames { .. }
+                | Self::ReadAs { .. }
                 | Self::CapitalCoordinates
                 | Self::CapitalE
                 | Self::Sinc

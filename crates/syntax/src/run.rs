@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::lexer::method;
 use crate::note::NoteKind;
-use crate::scope::{Callee, Meaning, meaning};
+use crate::scope::{Callee, Meaning, meaning, read_as};
 use crate::span::Span;
 use crate::special::{Logic, logic};
 use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
@@ -140,6 +140,9 @@ impl Builder<'_> {
             Meaning::Function(callee) => {
                 if let Callee::Defined(name, _) = &callee {
                     self.used.insert(name.clone());
+                }
+                if let Some(read) = read_as(&name, &callee) {
+                    self.note(span, NoteKind::ReadAs { name, read });
                 }
                 items.push_back(Item::Function(callee, span));
             }

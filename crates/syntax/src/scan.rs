@@ -10,7 +10,7 @@ use crate::lexer::{Context, ends_operand, lex, line_length};
 use crate::limits::Limits;
 use crate::note::Note;
 use crate::span::Span;
-use crate::spelling::{closer, in_name, is_closer};
+use crate::spelling::{closer, in_name, is_closer, is_name};
 
 /// A symbol and where it stands.
 #[derive(Clone, Copy, Debug)]
@@ -155,7 +155,8 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             _ => {}
         }
         let follows_fraction = first > 0 && tokens[first - 1].symbol == 'F';
-        is_part = symbol == 'F' || (matches!(symbol, '1' | '}') && follows_fraction);
+        is_part =
+            symbol == 'F' || (matches!(symbol, '1' | '}') || is_name(symbol)) && follows_fraction;
         tokens.push(Token::new(symbol, span));
     }
     if let Some(index) = open.first() {

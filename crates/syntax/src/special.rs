@@ -25,8 +25,8 @@ pub(crate) enum Logic {
 /// The condition that a function called `name` stands for in other languages.
 pub(crate) fn logic(name: &str) -> Option<Logic> {
     Some(match name {
-        "And" | "logical_and" => Logic::And,
-        "Or" | "logical_or" => Logic::Or,
+        "And" | "AND" | "logical_and" => Logic::And,
+        "Or" | "OR" | "logical_or" => Logic::Or,
         "Not" | "logical_not" => Logic::Not,
         "Eq" | "Equal" => Logic::Compare(Relation::Equal),
         "Ne" | "Unequal" => Logic::Compare(Relation::Unequal),

@@ -59,6 +59,7 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "⌈" | r"\lceil" => '⌈',
         "⌉" | r"\rceil" => '⌉',
         "|" | "‖" | "∣" | r"\mid" => '|',
+        r"\bmod" => '٪',
         r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => 'F',
         r"\sqrt" => 'R',
         // A name in upright letters follows in braces.

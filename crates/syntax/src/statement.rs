@@ -9,7 +9,7 @@ use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::program::{Unit, Wrap};
 use crate::scan::Piece;
-use crate::scope::{Meaning, Scope, coordinate};
+use crate::scope::{Meaning, Scope, built_in, coordinate};
 use crate::setting::{SETTINGS, Setting};
 use crate::span::Span;
 use crate::spelling::{is_definable, is_name, plain_name};
@@ -249,7 +249,7 @@ fn accepts(head: &Head) -> Option<bool> {
             }
         };
     }
-    match Scope::default().meaning(&head.name.text, &[]) {
+    match built_in(&head.name.text) {
         Meaning::Function(callee) => {
             Some(Scope::default().forms(&callee).function(count).is_some())
         }
@@ -393,8 +393,8 @@ fn define(
     range: Option<(Expr, Expr)>,
 ) -> Fallible<Definition> {
     let name = &head.name;
-    let built_in = Scope::default().meaning(&name.text, &[]);
-    let is_function = head.parameters.is_none() && matches!(built_in, Meaning::Function(_));
+    let is_function =
+        head.parameters.is_none() && matches!(built_in(&name.text), Meaning::Function(_));
     // `domain(x) = …` is a domain line with a slip.
     let is_keyword = head.parameters.is_some() && name.text == "domain";
     check_head(head, is_function, is_keyword)?;
