@@ -347,7 +347,7 @@ fn line_advice(kind: &ErrorKind) -> Option<&'static str> {
 
 fn character_reason(character: char) -> Option<&'static str> {
     Some(match character {
-        '!' => "there is no factorial",
+        '!' => "a factorial is one of a constant whole number",
         '\'' | '′' | '’' | '∂' | '∫' | '∑' | '∏' => {
             "there are no derivatives and integrals; write them out"
         }
@@ -363,7 +363,7 @@ fn character_reason(character: char) -> Option<&'static str> {
 fn character_help(character: char) -> Option<&'static str> {
     Some(match character {
         '\'' | '′' | '’' => "write the derivative out; a name with a prime is written `x1`",
-        '!' => "write the product, as in `product(k = 1..5, k)`; there is no gamma function",
+        '!' => "write the number in digits, as in `5!`; there is no gamma function",
         '"' | '`' | '“' | '”' => "write the formula without quotation marks",
         '@' => "a function is written `f(x, y) = …`",
         '$' => "dollar signs stand around a formula, not in it",

@@ -109,6 +109,13 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
             ('?', 1)
         }
         '&' if !rest.starts_with("&&") => ('&', 1),
+        // `5!!` and `!=` are others.
+        '!' if context.last.is_some_and(ends_operand)
+            && context.last != Some('!')
+            && !rest[1..].starts_with(['!', '=']) =>
+        {
+            ('!', 1)
+        }
         '=' | '!' if rest[1..].starts_with("==") => (if character == '=' { '=' } else { '≠' }, 3),
         '!' if !rest.starts_with("!=") && !context.last.is_some_and(ends_operand) => ('¬', 1),
         '∑' | 'Σ' if rest[length..].trim_start().starts_with(['_', '^']) => ('Σ', length),
@@ -397,7 +404,7 @@ fn braced(rest: &str) -> Option<usize> {
 
 /// Whether an operand can end with this symbol.
 pub(crate) fn ends_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '1' | '½' | '²' | '‧') || is_name(symbol) || is_closer(symbol)
+    matches!(symbol, '0' | '1' | '½' | '²' | '‧' | '!') || is_name(symbol) || is_closer(symbol)
 }
 
 /// Whether an operand can begin with this symbol.

@@ -71,6 +71,7 @@ mod statement;
 mod steps;
 mod unknown;
 mod value;
+mod whole;
 mod words;
 mod wrappers;
 

@@ -48,6 +48,8 @@ pub enum NoteKind {
     Unused { name: String, meant: Option<String> },
     #[error("`{name}` is set to a value outside its range")]
     OutsideRange { name: String },
+    #[error("`{name}` says how many terms there are, so it is a constant and no slider")]
+    CountsTerms { name: String },
     #[error("only definitions here: drawing `{drawn}`")]
     DrawsFunction { drawn: String },
     #[error("`{name}` is built in, so this is drawn as an equation and defines nothing")]
@@ -108,6 +110,10 @@ pub enum NoteKind {
         "the ranges of the plot are not read; write them as `domain x in [-2, 2], y in [-1, 1]`"
     )]
     PlotWithoutRanges,
+    #[error(
+        "what contains the surface is not read; write it as `domain x in [-2, 2], y in [-1, 1]`"
+    )]
+    ContainerIgnored,
     #[error("further notes omitted")]
     More,
 }

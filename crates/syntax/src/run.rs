@@ -39,6 +39,8 @@ pub(crate) enum Item<'i> {
     Group(Pair<'i>),
     /// Anything that is one factor whatever surrounds it: braces, bars, `\frac`, `\sqrt{}`.
     Closed(Pair<'i>),
+    /// `!` behind a whole number.
+    Factorial(Span),
     /// `^`, and the signs of the exponent that follows.
     Caret(Signs, Span),
     /// The number that superscript digits stand for.
@@ -90,6 +92,7 @@ impl Builder<'_> {
                 })
             }
             Rule::caret => Item::Caret(self.signs(&mut pair.into_inner()), span),
+            Rule::factorial => Item::Factorial(span),
             Rule::radical => Item::Radical(typed.chars().next().unwrap_or('√'), span),
             Rule::group => Item::Group(pair),
             Rule::component => Item::Component(letters(typed), span),
@@ -276,7 +279,11 @@ impl Builder<'_> {
         let base = self.primary(items)?;
         match items.front() {
             Some(
-                Item::Component(..) | Item::Method(..) | Item::Caret(..) | Item::Superscript(_),
+                Item::Component(..)
+                | Item::Method(..)
+                | Item::Factorial(_)
+                | Item::Caret(..)
+                | Item::Superscript(_),
             ) => self.behind(base, items),
             _ => Ok(base),
         }
@@ -291,6 +298,10 @@ impl Builder<'_> {
         }
         while let Some(Item::Method(..)) = items.front() {
             base = self.method(base, items)?;
+        }
+        if let Some(Item::Factorial(sign)) = items.front() {
+            base = self.factorial(base, *sign)?;
+            items.pop_front();
         }
         match items.front() {
             Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
@@ -339,6 +350,10 @@ impl Builder<'_> {
                     let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
                     while let Some(Item::Component(..)) = items.front() {
                         exponent = Self::component(exponent, items)?;
+                    }
+                    if let Some(Item::Factorial(sign)) = items.front() {
+                        exponent = self.factorial(exponent, *sign)?;
+                        items.pop_front();
                     }
                     (signs, exponent)
                 }
@@ -436,6 +451,7 @@ impl Builder<'_> {
                 return Error::new(*span, ErrorKind::Unexpected { found });
             }
             Item::Method(name, span, _) => (*span, format!(".{name}")),
+            Item::Factorial(span) => (*span, "!".to_owned()),
             Item::Caret(_, span) | Item::Superscript(Expr { span, .. }) => (*span, "^".to_owned()),
             _ => unreachable!("all others begin a factor"),
         };

@@ -53,10 +53,10 @@ const ELSEWHERE: &[(&str, &str)] = &[
 
 /// What the language itself has by that name.
 pub(crate) fn built_in(name: &str) -> Meaning {
-    match ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name) {
-        true => Meaning::Unknown,
-        false => Scope::default().meaning(name, &[]),
+    if ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name) {
+        return Meaning::Unknown;
     }
+    Scope::default().meaning(name, &[])
 }
 
 /// The name that a name of other languages is read as, and that a note tells: constants need none.

@@ -2,7 +2,6 @@
 //! looked into.
 
 use crate::lexer::begins_operand;
-use crate::plots::less;
 use crate::program_words::{Words, bracketed, closing, split};
 use crate::scan::Token;
 use crate::span::Span;
@@ -106,8 +105,9 @@ impl Words<'_> {
         }
         match word {
             "With" | "Module" | "Block" if opens => return Self::with(tokens).and_then(statements),
-            "isosurface" | "function" if next.is_some_and(|next| next.symbol == '{') => {
-                return self.of_pov(tokens).map(|inner| Unwrapped::Statements(vec![inner]));
+            "function" if next.is_some_and(|next| next.symbol == '{') => {
+                let (inner, rest) = bracketed(&tokens[1..])?;
+                return rest.is_empty().then(|| Unwrapped::Statements(vec![inner]));
             }
             _ if AROUND.contains(&word) && opens && Self::is_whole_call(tokens) => {
                 let (inner, _) = bracketed(&tokens[1..])?;
@@ -256,33 +256,6 @@ impl Words<'_> {
         all.retain(|tokens| tokens.len() > 1);
         all.extend(split(body, ';'));
         Some(all)
-    }
-
-    /// `function { … }` and `isosurface { function { … } threshold 1 … }`.
-    fn of_pov(self, tokens: &[Token]) -> Option<Vec<Token>> {
-        if self.word(tokens[0]) == "function" {
-            return bracketed(&tokens[1..])
-                .filter(|(_, rest)| rest.is_empty())
-                .map(|(inner, _)| inner);
-        }
-        let (inner, _) = bracketed(&tokens[1..])?;
-        let at = inner.iter().position(|token| self.word(*token) == "function")?;
-        let mut rest = inner[at + 1..].to_vec();
-        if rest.first()?.symbol == '(' {
-            rest = bracketed(&rest)?.1;
-        }
-        let (body, rest) = bracketed(&rest)?;
-        let level = rest.iter().position(|token| self.word(*token) == "threshold");
-        let number = level.map(|at| {
-            let after = &rest[at + 1..];
-            let end =
-                after.iter().position(|t| !matches!(t.symbol, '0' | '-')).unwrap_or(after.len());
-            after[..end].to_vec()
-        });
-        Some(match number {
-            Some(number) if !number.is_empty() => less(body, number),
-            _ => body,
-        })
     }
 
     /// `a := 2: b := 3`, whose statements end with colons.
