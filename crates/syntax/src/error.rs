@@ -217,6 +217,8 @@ pub enum ErrorKind {
     PlotCoordinates,
     #[error("this is no equation but the name of a solid")]
     Solid { formula: &'static str },
+    #[error("these words are no part of a formula")]
+    Remark,
     #[error("this is a formula in words")]
     InWords,
     #[error("the step of a sum must be 1 or more")]

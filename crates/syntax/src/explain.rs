@@ -240,7 +240,10 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::Unopened { .. } => "remove it, or open a bracket before it",
         ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => "write `abs(…)` in place of bars",
         ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`",
-        ErrorKind::Comma => "to draw several surfaces, put each on a line of its own",
+        ErrorKind::Comma => {
+            "put each surface and each value on a line of its own; join conditions with `and`, \
+             and restrict a formula in braces: `z = x*y {x < 1}`"
+        }
         ErrorKind::Tuple => {
             "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
         }
@@ -294,6 +297,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::InWords => {
             "write signs: `x^2` for x squared, `sqrt(x)` for a square root, `+`, `-`, `*`, `/`, and `=` for equals"
         }
+        ErrorKind::Remark => "write a remark behind `#`",
         ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
         ErrorKind::TooManyTerms { .. } => "end the range earlier",
         ErrorKind::Complex => "rewrite the formula with real and imaginary parts",

@@ -289,7 +289,11 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
     }
     let statement = if let Some(head) = &line.head {
         if let Some(span) = braces {
-            return Err(Error::new(span, ErrorKind::RestrictedDefinition));
+            let error = Error::new(span, ErrorKind::RestrictedDefinition);
+            let bounds = slider_bounds(&head.name, &restrictions);
+            let typed = builder.text[line.piece.span.start..span.start].trim_end();
+            let meant = bounds.map(|(low, high)| format!("{typed} in [{low}, {high}]"));
+            return Err(error.suggest_any(line.piece.span, meant));
         }
         let range = range.map(|(ends, _)| ends);
         Statement::Define(match &line.unit.head {
@@ -311,6 +315,22 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
     };
     let Builder { notes, used, .. } = builder;
     Ok(Built { statement, span: line.piece.span, notes, used })
+}
+
+/// The ends between which `0 < a < 3` in braces lets a value move.
+fn slider_bounds<'e>(name: &Name, braces: &'e [Expr]) -> Option<(&'e Expr, &'e Expr)> {
+    let [Expr { kind: ExprKind::Compare(first, rest), .. }] = braces else { return None };
+    let [(before, middle), (behind, last)] = rest.as_slice() else { return None };
+    let is_own =
+        matches!(&middle.kind, ExprKind::Name(NamedValue::Defined(own)) if *own == name.text);
+    let is = |one: Relation, other: Relation| {
+        [before, behind].into_iter().all(|relation| *relation == one || *relation == other)
+    };
+    match is_own {
+        true if is(Relation::Less, Relation::LessEqual) => Some((first, last)),
+        true if is(Relation::Greater, Relation::GreaterEqual) => Some((last, first)),
+        _ => None,
+    }
 }
 
 /// The definition of what a program sets, of which `expression` is the right side.

@@ -5,7 +5,7 @@ use crate::lexer::begins_operand;
 use crate::program_words::{Words, bracketed, closing, split};
 use crate::scan::Token;
 use crate::span::Span;
-use crate::spelling::is_name;
+use crate::spelling::{closer, is_closer, is_name};
 use crate::steps::outside;
 
 /// Commands that only declare names, or set up a system.
@@ -95,6 +95,9 @@ impl Words<'_> {
             return statements(vec![rest]);
         }
         if let Some(found) = self.with_rules(tokens) {
+            return statements(found);
+        }
+        if let Some(found) = self.with_values(tokens) {
             return statements(found);
         }
         if let Some(found) = self.of_surfer(tokens) {
@@ -191,6 +194,33 @@ impl Words<'_> {
         (at > 0).then_some(all)
     }
 
+    /// `formula where a = 2, b = 3`, as the formula and its values.
+    fn with_values(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let is_word = |token: &Token| {
+            token.symbol == 'a' && matches!(self.word(*token), "where" | "with" | "for")
+        };
+        let at = tokens.iter().position(is_word)?;
+        let mut formula = tokens[..at].to_vec();
+        while formula.last().is_some_and(|last| last.symbol == ',') {
+            formula.pop();
+        }
+        let mut all = vec![formula];
+        for part in split(tokens[at + 1..].to_vec(), ',') {
+            all.extend(split(part, '∧'));
+        }
+        let is_value = |part: &Vec<Token>| match part.as_slice() {
+            [name, equals, value, ..] => {
+                name.symbol == 'a' && equals.symbol == '=' && value.symbol != '='
+            }
+            _ => false,
+        };
+        let count = |is: fn(char) -> bool| tokens[..at].iter().filter(|t| is(t.symbol)).count();
+        let is_outside = count(|symbol| closer(symbol).is_some()) == count(is_closer);
+        let (formula, values) = all.split_first()?;
+        let is_read = is_outside && !formula.is_empty() && !values.is_empty();
+        (is_read && values.iter().all(is_value)).then_some(all)
+    }
+
     /// A line of a file of Surfer: its formula, a parameter, or what is about its picture.
     fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         const PARAMETER: &str = "surface_parameter_";
@@ -236,6 +266,15 @@ impl Words<'_> {
             && within < colon
         {
             return Some(inner[colon + 1..].to_vec());
+        }
+        // `{(x, y, z) : …}`, or with a bar.
+        let point = closing(inner).filter(|_| inner[0].symbol == '(');
+        if let Some(end) = point
+            && inner[..=end].iter().all(|token| "(xyz,)".contains(token.symbol))
+            && let Some(sign) = inner.get(end + 1)
+            && matches!(sign.symbol, ':' | '|')
+        {
+            return Some(inner[end + 2..].to_vec()).filter(|condition| !condition.is_empty());
         }
         if self.text[tokens[0].span.end..].trim_start().starts_with(r"\displaystyle") {
             return Some(inner.to_vec());
