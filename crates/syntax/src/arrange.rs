@@ -152,7 +152,8 @@ impl Arranger<'_> {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
                 // `{\text{for}}` is a word of the text around.
-                let between = &self.text[token.span.end..close.span.start];
+                // Brackets of a macro may stand in another order.
+                let between = self.text.get(token.span.end..close.span.start).unwrap_or("");
                 if inner.is_empty() && token.symbol == '{' && between.contains(r"\text") {
                     continue;
                 }

@@ -111,17 +111,21 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
     }
 
+    /// A part of a fraction that is one name.
+    #[inline(never)] // not in the stack frames of nested fractions
+    fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let mut items = Items::new();
+        self.item(pair, &mut items)?;
+        self.power(&mut items)
+    }
+
     /// A part of a fraction, or what is below a root: one digit, or braces.
     #[inline(never)]
     fn part(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         match pair.as_rule() {
             Rule::digit => Ok(Expr::of_digits(self.typed(&pair), span)),
-            Rule::name => {
-                let mut items = Items::new();
-                self.item(pair, &mut items)?;
-                self.power(&mut items)
-            }
+            Rule::name => self.letter(pair),
             _ => self.deeper(span, 1, |b| b.closed(pair, span)),
         }
     }

@@ -30,7 +30,7 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<char>) -> (char
         return (if begins { '⇥' } else { '⇤' }, end);
     }
     // The columns of an array.
-    if let Some(columns) = rest[end..].strip_prefix('{').filter(|_| begins) {
+    if let Some(columns) = rest[end..].strip_prefix('{').filter(|_| begins && name == "array") {
         end += columns.find('}').map_or(0, |length| length + 2);
     }
     let symbol = match (begins, last) {
@@ -59,7 +59,11 @@ fn holds_lines(rest: &str, name: &str) -> bool {
         ["&=&", "&<&", "&>&", r"&\le", r"&\ge", "&=", "=&"].iter().any(|sign| row.contains(sign))
     };
     let mut rows = inner.split(r"\\").filter(|row| !row.trim().is_empty());
-    is_all && rows.all(|row| !row.contains('&') || name == "array" && is_aligned(row))
+    is_all
+        && rows.all(|row| {
+            let is_one = !row.contains('&') && !row.contains(r"\text");
+            is_one || name == "array" && is_aligned(row)
+        })
 }
 
 /// The elements of a matrix, with commas between them and `␤` between rows, as a list of lists; as one list if there is one

@@ -115,11 +115,11 @@ pub enum ErrorKind {
     // ---- characters and brackets
     #[error("`{character}` has no meaning in a formula")]
     UnexpectedCharacter { character: char },
-    #[error("`{open}` is never closed")]
+    #[error("`{}` is never closed", bracket(*.open))]
     Unclosed { open: char },
-    #[error("`{close}` closes nothing")]
+    #[error("`{}` closes nothing", bracket(*.close))]
     Unopened { close: char },
-    #[error("`{open}` is closed by `{close}`")]
+    #[error("`{}` is closed by `{}`", bracket(*.open), bracket(*.close))]
     Mismatched { open: char, close: char },
     #[error("`|` is never closed")]
     UnclosedBar,
@@ -327,6 +327,15 @@ pub enum ErrorKind {
     BadColorMap,
     #[error("this is not what `{word}` takes")]
     BadSetting { word: &'static str, hint: &'static str },
+}
+
+/// A bracket as it is typed: an environment's has a name.
+fn bracket(symbol: char) -> String {
+    match symbol {
+        '⦃' | '⟦' => r"\begin{…}".to_owned(),
+        '⦄' | '⟧' => r"\end{…}".to_owned(),
+        _ => symbol.to_string(),
+    }
 }
 
 fn plural(count: usize) -> String {

@@ -237,6 +237,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
         ErrorKind::Unclosed { .. } => "write the bracket that closes it where it should end",
+        ErrorKind::Mismatched { .. } => "close each bracket by its own kind, the inner one first",
         ErrorKind::Unopened { .. } => "remove it, or open a bracket before it",
         ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => "write `abs(…)` in place of bars",
         ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`",

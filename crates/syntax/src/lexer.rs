@@ -365,7 +365,7 @@ fn command(rest: &str, context: Context) -> (char, usize) {
 fn sign(rest: &str) -> (char, usize) {
     let two = 1 + rest[1..].chars().next().map_or(0, char::len_utf8);
     match &rest[..two] {
-        r"\\" => ('␤', 2),
+        r"\\" => ('␤', 2 + gap(&rest[2..])),
         r"\[" => {
             let word = prefix(&rest[2..], |c| c.is_ascii_alphabetic());
             if word > 0 && rest[2 + word..].starts_with(']') { ('a', word + 3) } else { (' ', 2) }
@@ -378,6 +378,15 @@ fn sign(rest: &str) -> (char, usize) {
         r"\}" => ('}', 2),
         other => symbol(other).map_or(('?', 1), |blank| (blank, two)),
     }
+}
+
+/// The length of `[2pt]`, the distance between two lines.
+fn gap(rest: &str) -> usize {
+    let Some(inner) = rest.strip_prefix('[') else { return 0 };
+    let number = prefix(inner, |c| c.is_ascii_digit() || matches!(c, '.' | '-'));
+    let unit = inner.get(number..number + 3);
+    let is_gap = matches!(unit, Some("pt]" | "ex]" | "em]" | "mm]" | "cm]"));
+    if number > 0 && is_gap { number + 4 } else { 0 }
 }
 
 /// Words in braces behind `\text`; `None` if they may be a name.

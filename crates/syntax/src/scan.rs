@@ -248,8 +248,10 @@ fn close(symbol: char, span: Span, opened: Option<(usize, Token)>) -> Fallible<u
     };
     match closer(open.symbol) {
         Some(meant) if meant != symbol => {
+            let is_typed = !matches!(meant, '⦄' | '⟧');
             let kind = ErrorKind::Mismatched { open: open.symbol, close: symbol };
-            Err(Error::new(open.span.to(span), kind).suggest(span, meant))
+            let meant = is_typed.then(|| meant.to_string());
+            Err(Error::new(open.span.to(span), kind).suggest_any(span, meant))
         }
         _ => Ok(index),
     }
@@ -263,7 +265,10 @@ fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
     let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
     let line = tokens.iter().take_while(|token| token.symbol != ';' && token.span.start < line);
     match (line.last(), closer(symbol)) {
-        (Some(last), Some(close)) if is_only => error.suggest(Span::at(last.span.end), close),
+        // What closes an environment has a name.
+        (Some(last), Some(close)) if is_only && !matches!(close, '⦄' | '⟧') => {
+            error.suggest(Span::at(last.span.end), close)
+        }
         _ => error,
     }
 }
