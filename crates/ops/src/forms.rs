@@ -89,7 +89,7 @@ const fn row(
 /// Every form.
 #[rustfmt::skip] // one row a line
 pub static FORMS: &[Form] = &[
-    row("if", &["which", "where"], Meaning::Choose, "if(x < 0, x^2, x)", "a choice, also {x < 0: x^2, x}; conditions are tried in turn, and without a last value it is undefined where none holds"),
+    row("if", &["which", "where", "ifelse"], Meaning::Choose, "if(x < 0, x^2, x)", "a choice, also {x < 0: x^2, x}; conditions are tried in turn, and without a last value it is undefined where none holds"),
     row("piecewise", &[], Meaning::Pieces, "piecewise([[x^2, x < 0], [x, x >= 0]])", "a choice whose pieces are in brackets, the value first"),
     row("sum", &["summation", "add"], Meaning::Sum, "sum(k = 1..5, sin(k x)/k)", "a sum over whole numbers, at most 1000"),
     row("product", &["prod"], Meaning::Product, "product(k = 1..3, x - k)", "a product over whole numbers, at most 1000"),

@@ -46,7 +46,7 @@ impl Builder<'_> {
             items.pop_front();
             let place = self.span(&pair);
             let arguments = self.arguments(pair, place)?;
-            (self.with_radicand(&callee, arguments, items)?, place)
+            (self.with_radicand(&mut callee, span, arguments, items)?, place)
         } else {
             let argument = self.bare_argument(&callee, span, items)?;
             let place = argument.span;
@@ -62,21 +62,35 @@ impl Builder<'_> {
         })
     }
 
-    /// The second pair of brackets in `root(3)(x)` of `AsciiMath`.
+    /// The second pair of brackets in `root(3)(x)` of `AsciiMath` and in `sqrt[3](x)`, which Mathematica has as a product.
     #[inline(never)] // keeps the stack frames of nested calls small
     fn with_radicand(
         &mut self,
-        callee: &Callee,
+        callee: &mut Callee,
+        span: Span,
         mut arguments: Vec<Expr>,
         items: &mut Items<'_>,
     ) -> Fallible<Vec<Expr>> {
-        if let (Callee::BuiltIn(name), 1, Some(Item::Group(radicand))) =
-            (callee, arguments.len(), items.front())
-            && name == "root"
-        {
-            let radicand = radicand.clone();
+        let Some(Item::Group(radicand) | Item::Closed(radicand)) = items.front() else {
+            return Ok(arguments);
+        };
+        let is_group = radicand.as_rule() == Rule::group;
+        let has_index = match callee {
+            Callee::BuiltIn(name) if name == "root" => is_group,
+            Callee::BuiltIn(name) if name == "sqrt" => {
+                self.text[span.range()].starts_with('s')
+                    && self.text[span.end..].trim_start().starts_with('[')
+                    && (is_group || radicand.as_rule() == Rule::braces)
+            }
+            _ => false,
+        };
+        if has_index && arguments.len() == 1 {
+            *callee = Callee::BuiltIn("root".to_owned());
+            let place = self.span(radicand);
+            let mut of = self.arguments(radicand.clone(), place)?;
             items.pop_front();
-            arguments.insert(0, self.group(radicand)?);
+            of.append(&mut arguments);
+            return Ok(of);
         }
         Ok(arguments)
     }
@@ -155,8 +169,17 @@ impl Builder<'_> {
             let read = short_formula(&read.join("*"));
             self.note(span.to(second), NoteKind::FunctionOfProduct { name, read });
         }
+        self.note_powers(&factors);
         let product = product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect())?;
         number_only(&product)?;
+        if matches!(callee, Callee::BuiltIn(name) if matches!(name.as_str(), "sqrt" | "cbrt"))
+            && items.is_empty()
+            && self.root_goes_on(&product)
+        {
+            let name = callee.name().to_owned();
+            let read = short_formula(&product.to_string());
+            self.note(span.to(product.span), NoteKind::FunctionOfProduct { name, read });
+        }
         Ok(product)
     }
 

@@ -6,7 +6,7 @@ use crate::build::{Builder, product_of, sum_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::Pair;
 use crate::span::Span;
-use zeroset_ops::VectorFunction;
+use zeroset_ops::{Op, VectorFunction};
 
 /// What a name stands for before brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,8 @@ pub(crate) enum Arithmetic {
     Boole,
     /// A Chebyshev polynomial of the first kind.
     Chebyshev,
+    /// The remainder of C, which has the sign of what is divided.
+    Remainder,
 }
 
 /// The largest degree of a polynomial that is written out.
@@ -37,6 +39,7 @@ pub(crate) fn arithmetic(name: &str, square: bool) -> Option<Arithmetic> {
         "Divide" | "Rational" => Arithmetic::Quotient,
         "Total" => Arithmetic::Total,
         "Boole" => Arithmetic::Boole,
+        "fmod" => Arithmetic::Remainder,
         "ChebyshevT" | "chebyshevT" | "chebyshevt" | "chebyshev_t" => Arithmetic::Chebyshev,
         _ => return None,
     })
@@ -66,7 +69,10 @@ impl Builder<'_> {
         let count = match kind {
             Arithmetic::Plus | Arithmetic::Times => parts.len().max(1),
             Arithmetic::Minus | Arithmetic::Total | Arithmetic::Boole => 1,
-            Arithmetic::Difference | Arithmetic::Quotient | Arithmetic::Chebyshev => 2,
+            Arithmetic::Difference
+            | Arithmetic::Quotient
+            | Arithmetic::Chebyshev
+            | Arithmetic::Remainder => 2,
         };
         if parts.len() != count {
             return refused(if count == 1 { "an argument" } else { "2 arguments" });
@@ -97,6 +103,7 @@ impl Builder<'_> {
                 Expr::new(ExprKind::Call(function, vec![first, one]), place)
             }
             Arithmetic::Boole => first,
+            Arithmetic::Remainder => remainder(first, values.next(), place)?,
             Arithmetic::Chebyshev => {
                 let degree = first.whole_number().filter(|degree| *degree <= MOST_DEGREE);
                 let Some(degree) = degree else {
@@ -107,6 +114,16 @@ impl Builder<'_> {
         };
         Ok(Expr::new(expr.kind, place))
     }
+}
+
+/// a − b trunc(a/b)
+fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
+    let Some(b) = divisor else { return Ok(a) };
+    let quotient =
+        product_of(vec![(ProductSign::Times, a.clone()), (ProductSign::Over, b.clone())])?;
+    let whole = Expr::new(ExprKind::Call(Function::Native(Op::Trunc), vec![quotient]), span);
+    let multiple = product_of(vec![(ProductSign::Times, b), (ProductSign::Times, whole)])?;
+    Ok(sum_of(a, vec![(SumSign::Minus, multiple)], span))
 }
 
 /// The Chebyshev polynomial of the first kind of that degree, written out: T(n + 1) = 2a T(n) − T(n − 1).

@@ -4,8 +4,9 @@
 //! Symbols keep the places where they were typed, and their order; a bracket that was not typed
 //! stands at a place without length. Nothing here knows what a name means.
 
+use crate::environment::{matrix, scalar_products};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::lexer::OTHERWISE;
+use crate::lexer::{OTHERWISE, ends_operand};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::scan::{Piece, Token, scan};
@@ -65,7 +66,7 @@ pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallib
     if arranged.is_empty() {
         return Ok(None);
     }
-    Piece::new(arranged, arranger.notes).map(Some)
+    Piece::new(scalar_products(text, arranged), arranger.notes).map(Some)
 }
 
 /// Takes away a label, and what ends a sentence.
@@ -138,6 +139,7 @@ impl Arranger<'_> {
     /// What stands up to the bracket that closes `open`, arranged; the bracket is left.
     fn level(&mut self, tokens: &mut Tokens, open: Option<Token>) -> Fallible<Vec<Token>> {
         let in_pieces = open.is_some_and(|open| open.symbol == '⦃');
+        let in_matrix = open.is_some_and(|open| open.symbol == '⟦');
         // What commas separate, with the comma behind each.
         let mut segments: Vec<(Vec<Node>, Option<Token>)> = Vec::new();
         let mut segment: Vec<Node> = Vec::new();
@@ -150,7 +152,8 @@ impl Arranger<'_> {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
                 // `{\text{for}}` is a word of the text around.
-                let between = &self.text[token.span.end..close.span.start];
+                // Brackets of a macro may stand in another order.
+                let between = self.text.get(token.span.end..close.span.start).unwrap_or("");
                 if inner.is_empty() && token.symbol == '{' && between.contains(r"\text") {
                     continue;
                 }
@@ -161,7 +164,7 @@ impl Arranger<'_> {
             if token.symbol == '␤' && in_pieces {
                 token.symbol = ',';
             }
-            if token.symbol != ',' {
+            if token.symbol != ',' && !(in_matrix && token.symbol == '␤') {
                 segment.push(Node::Leaf(token));
                 continue;
             }
@@ -182,7 +185,7 @@ impl Arranger<'_> {
         segments.push((segment, None));
         if let (true, Some((last, None))) = (segments.len() > 1, segments.last())
             && last.is_empty()
-            && open.is_some_and(|open| matches!(open.symbol, '(' | '[' | '⦃'))
+            && open.is_some_and(|open| matches!(open.symbol, '(' | '[' | '⦃' | '⟦'))
         {
             // A comma behind the last argument.
             segments.pop();
@@ -218,6 +221,10 @@ impl Arranger<'_> {
         nested: bool,
         before: Option<&Node>,
     ) -> Node {
+        if open.symbol == '⟦' {
+            let (open, inner, close) = matrix(self.typed(open), (open, close), inner);
+            return Node::Group(open, inner, close);
+        }
         let mut depth = 0_usize;
         let (mut colon, mut comma, mut relation) = (false, false, false);
         for token in &inner {
@@ -311,6 +318,7 @@ impl Arranger<'_> {
             over(nodes, at, out);
             return Ok(());
         }
+        self.infix(&mut nodes);
         self.then(&mut nodes);
         let is_ternary = nodes.iter().any(|node| node.is('⸮'));
         let is_conditional = nodes.iter().skip(1).any(|node| self.is_word(node, "if"))
@@ -349,6 +357,25 @@ impl Arranger<'_> {
         let end = inner.last().map_or(word.span().end, |last| last.span.end);
         let open = Token::new('{', Span::at(word.span().end));
         nodes.push(Node::Group(open, inner, Token::new('}', Span::at(end))));
+    }
+
+    /// `a mod b` as `a % b`: behind what is divided, and not before brackets with arguments of its own.
+    fn infix(&self, nodes: &mut [Node]) {
+        for index in 1..nodes.len() {
+            let is_call = |next: &Node| matches!(next, Node::Group(_, inner, _) if inner.iter().any(|token| token.symbol == ','));
+            let ends = match &nodes[index - 1] {
+                Node::Leaf(token) => ends_operand(token.symbol),
+                Node::Group(..) => true,
+            };
+            let is_infix = ends
+                && self.is_word(&nodes[index], "mod")
+                && nodes.get(index + 1).is_some_and(|next| !is_call(next));
+            if let Node::Leaf(token) = &mut nodes[index]
+                && is_infix
+            {
+                token.symbol = '٪';
+            }
+        }
     }
 
     /// `if c then a else b` as `c ? a : b`.

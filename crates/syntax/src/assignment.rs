@@ -116,15 +116,19 @@ impl Reader<'_> {
         if frame.nested > 0 {
             self.generated.insert(text.clone());
         }
+        let mut is_constant = false;
         if frame.function.is_none() {
-            match self.known(&value, &mut frame.clone()).filter(|_| wrap.is_none()) {
+            let number = self.known(&value, &mut frame.clone()).filter(|_| wrap.is_none());
+            is_constant = number.is_some();
+            match number {
                 Some(number) => self.constants.insert(name.text.clone(), number),
                 None => self.constants.remove(&name.text),
             };
         }
         let renamed = text != name.text;
         let made = Name { text, span: name.span };
-        if size == 1 && wrap.is_none() && frame.function.is_none() && frame.prefix.is_none() {
+        let is_outside = frame.function.is_none() && frame.prefix.is_none();
+        if size == 1 && wrap.is_none() && is_outside && !is_constant {
             self.program.last_value = Some(made.clone());
         }
         let head = Head { name: made, parameters };

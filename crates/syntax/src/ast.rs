@@ -71,6 +71,35 @@ impl Expr {
         self.number()?.parse().ok()
     }
 
+    /// What this is made of.
+    pub(crate) fn parts(&self) -> Vec<&Self> {
+        match &self.kind {
+            ExprKind::Number(_) | ExprKind::Name(_) => Vec::new(),
+            ExprKind::Negate(inner) | ExprKind::Not(inner) | ExprKind::Component(inner, _) => {
+                vec![inner]
+            }
+            ExprKind::Sum(first, rest) => {
+                std::iter::once(&**first).chain(rest.iter().map(|(_, term)| term)).collect()
+            }
+            ExprKind::Product(first, rest) => {
+                std::iter::once(&**first).chain(rest.iter().map(|(_, factor)| factor)).collect()
+            }
+            ExprKind::Compare(first, rest) => {
+                std::iter::once(&**first).chain(rest.iter().map(|(_, side)| side)).collect()
+            }
+            ExprKind::Power(base, exponent) => vec![base, exponent],
+            ExprKind::Call(_, all) | ExprKind::And(all) | ExprKind::Or(all) => all.iter().collect(),
+            ExprKind::Choice(pieces, last) => {
+                let pieces = pieces.iter().flat_map(|(condition, value)| [condition, value]);
+                pieces.chain(last.as_deref()).collect()
+            }
+            ExprKind::Series(series) => {
+                let ends = [&series.low, &series.high, &series.body];
+                ends.into_iter().chain(&series.step).collect()
+            }
+        }
+    }
+
     /// `-self`, which stands at `span`.
     pub(crate) fn negated(self, span: Span) -> Self {
         Self::new(ExprKind::Negate(Box::new(self)), span)
@@ -275,6 +304,18 @@ pub enum Statement {
     },
     /// `name = body`, or `name(parameters) = body`.
     Define(Definition),
+}
+
+impl Statement {
+    /// What is drawn and restricts it, or what a name stands for.
+    pub(crate) fn expressions(&self) -> Vec<&Expr> {
+        match self {
+            Self::Draw { expr, restrictions } => {
+                std::iter::once(expr).chain(restrictions).collect()
+            }
+            Self::Define(definition) => vec![&definition.body],
+        }
+    }
 }
 
 /// A definition of a value or a function.

@@ -4,10 +4,14 @@ use crate::ast::{Expr, ExprKind, Function, ProductSign};
 use crate::build::{Builder, number_only, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
+use crate::run::Items;
 use crate::scope::Callee;
 use crate::span::Span;
 use crate::spelling::vulgar;
-use zeroset_ops::Op;
+use zeroset_ops::{Op, VectorFunction};
+
+/// Bars of a norm, which are those of an absolute value where there is no matrix.
+const DOUBLE_BARS: &[&str] = &[r"\begin{V", r"\|", r"\left\|", "‖", r"\lVert", r"\Vert"];
 
 impl Builder<'_> {
     /// Round or square brackets around one expression.
@@ -61,9 +65,18 @@ impl Builder<'_> {
             Some('⌈') => Op::Ceil,
             _ => Op::Abs,
         };
+        let is_double = DOUBLE_BARS.iter().any(|bars| self.typed(&pair).starts_with(bars));
         let inner = self.argument(first_part(pair))?;
         if op == Op::Abs && is_vector(&inner) {
             return Ok(self.length_of(inner, span));
+        }
+        if op == Op::Abs && matches!(inner.kind, ExprKind::Call(Function::Matrix(_), _)) {
+            // Which norm is meant is not known.
+            if is_double {
+                return Err(Error::new(span, ErrorKind::Matrix));
+            }
+            let function = Function::OfVectors(VectorFunction::Determinant);
+            return Ok(Expr::new(ExprKind::Call(function, vec![inner]), span));
         }
         Ok(native(op, inner, span))
     }
@@ -98,12 +111,21 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
     }
 
+    /// A part of a fraction that is one name.
+    #[inline(never)] // not in the stack frames of nested fractions
+    fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let mut items = Items::new();
+        self.item(pair, &mut items)?;
+        self.power(&mut items)
+    }
+
     /// A part of a fraction, or what is below a root: one digit, or braces.
     #[inline(never)]
     fn part(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         match pair.as_rule() {
             Rule::digit => Ok(Expr::of_digits(self.typed(&pair), span)),
+            Rule::name => self.letter(pair),
             _ => self.deeper(span, 1, |b| b.closed(pair, span)),
         }
     }

@@ -2,10 +2,14 @@
 
 use crate::error::{Error, ErrorKind};
 use crate::grammar::Rule;
+use crate::program_words::split;
 use crate::scan::{Piece, Token};
 use crate::setting::setting;
 use crate::span::Span;
-use crate::spelling::{closer, is_closer, is_operator, short_name};
+use crate::spelling::{closer, is_closer, is_name, is_operator, short_name};
+
+/// Bytes of the longest statement that is written anew.
+const LONGEST: usize = 60;
 
 /// The error behind the grammar's refusal of `piece`; `next` is the index of the token at which it
 /// stopped.
@@ -47,8 +51,7 @@ pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Bo
         ('=', '=') | ('-', '>') | ('<', '-') => foreign(text, both, "="),
         ('<', '>') => foreign(text, both, "!="),
         ('/', '/') => Error::new(both, ErrorKind::IntegerDivision),
-        ('0', ',') => comma(piece, next),
-        (sign, ',') if !is_operator(sign) => Error::new(here, ErrorKind::Comma),
+        (sign, ',') if !is_operator(sign) || sign == '²' => comma(text, piece, next),
         ('∈', _) => Error::new(both, ErrorKind::BadRange),
         (_, '∈') => Error::new(Span::new(here.start, piece.span.end), ErrorKind::BadRange),
         _ if let Some(span) = half_fraction(&piece.tokens[..next]) => {
@@ -108,22 +111,64 @@ fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
     Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
 }
 
-/// A comma behind a number, outside brackets; directly between two numbers it is a decimal comma.
-fn comma(piece: &Piece, index: usize) -> Box<Error> {
+/// A comma outside brackets: directly between two numbers it is a decimal comma. Behind a formula there may be values, behind
+/// an equation what restricts it, and behind a condition others.
+fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
     let Token { span, .. } = piece.tokens[index];
     let before = piece.tokens[index - 1].span;
     match piece.tokens.get(index + 1) {
         Some(after)
-            if after.symbol == '0' && before.end == span.start && span.end == after.span.start =>
+            if piece.tokens[index - 1].symbol == '0'
+                && after.symbol == '0'
+                && before.end == span.start
+                && span.end == after.span.start =>
         {
             Error::new(before.to(after.span), ErrorKind::Comma).suggest(span, ".")
         }
-        _ => Error::new(span, ErrorKind::Comma),
+        _ => {
+            let whole = piece.span;
+            Error::new(span, ErrorKind::Comma).suggest_any(whole, listed(text, piece, index))
+        }
     }
+}
+
+/// What was meant by parts of a statement between commas, the first of which is at `first`.
+fn listed(text: &str, piece: &Piece, first: usize) -> Option<String> {
+    let parts = split(piece.tokens.clone(), ',');
+    let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
+    let texts: Vec<&str> = parts.iter().map(typed).collect::<Option<_>>()?;
+    let (formula, rest) = (*texts.first()?, texts.get(1..).filter(|rest| !rest.is_empty())?);
+    let has = |part: &[Token], signs: &str| part.iter().any(|token| signs.contains(token.symbol));
+    let is_value = |part: &Vec<Token>| {
+        matches!(part.as_slice(), [name, equals, _, ..] if name.symbol == 'a' && equals.symbol == '=')
+            && !has(part, "<≤>≥")
+    };
+    let is_condition = |part: &Vec<Token>| has(part, "<≤>≥") && !has(part, "=");
+    let all = |is: &dyn Fn(&Vec<Token>) -> bool| parts[1..].iter().all(is);
+    // A comma within the first part is another.
+    if piece.tokens[..first].len() != parts[0].len() {
+        return None;
+    }
+    let meant = if all(&is_value) {
+        texts.join("; ")
+    } else if all(&is_condition) && is_condition(&parts[0]) {
+        texts.join(" and ")
+    } else if all(&is_condition) {
+        format!("{formula} {{{}}}", rest.join(" and "))
+    } else {
+        return None;
+    };
+    (meant.len() <= LONGEST && !meant.contains('\n')).then_some(meant)
 }
 
 /// The place of `\frac` if its second part is missing right behind `before`.
 fn half_fraction(before: &[Token]) -> Option<Span> {
+    if let [.., fraction, part] = before
+        && fraction.symbol == 'F'
+        && is_name(part.symbol)
+    {
+        return Some(fraction.span);
+    }
     let mut depth = 0_usize;
     for token in before.iter().rev() {
         match token.symbol {

@@ -195,7 +195,7 @@ impl<'a> Reader<'a> {
             scope.define(name, None);
         }
         coordinates::settle(self.text, &mut lines, &scope);
-        settle_heads(&mut lines, &mut scope, &mut self.notes);
+        settle_heads(self.text, &mut lines, &mut scope, &mut self.notes);
         for made in &program.made {
             if let Statement::Define(Definition { name, parameters, .. }) = &made.statement {
                 scope.define(&name.text, parameters.as_ref().map(Vec::len));

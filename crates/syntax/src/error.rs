@@ -115,11 +115,11 @@ pub enum ErrorKind {
     // ---- characters and brackets
     #[error("`{character}` has no meaning in a formula")]
     UnexpectedCharacter { character: char },
-    #[error("`{open}` is never closed")]
+    #[error("`{}` is never closed", bracket(*.open))]
     Unclosed { open: char },
-    #[error("`{close}` closes nothing")]
+    #[error("`{}` closes nothing", bracket(*.close))]
     Unopened { close: char },
-    #[error("`{open}` is closed by `{close}`")]
+    #[error("`{}` is closed by `{}`", bracket(*.open), bracket(*.close))]
     Mismatched { open: char, close: char },
     #[error("`|` is never closed")]
     UnclosedBar,
@@ -193,10 +193,14 @@ pub enum ErrorKind {
     CrossSize,
     #[error("a matrix cannot be used like this")]
     Matrix,
+    #[error("a matrix is not a number")]
+    MatrixValue,
     #[error("this is not a matrix")]
     NotAMatrix,
     #[error("a matrix of {size} rows and columns cannot be made of {given} numbers")]
     MatrixSize { size: usize, given: usize },
+    #[error("a matrix has two to four rows, and as many values in each")]
+    MatrixShape,
 
     // ---- choices, sums, iteration
     #[error("a piece of a choice has no condition")]
@@ -213,6 +217,8 @@ pub enum ErrorKind {
     PlotCoordinates,
     #[error("this is no equation but the name of a solid")]
     Solid { formula: &'static str },
+    #[error("these words are no part of a formula")]
+    Remark,
     #[error("this is a formula in words")]
     InWords,
     #[error("the step of a sum must be 1 or more")]
@@ -321,6 +327,15 @@ pub enum ErrorKind {
     BadColorMap,
     #[error("this is not what `{word}` takes")]
     BadSetting { word: &'static str, hint: &'static str },
+}
+
+/// A bracket as it is typed: an environment's has a name.
+fn bracket(symbol: char) -> String {
+    match symbol {
+        '⦃' | '⟦' => r"\begin{…}".to_owned(),
+        '⦄' | '⟧' => r"\end{…}".to_owned(),
+        _ => symbol.to_string(),
+    }
 }
 
 fn plural(count: usize) -> String {

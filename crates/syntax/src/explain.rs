@@ -237,10 +237,14 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
         ErrorKind::Unclosed { .. } => "write the bracket that closes it where it should end",
+        ErrorKind::Mismatched { .. } => "close each bracket by its own kind, the inner one first",
         ErrorKind::Unopened { .. } => "remove it, or open a bracket before it",
         ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => "write `abs(…)` in place of bars",
         ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`",
-        ErrorKind::Comma => "to draw several surfaces, put each on a line of its own",
+        ErrorKind::Comma => {
+            "put each surface and each value on a line of its own; join conditions with `and`, \
+             and restrict a formula in braces: `z = x*y {x < 1}`"
+        }
         ErrorKind::Tuple => {
             "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
         }
@@ -271,8 +275,10 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::Matrix => {
             "add matrices of one size, or multiply with a number, a matrix or a vector: `m*p.xy`"
         }
+        ErrorKind::MatrixValue => "take its `determinant(…)`, or a component of `m*p`",
         ErrorKind::NotAMatrix => "write a matrix column by column, as in `mat2(c, s, -s, c)`",
         ErrorKind::MatrixSize { .. } => "give all elements, or one for the diagonal",
+        ErrorKind::MatrixShape => "a column of values is a vector; write out any other product",
         ErrorKind::PieceWithoutCondition => {
             "write `{x < 0: a, b}`: conditions first, then a value for all other points"
         }
@@ -292,6 +298,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::InWords => {
             "write signs: `x^2` for x squared, `sqrt(x)` for a square root, `+`, `-`, `*`, `/`, and `=` for equals"
         }
+        ErrorKind::Remark => "write a remark behind `#`",
         ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
         ErrorKind::TooManyTerms { .. } => "end the range earlier",
         ErrorKind::Complex => "rewrite the formula with real and imaginary parts",
@@ -345,7 +352,7 @@ fn line_advice(kind: &ErrorKind) -> Option<&'static str> {
 
 fn character_reason(character: char) -> Option<&'static str> {
     Some(match character {
-        '!' => "there is no factorial",
+        '!' => "a factorial is one of a constant whole number",
         '\'' | '′' | '’' | '∂' | '∫' | '∑' | '∏' => {
             "there are no derivatives and integrals; write them out"
         }
@@ -361,7 +368,7 @@ fn character_reason(character: char) -> Option<&'static str> {
 fn character_help(character: char) -> Option<&'static str> {
     Some(match character {
         '\'' | '′' | '’' => "write the derivative out; a name with a prime is written `x1`",
-        '!' => "write the product, as in `product(k = 1..5, k)`; there is no gamma function",
+        '!' => "write the number in digits, as in `5!`; there is no gamma function",
         '"' | '`' | '“' | '”' => "write the formula without quotation marks",
         '@' => "a function is written `f(x, y) = …`",
         '$' => "dollar signs stand around a formula, not in it",

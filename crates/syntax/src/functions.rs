@@ -274,6 +274,10 @@ impl Reader<'_> {
         if let [(_, 3)] = names.as_slice() {
             self.draws(&name);
         }
+        // A function of the coordinates is drawn rather than a value above it.
+        if names.iter().map(|(name, _)| name.text.as_str()).eq(["x", "y", "z"]) {
+            self.program.last_value = None;
+        }
         for (parameter, value) in given {
             let text = self.fresh(&format!("{}_{}", name.text, parameter.text));
             let kind = ExprKind::Name(NamedValue::Defined(text.clone()));

@@ -3,6 +3,7 @@
 //! What people paste is brought to the same symbols here: LaTeX environments, comments of other
 //! languages, names of modules before functions, components of vectors.
 
+use crate::environment::environment;
 use crate::foreign::{foreign, plain_text};
 use crate::scan::start;
 use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, symbol, vulgar};
@@ -66,9 +67,6 @@ const TYPESETTING: &[&str] = &[
 /// LaTeX commands whose text in braces is no part of a formula.
 const LABELS: &[&str] = &["tag", "label"];
 
-/// Environments of pieces: `\begin{…}` opens them.
-const PIECES: &[&str] = &["cases", "dcases", "rcases", "array", "cases*", "dcases*"];
-
 /// Words in `\text{…}` that only lead over to a condition, or mean nothing.
 const LEADS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
 
@@ -100,7 +98,7 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
         '…' => ('‥', length),
         '.' if context.touching.is_some_and(ends_value) => component(rest, context),
         '0'..='9' | '.' => number(rest),
-        '\\' => command(rest),
+        '\\' => command(rest, context),
         // Dollar signs stand around a formula, not in it.
         '$' if context.last.is_some()
             && !rest[1..].trim_start_matches([' ', '\t', '\r']).is_empty()
@@ -111,6 +109,13 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
             ('?', 1)
         }
         '&' if !rest.starts_with("&&") => ('&', 1),
+        // `5!!` and `!=` are others.
+        '!' if context.last.is_some_and(ends_operand)
+            && context.last != Some('!')
+            && !rest[1..].starts_with(['!', '=']) =>
+        {
+            ('!', 1)
+        }
         '=' | '!' if rest[1..].starts_with("==") => (if character == '=' { '=' } else { '≠' }, 3),
         '!' if !rest.starts_with("!=") && !context.last.is_some_and(ends_operand) => ('¬', 1),
         '∑' | 'Σ' if rest[length..].trim_start().starts_with(['_', '^']) => ('Σ', length),
@@ -129,6 +134,16 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
             let end = prefix(rest, in_name);
             let below = rest[..end].find(is_below);
             let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
+            // Between conditions these are the words that they are in small letters; before brackets they may be functions.
+            let is_joint = context.last.is_some_and(ends_operand);
+            match &rest[..end] {
+                "AND" if is_joint => return ('∧', end),
+                "OR" if is_joint => return ('∨', end),
+                "NOT" => return ('¬', end),
+                // A part of a fraction is one letter.
+                word if context.is_part && !word.is_empty() => return name(rest, length),
+                _ => {}
+            }
             module(rest, end).map_or_else(|| name(rest, end), |length| (' ', length))
         }
         '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {
@@ -294,7 +309,7 @@ fn name(rest: &str, end: usize) -> (char, usize) {
     }
 }
 
-fn command(rest: &str) -> (char, usize) {
+fn command(rest: &str, context: Context) -> (char, usize) {
     let end = 1 + prefix(&rest[1..], |c| c.is_ascii_alphabetic());
     if end == 1 {
         return sign(rest);
@@ -302,7 +317,7 @@ fn command(rest: &str) -> (char, usize) {
     let word = &rest[1..end];
     let after = &rest[end..];
     match word {
-        "begin" | "end" => return environment(rest, word == "begin"),
+        "begin" | "end" => return environment(rest, word == "begin", context.last),
         "left" | "right" if after.starts_with('.') => return (' ', end + 1),
         "text" | "textrm" | "mbox" | "mathrm" | "textnormal" => {
             if let Some(found) = text(after) {
@@ -350,7 +365,7 @@ fn command(rest: &str) -> (char, usize) {
 fn sign(rest: &str) -> (char, usize) {
     let two = 1 + rest[1..].chars().next().map_or(0, char::len_utf8);
     match &rest[..two] {
-        r"\\" => ('␤', 2),
+        r"\\" => ('␤', 2 + gap(&rest[2..])),
         r"\[" => {
             let word = prefix(&rest[2..], |c| c.is_ascii_alphabetic());
             if word > 0 && rest[2 + word..].starts_with(']') { ('a', word + 3) } else { (' ', 2) }
@@ -365,21 +380,13 @@ fn sign(rest: &str) -> (char, usize) {
     }
 }
 
-/// `\begin{…}` or `\end{…}`.
-fn environment(rest: &str, begins: bool) -> (char, usize) {
-    let open = if begins { r"\begin{".len() } else { r"\end{".len() };
-    let Some(length) = start(rest, 60).get(open..).and_then(|name| name.find('}')) else {
-        return ('?', 1);
-    };
-    let mut end = open + length + 1;
-    if !PIECES.contains(&&rest[open..open + length]) {
-        return (if begins { '⇥' } else { '⇤' }, end);
-    }
-    // The columns of an array.
-    if let Some(columns) = rest[end..].strip_prefix('{').filter(|_| begins) {
-        end += columns.find('}').map_or(0, |length| length + 2);
-    }
-    (if begins { '⦃' } else { '⦄' }, end)
+/// The length of `[2pt]`, the distance between two lines.
+fn gap(rest: &str) -> usize {
+    let Some(inner) = rest.strip_prefix('[') else { return 0 };
+    let number = prefix(inner, |c| c.is_ascii_digit() || matches!(c, '.' | '-'));
+    let unit = inner.get(number..number + 3);
+    let is_gap = matches!(unit, Some("pt]" | "ex]" | "em]" | "mm]" | "cm]"));
+    if number > 0 && is_gap { number + 4 } else { 0 }
 }
 
 /// Words in braces behind `\text`; `None` if they may be a name.
@@ -406,7 +413,7 @@ fn braced(rest: &str) -> Option<usize> {
 
 /// Whether an operand can end with this symbol.
 pub(crate) fn ends_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '1' | '½' | '²' | '‧') || is_name(symbol) || is_closer(symbol)
+    matches!(symbol, '0' | '1' | '½' | '²' | '‧' | '!') || is_name(symbol) || is_closer(symbol)
 }
 
 /// Whether an operand can begin with this symbol.

@@ -34,6 +34,8 @@ const SEGMENT: usize = 1 << 21;
 pub(crate) enum Binding<'a> {
     /// The parameter with this number.
     Parameter(u32),
+    /// A number that does not change.
+    Number(Constant),
     /// A definition, expanded where it is used.
     Definition(&'a Definition),
 }
@@ -145,7 +147,8 @@ impl<'a> Lowering<'a> {
     pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
         match self.value_of(expr, locals)? {
             Value::Number(node) => Ok(node),
-            Value::Vector(_) | Value::Matrix(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+            Value::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+            Value::Matrix(_) => Err(Error::new(expr.span, ErrorKind::MatrixValue)),
         }
     }
 
@@ -301,6 +304,9 @@ impl<'a> Lowering<'a> {
                 let (name, definition) = match binding {
                     Binding::Parameter(number) => {
                         return Ok(Value::Number(self.graph.parameter(*number)));
+                    }
+                    Binding::Number(value) => {
+                        return Ok(Value::Number(self.graph.constant(value.clone())));
                     }
                     Binding::Definition(definition) => (*name, *definition),
                 };

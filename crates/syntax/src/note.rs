@@ -20,6 +20,8 @@ pub struct Note {
 pub enum NoteKind {
     #[error("read as `{read}`; for the other reading, write `{other}`")]
     ImplicitDivision { read: String, other: String },
+    #[error("read as `{read}`; for the other reading, write `{other}`")]
+    PowerScope { read: String, other: String },
     #[error("read as `{read}`; for the root, write `{root}`")]
     DividedPower { read: String, root: String },
     #[error(
@@ -29,6 +31,8 @@ pub enum NoteKind {
     InverseFunction { name: String, inverse: String },
     #[error("`{name}` is read as the product `{product}`")]
     ProductOfNames { name: String, product: String },
+    #[error("`{name}` is read as `{read}`")]
+    ReadAs { name: String, read: &'static str },
     #[error("`{name}` is {meaning}")]
     ConstantUsed { name: &'static str, meaning: &'static str },
     #[error(
@@ -44,6 +48,8 @@ pub enum NoteKind {
     Unused { name: String, meant: Option<String> },
     #[error("`{name}` is set to a value outside its range")]
     OutsideRange { name: String },
+    #[error("`{name}` says how many terms there are, so it is a constant and no slider")]
+    CountsTerms { name: String },
     #[error("only definitions here: drawing `{drawn}`")]
     DrawsFunction { drawn: String },
     #[error("`{name}` is built in, so this is drawn as an equation and defines nothing")]
@@ -104,6 +110,10 @@ pub enum NoteKind {
         "the ranges of the plot are not read; write them as `domain x in [-2, 2], y in [-1, 1]`"
     )]
     PlotWithoutRanges,
+    #[error(
+        "what contains the surface is not read; write it as `domain x in [-2, 2], y in [-1, 1]`"
+    )]
+    ContainerIgnored,
     #[error("further notes omitted")]
     More,
 }
@@ -115,6 +125,7 @@ impl NoteKind {
             self,
             Self::ConstantUsed { .. }
                 | Self::ProductOfNames { .. }
+                | Self::ReadAs { .. }
                 | Self::CapitalCoordinates
                 | Self::CapitalE
                 | Self::Sinc

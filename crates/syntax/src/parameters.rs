@@ -12,6 +12,7 @@ use crate::scope::{coordinate, nearest};
 use crate::span::Span;
 use crate::spelling::is_definable;
 use crate::statement::{Built, is_plain_number};
+use crate::whole::counting;
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
@@ -60,6 +61,7 @@ impl<'a> Reader<'a> {
             parameters.push(Parameter { name, number, value, range, kind, span });
             Binding::Parameter(number)
         };
+        let counting = counting(definitions, drawings);
         let mut time_set = false;
         for (definition, _) in definitions {
             let name = definition.name.text.as_str();
@@ -76,6 +78,18 @@ impl<'a> Reader<'a> {
                     self.errors.push(*Error::new(span, ErrorKind::RangeOutsideDefinition));
                 }
                 names.insert(name, Binding::Definition(definition));
+                continue;
+            }
+            if counting.contains(name) && !is_time && definition.range.is_none() {
+                match given.map_or_else(|| evaluate(&definition.body, &self.options.limits), Ok) {
+                    Ok(value) => names.insert(name, Binding::Number(value)),
+                    Err(error) => {
+                        self.errors.push(*error);
+                        continue;
+                    }
+                };
+                let kind = NoteKind::CountsTerms { name: name.to_owned() };
+                self.notes.push(Note { span: definition.name.span, kind });
                 continue;
             }
             let (mut value, range) = match slider(definition, given, &self.options.limits) {
@@ -106,7 +120,12 @@ impl<'a> Reader<'a> {
                 && name != "t"
                 && !names.contains_key(name)
             {
-                names.insert(name, add(name, value.clone(), None, None));
+                let binding = if counting.contains(name) {
+                    Binding::Number(value.clone())
+                } else {
+                    add(name, value.clone(), None, None)
+                };
+                names.insert(name, binding);
             }
         }
         let mut built = drawings.iter().copied().chain(definitions.iter().map(|(_, built)| *built));

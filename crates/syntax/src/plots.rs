@@ -77,6 +77,9 @@ impl Words<'_> {
             _ => tokens,
         };
         let Some(first) = tokens.first() else { return Ok(None) };
+        if self.word(*first) == "isosurface" && tokens.get(1).is_some_and(|t| t.symbol == '{') {
+            return Ok(self.isosurface(&tokens[1..], first.span));
+        }
         self.plot_of(self.word(*first), &tokens[1..])
     }
 
@@ -124,6 +127,54 @@ impl Words<'_> {
         }
         let is_height = HEIGHTS.contains(&word);
         Ok(Some(Plot { formulas, is_height, domain, note }))
+    }
+
+    /// `isosurface { function { … } threshold 1 contained_by { box { -2, 2 } } }` of POV-Ray, behind its first word.
+    fn isosurface(self, tokens: &[Token], place: Span) -> Option<Plot> {
+        let (inner, _) = bracketed(tokens)?;
+        let behind = |word: &str| {
+            let at = inner.iter().position(|token| self.word(*token) == word)?;
+            Some(&inner[at + 1..])
+        };
+        let mut rest = behind("function")?.to_vec();
+        if rest.first()?.symbol == '(' {
+            rest = bracketed(&rest)?.1;
+        }
+        let (mut body, _) = bracketed(&rest)?;
+        let is_sign = |token: &&Token| matches!(token.symbol, '0' | '-');
+        let level: Vec<Token> =
+            behind("threshold").unwrap_or_default().iter().take_while(is_sign).copied().collect();
+        if !level.is_empty() {
+            body = less(body, level);
+        }
+        let (domain, note) = match behind("contained_by") {
+            None => (None, None),
+            Some(container) => match self.contained(container) {
+                Some(ranges) => self.domain(&ranges, place),
+                None => (None, Some(Note { span: place, kind: NoteKind::ContainerIgnored })),
+            },
+        };
+        Some(Plot { formulas: vec![body], is_height: false, domain, note })
+    }
+
+    /// The ranges of `{ box { -2, 2 } }` and `{ box { <-2, -2, -1>, <2, 2, 1> } }`.
+    fn contained(self, tokens: &[Token]) -> Option<Vec<Range>> {
+        let (inner, _) = bracketed(tokens)?;
+        let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
+        let mut ends = split(ends, ',');
+        // A corner is a list between signs of order.
+        for end in &mut ends {
+            end.retain(|token| !matches!(token.symbol, '<' | '>'));
+        }
+        if ends.iter().any(Vec::is_empty) || !matches!(ends.len(), 2 | 6) {
+            return None;
+        }
+        let half = ends.len() / 2;
+        let range = |(index, axis): (usize, char)| {
+            let index = index.min(half - 1);
+            Range { axis, low: ends[index].clone(), high: ends[index + half].clone() }
+        };
+        Some("xyz".chars().enumerate().map(range).collect())
     }
 
     /// The formulas of a list, or the one that there is.

@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::lexer::method;
 use crate::note::NoteKind;
-use crate::scope::{Callee, Meaning, meaning};
+use crate::scope::{Callee, Meaning, meaning, read_as};
 use crate::span::Span;
 use crate::special::{Logic, logic};
 use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
@@ -39,6 +39,8 @@ pub(crate) enum Item<'i> {
     Group(Pair<'i>),
     /// Anything that is one factor whatever surrounds it: braces, bars, `\frac`, `\sqrt{}`.
     Closed(Pair<'i>),
+    /// `!` behind a whole number.
+    Factorial(Span),
     /// `^`, and the signs of the exponent that follows.
     Caret(Signs, Span),
     /// The number that superscript digits stand for.
@@ -58,6 +60,7 @@ impl Builder<'_> {
         while !items.is_empty() {
             self.factor(&mut items, &mut factors)?;
         }
+        self.note_powers(&factors);
         Ok(factors)
     }
 
@@ -89,6 +92,7 @@ impl Builder<'_> {
                 })
             }
             Rule::caret => Item::Caret(self.signs(&mut pair.into_inner()), span),
+            Rule::factorial => Item::Factorial(span),
             Rule::radical => Item::Radical(typed.chars().next().unwrap_or('√'), span),
             Rule::group => Item::Group(pair),
             Rule::component => Item::Component(letters(typed), span),
@@ -119,7 +123,7 @@ impl Builder<'_> {
         }
         let behind = self.text[span.end..].trim_start_matches(BLANKS);
         let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
-        if behind.starts_with(['(', '[']) {
+        if behind.starts_with(['(', '[']) || behind.starts_with(r"\begin{") {
             if let Some(form) = self.scope.form(&name, &self.locals) {
                 items.push_back(Item::Form(form, span));
                 return Ok(());
@@ -140,9 +144,16 @@ impl Builder<'_> {
                 if let Callee::Defined(name, _) = &callee {
                     self.used.insert(name.clone());
                 }
+                if let Some(read) = read_as(&name, &callee) {
+                    self.note(span, NoteKind::ReadAs { name, read });
+                }
                 items.push_back(Item::Function(callee, span));
             }
             Meaning::Product => {
+                // Of an exponent and a divisor only the first letter is one, which a note on these says.
+                let is_exponent = matches!(items.back(), Some(Item::Caret(..)))
+                    && !matches!(items.iter().nth_back(1), Some(Item::Function(..)));
+                let is_noted = is_exponent || items.is_empty() && self.follows(span, "/");
                 let letters: Vec<String> = name.chars().map(String::from).collect();
                 let mut at = span.start;
                 for letter in &letters {
@@ -156,8 +167,10 @@ impl Builder<'_> {
                         items.push_back(self.leaf(value, place));
                     }
                 }
-                let product = letters.join("*");
-                self.note(span, NoteKind::ProductOfNames { name, product });
+                if !is_noted {
+                    let product = letters.join("*");
+                    self.note(span, NoteKind::ProductOfNames { name, product });
+                }
             }
             Meaning::Unknown => {
                 if TIMES.contains(&typed) {
@@ -266,7 +279,11 @@ impl Builder<'_> {
         let base = self.primary(items)?;
         match items.front() {
             Some(
-                Item::Component(..) | Item::Method(..) | Item::Caret(..) | Item::Superscript(_),
+                Item::Component(..)
+                | Item::Method(..)
+                | Item::Factorial(_)
+                | Item::Caret(..)
+                | Item::Superscript(_),
             ) => self.behind(base, items),
             _ => Ok(base),
         }
@@ -281,6 +298,10 @@ impl Builder<'_> {
         }
         while let Some(Item::Method(..)) = items.front() {
             base = self.method(base, items)?;
+        }
+        if let Some(Item::Factorial(sign)) = items.front() {
+            base = self.factorial(base, *sign)?;
+            items.pop_front();
         }
         match items.front() {
             Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
@@ -329,6 +350,10 @@ impl Builder<'_> {
                     let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
                     while let Some(Item::Component(..)) = items.front() {
                         exponent = Self::component(exponent, items)?;
+                    }
+                    if let Some(Item::Factorial(sign)) = items.front() {
+                        exponent = self.factorial(exponent, *sign)?;
+                        items.pop_front();
                     }
                     (signs, exponent)
                 }
@@ -426,6 +451,7 @@ impl Builder<'_> {
                 return Error::new(*span, ErrorKind::Unexpected { found });
             }
             Item::Method(name, span, _) => (*span, format!(".{name}")),
+            Item::Factorial(span) => (*span, "!".to_owned()),
             Item::Caret(_, span) | Item::Superscript(Expr { span, .. }) => (*span, "^".to_owned()),
             _ => unreachable!("all others begin a factor"),
         };
@@ -441,6 +467,9 @@ impl Builder<'_> {
             Item::Leaf(_) | Item::Group(_) | Item::Function(..) | Item::Form(..) | Item::Closed(_),
         ) = items.front()
         {
+            self.note(place, NoteKind::RadicalScope { radical });
+        }
+        if items.is_empty() && self.root_goes_on(&inner) {
             self.note(place, NoteKind::RadicalScope { radical });
         }
         let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };

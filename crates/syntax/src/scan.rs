@@ -10,7 +10,7 @@ use crate::lexer::{Context, ends_operand, lex, line_length};
 use crate::limits::Limits;
 use crate::note::Note;
 use crate::span::Span;
-use crate::spelling::{closer, in_name, is_closer};
+use crate::spelling::{closer, in_name, is_closer, is_name};
 
 /// A symbol and where it stands.
 #[derive(Clone, Copy, Debug)]
@@ -95,16 +95,24 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let (mut symbol, length) = lex(rest, context);
         let span = Span::new(end, end + length);
         end = span.end;
-        let in_pieces = open.last().is_some_and(|index| tokens[*index].symbol == '⦃');
+        let within = open.last().map_or(' ', |index| tokens[*index].symbol);
+        let in_rows = matches!(within, '⦃' | '⟦');
         match symbol {
+            // What an environment closes is what was opened; outside brackets it had lines.
+            '⟧' if within == '⦃' => symbol = '⦄',
+            '⟧' if open.is_empty() && aligned > 0 => {
+                symbol = '⇤';
+                aligned -= 1;
+            }
             '⇥' => aligned += 1,
             '⇤' => aligned = aligned.saturating_sub(1),
-            '&' if in_pieces => symbol = '¿',
+            '&' if within == '⦃' => symbol = '¿',
+            '&' if within == '⟦' => symbol = ',',
             '&' if aligned > 0 => symbol = ' ',
             // Windows ends lines with two characters.
             '\n' if text[end - length..].starts_with("\r\n") => symbol = ' ',
             // A line that starts with an operator goes on with the one before.
-            '␤' if !in_pieces => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
+            '␤' if !in_rows => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
             _ => {}
         }
         if symbol == '\n' {
@@ -147,7 +155,8 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             _ => {}
         }
         let follows_fraction = first > 0 && tokens[first - 1].symbol == 'F';
-        is_part = symbol == 'F' || (matches!(symbol, '1' | '}') && follows_fraction);
+        is_part =
+            symbol == 'F' || (matches!(symbol, '1' | '}') || is_name(symbol)) && follows_fraction;
         tokens.push(Token::new(symbol, span));
     }
     if let Some(index) = open.first() {
@@ -239,8 +248,10 @@ fn close(symbol: char, span: Span, opened: Option<(usize, Token)>) -> Fallible<u
     };
     match closer(open.symbol) {
         Some(meant) if meant != symbol => {
+            let is_typed = !matches!(meant, '⦄' | '⟧');
             let kind = ErrorKind::Mismatched { open: open.symbol, close: symbol };
-            Err(Error::new(open.span.to(span), kind).suggest(span, meant))
+            let meant = is_typed.then(|| meant.to_string());
+            Err(Error::new(open.span.to(span), kind).suggest_any(span, meant))
         }
         _ => Ok(index),
     }
@@ -254,7 +265,10 @@ fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
     let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
     let line = tokens.iter().take_while(|token| token.symbol != ';' && token.span.start < line);
     match (line.last(), closer(symbol)) {
-        (Some(last), Some(close)) if is_only => error.suggest(Span::at(last.span.end), close),
+        // What closes an environment has a name.
+        (Some(last), Some(close)) if is_only && !matches!(close, '⦄' | '⟧') => {
+            error.suggest(Span::at(last.span.end), close)
+        }
         _ => error,
     }
 }

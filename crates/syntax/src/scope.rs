@@ -32,6 +32,39 @@ pub fn language_names() -> impl Iterator<Item = &'static str> {
     words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
 }
 
+/// Names that are other names here, if they are not products of letters that have values.
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("tg", "tan"),
+    ("ctg", "cot"),
+    ("cotg", "cot"),
+    ("sh", "sinh"),
+    ("ch", "cosh"),
+    ("th", "tanh"),
+    ("cth", "coth"),
+    ("arctg", "atan"),
+    ("arcctg", "acot"),
+    ("arsh", "asinh"),
+    ("arch", "acosh"),
+    ("arth", "atanh"),
+    ("lg", "log10"),
+    ("M_PI", "pi"),
+    ("M_E", "e"),
+];
+
+/// What the language itself has by that name.
+pub(crate) fn built_in(name: &str) -> Meaning {
+    if ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name) {
+        return Meaning::Unknown;
+    }
+    Scope::default().meaning(name, &[])
+}
+
+/// The name that a name of other languages is read as, and that a note tells: constants need none.
+pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
+    let found = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
+    found.filter(|here| callee.name() == *here)
+}
+
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Meaning {
@@ -99,6 +132,9 @@ impl Scope {
             && name.chars().all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
         {
             return Meaning::Product;
+        }
+        if let Some((_, here)) = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name) {
+            return self.meaning(here, locals);
         }
         let lower = name.to_lowercase();
         if lower != name && lower.len() > 1 {

@@ -138,6 +138,7 @@ impl Builder<'_> {
                 self.item(end, &mut items)?;
                 self.power(&mut items)?
             }
+            Rule::group => self.deeper(end_span, 1, |b| b.group(end))?,
             _ => self.deeper(end_span, 1, |b| b.closed(end, end_span))?,
         };
         number_only(&high)?;

@@ -25,8 +25,8 @@ pub(crate) enum Logic {
 /// The condition that a function called `name` stands for in other languages.
 pub(crate) fn logic(name: &str) -> Option<Logic> {
     Some(match name {
-        "And" | "logical_and" => Logic::And,
-        "Or" | "logical_or" => Logic::Or,
+        "And" | "AND" | "logical_and" => Logic::And,
+        "Or" | "OR" | "logical_or" => Logic::Or,
         "Not" | "logical_not" => Logic::Not,
         "Eq" | "Equal" => Logic::Compare(Relation::Equal),
         "Ne" | "Unequal" => Logic::Compare(Relation::Unequal),
@@ -174,6 +174,10 @@ impl Builder<'_> {
         let inner: Vec<Pair<'_>> = pair.clone().into_inner().collect();
         if let Some(matrix) = self.rows(&inner, span)? {
             return Ok(matrix);
+        }
+        // A list of lists can be nothing else.
+        if inner.iter().any(|part| sole(part, Rule::list).is_some()) {
+            return Err(Error::new(span, ErrorKind::MatrixShape));
         }
         let parts: Fallible<Vec<Expr>> = pair.into_inner().map(|part| self.value(part)).collect();
         let parts = parts?;

@@ -59,6 +59,7 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "⌈" | r"\lceil" => '⌈',
         "⌉" | r"\rceil" => '⌉',
         "|" | "‖" | "∣" | r"\mid" => '|',
+        r"\bmod" => '٪',
         r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => 'F',
         r"\sqrt" => 'R',
         // A name in upright letters follows in braces.
@@ -92,12 +93,12 @@ pub(crate) fn is_operator(symbol: char) -> bool {
 
 /// The bracket that closes `open`.
 pub(crate) fn closer(open: char) -> Option<char> {
-    "([{⌊⌈⦃⟨".chars().zip(")]}⌋⌉⦄⟩".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
+    "([{⌊⌈⦃⟨⟦".chars().zip(")]}⌋⌉⦄⟩⟧".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
 }
 
 /// Whether a symbol is a closing bracket.
 pub(crate) fn is_closer(symbol: char) -> bool {
-    ")]}⌋⌉⦄⟩".contains(symbol)
+    ")]}⌋⌉⦄⟩⟧".contains(symbol)
 }
 
 /// Whether `character` may stand in a name after its first letter.
@@ -208,7 +209,7 @@ mod tests {
     use super::*;
 
     /// Symbols of what has no fixed spelling.
-    const OTHERS: &str = "01½²#¦⦃⦄⟨⟩‥≔¿∀‧ΣΠ_⊙⋄٪";
+    const OTHERS: &str = "!01½²#¦⦃⦄⟨⟩‥≔¿∀‧ΣΠ_⊙⋄٪";
 
     #[test]
     fn the_grammar_knows_symbols_only() {

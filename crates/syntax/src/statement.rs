@@ -9,10 +9,10 @@ use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::program::{Unit, Wrap};
 use crate::scan::Piece;
-use crate::scope::{Meaning, Scope, coordinate};
+use crate::scope::{Meaning, Scope, built_in, coordinate};
 use crate::setting::{SETTINGS, Setting};
 use crate::span::Span;
-use crate::spelling::{is_definable, plain_name};
+use crate::spelling::{is_definable, is_name, plain_name};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::Meaning as Stands;
@@ -128,7 +128,12 @@ fn head(text: &str, piece: &Piece, line: &Pair<'_>) -> Option<Head> {
 }
 
 /// Decides for every line with a head whether it defines; those that do not lose their head.
-pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mut Vec<Note>) {
+pub(crate) fn settle_heads(
+    text: &str,
+    lines: &mut [Line<'_>],
+    scope: &mut Scope,
+    notes: &mut Vec<Note>,
+) {
     for line in lines.iter_mut() {
         if line.unit.head.is_some() {
             continue;
@@ -137,7 +142,7 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
             line.head = None;
         }
     }
-    settle_levels(lines, notes);
+    settle_levels(text, lines, notes);
     // Whether `hypot(a, b) = 2` draws depends on whether a and b have values, so values come first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
@@ -164,8 +169,9 @@ pub(crate) fn settle_heads(lines: &mut [Line<'_>], scope: &mut Scope, notes: &mu
     }
 }
 
-/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels.
-fn settle_levels(lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
+/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels, and `f(x, y) = z` below `f(x, y) = x^2` an
+/// equation.
+fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     for line in lines.iter_mut() {
         let Some(head) = &line.head else { continue };
@@ -177,16 +183,31 @@ fn settle_levels(lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
             continue;
         }
         let key = (head.name.text.clone(), parameters.count());
-        let is_number = matches!(
-            line.piece.tokens.as_slice(),
-            [.., sign, number] if sign.symbol == '=' && number.symbol == '0'
-        );
-        if is_number && line.unit.head.is_none() && defined.contains(&key) {
+        let is_value = line.unit.head.is_none() && !looks_like_body(text, line.piece, key.1);
+        if is_value && defined.contains(&key) {
             notes.push(Note { span: head.name.span, kind: NoteKind::LevelOf { name: key.0 } });
             line.head = None;
         } else {
             defined.insert(key);
         }
+    }
+}
+
+/// Whether a right side looks like what a function of two or three coordinates is: it names two of three, or one of two and not
+/// the third.
+fn looks_like_body(text: &str, piece: &Piece, parameters: usize) -> bool {
+    let signs = piece.tokens.iter().skip_while(|token| token.symbol != '=');
+    let right = signs.take_while(|token| !matches!(token.symbol, '{' | '∈'));
+    let names = right.filter(|token| is_name(token.symbol)).map(|token| &text[token.span.range()]);
+    // `exp` names none; longer names are no products.
+    let is_product = |name: &&str| {
+        name.len() <= 3 && !matches!(Scope::default().meaning(name, &[]), Meaning::Function(_))
+    };
+    let products: Vec<&str> = names.filter(is_product).collect();
+    let has = |axis: char| products.iter().any(|name| name.contains(axis));
+    match parameters {
+        2 => (has('x') || has('y')) && !has('z'),
+        _ => "xyz".chars().filter(|axis| has(*axis)).count() > 1,
     }
 }
 
@@ -228,7 +249,7 @@ fn accepts(head: &Head) -> Option<bool> {
             }
         };
     }
-    match Scope::default().meaning(&head.name.text, &[]) {
+    match built_in(&head.name.text) {
         Meaning::Function(callee) => {
             Some(Scope::default().forms(&callee).function(count).is_some())
         }
@@ -268,7 +289,11 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
     }
     let statement = if let Some(head) = &line.head {
         if let Some(span) = braces {
-            return Err(Error::new(span, ErrorKind::RestrictedDefinition));
+            let error = Error::new(span, ErrorKind::RestrictedDefinition);
+            let bounds = slider_bounds(&head.name, &restrictions);
+            let typed = builder.text[line.piece.span.start..span.start].trim_end();
+            let meant = bounds.map(|(low, high)| format!("{typed} in [{low}, {high}]"));
+            return Err(error.suggest_any(line.piece.span, meant));
         }
         let range = range.map(|(ends, _)| ends);
         Statement::Define(match &line.unit.head {
@@ -290,6 +315,22 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
     };
     let Builder { notes, used, .. } = builder;
     Ok(Built { statement, span: line.piece.span, notes, used })
+}
+
+/// The ends between which `0 < a < 3` in braces lets a value move.
+fn slider_bounds<'e>(name: &Name, braces: &'e [Expr]) -> Option<(&'e Expr, &'e Expr)> {
+    let [Expr { kind: ExprKind::Compare(first, rest), .. }] = braces else { return None };
+    let [(before, middle), (behind, last)] = rest.as_slice() else { return None };
+    let is_own =
+        matches!(&middle.kind, ExprKind::Name(NamedValue::Defined(own)) if *own == name.text);
+    let is = |one: Relation, other: Relation| {
+        [before, behind].into_iter().all(|relation| *relation == one || *relation == other)
+    };
+    match is_own {
+        true if is(Relation::Less, Relation::LessEqual) => Some((first, last)),
+        true if is(Relation::Greater, Relation::GreaterEqual) => Some((last, first)),
+        _ => None,
+    }
 }
 
 /// The definition of what a program sets, of which `expression` is the right side.
@@ -372,8 +413,8 @@ fn define(
     range: Option<(Expr, Expr)>,
 ) -> Fallible<Definition> {
     let name = &head.name;
-    let built_in = Scope::default().meaning(&name.text, &[]);
-    let is_function = head.parameters.is_none() && matches!(built_in, Meaning::Function(_));
+    let is_function =
+        head.parameters.is_none() && matches!(built_in(&name.text), Meaning::Function(_));
     // `domain(x) = …` is a domain line with a slip.
     let is_keyword = head.parameters.is_some() && name.text == "domain";
     check_head(head, is_function, is_keyword)?;

@@ -3,10 +3,11 @@
 use crate::ast::Name;
 use crate::build::Builder;
 use crate::error::{Error, ErrorKind};
-use crate::scope::{Meaning, Scope, nearest};
+use crate::lexer::ends_operand;
+use crate::scope::{Meaning, Scope, nearest, read_as};
 use crate::setting::SETTINGS;
 use crate::span::Span;
-use crate::spelling::{is_setting, short_name, symbol};
+use crate::spelling::{is_name, is_setting, short_name, symbol};
 
 /// Longest name, in bytes, whose parts are looked up: a bound keeps hostile names cheap.
 const LONGEST: usize = 64;
@@ -66,6 +67,21 @@ impl Builder<'_> {
             .then(|| Error::new(statement, ErrorKind::InWords))
     }
 
+    /// The brackets around `place` if they end the statement and hold words only, as in `x = 1 (a plane)`.
+    fn remark(&self, place: Span) -> Option<Span> {
+        let tokens = &self.piece.tokens;
+        let close = tokens.last().filter(|last| last.symbol == ')')?;
+        let open = tokens.iter().rposition(|token| token.symbol == '(').filter(|at| *at > 0)?;
+        let is_behind =
+            ends_operand(tokens[open - 1].symbol) && tokens[open].span.end <= place.start;
+        let words = &tokens[open + 1..tokens.len() - 1];
+        let is_gap = tokens[open - 1].span.end < tokens[open].span.start;
+        // One word behind a value may be a factor.
+        let are_words = words.iter().all(|token| is_name(token.symbol))
+            && (words.len() > 1 || tokens[open - 1].symbol == '0');
+        (is_behind && is_gap && are_words).then(|| tokens[open].span.to(close.span))
+    }
+
     /// `f x y z` before an equals sign, which other languages write so.
     fn juxtaposed(&self, span: Span) -> Option<Span> {
         let is_first = self.piece.span.start == span.start;
@@ -79,6 +95,10 @@ impl Builder<'_> {
             return error;
         }
         let (scope, locals) = (self.scope, self.locals.as_slice());
+        if let Some(words) = self.remark(span) {
+            let typed = &self.text[words.range()];
+            return Error::new(words, ErrorKind::Remark).suggest(words, format!("# {typed}"));
+        }
         if let Some(left) = self.juxtaposed(span) {
             let kind = ErrorKind::UnknownFunction { name: short_name(name) };
             let meant = format!("{name}(x, y, z)");
@@ -134,6 +154,16 @@ impl Builder<'_> {
         };
         Error::new(span, kind).suggest_any(span, scope.likely(name, locals, is_called))
     }
+}
+
+/// What a part of a name is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Function,
+    /// A value whose name is longer than a letter.
+    Value,
+    Letter,
+    Number,
 }
 
 /// What functions are of which there is no like here.
@@ -211,21 +241,74 @@ impl Scope {
         missing.all(|other| other == letter).then_some(letter)
     }
 
-    /// `xsin` as `x*sin` and `sinxy` as `sin xy`, if the parts have meanings.
+    /// `xsin` as `x*sin`, `sin2x` as `sin(2x)` and `pix` as `pi*x`, if all parts have meanings.
     fn run_together(&self, name: &str, locals: &[Name]) -> Option<String> {
         if name.len() > LONGEST {
             return None;
         }
-        let is_function = |part: &str| {
-            part.len() > 1 && matches!(self.meaning(part, locals), Meaning::Function(_))
-        };
-        name.char_indices().skip(1).find_map(|(at, _)| {
-            let (left, right) = name.split_at(at);
-            if self.is_product(left, locals) && is_function(right) {
-                return Some(format!("{left}*{right}"));
+        let parts = self.split(name, locals)?;
+        let mut text = String::new();
+        let mut open = 0;
+        for (index, (kind, part)) in parts.iter().enumerate() {
+            let before = index.checked_sub(1).map(|before| parts[before].0);
+            let is_last = index + 1 == parts.len();
+            if *kind == Part::Function && !matches!(before, None | Some(Part::Function)) {
+                text.extend(std::iter::repeat_n(')', std::mem::take(&mut open)));
             }
-            (is_function(left) && self.is_product(right, locals)).then(|| format!("{left} {right}"))
-        })
+            if !matches!(before, None | Some(Part::Function | Part::Number)) {
+                text.push('*');
+            }
+            text += part;
+            if *kind == Part::Function && !is_last {
+                text.push('(');
+                open += 1;
+            }
+        }
+        text.extend(std::iter::repeat_n(')', open));
+        Some(text)
+    }
+
+    /// The functions, values and numbers that a name is made of, the longest first, if it says more than its letters do. A
+    /// number follows a function.
+    fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(Part, &'n str)>> {
+        // The parts of what begins at each place, from the last on.
+        let mut found: Vec<Option<Vec<(Part, &str)>>> = vec![None; name.len() + 1];
+        found[name.len()] = Some(Vec::new());
+        for at in (0..name.len()).rev().filter(|at| name.is_char_boundary(*at)) {
+            let ends = (at + 1..=name.len()).rev().filter(|end| name.is_char_boundary(*end));
+            // The whole name is no part, even where it is defined.
+            found[at] = ends.skip(usize::from(at == 0)).find_map(|end| {
+                let rest = found[end].as_ref()?;
+                let kind = self.part(&name[at..end], locals)?;
+                let follows = rest.first().map(|(kind, _)| *kind);
+                let is_read = match kind {
+                    Part::Function => true,
+                    Part::Number => !matches!(follows, Some(Part::Function | Part::Number)),
+                    Part::Value | Part::Letter => follows != Some(Part::Number),
+                };
+                is_read.then(|| [(kind, &name[at..end])].into_iter().chain(rest.clone()).collect())
+            });
+        }
+        let parts = found.swap_remove(0)?;
+        let says_more = parts.iter().any(|(kind, _)| matches!(kind, Part::Function | Part::Value));
+        let begins = parts.first().is_some_and(|(kind, _)| *kind != Part::Number);
+        (says_more && begins && parts.len() > 1).then_some(parts)
+    }
+
+    /// What a part of a name is by itself.
+    fn part(&self, part: &str, locals: &[Name]) -> Option<Part> {
+        if part.bytes().all(|byte| byte.is_ascii_digit()) {
+            return Some(Part::Number);
+        }
+        let is_letter = part.chars().nth(1).is_none();
+        match self.meaning(part, locals) {
+            Meaning::Value(_) if is_letter => Some(Part::Letter),
+            Meaning::Value(_) => Some(Part::Value),
+            Meaning::Function(callee) if !is_letter && read_as(part, &callee).is_none() => {
+                Some(Part::Function)
+            }
+            _ => None,
+        }
     }
 
     /// Whether `name` is a value, or several side by side.

@@ -176,7 +176,7 @@ pub(crate) fn vector(size: usize, arguments: &[Value], span: Span) -> Fallible<V
     let mut nodes: Vec<NodeId> =
         arguments.iter().flat_map(|value| value.parts().iter().copied()).take(size).collect();
     nodes.resize(size, nodes[0]);
-    Ok(Value::Vector(nodes))
+    Ok(Value::new(nodes))
 }
 
 /// The components that `letters` name.

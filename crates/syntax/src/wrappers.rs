@@ -2,11 +2,10 @@
 //! looked into.
 
 use crate::lexer::begins_operand;
-use crate::plots::less;
 use crate::program_words::{Words, bracketed, closing, split};
 use crate::scan::Token;
 use crate::span::Span;
-use crate::spelling::is_name;
+use crate::spelling::{closer, is_closer, is_name};
 use crate::steps::outside;
 
 /// Commands that only declare names, or set up a system.
@@ -98,6 +97,9 @@ impl Words<'_> {
         if let Some(found) = self.with_rules(tokens) {
             return statements(found);
         }
+        if let Some(found) = self.with_values(tokens) {
+            return statements(found);
+        }
         if let Some(found) = self.of_surfer(tokens) {
             return statements(found);
         }
@@ -106,8 +108,9 @@ impl Words<'_> {
         }
         match word {
             "With" | "Module" | "Block" if opens => return Self::with(tokens).and_then(statements),
-            "isosurface" | "function" if next.is_some_and(|next| next.symbol == '{') => {
-                return self.of_pov(tokens).map(|inner| Unwrapped::Statements(vec![inner]));
+            "function" if next.is_some_and(|next| next.symbol == '{') => {
+                let (inner, rest) = bracketed(&tokens[1..])?;
+                return rest.is_empty().then(|| Unwrapped::Statements(vec![inner]));
             }
             _ if AROUND.contains(&word) && opens && Self::is_whole_call(tokens) => {
                 let (inner, _) = bracketed(&tokens[1..])?;
@@ -191,6 +194,33 @@ impl Words<'_> {
         (at > 0).then_some(all)
     }
 
+    /// `formula where a = 2, b = 3`, as the formula and its values.
+    fn with_values(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let is_word = |token: &Token| {
+            token.symbol == 'a' && matches!(self.word(*token), "where" | "with" | "for")
+        };
+        let at = tokens.iter().position(is_word)?;
+        let mut formula = tokens[..at].to_vec();
+        while formula.last().is_some_and(|last| last.symbol == ',') {
+            formula.pop();
+        }
+        let mut all = vec![formula];
+        for part in split(tokens[at + 1..].to_vec(), ',') {
+            all.extend(split(part, '∧'));
+        }
+        let is_value = |part: &Vec<Token>| match part.as_slice() {
+            [name, equals, value, ..] => {
+                name.symbol == 'a' && equals.symbol == '=' && value.symbol != '='
+            }
+            _ => false,
+        };
+        let count = |is: fn(char) -> bool| tokens[..at].iter().filter(|t| is(t.symbol)).count();
+        let is_outside = count(|symbol| closer(symbol).is_some()) == count(is_closer);
+        let (formula, values) = all.split_first()?;
+        let is_read = is_outside && !formula.is_empty() && !values.is_empty();
+        (is_read && values.iter().all(is_value)).then_some(all)
+    }
+
     /// A line of a file of Surfer: its formula, a parameter, or what is about its picture.
     fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         const PARAMETER: &str = "surface_parameter_";
@@ -237,6 +267,15 @@ impl Words<'_> {
         {
             return Some(inner[colon + 1..].to_vec());
         }
+        // `{(x, y, z) : …}`, or with a bar.
+        let point = closing(inner).filter(|_| inner[0].symbol == '(');
+        if let Some(end) = point
+            && inner[..=end].iter().all(|token| "(xyz,)".contains(token.symbol))
+            && let Some(sign) = inner.get(end + 1)
+            && matches!(sign.symbol, ':' | '|')
+        {
+            return Some(inner[end + 2..].to_vec()).filter(|condition| !condition.is_empty());
+        }
         if self.text[tokens[0].span.end..].trim_start().starts_with(r"\displaystyle") {
             return Some(inner.to_vec());
         }
@@ -256,33 +295,6 @@ impl Words<'_> {
         all.retain(|tokens| tokens.len() > 1);
         all.extend(split(body, ';'));
         Some(all)
-    }
-
-    /// `function { … }` and `isosurface { function { … } threshold 1 … }`.
-    fn of_pov(self, tokens: &[Token]) -> Option<Vec<Token>> {
-        if self.word(tokens[0]) == "function" {
-            return bracketed(&tokens[1..])
-                .filter(|(_, rest)| rest.is_empty())
-                .map(|(inner, _)| inner);
-        }
-        let (inner, _) = bracketed(&tokens[1..])?;
-        let at = inner.iter().position(|token| self.word(*token) == "function")?;
-        let mut rest = inner[at + 1..].to_vec();
-        if rest.first()?.symbol == '(' {
-            rest = bracketed(&rest)?.1;
-        }
-        let (body, rest) = bracketed(&rest)?;
-        let level = rest.iter().position(|token| self.word(*token) == "threshold");
-        let number = level.map(|at| {
-            let after = &rest[at + 1..];
-            let end =
-                after.iter().position(|t| !matches!(t.symbol, '0' | '-')).unwrap_or(after.len());
-            after[..end].to_vec()
-        });
-        Some(match number {
-            Some(number) if !number.is_empty() => less(body, number),
-            _ => body,
-        })
     }
 
     /// `a := 2: b := 3`, whose statements end with colons.
