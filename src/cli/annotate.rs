@@ -22,7 +22,7 @@ pub fn annotated(shown: Shown<'_>, axes: bool, legend: bool) -> Vec<u8> {
     let pixel = |[red, green, blue]: &[u8; 3]| u32::from_be_bytes([0, *red, *green, *blue]);
     let pixels = rgb.iter().map(pixel).collect();
     let mut canvas = Canvas::new(width, height, pixels, scale(height));
-    draw(&mut canvas, shown, height, axes, legend);
+    draw(&mut canvas, shown, axes, legend);
     let bytes = canvas.pixels.iter().flat_map(|pixel| {
         let [_, red, green, blue] = pixel.to_be_bytes();
         [red, green, blue]
@@ -35,13 +35,12 @@ fn scale(height: usize) -> usize {
     ((height + ROWS / 2) / ROWS).max(1)
 }
 
-/// Draws over a picture that takes `height` rows of the canvas.
-pub fn draw(canvas: &mut Canvas, shown: Shown<'_>, height: usize, axes: bool, legend: bool) {
+fn draw(canvas: &mut Canvas, shown: Shown<'_>, axes: bool, legend: bool) {
     if axes {
-        draw_box(canvas, shown, height);
+        draw_box(canvas, shown, canvas.height);
     }
     if legend {
-        draw_legends(canvas, shown, height);
+        draw_legends(canvas, shown, canvas.height, false);
     }
 }
 
@@ -54,7 +53,7 @@ impl Marks {
         let (pixels, marks) = (Vec::new(), Vec::new());
         let mut canvas = Canvas { width, height, pixels, scale: scale(height), marks };
         if !shown.picture.rgb.is_empty() {
-            draw(&mut canvas, shown, height, axes, legend);
+            draw(&mut canvas, shown, axes, legend);
         }
         Self(canvas.marks)
     }
@@ -67,13 +66,16 @@ impl Marks {
     }
 }
 
-/// Draws what tells colors along the right edge, one below the other.
-fn draw_legends(canvas: &mut Canvas, shown: Shown<'_>, height: usize) {
+/// Draws what tells colors along the right edge of a picture that takes `height` rows of the canvas, one below the other: from
+/// the top down, or down to the bottom.
+pub fn draw_legends(canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
     let legends = &shown.picture.legends;
     let (ink, space) = (shown.ink(), 10 * canvas.scale);
     let tall = (TALL * height as f64) as usize / legends.len().max(1);
+    let each = tall + canvas.line_height() + space;
+    let first = if to_bottom { height.saturating_sub(legends.len() * each) } else { space };
     for (n, legend) in legends.iter().enumerate() {
-        let top = space + n * (tall + canvas.line_height() + space);
+        let top = first + n * each;
         draw_legend(canvas, legend, top, tall, ink);
     }
 }

@@ -52,3 +52,24 @@ fn a_domain_is_clipped_as_asked_and_the_note_says_how() {
     assert_eq!(render("z = x*y", &["--clip-to", "ball", "--domain", "3"]).0[3], 3.0);
     assert_eq!(render("domain ball 3/2\nz = x*y", &[]).0[3], 1.5);
 }
+
+#[test]
+fn a_saved_picture_has_what_its_document_draws_around_it() {
+    let place = Place::new();
+    place.write("wave.zset", "axes\ncolor turbo(z, -1, 1)\nz = x*y\n");
+    let run = place.run_with(&["--preview", "wave.zset"], b":png seen.png\n").ok();
+    let said = String::from_utf8_lossy(&run.stdout).into_owned() + &run.stderr;
+    let (_, command) = said.split_once("zeroset render '").expect("the command that reproduces it");
+    let (text, rest) = command.split_once('\'').expect("the text in quotation marks");
+    let options = rest.lines().next().expect("a line").replace("seen.png", "again.png");
+    let words: Vec<&str> = options.split_whitespace().collect();
+    place.run(&[&["render", text], &words[..]].concat()).ok();
+    let pixels = |name: &str| image::open(place.path(name)).expect("a picture").to_rgb8();
+    let (seen, again) = (pixels("seen.png"), pixels("again.png"));
+    assert!(seen == again, "{options}");
+    // Far right there is nothing but the legend.
+    let column = seen.width() - 48;
+    let colours: std::collections::BTreeSet<_> =
+        (0..seen.height()).map(|row| seen.get_pixel(column, row).0).collect();
+    assert!(colours.len() > 50, "{} colours", colours.len());
+}

@@ -5,9 +5,10 @@ use super::enlarge::enlarge;
 use super::page::Page;
 use super::panel::Panel;
 use super::{MESSAGE, PAUSE, Window, browser, surfaces};
-use crate::cli::annotate;
+use crate::cli::annotate::draw_legends;
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::help;
+use crate::cli::overlay::draw_box;
 use crate::cli::pick::Pick;
 use crate::cli::render::has_legend;
 use crate::cli::theme::{GROUND, INK};
@@ -246,7 +247,13 @@ impl Backdrop {
         let legend = has_legend(&rendering.document, axes);
         let pixels = std::mem::take(&mut self.pixels);
         let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
-        annotate::draw(&mut canvas, (&**rendering).into(), picture.1, axes, legend);
+        if axes {
+            draw_box(&mut canvas, (&**rendering).into(), picture.1);
+        }
+        if legend {
+            // Above are the lists.
+            draw_legends(&mut canvas, (&**rendering).into(), picture.1, true);
+        }
         self.pixels = canvas.pixels;
     }
 }
