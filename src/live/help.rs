@@ -8,7 +8,7 @@ use super::session::Reply;
 use super::status_words;
 use std::collections::HashSet;
 use std::fmt::Write as _;
-use zeroset_syntax::{WordKind, language_names, word_help, words};
+use zeroset_syntax::{COLOR_MAPS, WordKind, language_names, word_help, words};
 
 /// The word for which there is the table of what is written elsewhere.
 const ELSEWHERE: &str = "coming";
@@ -52,6 +52,9 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     }
     if found.is_empty() {
         found.extend(word_help(name).map(|help| format!("{name}: {help}")));
+        if name == "color" && !found.is_empty() {
+            found.push(format!("maps: {}", COLOR_MAPS.join(", ")));
+        }
     }
     if !found.is_empty() {
         return say(found.join("\n"));

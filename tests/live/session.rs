@@ -218,6 +218,7 @@ fn commands_are_answered() {
     assert!(say(":help").contains(":domain auto|R|X0") && say(":help").contains("smoothstep"));
     assert!(say(":help sin").contains("radians"));
     assert!(say(":help :save").contains("document"));
+    assert!(say(":help color").contains("viridis"));
     assert!(say(":list").contains("r = 2 in [0, 5]"));
     assert!(say(":method").starts_with("* affine") && say(":method").contains("  knoll"));
     assert!(say(":precision").starts_with("auto: 32 bits"));
