@@ -332,7 +332,10 @@ impl Session {
                 self.path().context("the document did not come from a file; use :save FILE.zset")?
             }
         };
-        let is_another = self.path().as_ref() != Some(&path) && path.exists();
+        // However either is spelled.
+        let place = path.canonicalize().ok();
+        let own = self.path().and_then(|own| own.canonicalize().ok());
+        let is_another = place.is_some() && place != own;
         if is_another && lock(&self.guarded).replace(path.clone()).as_ref() != Some(&path) {
             anyhow::bail!(
                 "there is another file '{}' already; enter the line once more to write over it",
@@ -341,6 +344,7 @@ impl Session {
         }
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
+        *lock(&self.guarded) = None;
         self.live.saved(&path, &text);
         self.follow();
         self.say(&format!("saved '{}'", path.display()));

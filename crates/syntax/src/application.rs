@@ -84,7 +84,13 @@ impl Builder<'_> {
             }
             _ => false,
         };
-        if has_index && arguments.len() == 1 {
+        // Elsewhere square brackets are brackets like any others.
+        let is_index = |one: &Expr| {
+            one.whole_number().is_some()
+                || matches!(one.kind, ExprKind::Name(NamedValue::Defined(_)))
+        };
+        let is_whole = callee.name() == "root" || arguments.iter().all(is_index);
+        if has_index && is_whole && arguments.len() == 1 {
             *callee = Callee::BuiltIn("root".to_owned());
             let place = self.span(radicand);
             let mut of = self.arguments(radicand.clone(), place)?;

@@ -33,6 +33,34 @@ struct Reading {
 /// The readings of the bars up to one, by how many are open behind it and by its role.
 type Readings = [[Option<Reading>; ROLES.len()]; DEPTH + 1];
 
+/// The bars between which all brackets are closed.
+#[derive(Default)]
+struct Level {
+    /// By their index.
+    places: Vec<usize>,
+    /// What compares or joins comparisons, by its index.
+    signs: Vec<usize>,
+}
+
+impl Level {
+    /// Whether something is compared between a bar and the one before.
+    fn compares(&self, bar: usize) -> bool {
+        let before = bar.checked_sub(1).map_or(0, |before| self.places[before]);
+        let first = self.signs.partition_point(|sign| *sign < before);
+        self.signs.get(first).is_some_and(|sign| *sign < self.places[bar])
+    }
+
+    /// Whether something is compared on both sides of a bar.
+    fn is_between(&self, bar: usize) -> bool {
+        let place = self.places[bar];
+        self.signs.first().is_some_and(|sign| *sign < place)
+            && self.signs.last().is_some_and(|sign| *sign > place)
+    }
+}
+
+/// What it costs to have a comparison in bars, which is no number, or to join what is no comparison.
+const UNLIKELY: u32 = 1000;
+
 /// Tells closing bars from opening ones within each pair of brackets. Of all pairings that are possible the one with the
 /// fewest products without a sign beside a bar is meant; it is an error if there are several such, or none. Two bars side by
 /// side between operands, where none is open, join conditions.
@@ -40,15 +68,19 @@ pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     if !tokens.iter().any(|token| matches!(token.symbol, '|' | '❘' | '¦')) {
         return Ok(());
     }
-    let mut levels = vec![Vec::new()];
+    let mut levels = vec![Level::default()];
     for index in 0..tokens.len() {
         let symbol = tokens[index].symbol;
         if closer(symbol).is_some() {
-            levels.push(Vec::new());
+            levels.push(Level::default());
         } else if is_closer(symbol) {
             pair(tokens, &levels.pop().unwrap_or_default())?;
-        } else if let ('|' | '❘' | '¦', Some(level)) = (symbol, levels.last_mut()) {
-            level.push(index);
+        } else if let Some(level) = levels.last_mut() {
+            if matches!(symbol, '|' | '❘' | '¦') {
+                level.places.push(index);
+            } else if "=≠<≤>≥∧∨".contains(symbol) {
+                level.signs.push(index);
+            }
         }
     }
     for level in levels {
@@ -58,8 +90,8 @@ pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     Ok(())
 }
 
-/// Pairs the bars at `places`, between which all brackets are closed.
-fn pair(tokens: &mut [Token], places: &[usize]) -> Fallible<()> {
+fn pair(tokens: &mut [Token], level: &Level) -> Fallible<()> {
+    let places = &level.places;
     let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return Ok(()) };
     let mut readings: Vec<Readings> = vec![[[None; ROLES.len()]; DEPTH + 1]; places.len() + 1];
     // Nothing is read yet: as behind a joint.
@@ -69,7 +101,10 @@ fn pair(tokens: &mut [Token], places: &[usize]) -> Fallible<()> {
         for depth in 0..=DEPTH {
             for role in ROLES {
                 if let Some(reading) = readings[bar][depth][role as usize] {
-                    go_on(tokens, places, bar, (depth, role, reading), &mut readings);
+                    let is_wrong = depth > 0 && level.compares(bar);
+                    let cost = reading.cost + if is_wrong { UNLIKELY } else { 0 };
+                    let reading = Reading { cost, ..reading };
+                    go_on(tokens, level, bar, (depth, role, reading), &mut readings);
                 }
             }
         }
@@ -114,11 +149,12 @@ fn pair(tokens: &mut [Token], places: &[usize]) -> Fallible<()> {
 /// Adds the readings that go on from one of the bars before `bar`.
 fn go_on(
     tokens: &[Token],
-    places: &[usize],
+    level: &Level,
     bar: usize,
     (depth, role, reading): (usize, Role, Reading),
     readings: &mut [Readings],
 ) {
+    let places = &level.places;
     let index = places[bar];
     let symbol = |index: usize| tokens.get(index).map_or(' ', |token| token.symbol);
     let is_bar = |symbol: char| matches!(symbol, '|' | '❘' | '¦');
@@ -151,7 +187,7 @@ fn go_on(
         begins(beyond.symbol) && (!is_bar(beyond.symbol) || is_apart)
     };
     if typed == '|' && after == '|' && depth == 0 && ends && touches() && goes_on() {
-        add(2, depth, Role::Joins, 2);
+        add(2, depth, Role::Joins, if level.is_between(bar) { 1 } else { UNLIKELY });
     }
 }
 
@@ -173,6 +209,7 @@ mod tests {
         let shown = |token: &Token| match token.symbol {
             '|' => '(',
             '¦' => ')',
+            '∨' => '∨',
             _ => text[token.span.range()].chars().next().expect("a sign"),
         };
         statements[0].iter().map(shown).collect()
@@ -209,6 +246,14 @@ mod tests {
         assert_eq!(kind("||"), Some(ErrorKind::EmptyBars));
         for text in ["x > 0 || y > 0", "(x > 0 || |y| > 1)", "|x| > 0||y > 0"] {
             assert_eq!(kind(text), None, "{text}");
+        }
+        for (text, joined) in [
+            ("x>1 || y>1 || z>1", "x>1∨y>1∨z>1"),
+            ("|x|<1 || |y|<1 || |z|<1", "(x)<1∨(y)<1∨(z)<1"),
+            ("x>0 && y>0 || z>0 && x<0 || y<0", "x>0&y>0∨z>0&x<0∨y<0"),
+            ("||x|-1| > 2 || y < 1 || 2|z| > x", "((x)-1)>2∨y<1∨2(z)>x"),
+        ] {
+            assert_eq!(paired(text), joined);
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::grammar::{Pair, Rule, recognise};
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
 use crate::program::{Unit, Wrap};
-use crate::scan::Piece;
+use crate::scan::{Piece, Token};
 use crate::scope::{Meaning, Scope, built_in, coordinate};
 use crate::setting::{SETTINGS, Setting};
 use crate::span::Span;
@@ -173,6 +173,7 @@ pub(crate) fn settle_heads(
 /// equation.
 fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
+    let numbers = numbers(text, lines);
     for line in lines.iter_mut() {
         let Some(head) = &line.head else { continue };
         let parameters = head.parameters.iter().flatten().map(|name| name.text.as_str());
@@ -183,7 +184,7 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
             continue;
         }
         let key = (head.name.text.clone(), parameters.count());
-        let is_value = line.unit.head.is_none() && !looks_like_body(text, line.piece, key.1);
+        let is_value = line.unit.head.is_none() && is_value(text, line.piece, key.1, &numbers);
         if is_value && defined.contains(&key) {
             notes.push(Note { span: head.name.span, kind: NoteKind::LevelOf { name: key.0 } });
             line.head = None;
@@ -193,22 +194,34 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
     }
 }
 
-/// Whether a right side looks like what a function of two or three coordinates is: it names two of three, or one of two and not
-/// the third.
-fn looks_like_body(text: &str, piece: &Piece, parameters: usize) -> bool {
-    let signs = piece.tokens.iter().skip_while(|token| token.symbol != '=');
-    let right = signs.take_while(|token| !matches!(token.symbol, '{' | '∈'));
-    let names = right.filter(|token| is_name(token.symbol)).map(|token| &text[token.span.range()]);
-    // `exp` names none; longer names are no products.
-    let is_product = |name: &&str| {
-        name.len() <= 3 && !matches!(Scope::default().meaning(name, &[]), Meaning::Function(_))
-    };
-    let products: Vec<&str> = names.filter(is_product).collect();
-    let has = |axis: char| products.iter().any(|name| name.contains(axis));
-    match parameters {
-        2 => (has('x') || has('y')) && !has('z'),
-        _ => "xyz".chars().filter(|axis| has(*axis)).count() > 1,
-    }
+/// The names that are given a number, and nothing else.
+fn numbers(text: &str, lines: &[Line<'_>]) -> FxHashSet<String> {
+    let named = lines.iter().filter(|line| {
+        line.head.as_ref().is_some_and(|head| head.parameters.is_none())
+            && right_side(line.piece).all(|token| matches!(token.symbol, '0' | '-'))
+    });
+    let name = |line: &Line<'_>| text[line.head.as_ref()?.name.span.range()].to_owned().into();
+    named.filter_map(name).collect()
+}
+
+/// What stands behind the sign, but for conditions and ranges.
+fn right_side(piece: &Piece) -> impl Iterator<Item = &Token> {
+    let right = piece.tokens.iter().skip_while(|token| token.symbol != '=').skip(1);
+    right.take_while(|token| !matches!(token.symbol, '{' | '∈'))
+}
+
+/// Whether a right side is a number, or z where a function of x and y is given: no body of a function of coordinates, which
+/// takes the place of an earlier one.
+fn is_value(text: &str, piece: &Piece, parameters: usize, numbers: &FxHashSet<String>) -> bool {
+    right_side(piece).filter(|token| is_name(token.symbol)).all(|token| {
+        let name = &text[token.span.range()];
+        parameters == 2 && name == "z"
+            || numbers.contains(name)
+            || matches!(
+                built_in(name),
+                Meaning::Function(_) | Meaning::Value(NamedValue::Constant(_))
+            )
+    })
 }
 
 /// Whether the left side could define anything: coordinates, and names made of them only, are
