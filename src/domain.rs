@@ -20,7 +20,7 @@ mod window;
 
 use crate::enclosure;
 use crate::program::{Program, ProgramError};
-use cells::{BOX_DEPTH, Cell, FINE_DEPTH, Search};
+use cells::{BOX_DEPTH, Cell, FINE_DEPTH, PLAIN, Search};
 use homogeneous::Homogeneous;
 use shape::Shape;
 use std::cell::Cell as Counter;
@@ -118,12 +118,12 @@ pub fn find_while(
     let (found, finding) = if let Some(whole) = everything(program, &search, &mut at_infinity) {
         match snug(program, &mut search, whole)? {
             Some(hull) => (around(program, &hull), Finding::Bounded),
-            None => (Cell::cube(window::PLAIN), Finding::Empty),
+            None => (Cell::cube(PLAIN), Finding::Empty),
         }
     } else if let Some(whole) = everything_near(&search) {
         match snug(program, &mut search, whole)? {
             Some(hull) => (around(program, &hull), Finding::BoundedNear),
-            None => (Cell::cube(window::PLAIN), Finding::EmptyNear),
+            None => (Cell::cube(PLAIN), Finding::EmptyNear),
         }
     } else {
         let (window, is_round) = windows(program, &search)?;
@@ -302,7 +302,7 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
         search.work.set(alone.work.get());
         whole = Some(whole.map_or(window, |whole| whole.around(&window)));
     }
-    Ok((whole.unwrap_or(Cell::cube(window::PLAIN)), all_round))
+    Ok((whole.unwrap_or(Cell::cube(PLAIN)), all_round))
 }
 
 /// A side of a window that is shorter than this share of the longest is taken for none, and one of what is bounded if it is
@@ -336,7 +336,7 @@ fn proper(mut cell: Cell) -> Cell {
         let middle = low.midpoint(high);
         let middle = if middle.abs() <= REACH { middle } else { 0.0 };
         let half = if largest.is_finite() { largest.max(middle.abs() * 1e-6) } else { 0.0 };
-        let half = if half > 0.0 { half } else { window::PLAIN };
+        let half = if half > 0.0 { half } else { PLAIN };
         (cell.low[axis], cell.high[axis]) = (middle - half, middle + half);
     }
     cell

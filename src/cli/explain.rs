@@ -79,9 +79,9 @@ fn explain_in<T: KernelFloat>(
         let root = program.roots()[index];
         writeln!(text, "\nread as     {}", surface.echo)?;
         let label = if program.is_reduced(index) { "same zeros" } else { "simplified" };
-        writeln!(text, "{label}  {}", begun(display(program.graph(), root, &names)))?;
+        writeln!(text, "{label}  {}", display(program.graph(), root, &names))?;
         if let Some(Cleared { graph, numerator, denominator, .. }) = program.cleared(index)? {
-            let show = |node: &NodeId| begun(display(graph, *node, &names));
+            let show = |node: &NodeId| display(graph, *node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
         // Asked for what a picture needs, so that the kernels listed are those that it makes.
@@ -117,17 +117,6 @@ fn explain_in<T: KernelFloat>(
     let (before, after) = program.nodes();
     writeln!(text, "\nnodes       {before} as typed, {after} simplified")?;
     Ok(text + &code)
-}
-
-/// A formula that nobody would read to its end, as far as somebody might.
-fn begun(mut formula: String) -> String {
-    const BYTES: usize = 4000;
-    if formula.len() > BYTES {
-        let end = (0..=BYTES).rev().find(|end| formula.is_char_boundary(*end)).unwrap_or(0);
-        formula.truncate(end);
-        formula.push('…');
-    }
-    formula
 }
 
 /// The value if the bounds enclose one number as tightly as they can, as the one that has fewer digits; else the bounds.

@@ -5,6 +5,9 @@ use zeroset_eval::{
     Boxes, ContractTiles, FindZeros, Kernel, LANES, Planes, Points, Sample, Tiles, Values, Zeros,
 };
 
+/// Half the side of the window on a surface that is like itself at every scale.
+pub const PLAIN: f64 = 2.0;
+
 /// A box of space; an end may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {

@@ -2,7 +2,7 @@
 //!
 //! All of it is sampled. Knows neither surfaces nor kernels.
 
-use super::heights::{Grid, Heights, SIDE, places};
+use super::heights::{AT_ONCE, Grid, Heights, ROUNDING, SIDE, places};
 
 /// The highest place around, or the lowest.
 #[derive(Clone, Copy, Debug)]
@@ -15,9 +15,6 @@ pub struct Top {
     pub is_alone: bool,
 }
 
-/// Heights that differ by less than this share of them may be the same but for rounding, as where little is added to much.
-pub const ROUNDING: f64 = 1e-12;
-
 /// A top that is less than this share of the largest one high is not seen.
 const SEEN: f64 = 0.02;
 
@@ -25,16 +22,13 @@ const SEEN: f64 = 0.02;
 const STEPS: usize = 24;
 const HALVINGS: usize = 5;
 
-/// What happens within this share of the way between two points of the grid does so at once.
-pub const AT_ONCE: f64 = 1.0 / 1024.0;
-
 /// Ways out of a top that are tried, how often the highest is narrowed down to a fourth, and which share of the lowest way's
 /// fall a ridge does not fall.
 const WAYS: usize = 32;
 const NARROWED: usize = 5;
 const RIDGE: f64 = 1e-3;
 
-/// All that are found near points of a grid.
+/// All that are found near points of a grid: the border apart.
 pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Top> {
     let Some([low, high]) = grid.ends() else { return Vec::new() };
     let (places, apart) = (places(grid.half), grid.apart());

@@ -2,8 +2,6 @@
 //!
 //! All of it is sampled. Knows neither surfaces nor kernels.
 
-use super::climb::{self, AT_ONCE, ROUNDING, Top};
-
 /// Heights at places of the ground; not a number where there are none.
 pub type Heights<'a> = dyn Fn(&[[f64; 2]]) -> Vec<f64> + 'a;
 
@@ -17,8 +15,6 @@ pub struct Grid {
     sorted: Vec<f64>,
     /// The lowest and the highest point of the border.
     border: [f64; 2],
-    /// Places that are higher than all around, or lower: the border apart.
-    pub tops: Vec<Top>,
 }
 
 /// Points in a row of the grid; one of them is the origin.
@@ -48,6 +44,12 @@ const RIM: f64 = 0.7;
 /// Space above and below a graph, as a share of its height.
 const SPACE: f64 = 0.02;
 
+/// Heights that differ by less than this share of them may be the same but for rounding, as where little is added to much.
+pub const ROUNDING: f64 = 1e-12;
+
+/// What happens within this share of the way between two points of the grid does so at once.
+pub const AT_ONCE: f64 = 1.0 / 1024.0;
+
 /// Where a row of the grid is.
 pub fn place(half: f64, row: usize) -> f64 {
     half * (2.0 * row as f64 / (SIDE - 1) as f64 - 1.0)
@@ -61,13 +63,6 @@ pub fn places(half: f64) -> Vec<[f64; 2]> {
 impl Grid {
     /// Samples the square that reaches `half` to each side.
     pub fn new(heights: &Heights<'_>, half: f64) -> Self {
-        let mut grid = Self::without_tops(heights, half);
-        grid.tops = climb::tops(heights, &grid);
-        grid
-    }
-
-    /// The same, but looks for no tops.
-    pub fn without_tops(heights: &Heights<'_>, half: f64) -> Self {
         let sampled = heights(&places(half));
         let mut sorted: Vec<f64> = sampled.iter().copied().filter(|h| h.is_finite()).collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -76,7 +71,7 @@ impl Grid {
         let ends = [f64::INFINITY, f64::NEG_INFINITY];
         let border = (0..SIDE * SIDE).filter(on_border).map(|n| sampled[n]);
         let border = border.fold(ends, |[low, high], h| [low.min(h), high.max(h)]);
-        Self { half, sampled, sorted, border, tops: Vec::new() }
+        Self { half, sampled, sorted, border }
     }
 
     /// How far its points are apart.
@@ -132,11 +127,11 @@ pub fn ends_of_ridge(heights: &Heights<'_>, half: f64) -> [f64; 2] {
 
 /// Which heights are shown: all tops and bottoms, and of what rises or falls to the border as much as is fit to be seen.
 /// `None` if there are no heights.
-pub fn shown(grid: &Grid) -> Option<[f64; 2]> {
-    let Grid { half, sorted, border, tops, .. } = grid;
+pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
+    let Grid { half, sorted, border, .. } = grid;
     let [lowest, highest] = grid.ends()?;
     let quantile = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
-    let heights = || tops.iter().map(|top| top.height);
+    let heights = || tops.iter().copied();
     let (bottom, top) =
         (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
     // Whether there is nothing lower, or higher, than what is found within.

@@ -2,9 +2,9 @@
 //!
 //! All of it is sampled. Knows neither surfaces nor kernels.
 
-use super::climb::Top;
+use super::cells::PLAIN;
+use super::climb::{self, Top};
 use super::heights::{Grid, Heights};
-use super::window::PLAIN;
 
 /// A graph's window reaches so many times farther than its highest and lowest points.
 const ROOM_OF_GRAPH: f64 = 1.6;
@@ -54,7 +54,7 @@ struct Tops {
 impl Tops {
     /// Looks for tops so far from the centre.
     fn find(heights: &Heights<'_>, far: f64) -> Self {
-        let tops = Grid::new(heights, far).tops.into_iter();
+        let tops = climb::tops(heights, &Grid::new(heights, far)).into_iter();
         let (alone, others): (Vec<Top>, Vec<Top>) = tops.partition(|top| top.is_alone);
         let reach = |tops: &[Top]| {
             let ends = tops.iter().flat_map(|top| top.place);
@@ -75,7 +75,7 @@ impl Tops {
 
 /// Whether heights grow inward, far up and far down.
 fn has_poles(heights: &Heights<'_>) -> bool {
-    let [plain, inner] = [PLAIN, PLAIN / 2.0].map(|half| Grid::without_tops(heights, half));
+    let [plain, inner] = [PLAIN, PLAIN / 2.0].map(|half| Grid::new(heights, half));
     plain.is_far_out() && spread(&inner) > GROWS * spread(&plain)
 }
 
@@ -88,7 +88,7 @@ fn spread(grid: &Grid) -> f64 {
 /// Half the side of a window in which a graph is about as high as wide, the nearest to the plain one. Whether heights grow
 /// inward tells where to look for it.
 fn in_scale(heights: &Heights<'_>, grows_inward: bool) -> f64 {
-    let share = |half: f64| spread(&Grid::without_tops(heights, half)) / (2.0 * half);
+    let share = |half: f64| spread(&Grid::new(heights, half)) / (2.0 * half);
     let plain = share(PLAIN);
     let fits = |share: f64| (LOW..=HIGH).contains(&share);
     if fits(plain) {

@@ -37,5 +37,5 @@ pub fn calm(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f6
     let power = |k: i32| (f64::from(k) / f64::from(STEPS)).exp2();
     let halves: Vec<f64> = (STEPS * FIRST..=STEPS * LAST).map(power).collect();
     let calm = halves.partition_point(|half| largest(wave, *half) <= WAVES);
-    Some(calm.checked_sub(1).map_or(super::window::PLAIN, |last| halves[last]))
+    Some(calm.checked_sub(1).map_or(super::cells::PLAIN, |last| halves[last]))
 }

@@ -4,7 +4,8 @@
 //! What is chosen is a matter of judgement, and nothing here is a proof. Knows neither cameras nor pictures.
 
 use super::FLAT;
-use super::cells::{BOX_DEPTH, Cell, Search};
+use super::cells::{BOX_DEPTH, Cell, PLAIN, Search};
+use super::climb;
 use super::critical::{Found, Seeker};
 use super::ground;
 use super::heights::{self, Grid, shown};
@@ -12,9 +13,6 @@ use super::shape::Shape;
 use super::tops::around_tops;
 use super::waves::{Wave, calm};
 use zeroset_eval::{Kernel, Sample};
-
-/// Half the side of the window on a surface that is like itself at every scale.
-pub const PLAIN: f64 = 2.0;
 
 /// A window reaches so many times farther than what is particular; so many times if it is a plane.
 const ROOM: f64 = 2.5;
@@ -209,7 +207,8 @@ impl View<'_> {
         (0..sizes.len()).filter(is_new).map(find).fold(Found::default(), Found::and)
     }
 
-    /// The part of a window that may hold the surface, if there is any. Where nothing changes along an axis, as much of it as fits the rest.
+    /// The part of a window that may hold the surface, if there is any. Where nothing changes along an axis, as much of it as
+    /// fits the rest.
     fn pruned(&self, window: Cell) -> Option<Cell> {
         let hull = self.sight.search.tight(window, BOX_DEPTH)?;
         let Shape { depends, .. } = self.sight.shape;
@@ -269,7 +268,8 @@ impl View<'_> {
                 });
             }
         }
-        if let Some(ends) = shown(&grid) {
+        let tops: Vec<f64> = climb::tops(&heights, &grid).iter().map(|top| top.height).collect();
+        if let Some(ends) = shown(&grid, &tops) {
             let [low, high] = ends.map(few_digits);
             (window.low[up], window.high[up]) = (low, high);
         }

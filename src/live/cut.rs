@@ -61,15 +61,16 @@ pub(super) fn clip(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
                 None => "nothing is cut away".to_owned(),
             }));
         }
-        "off" => none(own()),
-        _ => {
-            let ClipChoice::Plane(clip) = text.parse().ok()? else { return None };
-            let anywhere = Region::new(DVec3::NEG_ONE, DVec3::ONE);
-            if let Err(error) = anywhere.and_then(|region| region.with_clip(clip)) {
-                return Some(refused(error.to_string()));
+        _ => match text.parse().ok()? {
+            ClipChoice::Document | ClipChoice::Off => none(own()),
+            ClipChoice::Plane(clip) => {
+                let anywhere = Region::new(DVec3::NEG_ONE, DVec3::ONE);
+                if let Err(error) = anywhere.and_then(|region| region.with_clip(clip)) {
+                    return Some(refused(error.to_string()));
+                }
+                ClipChoice::Plane(clip)
             }
-            ClipChoice::Plane(clip)
-        }
+        },
     };
     live.change(|request| request.clip = clip);
     Some(Ok(Reply::Done))

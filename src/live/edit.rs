@@ -94,15 +94,16 @@ impl Live {
     /// Enters a line into the document.
     pub(super) fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
         let document = self.edit(|request, readable| {
-            let text = after(request, readable, line, adding);
-            let base = base(request, readable, line);
-            let is_another = !adding && draws(&base, line) && from_gallery(request).is_some();
+            let (text, is_another) = after(request, readable, line, adding);
             let edit = Edit::checked(request, text, defined(line))?;
             Ok(Edit { source: is_another.then_some(DocumentSource::Typed), ..edit })
         })?;
         let Some(document) = document else { return Ok(nothing_drawn()) };
         let given = defined(line);
-        let is_given = |note: &&Note| matches!(&note.kind, NoteKind::Unused { name, .. } if given.contains(name));
+        let is_given = |note: &&Note| match &note.kind {
+            NoteKind::Unused { name, .. } => given.contains(name),
+            _ => false,
+        };
         let unused = document.notes.iter().find(is_given);
         Ok(unused.map_or(Reply::Done, |note| Reply::Say(format!("noted; {}", note.kind))))
     }
@@ -210,12 +211,12 @@ impl Edit {
 
 /// The text that entering a line leads to. A formula that takes the place of a surface of the
 /// gallery has nothing to do with that one's domain, view and comments, and they go with it.
-pub(super) fn after(request: &Request, readable: &str, line: &str, adding: bool) -> String {
+/// The second tells whether it does.
+pub(super) fn after(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
     let base = base(request, readable, line);
-    let came = if adding || !draws(&base, line) { None } else { from_gallery(request) };
-    match came {
-        Some(came) => entered(&without_scenery(&base, came.text), line, adding),
-        None => entered(&base, line, adding),
+    match from_gallery(request).filter(|_| !adding && draws(&base, line)) {
+        Some(came) => (entered(&without_scenery(&base, came.text), line, adding), true),
+        None => (entered(&base, line, adding), false),
     }
 }
 

@@ -214,7 +214,7 @@ impl Live {
     pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
         let shown = |request: &Request, readable: &str| {
             Ok(match line {
-                Some(line) => (after(request, readable, line, adding).into(), defined(line)),
+                Some(line) => (after(request, readable, line, adding).0.into(), defined(line)),
                 None => (Arc::clone(&request.text), Vec::new()),
             })
         };

@@ -78,6 +78,25 @@ fn shards_make_what_one_run_makes_and_resuming_makes_what_is_missing() {
 }
 
 #[test]
+fn resuming_makes_anew_what_another_sequence_has_written_over() {
+    let place = Place::new();
+    let turn = |more: &[&str]| {
+        let fixed = ["render", "tangle", "--turntable", "--frames", "3", "--size", "16"];
+        let arrays = ["--status", "s-%d.npy", "--resume"];
+        place.run(&[&fixed[..], &arrays, more].concat()).ok().stderr
+    };
+    turn(&["-o", "a-%d.png"]);
+    let said = turn(&["-o", "a-%d.png"]);
+    assert!(said.contains("3 frames were there already"), "{said}");
+    let own = std::fs::read(place.path("s-1.npy")).expect("there");
+    turn(&["-o", "b-%d.png", "--domain", "1"]);
+    assert_ne!(std::fs::read(place.path("s-1.npy")).expect("there"), own);
+    let said = turn(&["-o", "a-%d.png"]);
+    assert!(!said.contains("there already"), "{said}");
+    assert_eq!(std::fs::read(place.path("s-1.npy")).expect("there"), own);
+}
+
+#[test]
 fn one_file_holds_all_frames() {
     let place = Place::new();
     let sweep = ["render", GROWING, "--sweep", "r=0.5..1", "--frames", "3", "--size", "24x16"];

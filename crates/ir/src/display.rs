@@ -11,7 +11,7 @@ use zeroset_ops::{Class, Notation};
 
 /// Longer text is cut off with `…`: a shared expression is spelt out at each use, so text may be
 /// exponentially longer than its graph.
-pub const TEXT_LIMIT: usize = 1 << 16;
+pub const TEXT_LIMIT: usize = 1 << 12;
 
 /// How tightly a piece of text binds; brackets are needed where a looser piece stands in a tighter
 /// place.

@@ -14,7 +14,7 @@ const DEGREE_LIMIT: usize = 64;
 const BITS_LIMIT: u64 = 4096;
 /// Nor expressions of more operations.
 const NODE_LIMIT: usize = 2048;
-/// What exact arithmetic may take for all factors of one function, in products of two words: a tenth of a second.
+/// What exact arithmetic may take for all factors of one function, in products of two words: some tenths of a second.
 pub(crate) const WORK_LIMIT: u64 = 2_500_000;
 
 /// Coefficients from the constant on; the last is not 0.
@@ -213,6 +213,17 @@ mod tests {
         assert!(simple(&[2, -3, 0, 1]).is_some());
         // (x² + 1)² has no real root, and keeps none.
         assert_eq!(simple(&[1, 0, 2, 0, 1]).as_deref(), Some("sqr(x) + 1"));
+    }
+
+    #[test]
+    fn what_would_take_too_long_stays_as_typed() {
+        let mut graph = Graph::new();
+        let (x, one, ten) = (graph.variable(Axis::X), graph.integer(1), graph.integer(10));
+        let sum = graph.apply(Op::Add, &[x, one]);
+        let root = graph.apply(Op::Pow, &[sum, ten]);
+        assert!(squarefree(&mut graph, root, &mut { WORK_LIMIT }).is_some());
+        let mut work = 100;
+        assert!(squarefree(&mut graph, root, &mut work).is_none() && work < 100);
     }
 
     #[test]

@@ -12,8 +12,8 @@ use std::ops::RangeInclusive;
 const REGISTERS: u32 = 16;
 const FIRST: Register = Register::ZMM16;
 
-/// By instruction, the register that takes the place of what it has on the stack, if one does; it is in the block with that number. Nothing is known of the first
-/// `slots` bytes: code reckons with where they are.
+/// By instruction, the register that takes the place of what it has on the stack, if one does; it is in the block with that
+/// number. Nothing is known of the first `slots` bytes: code reckons with where they are.
 pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
     let mut spans = spans(read, blocks, slots);
     // Where a register saves most for how long it is taken.
