@@ -43,19 +43,10 @@ impl Expr {
 
     /// Whether this is a condition (true or false) rather than a number.
     pub fn is_condition(&self) -> bool {
-        match self.kind {
-            ExprKind::Compare(..) | ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => true,
-            ExprKind::Number(_)
-            | ExprKind::Name(_)
-            | ExprKind::Negate(_)
-            | ExprKind::Sum(..)
-            | ExprKind::Product(..)
-            | ExprKind::Power(..)
-            | ExprKind::Call(..)
-            | ExprKind::Choice(..)
-            | ExprKind::Component(..)
-            | ExprKind::Series(_) => false,
-        }
+        matches!(
+            self.kind,
+            ExprKind::Compare(..) | ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_)
+        )
     }
 
     /// The number's text, if this is a number without a sign.
@@ -166,6 +157,16 @@ pub enum SumSign {
     Minus,
 }
 
+impl SumSign {
+    /// The operation that joins it.
+    pub(crate) fn op(self) -> Op {
+        match self {
+            Self::Plus => Op::Add,
+            Self::Minus => Op::Sub,
+        }
+    }
+}
+
 /// How a further factor joins a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProductSign {
@@ -173,6 +174,16 @@ pub enum ProductSign {
     Times,
     /// `/`
     Over,
+}
+
+impl ProductSign {
+    /// The operation that joins it.
+    pub(crate) fn op(self) -> Op {
+        match self {
+            Self::Times => Op::Mul,
+            Self::Over => Op::Div,
+        }
+    }
 }
 
 /// How two numbers are compared.

@@ -6,7 +6,7 @@
 //! value; and where no piece holds, and there is no last value, a choice has none.
 
 use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation, Series};
-use crate::condition::comparisons;
+use crate::condition::{comparisons, sides};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::{Locals, Lowering};
 use crate::span::Span;
@@ -45,7 +45,7 @@ impl<'a> Lowering<'a> {
             let size = common_size(&operands, place.span)?;
             let mut nodes = Vec::with_capacity(size);
             for index in 0..size {
-                let part = |value: &Value| value.parts()[index % value.parts().len()];
+                let part = |value: &Value| value.part(index);
                 nodes.push(match operands.as_slice() {
                     [yes, no] => self.choose(condition, false, part(yes), part(no), locals)?,
                     only => self.only_where(part(&only[0]), condition, locals)?,
@@ -105,21 +105,15 @@ impl<'a> Lowering<'a> {
         (yes, no): (NodeId, NodeId),
         locals: &Locals<'a>,
     ) -> Fallible<NodeId> {
-        let (low, high, strict) = match relation {
-            Relation::Less => (left, right, true),
-            Relation::LessEqual => (left, right, false),
-            Relation::Greater => (right, left, true),
-            Relation::GreaterEqual => (right, left, false),
-            Relation::Equal | Relation::Unequal => {
-                let is_equal = relation == Relation::Equal;
-                let difference = self.difference(left, right, locals)?;
-                // Where a side has no value, neither relation holds.
-                let difference = self.otherwise_outside(difference, i64::from(is_equal));
-                let (at, off) = if is_equal { (yes, no) } else { (no, yes) };
-                let opposite = self.graph.apply(Op::Neg, &[difference]);
-                let above = self.graph.apply(Op::SelectNegative, &[opposite, off, at]);
-                return Ok(self.graph.apply(Op::SelectNegative, &[difference, off, above]));
-            }
+        let Some((low, high, strict)) = sides(left, relation, right) else {
+            let is_equal = relation == Relation::Equal;
+            let difference = self.difference(left, right, locals)?;
+            // Where a side has no value, neither relation holds.
+            let difference = self.otherwise_outside(difference, i64::from(is_equal));
+            let (at, off) = if is_equal { (yes, no) } else { (no, yes) };
+            let opposite = self.graph.apply(Op::Neg, &[difference]);
+            let above = self.graph.apply(Op::SelectNegative, &[opposite, off, at]);
+            return Ok(self.graph.apply(Op::SelectNegative, &[difference, off, above]));
         };
         let margin = self.difference(high, low, locals)?;
         let margin = self.otherwise_outside(margin, -1);

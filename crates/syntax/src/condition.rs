@@ -184,7 +184,7 @@ pub(crate) fn comparisons<'a>(
 }
 
 /// The lower and the higher side of an inequality, and whether it is strict; `None` for others.
-fn sides<'a>(
+pub(crate) fn sides<'a>(
     left: &'a Expr,
     relation: Relation,
     right: &'a Expr,

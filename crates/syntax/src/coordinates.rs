@@ -93,17 +93,14 @@ pub(crate) fn settle(text: &str, lines: &mut [Line<'_>], scope: &Scope) {
             let mut ends = all.first().into_iter().chain(all.last());
             ends.any(|(at, _)| *at != index)
         });
-        let in_terms_of_others = ["r", "rho", "theta", "phi"].into_iter().any(|other| {
-            let here = uses
-                .get(other)
-                .is_some_and(|all| all.binary_search_by_key(&index, |(at, _)| *at).is_ok());
-            other != own && here && !has(other)
-        });
-        // `theta = z/2`; with x or y it may be how the name is defined.
-        let is_here = |axis: &str| {
-            uses.get(axis)
+        let is_here = |name: &str| {
+            uses.get(name)
                 .is_some_and(|all| all.binary_search_by_key(&index, |(at, _)| *at).is_ok())
         };
+        let in_terms_of_others = ["r", "rho", "theta", "phi"]
+            .into_iter()
+            .any(|other| other != own && is_here(other) && !has(other));
+        // `theta = z/2`; with x or y it may be how the name is defined.
         let is_restricted =
             line.pair.clone().into_inner().any(|part| part.as_rule() == Rule::restriction);
         let in_terms_of_z = is_here("z") && !is_restricted && !is_here("x") && !is_here("y");

@@ -177,8 +177,8 @@ impl<'a> Lowering<'a> {
             ExprKind::Number(text) => Ok(self.decimal(text)),
             ExprKind::Name(value) => self.named(value, expr.span, locals),
             ExprKind::Negate(inner) => self.negated(inner, locals),
-            ExprKind::Sum(first, rest) => self.sum(first, rest, locals),
-            ExprKind::Product(first, rest) => self.product(first, rest, locals),
+            ExprKind::Sum(first, rest) => self.chain(first, rest, SumSign::op, locals),
+            ExprKind::Product(first, rest) => self.chain(first, rest, ProductSign::op, locals),
             ExprKind::Power(base, exponent) => {
                 let operands = [base.as_ref(), exponent.as_ref()];
                 let operands = self.values_of(operands.into_iter(), locals)?;
@@ -227,43 +227,23 @@ impl<'a> Lowering<'a> {
         Ok(values)
     }
 
+    /// A sum or a product, from the left: `op` is the operation of each sign.
     #[inline(never)]
-    fn sum(
+    fn chain<S: Copy>(
         &mut self,
         first: &'a Expr,
-        rest: &'a [(SumSign, Expr)],
+        rest: &'a [(S, Expr)],
+        op: impl Fn(S) -> Op,
         locals: &Locals<'a>,
     ) -> Fallible<Value> {
-        let mut sum = self.value_of(first, locals)?;
-        for (sign, term) in rest {
-            let op = match sign {
-                SumSign::Plus => Op::Add,
-                SumSign::Minus => Op::Sub,
-            };
-            let operands = [sum, self.value_of(term, locals)?];
-            sum = self.native(op, &operands, term.span)?;
+        let mut all = self.value_of(first, locals)?;
+        for (sign, next) in rest {
+            let op = op(*sign);
+            let operands = [all, self.value_of(next, locals)?];
+            self.note_product(op, &operands[0], &operands[1], first.span.to(next.span));
+            all = self.native(op, &operands, next.span)?;
         }
-        Ok(sum)
-    }
-
-    #[inline(never)]
-    fn product(
-        &mut self,
-        first: &'a Expr,
-        rest: &'a [(ProductSign, Expr)],
-        locals: &Locals<'a>,
-    ) -> Fallible<Value> {
-        let mut product = self.value_of(first, locals)?;
-        for (sign, factor) in rest {
-            let op = match sign {
-                ProductSign::Times => Op::Mul,
-                ProductSign::Over => Op::Div,
-            };
-            let operands = [product, self.value_of(factor, locals)?];
-            self.note_product(op, &operands[0], &operands[1], first.span.to(factor.span));
-            product = self.native(op, &operands, factor.span)?;
-        }
-        Ok(product)
+        Ok(all)
     }
 
     /// The opposite of a number; that of a negative number is a number, so that `x^-2` has one for

@@ -10,15 +10,6 @@ use crate::value::Value;
 use zeroset_ir::NodeId;
 use zeroset_ops::Op;
 
-/// The rows of a matrix of so many elements.
-fn rows(elements: usize) -> usize {
-    match elements {
-        4 => 2,
-        9 => 3,
-        _ => 4,
-    }
-}
-
 impl Lowering<'_> {
     /// A matrix made of its elements, of one number for the diagonal, or of another matrix.
     pub(crate) fn matrix(
@@ -38,7 +29,7 @@ impl Lowering<'_> {
             _ => return Err(Error::new(span, ErrorKind::MatrixSize { size, given })),
         };
         let (zero, one) = (self.graph.integer(0), self.graph.integer(1));
-        let known = if source.len() == 1 { 0 } else { rows(source.len()) };
+        let known = if source.len() == 1 { 0 } else { source.len().isqrt() };
         let element = |index: usize| {
             let (column, row) = (index / size, index % size);
             match (column == row, column.max(row) < known) {
@@ -63,14 +54,14 @@ impl Lowering<'_> {
         let is_product = op == Op::Mul;
         match (left, right) {
             (Value::Matrix(a), Value::Matrix(b)) if is_product && a.len() == b.len() => {
-                let n = rows(a.len());
+                let n = a.len().isqrt();
                 let columns = b.chunks(n).flat_map(|column| self.times(a, column));
                 Ok(Value::Matrix(columns.collect()))
             }
-            (Value::Matrix(a), Value::Vector(v)) if is_product && rows(a.len()) == v.len() => {
+            (Value::Matrix(a), Value::Vector(v)) if is_product && a.len().isqrt() == v.len() => {
                 Ok(Value::Vector(self.times(a, v)))
             }
-            (Value::Vector(v), Value::Matrix(b)) if is_product && rows(b.len()) == v.len() => {
+            (Value::Vector(v), Value::Matrix(b)) if is_product && b.len().isqrt() == v.len() => {
                 let columns = b.chunks(v.len()).map(|column| self.products(v, column));
                 Ok(Value::Vector(columns.collect()))
             }
@@ -111,7 +102,7 @@ impl Lowering<'_> {
         let Value::Matrix(nodes) = value else {
             return Err(Error::new(span, ErrorKind::NotAMatrix));
         };
-        let n = rows(nodes.len());
+        let n = nodes.len().isqrt();
         Ok(Value::Matrix((0..n * n).map(|at| nodes[at % n * n + at / n]).collect()))
     }
 
@@ -128,7 +119,7 @@ impl Lowering<'_> {
         if let [only] = nodes {
             return *only;
         }
-        let n = rows(nodes.len());
+        let n = nodes.len().isqrt();
         let mut sum = None;
         for row in 0..n {
             let rest: Vec<NodeId> =

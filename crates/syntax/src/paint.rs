@@ -4,7 +4,7 @@
 
 use crate::ast::Expr;
 use crate::build::Builder;
-use crate::constant::evaluate;
+use crate::constant::{evaluate, evaluate_range};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::limits::Limits;
@@ -176,11 +176,8 @@ impl Builder<'_> {
         let range = match &rest[..] {
             [] => None,
             [low, high] => {
-                let ends = [evaluate(low, self.limits)?, evaluate(high, self.limits)?];
-                if ends[0].bounds().lo >= ends[1].bounds().hi {
-                    return Err(Error::new(low.span.to(high.span), ErrorKind::EmptyRange));
-                }
-                Some(ends)
+                let span = low.span.to(high.span);
+                Some(evaluate_range(low, high, span, self.limits)?.into())
             }
             _ => return Err(bad("color", span)),
         };

@@ -113,13 +113,11 @@ impl fmt::Display for Expr {
                 write!(f, ".{letters}")
             }
             ExprKind::Series(series) => series.fmt(f),
-            ExprKind::Call(Function::Iterate(function), arguments) => {
-                write!(f, "iterate({}, ", function.name())?;
-                list(f, arguments, ", ", Tightness::Or)?;
-                f.write_str(")")
-            }
             ExprKind::Call(function, arguments) => {
                 write!(f, "{}(", function.name())?;
+                if let Function::Iterate(repeated) = function {
+                    write!(f, "{}, ", repeated.name())?;
+                }
                 list(f, arguments, ", ", Tightness::Or)?;
                 f.write_str(")")
             }
@@ -188,15 +186,14 @@ impl fmt::Display for Statement {
         match self {
             Self::Define(definition) => definition.fmt(f),
             Self::Draw { expr, restrictions } => {
-                match &expr.kind {
-                    // With a single `=` this would be a definition.
-                    ExprKind::Compare(left, rest) if may_be_defined(left) => {
-                        match rest.as_slice() {
-                            [(Relation::Equal, right)] => write!(f, "{left} == {right}")?,
-                            _ => write_drawn(f, expr)?,
-                        }
-                    }
-                    _ => write_drawn(f, expr)?,
+                // With a single `=` this would be a definition.
+                if let ExprKind::Compare(left, rest) = &expr.kind
+                    && let [(Relation::Equal, right)] = rest.as_slice()
+                    && may_be_defined(left)
+                {
+                    write!(f, "{left} == {right}")?;
+                } else {
+                    write_drawn(f, expr)?;
                 }
                 write_restrictions(f, restrictions)
             }

@@ -29,11 +29,9 @@ impl Value {
     }
 
     /// A component, or the number itself.
-    fn part(&self, index: usize) -> NodeId {
-        match self {
-            Self::Number(node) => *node,
-            Self::Vector(nodes) | Self::Matrix(nodes) => nodes[index],
-        }
+    pub(crate) fn part(&self, index: usize) -> NodeId {
+        let parts = self.parts();
+        parts[index % parts.len()]
     }
 
     /// All components, or the number alone.
@@ -84,13 +82,11 @@ impl Lowering<'_> {
             return self.of_matrices(op, operands, span);
         }
         let size = common_size(operands, span)?;
-        let is_vector = operands.iter().any(|value| matches!(value, Value::Vector(_)));
         let mut nodes = Vec::with_capacity(size);
         for index in 0..size {
             let parts: Vec<NodeId> = operands.iter().map(|value| value.part(index)).collect();
             nodes.push(self.graph.apply(op, &parts));
         }
-        debug_assert!(is_vector || size == 1);
         Ok(Value::new(nodes))
     }
 
