@@ -45,10 +45,12 @@ impl<'a> Lowering<'a> {
             let size = common_size(&operands, place.span)?;
             let mut nodes = Vec::with_capacity(size);
             for index in 0..size {
-                let part = |value: &Value| value.part(index);
                 nodes.push(match operands.as_slice() {
-                    [yes, no] => self.choose(condition, false, part(yes), part(no), locals)?,
-                    only => self.only_where(part(&only[0]), condition, locals)?,
+                    [yes, no] => {
+                        let (yes, no) = (yes.part(index), no.part(index));
+                        self.choose(condition, false, yes, no, locals)?
+                    }
+                    only => self.only_where(only[0].part(index), condition, locals)?,
                 });
             }
             rest = Some(Value::shaped(nodes, &operands));

@@ -28,10 +28,12 @@ impl Value {
         self.parts().len()
     }
 
-    /// A component, or the number itself.
+    /// The component at `index`, which must be below their number; or the number itself.
     pub(crate) fn part(&self, index: usize) -> NodeId {
-        let parts = self.parts();
-        parts[index % parts.len()]
+        match self {
+            Self::Number(node) => *node,
+            Self::Vector(nodes) | Self::Matrix(nodes) => nodes[index],
+        }
     }
 
     /// All components, or the number alone.
