@@ -70,6 +70,8 @@ pub struct Session {
     history: Mutex<History>,
     /// Held while a picture is saved, so that no two take the same name.
     saving: Mutex<()>,
+    /// What the window has not yet said of the file.
+    notice: Mutex<Option<String>>,
     /// A file of somebody else's that the document was to be written over.
     guarded: Mutex<Option<PathBuf>>,
     /// Whether pictures are as large as the terminal, not as a window.
@@ -135,6 +137,7 @@ impl Session {
             printer: Mutex::default(),
             history: Mutex::default(),
             saving: Mutex::default(),
+            notice: Mutex::default(),
             guarded: Mutex::default(),
             in_terminal: AtomicBool::new(arguments.preview),
             gallery: AtomicBool::new(false),
@@ -177,7 +180,9 @@ impl Session {
                     }
                 }
                 Change::Lost(message) => {
-                    session.say(&format!("note: {message}; its last version is still shown"));
+                    let note = format!("note: the last version is still shown: {message}");
+                    session.say(&note);
+                    *lock(&session.notice) = Some(note);
                 }
             }
         };
@@ -206,6 +211,12 @@ impl Session {
     #[cfg(feature = "window")]
     pub fn hush(&self) {
         self.hushed.fetch_max(self.live.revision(), Ordering::Relaxed);
+    }
+
+    /// That the file cannot be read any more, once.
+    #[cfg(feature = "window")]
+    pub fn notice(&self) -> Option<String> {
+        lock(&self.notice).take()
     }
 
     /// Whether what is wrong with a request is to be said in the terminal.

@@ -132,6 +132,18 @@ fn a_saved_file_is_seen_at_once() {
     scene.changes("mended", || {
         save("domain 2\nmax(abs(x),abs(y),abs(z)) = 3/2\nview eye (4, -6, 3)");
     });
+    // A file that is gone is told of over the picture, above the status line.
+    scene.rest();
+    let whole = scene.picture();
+    std::fs::remove_file(&path).expect("removed");
+    scene.terminal.shows("the last version is still shown");
+    until("the window says so", || {
+        let picture = scene.picture();
+        let rows = 320 - 2 * status(1)..320 - status(1);
+        rows.flat_map(|y| (0..200).map(move |x| (x, y)))
+            .any(|(x, y)| picture.get_pixel(x, y) != whole.get_pixel(x, y))
+    });
+    scene.display.keep(&scene.window, "gone");
     scene.key("q");
     assert_eq!(scene.terminal.ends(), 0);
 }

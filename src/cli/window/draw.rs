@@ -51,6 +51,16 @@ pub struct Content {
     page: Option<Page>,
 }
 
+impl Content {
+    /// What there is to say above the line that is typed or the status line.
+    fn said(&self) -> Option<(&str, Rgb)> {
+        let candidates = self.candidates.as_deref().map(|text| (text, DIM));
+        let fault = self.fault.as_deref().map(|text| (text, WRONG_TEXT));
+        let message = self.message.as_deref().map(|text| (text, INK));
+        candidates.or(fault).or(message)
+    }
+}
+
 /// Where lines of text go, in pixels.
 struct Layout {
     /// Around what is written.
@@ -188,7 +198,7 @@ fn draw_status(
     let right = (canvas.width as i64 - margin as i64 - taken as i64).max(0);
     if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
         canvas.write(&hover, right, text_y, DIM);
-    } else if content.line.is_none() {
+    } else if content.line.is_none() && content.said().is_none() {
         // Both do not fit one line.
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
@@ -212,10 +222,7 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
         canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, INK, 255);
         above -= row as i64;
     }
-    let candidates = content.candidates.as_ref().map(|text| (text, DIM));
-    let fault = content.fault.as_ref().map(|text| (text, WRONG_TEXT));
-    let message = content.message.as_ref().map(|text| (text, INK));
-    if let Some((text, colour)) = candidates.or(fault).or(message) {
+    if let Some((text, colour)) = content.said() {
         let text = canvas.fitting(text, room);
         canvas.label(&text, 0, above, colour);
     }

@@ -281,6 +281,10 @@ impl Window {
             }
         }
         self.threads.retain(|thread| !thread.is_finished());
+        if let Some(note) = self.session.notice() {
+            self.active = Instant::now();
+            self.say(&note);
+        }
         if self.session.is_gallery_wanted() && !self.browser.is_open() {
             self.toggle_gallery();
         }
