@@ -3,7 +3,6 @@
 use super::canvas::{Canvas, Rgb};
 use super::ticks::ticks;
 use glam::{DVec2, DVec3};
-#[cfg(feature = "window")]
 use zeroset::live::Rendering;
 use zeroset::picture::Picture;
 use zeroset_trace::{Camera, Projection, Region};
@@ -27,7 +26,6 @@ pub struct Shown<'a> {
     pub picture: &'a Picture,
 }
 
-#[cfg(feature = "window")]
 impl<'a> From<&'a Rendering> for Shown<'a> {
     fn from(rendering: &'a Rendering) -> Self {
         let (camera, picture) = (&rendering.camera, &rendering.picture);

@@ -1,6 +1,6 @@
 //! `zeroset render`.
 
-use super::annotate::{Marks, annotated};
+use super::annotate::Around;
 use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
 use super::files::{Files, Origin};
 use super::output::print;
@@ -20,7 +20,7 @@ use zeroset::model::{Model, Strip};
 use zeroset::picture::{Open, Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use zeroset::scene::{self, Cut};
 use zeroset_syntax::{Document, SrgbColor};
-use zeroset_trace::{Camera, LinearRgb, MethodOption, Pattern, Region};
+use zeroset_trace::{LinearRgb, MethodOption, Pattern, Region};
 
 /// The exit code for undecided pixels under `--strict`.
 pub const UNDECIDED: u8 = 1;
@@ -40,7 +40,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let around = Around::of(arguments, &subject.document);
+    let around = around(arguments, &subject.document);
     let render = || -> Result<_> {
         let document = &subject.document;
         let (region, searched) = scene::region(document, subject.domain, cut)?;
@@ -55,17 +55,13 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let bar = Progress::new(pixels as u64, "tracing");
         let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
         let origin = Origin::typed(&subject.source.text);
-        let mut files =
-            files.begin([settings.width, settings.height], settings.precision, &origin)?;
+        let size = [settings.width, settings.height];
+        let mut files = files.begin(size, settings.precision, &origin)?;
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
-            if let Some(overview) = overview {
-                let shown = Shown { camera: &camera, region: &region, picture: overview };
-                let size = [settings.width, settings.height];
-                marks.get_or_insert_with(|| around.marks(shown, size)).draw(picture, top);
-            } else {
-                around.draw(picture, &camera, &region);
-            }
+            let seen = overview.unwrap_or(&*picture);
+            let shown = Shown { camera: &camera, region: &region, picture: seen };
+            marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
             files.add(picture)
         };
         let picture = model.strips(&camera, &settings, &advance, &mut write)?;
@@ -91,49 +87,11 @@ pub fn cut(arguments: &RenderArgs) -> Cut {
     Cut { plane: arguments.camera.clip(), to: arguments.clip_to }
 }
 
-/// What is drawn around a picture.
-#[derive(Clone, Copy)]
-pub struct Around {
-    /// The domain's box with its ticks.
-    pub axes: bool,
-    legend: bool,
-}
-
-impl Around {
-    /// As the command line says, or else the document.
-    pub fn of(arguments: &RenderArgs, document: &Document) -> Self {
-        let asked = &arguments.shading;
-        let axes = asked.axes || document.picture.axes == Some(true);
-        Self { axes, legend: asked.legend || has_legend(document, axes) }
-    }
-
-    /// As the document says.
-    pub fn said(document: &Document) -> Self {
-        let axes = document.picture.axes == Some(true);
-        Self { axes, legend: has_legend(document, axes) }
-    }
-
-    /// The colors of what is shown with it over them, as sRGB bytes.
-    pub fn over(self, shown: Shown<'_>) -> Vec<u8> {
-        annotated(shown, self.axes, self.legend)
-    }
-
-    /// Draws it.
-    pub fn draw(self, picture: &mut Picture, camera: &Camera, region: &Region) {
-        if (self.axes || self.legend) && !picture.rgb.is_empty() {
-            picture.rgb = self.over(Shown { camera, region, picture });
-        }
-    }
-
-    /// What it draws over a picture of this size, of which a smaller one is `shown`.
-    fn marks(self, shown: Shown<'_>, size: [usize; 2]) -> Marks {
-        Marks::new(shown, size, self.axes, self.legend)
-    }
-}
-
-/// Whether a picture of a document, with axes or without, tells which value has which color.
-pub fn has_legend(document: &Document, axes: bool) -> bool {
-    document.picture.legend.unwrap_or(axes)
+/// What is drawn around the picture: as the command line says, or else the document.
+pub fn around(arguments: &RenderArgs, document: &Document) -> Around {
+    let asked = &arguments.shading;
+    let around = Around::new(asked.axes || document.picture.axes == Some(true), document);
+    Around { legend: asked.legend || around.legend, ..around }
 }
 
 /// Runs `work` with this many threads, or as many as there are processors.

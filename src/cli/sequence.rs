@@ -1,11 +1,13 @@
 //! `zeroset render --frames`: many pictures, in files of their own or in one.
 
 use super::animation::{Animation, Format};
+use super::annotate::Around;
 use super::arguments::{RenderArgs, SequenceArgs};
 use super::files::{Files, Origin, Wanted};
 use super::output::{Output, print};
+use super::overlay::Shown;
 use super::progress::Progress;
-use super::render::{Around, UNDECIDED, cut};
+use super::render::{UNDECIDED, around, cut};
 use super::subject::{self, Subject};
 use super::{notes, report};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -280,7 +282,7 @@ impl<'a> Maker<'a> {
         if let Some(Sweep { name, .. }) = idle {
             bail!("nothing that is drawn depends on '{name}', so all frames would be the same");
         }
-        let around = Around::of(arguments, &subject.document);
+        let around = around(arguments, &subject.document);
         let (text, place) = (&subject.source.text, (subject.domain, cut(arguments)));
         let choice = arguments.camera.choice();
         let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;
@@ -306,7 +308,8 @@ impl<'a> Maker<'a> {
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
         let mut picture = model.picture(&camera, settings, &|_, _| {}).with_context(named)?;
-        self.around.draw(&mut picture, &camera, &stage.region);
+        let shown = Shown { camera: &camera, region: &stage.region, picture: &picture };
+        picture.rgb = self.around.over(shown);
         self.subject.document = document;
         *last = Some(model);
         Ok((camera, picture))

@@ -1,13 +1,13 @@
 //! A live picture and the files around it, as prompt and window share them.
 
+use super::annotate::Around;
 use super::arguments::InteractiveArgs;
 use super::data::remember;
 use super::files::Origin;
 use super::gallery::listed;
 use super::history::History;
 use super::output::{Output, check_png, write_png};
-use super::overlay::Shown;
-use super::render::{Around, beautiful, kernel_settings};
+use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
@@ -382,9 +382,8 @@ impl Session {
         }
         let picture = finished
             .context("not saved: the picture was changed before it was finished, or never was")?;
-        let (camera, region) = (&picture.camera, picture.model.region());
-        let shown = Shown { camera, region, picture: &picture.picture };
-        let (buffer, rgb) = (&picture.picture.buffer, Around::said(&picture.document).over(shown));
+        let buffer = &picture.picture.buffer;
+        let rgb = Around::said(&picture.document).over((&*picture).into());
         let name = path.display().to_string();
         let command = picture.command(&name);
         let size = [buffer.width, buffer.height];

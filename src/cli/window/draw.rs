@@ -5,12 +5,10 @@ use super::enlarge::enlarge;
 use super::page::Page;
 use super::panel::Panel;
 use super::{MESSAGE, PAUSE, Window, browser, surfaces};
-use crate::cli::annotate::draw_legends;
+use crate::cli::annotate::Around;
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::help;
-use crate::cli::overlay::draw_box;
 use crate::cli::pick::Pick;
-use crate::cli::render::has_legend;
 use crate::cli::theme::{GROUND, INK};
 use anyhow::{Context, Result};
 use minifb::MouseMode;
@@ -244,16 +242,11 @@ impl Backdrop {
         let shown = &rendering.picture.rgb;
         enlarge(shown, [buffer.width, buffer.height], &mut self.pixels, [picture.0, picture.1]);
         let axes = rendering.request.axes.are_shown(&rendering.document);
-        let legend = has_legend(&rendering.document, axes);
         let pixels = std::mem::take(&mut self.pixels);
         let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
-        if axes {
-            draw_box(&mut canvas, (&**rendering).into(), picture.1);
-        }
-        if legend {
-            // Above are the lists.
-            draw_legends(&mut canvas, (&**rendering).into(), picture.1, true);
-        }
+        // Legends stand at the bottom: above are the lists.
+        let around = Around::new(axes, &rendering.document);
+        around.draw(&mut canvas, (&**rendering).into(), picture.1, true);
         self.pixels = canvas.pixels;
     }
 }
