@@ -28,6 +28,7 @@ mod output;
 mod overlay;
 #[cfg(feature = "window")]
 mod pick;
+mod png_file;
 mod preview;
 mod progress;
 mod prompt;
@@ -55,6 +56,8 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
+/// The exit code for undecided pixels under `--strict`.
+const UNDECIDED: u8 = 1;
 /// The exit code of a user's error: what was asked for cannot be done as asked.
 const USER_ERROR: u8 = 2;
 /// The exit code of an error of the program's own.

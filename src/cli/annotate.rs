@@ -1,5 +1,6 @@
 //! What is written over a picture that goes to a file: axes, and which value has which color.
 
+use super::arguments::ShadingArgs;
 use super::canvas::Canvas;
 use super::overlay::{Shown, draw_box};
 use super::ticks::ticks;
@@ -28,6 +29,12 @@ impl Around {
     /// With axes or without, and a legend as the document says, or else with axes.
     pub fn new(axes: bool, document: &Document) -> Self {
         Self { axes, legend: document.picture.legend.unwrap_or(axes) }
+    }
+
+    /// As the command line says, or else the document.
+    pub fn asked(asked: &ShadingArgs, document: &Document) -> Self {
+        let said = Self::new(asked.axes || document.picture.axes == Some(true), document);
+        Self { legend: asked.legend || said.legend, ..said }
     }
 
     /// As the document says.

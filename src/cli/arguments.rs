@@ -2,7 +2,6 @@
 //! known here.
 
 use super::array::Arrays;
-use super::render::AA;
 use super::vector::{Numbers, Size};
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -12,10 +11,13 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset::names::Named;
 use zeroset::picture::{Normals, Precision};
-use zeroset::scene::{self, CameraChoice, ClipChoice, ClipTo, DomainChoice};
+use zeroset::scene::{self, CameraChoice, ClipChoice, ClipTo, Cut, DomainChoice};
 use zeroset_trace::{
     Ideas, LOOKS, Look, METHODS, Method, Projection, StandardView, UndecidedStyle,
 };
+
+/// Rays in a pixel with an edge, unless told otherwise.
+pub const AA: usize = 16;
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -164,6 +166,13 @@ pub struct RenderArgs {
     /// Exit with code 1 if any pixel is undecided
     #[arg(long)]
     pub strict: bool,
+}
+
+impl RenderArgs {
+    /// What is cut away of the domain.
+    pub fn cut(&self) -> Cut {
+        Cut { plane: self.camera.clip(), to: self.clip_to }
+    }
 }
 
 /// What is written, and where.

@@ -1,15 +1,15 @@
-//! What one picture is written to: files opened before the work, and where they came from.
+//! What one picture is written to: files opened before the work.
 
 use super::arguments::OutputArgs;
 use super::array::{ARRAYS, ArrayRow, Arrays, Begun, Rows};
-use super::output::{Open, Output, check_png, png_encoder};
+use super::output::{Open, Output};
+use super::png_file::{Origin, check_png, png_encoder};
 use anyhow::{Context, Result, bail, ensure};
 use png::StreamWriter;
 use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use zeroset::live::quote;
 use zeroset::picture::{Picture, Precision};
 
 /// What is to be written of a picture, and where.
@@ -180,62 +180,5 @@ impl Rows for Png {
 
     fn end(self: Box<Self>) -> io::Result<()> {
         Ok(self.0.finish()?)
-    }
-}
-
-/// Where a picture came from, as its file tells.
-#[derive(Clone, Default, PartialEq, Eq)]
-pub struct Origin {
-    /// The command that makes it, and the text that it drew.
-    pub chunks: Vec<(&'static str, String)>,
-}
-
-/// What makes no difference to pictures: which of them are made here, how fast, and whether they are made again.
-const INDIFFERENT: [(&str, bool); 3] =
-    [("--shard", true), ("--resume", false), ("--threads", true)];
-
-impl Origin {
-    /// What was typed, as it could be typed again, and the text that is drawn.
-    pub fn typed(text: &str) -> Self {
-        let mut words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
-        let mut kept = vec!["zeroset".to_owned()];
-        while let Some(word) = words.next() {
-            let (flag, value) = word.split_once('=').map_or((&*word, None), |(a, b)| (a, Some(b)));
-            match INDIFFERENT.iter().find(|(name, _)| *name == flag) {
-                Some((_, true)) if value.is_none() => drop(words.next()),
-                Some(_) => {}
-                None => kept.push(quote(&word)),
-            }
-        }
-        Self { chunks: vec![("Comment", kept.join(" ")), ("Description", text.to_owned())] }
-    }
-
-    /// This command alone.
-    pub fn command(command: &str) -> Self {
-        Self { chunks: vec![("Comment", command.to_owned())] }
-    }
-
-    /// The same for one frame of a sequence.
-    #[must_use]
-    pub fn frame(&self, number: usize) -> Self {
-        let mut chunks = self.chunks.clone();
-        chunks.push(("Title", format!("frame {number}")));
-        Self { chunks }
-    }
-
-    /// Whether a PNG file came from here.
-    pub fn is_of(&self, file: &Path) -> bool {
-        let open = || {
-            let file = std::io::BufReader::new(std::fs::File::open(file).ok()?);
-            png::Decoder::new(file).read_info().ok()
-        };
-        let Some(reader) = open() else { return false };
-        let texts = &reader.info().utf8_text;
-        self.chunks.iter().all(|(key, value)| {
-            let same = |chunk: &png::text_metadata::ITXtChunk| {
-                chunk.keyword == *key && chunk.get_text().is_ok_and(|text| text == *value)
-            };
-            texts.iter().any(same)
-        })
     }
 }

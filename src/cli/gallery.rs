@@ -1,9 +1,9 @@
 //! `zeroset gallery`.
 
 use super::arguments::GalleryArgs;
-use super::files::Origin;
 use super::notes;
-use super::output::{Output, print, write_png};
+use super::output::{Output, print};
+use super::png_file::{Origin, write_png};
 use super::progress::Progress;
 use super::render::{beautiful, in_threads, method_settings};
 use super::sheet::Sheet;

@@ -4,7 +4,6 @@
 //! be done is tried before any work is, so that a target that cannot be written is an error at once and not after the
 //! rendering; an interrupted run leaves nothing behind.
 
-use super::files::Origin;
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Seek, Write};
@@ -246,59 +245,4 @@ pub fn written(result: std::io::Result<()>) -> Result<()> {
         }
         _ => Ok(()),
     }
-}
-
-/// Refuses a path that asks for another format than PNG. A path without an extension asks for none.
-///
-/// # Errors
-/// If it does.
-pub fn check_png(path: &Path) -> Result<()> {
-    match path.extension() {
-        Some(extension) if !extension.eq_ignore_ascii_case("png") => {
-            let other = path.with_extension("png");
-            bail!(
-                "pictures are written as PNG only: '{}' has another extension; use '{}'",
-                path.display(),
-                other.display()
-            )
-        }
-        Some(_) | None => Ok(()),
-    }
-}
-
-/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with where it came from.
-///
-/// # Errors
-/// If the sink fails.
-pub fn write_png(
-    out: &mut dyn Write,
-    rgb: &[u8],
-    [width, height]: [usize; 2],
-    origin: &Origin,
-) -> std::io::Result<()> {
-    let mut writer = png_encoder(out, [width, height], origin)?.write_header()?;
-    writer.write_image_data(rgb)?;
-    writer.finish()?;
-    Ok(())
-}
-
-/// What writes a PNG (sRGB) of this size to `out`, with where it came from.
-///
-/// # Errors
-/// If a text of `origin` cannot be written.
-pub fn png_encoder<W: Write>(
-    out: W,
-    [width, height]: [usize; 2],
-    origin: &Origin,
-) -> std::io::Result<png::Encoder<'static, W>> {
-    let mut encoder = png::Encoder::new(out, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_compression(png::Compression::Fast);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();
-    encoder.add_itxt_chunk("Software".to_owned(), software)?;
-    for (key, text) in &origin.chunks {
-        encoder.add_itxt_chunk((*key).to_owned(), text.clone())?;
-    }
-    Ok(encoder)
 }

@@ -1,15 +1,16 @@
 //! `zeroset render`.
 
 use super::annotate::Around;
-use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
-use super::files::{Files, Origin};
+use super::arguments::{AA, KernelArgs, RenderArgs, TracingArgs};
+use super::files::Files;
 use super::output::print;
 use super::overlay::Shown;
+use super::png_file::Origin;
 use super::progress::Progress;
 use super::sequence;
 use super::subject::{self, Subject};
 use super::vector::Size;
-use super::{notes, report};
+use super::{UNDECIDED, notes, report};
 use anyhow::{Context, Result, bail, ensure};
 use glam::DVec3;
 use std::process::ExitCode;
@@ -18,15 +19,9 @@ use zeroset::domain::AutoDomain;
 use zeroset::framing;
 use zeroset::model::{Model, Strip};
 use zeroset::picture::{Open, Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
-use zeroset::scene::{self, Cut};
-use zeroset_syntax::{Document, SrgbColor};
+use zeroset::scene;
+use zeroset_syntax::SrgbColor;
 use zeroset_trace::{LinearRgb, MethodOption, Pattern, Region};
-
-/// The exit code for undecided pixels under `--strict`.
-pub const UNDECIDED: u8 = 1;
-
-/// Rays in a pixel with an edge, unless told otherwise.
-pub const AA: usize = 16;
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
@@ -35,12 +30,12 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         return in_threads(threads, || sequence::run(arguments, &sequence, &settings));
     }
     let choice = arguments.camera.choice();
-    let cut = cut(arguments);
+    let cut = arguments.cut();
     let files = Files::create(&arguments.outputs.wanted())?;
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let around = around(arguments, &subject.document);
+    let around = Around::asked(&arguments.shading, &subject.document);
     let render = || -> Result<_> {
         let document = &subject.document;
         let (region, searched) = scene::region(document, subject.domain, cut)?;
@@ -80,18 +75,6 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     }
     let undecided = picture.statistics.pixels.undecided > 0;
     Ok(if arguments.strict && undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
-}
-
-/// What is left of a domain.
-pub fn cut(arguments: &RenderArgs) -> Cut {
-    Cut { plane: arguments.camera.clip(), to: arguments.clip_to }
-}
-
-/// What is drawn around the picture: as the command line says, or else the document.
-pub fn around(arguments: &RenderArgs, document: &Document) -> Around {
-    let asked = &arguments.shading;
-    let around = Around::new(asked.axes || document.picture.axes == Some(true), document);
-    Around { legend: asked.legend || around.legend, ..around }
 }
 
 /// Runs `work` with this many threads, or as many as there are processors.

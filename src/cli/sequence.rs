@@ -3,13 +3,13 @@
 use super::animation::{Animation, Format};
 use super::annotate::Around;
 use super::arguments::{RenderArgs, SequenceArgs};
-use super::files::{Files, Origin, Wanted};
+use super::files::{Files, Wanted};
 use super::output::{Output, print};
 use super::overlay::Shown;
+use super::png_file::Origin;
 use super::progress::Progress;
-use super::render::{UNDECIDED, around, cut};
 use super::subject::{self, Subject};
-use super::{notes, report};
+use super::{UNDECIDED, notes, report};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -282,8 +282,8 @@ impl<'a> Maker<'a> {
         if let Some(Sweep { name, .. }) = idle {
             bail!("nothing that is drawn depends on '{name}', so all frames would be the same");
         }
-        let around = around(arguments, &subject.document);
-        let (text, place) = (&subject.source.text, (subject.domain, cut(arguments)));
+        let around = Around::asked(&arguments.shading, &subject.document);
+        let (text, place) = (&subject.source.text, (subject.domain, arguments.cut()));
         let choice = arguments.camera.choice();
         let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;
         if let Some(found) = &stage.searched {

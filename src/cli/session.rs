@@ -3,10 +3,10 @@
 use super::annotate::Around;
 use super::arguments::InteractiveArgs;
 use super::data::remember;
-use super::files::Origin;
 use super::gallery::listed;
 use super::history::History;
-use super::output::{Output, check_png, write_png};
+use super::output::Output;
+use super::png_file::{Origin, check_png, write_png};
 use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
