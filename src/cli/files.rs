@@ -4,12 +4,10 @@ use super::arguments::OutputArgs;
 use super::array::{ARRAYS, ArrayRow, Arrays, Begun, Rows};
 use super::output::{Open, Output};
 use super::png_file::{Origin, check_png, png_encoder};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use png::StreamWriter;
-use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use zeroset::picture::{Picture, Precision};
 
 /// What is to be written of a picture, and where.
@@ -132,42 +130,25 @@ impl OpenFiles {
 }
 
 struct OpenFile {
-    file: Shared,
+    file: Open,
     rows: Box<dyn Rows>,
 }
 
 impl OpenFile {
     fn begin(file: Output, rows: impl FnOnce(Box<dyn Write>) -> Begun) -> Result<Self> {
-        let file = Shared(Rc::new(RefCell::new(file.begin()?)));
-        let begun = rows(Box::new(file.clone()));
-        let rows = begun.map_err(|error| file.0.borrow().failed(error))?;
+        let file = file.begin()?;
+        let rows = rows(Box::new(file.clone())).map_err(|error| file.failed(error))?;
         Ok(Self { file, rows })
     }
 
     fn check(&mut self, write: impl FnOnce(&mut dyn Rows) -> io::Result<()>) -> Result<()> {
-        write(&mut *self.rows).map_err(|error| self.file.0.borrow().failed(error))
+        write(&mut *self.rows).map_err(|error| self.file.failed(error))
     }
 
     fn finish(self) -> Result<()> {
         let Self { file, rows } = self;
-        rows.end().map_err(|error| file.0.borrow().failed(error))?;
-        // Whoever wrote rows is gone.
-        let file = Rc::into_inner(file.0).context("a file is still being written")?;
-        file.into_inner().finish()
-    }
-}
-
-/// A file together with what writes rows to it.
-#[derive(Clone)]
-struct Shared(Rc<RefCell<Open>>);
-
-impl Write for Shared {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.borrow_mut().sink().write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.0.borrow_mut().sink().flush()
+        rows.end().map_err(|error| file.failed(error))?;
+        file.finish()
     }
 }
 

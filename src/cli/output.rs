@@ -5,9 +5,11 @@
 //! rendering; an interrupted run leaves nothing behind.
 
 use anyhow::{Context, Result, bail, ensure};
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use tempfile::NamedTempFile;
 
 /// As many symbolic links as Linux follows.
@@ -57,8 +59,20 @@ impl Output {
     /// If writing or renaming fails; the target is then as it was.
     pub fn finish(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
         let mut open = self.begin()?;
-        open.write(content)?;
+        content(&mut open).map_err(|error| open.failed(error))?;
         open.finish()
+    }
+
+    /// As [`Output::finish`], but standard output is written as content comes. That nobody reads on
+    /// ends it, and is no error.
+    ///
+    /// # Errors
+    /// If writing or renaming fails; a file is then as it was.
+    pub fn stream(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+        match self.sink {
+            Sink::Standard => written(content(&mut std::io::stdout().lock())),
+            Sink::Renamed(_) | Sink::Direct(_) => self.finish(content),
+        }
     }
 
     /// Makes ready for content that comes in parts.
@@ -76,14 +90,15 @@ impl Output {
             Sink::Standard => Ok(Opened::Standard(Vec::new())),
         };
         let opened = open.with_context(|| format!("cannot write '{}'", path.display()))?;
-        Ok(Open { path, opened })
+        Ok(Open { path, opened: Rc::new(RefCell::new(opened)) })
     }
 }
 
-/// A file that is being written, and appears at the end.
+/// A file that is being written, and appears at the end. What writes to it may own a clone.
+#[derive(Clone)]
 pub struct Open {
     path: PathBuf,
-    opened: Opened,
+    opened: Rc<RefCell<Opened>>,
 }
 
 enum Opened {
@@ -95,36 +110,18 @@ enum Opened {
 }
 
 impl Open {
-    /// Writes some content.
-    ///
-    /// # Errors
-    /// If writing fails.
-    pub fn write(
-        &mut self,
-        content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
-    ) -> Result<()> {
-        content(self.sink()).map_err(|error| self.failed(error))
-    }
-
     /// What is said of a failure to write it.
     pub fn failed(&self, error: std::io::Error) -> anyhow::Error {
         anyhow::Error::new(error).context(format!("cannot write '{}'", self.path.display()))
     }
 
-    /// Where content goes.
-    pub fn sink(&mut self) -> &mut dyn Write {
-        match &mut self.opened {
-            Opened::Renamed(writer, _) | Opened::Direct(writer) => writer,
-            Opened::Standard(whole) => whole,
-        }
-    }
-
     /// Makes what was written appear.
     ///
     /// # Errors
-    /// If writing or renaming fails; the target is then as it was.
+    /// If there still is a clone, or writing or renaming fails; the target is then as it was.
     pub fn finish(self) -> Result<()> {
-        let written = match self.opened {
+        let opened = Rc::into_inner(self.opened).context("a file is still being written")?;
+        let written = match opened.into_inner() {
             Opened::Renamed(writer, target) => writer
                 .into_inner()
                 .map_err(|error| error.into_error())
@@ -136,15 +133,18 @@ impl Open {
     }
 }
 
-impl Output {
-    /// As [`Output::finish`], but standard output is written as content comes. That nobody reads on ends it, and is no error.
-    ///
-    /// # Errors
-    /// If writing or renaming fails; a file is then as it was.
-    pub fn stream(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
-        match self.sink {
-            Sink::Standard => written(content(&mut std::io::stdout().lock())),
-            Sink::Renamed(_) | Sink::Direct(_) => self.finish(content),
+impl Write for Open {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        match &mut *self.opened.borrow_mut() {
+            Opened::Renamed(writer, _) | Opened::Direct(writer) => writer.write(bytes),
+            Opened::Standard(whole) => whole.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        match &mut *self.opened.borrow_mut() {
+            Opened::Renamed(writer, _) | Opened::Direct(writer) => writer.flush(),
+            Opened::Standard(_) => Ok(()),
         }
     }
 }

@@ -12,9 +12,9 @@ use super::subject::{self, Subject};
 use super::vector::Size;
 use super::{UNDECIDED, notes, report};
 use anyhow::{Context, Result, bail, ensure};
-use glam::DVec3;
 use std::process::ExitCode;
 use std::time::Duration;
+use zeroset::blank::Blank;
 use zeroset::domain::AutoDomain;
 use zeroset::framing;
 use zeroset::model::{Model, Strip};
@@ -166,7 +166,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         }
     };
     if let Some(light) = shading.light {
-        ensure!(light.0.iter().all(|c| c.is_finite()), "--light needs finite numbers");
+        ensure!(light.is_finite(), "--light needs finite numbers");
     }
     let outputs = &arguments.outputs;
     let method = method_settings(&arguments.tracing, outputs.size)?;
@@ -188,7 +188,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         brackets: outputs.arrays.0.iter().any(|(row, _)| row.needs_brackets),
         budget,
         undecided: shading.undecided,
-        light: shading.light.map(|place| DVec3::from_array(place.0)),
+        light: shading.light,
         look: shading.look,
         occlusion: true,
         antialias,
@@ -213,7 +213,8 @@ fn remark(
     let pixels = picture.statistics.pixels;
     let seen = pixels.hit + pixels.undecided;
     if seen == 0 {
-        notes::note(&subject::why_nothing_is_seen(subject, region, picture.undefined, searched));
+        let blank = Blank::find(&subject.document, region, picture.undefined, searched);
+        notes::note(&blank.describe(&|ends| format!("--domain {ends}")));
         return;
     }
     if let Some(why) = picture.why_undecided() {

@@ -49,9 +49,13 @@ pub fn asked(arguments: &RenderArgs) -> Result<Option<Asked>> {
     }
     let moves = !sweeps.is_empty() || turntable.is_some();
     let Some(frames) = *frames else {
-        let odd = [(moves, "a sequence"), (*is_loop, "--loop"), (*resume, "--resume")];
-        let shard = [(shard.is_some(), "--shard")];
-        if let Some((_, what)) = odd.iter().chain(&shard).find(|(given, _)| *given) {
+        let odd = [
+            (moves, "a sequence"),
+            (*is_loop, "--loop"),
+            (*resume, "--resume"),
+            (shard.is_some(), "--shard"),
+        ];
+        if let Some((_, what)) = odd.iter().find(|(given, _)| *given) {
             bail!("{what} needs --frames N, which says how many pictures there are");
         }
         return Ok(None);
@@ -114,17 +118,17 @@ fn part(text: &str) -> Option<(usize, usize)> {
 pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result<ExitCode> {
     let wanted = arguments.outputs.wanted();
     wanted.check()?;
-    let target = Target::of(&wanted, arguments)?;
+    let format = one_file(&wanted, arguments)?;
     arguments.outputs.size.held_whole()?;
     let sequence = &asked.sequence;
     ensure!(
-        matches!(target, Target::Files) || asked.shard == (0, 1) && !arguments.sequence.resume,
+        format.is_none() || asked.shard == (0, 1) && !arguments.sequence.resume,
         "--shard and --resume need a file for each frame: -o frame-%04d.png"
     );
     let maker = Maker::new(arguments, sequence, settings)?;
-    let count = match target {
-        Target::Files => maker.files(&wanted, asked.shard, arguments.sequence.resume)?,
-        Target::One(format) => {
+    let count = match format {
+        None => maker.files(&wanted, asked.shard, arguments.sequence.resume)?,
+        Some(format) => {
             let path = wanted.picture.as_deref().unwrap_or(Path::new("-"));
             maker.animation(format, path, arguments.sequence.fps)?
         }
@@ -134,40 +138,25 @@ pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result
     Ok(if undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
 
-/// Where frames go.
-enum Target {
-    /// Files of their own.
-    Files,
-    /// All into one.
-    One(Format),
-}
-
-impl Target {
-    fn of(wanted: &Wanted, arguments: &RenderArgs) -> Result<Self> {
-        let size = [arguments.outputs.size.width, arguments.outputs.size.height];
-        match &wanted.picture {
-            Some(path) if numbered(path, 0)?.is_none() => {
-                let format = Format::of(path, size, arguments.sequence.fps)?;
-                let flag = wanted.arrays.first().map(|(row, _)| format!("--{}", row.flag));
-                let flag = flag.or(wanted.json.then(|| "--json".to_owned()));
-                if let Some(flag) = flag {
-                    bail!("{flag} is about one frame: write each to a file, -o frame-%04d.png");
-                }
-                Ok(Self::One(format))
-            }
-            Some(_) | None => {
-                for (_, path) in &wanted.arrays {
-                    let numbered = numbered(path, 0)?.is_some();
-                    let path = path.display();
-                    ensure!(
-                        numbered,
-                        "'{path}' would be written by every frame: use a name with %04d"
-                    );
-                }
-                Ok(Self::Files)
-            }
+/// The format of one file that all frames go into; `None` if they go into files of their own.
+fn one_file(wanted: &Wanted, arguments: &RenderArgs) -> Result<Option<Format>> {
+    let size = [arguments.outputs.size.width, arguments.outputs.size.height];
+    if let Some(path) = &wanted.picture
+        && numbered(path, 0)?.is_none()
+    {
+        let format = Format::of(path, size, arguments.sequence.fps)?;
+        let flag = wanted.arrays.first().map(|(row, _)| format!("--{}", row.flag));
+        let flag = flag.or(wanted.json.then(|| "--json".to_owned()));
+        if let Some(flag) = flag {
+            bail!("{flag} is about one frame: write each to a file, -o frame-%04d.png");
         }
+        return Ok(Some(format));
     }
+    for (_, path) in &wanted.arrays {
+        let (numbered, path) = (numbered(path, 0)?.is_some(), path.display());
+        ensure!(numbered, "'{path}' would be written by every frame: use a name with %04d");
+    }
+    Ok(None)
 }
 
 /// A path with the number of a frame in the place of `%d` or `%04d`, and `%` in that of `%%`; `None` if there is no such

@@ -2,7 +2,7 @@
 
 use super::annotate::Around;
 use super::arguments::InteractiveArgs;
-use super::data::remember;
+use super::data::keep;
 use super::gallery::listed;
 use super::history::History;
 use super::output::Output;
@@ -83,8 +83,9 @@ pub struct Session {
     pub welcome: String,
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // None of these is left half changed by a panic elsewhere.
+/// Locks what several threads use of a session.
+pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // None of it is left half changed by a panic elsewhere.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -303,7 +304,7 @@ impl Session {
             Wrong { full: summary.clone(), summary }
         })?;
         self.follow();
-        remember(&self.live.text());
+        keep("last.zset", &self.live.text());
         Ok(said)
     }
 

@@ -5,11 +5,9 @@ use super::notes;
 use super::source::{self, Source};
 use anyhow::Result;
 use std::time::{Duration, Instant};
-use zeroset::blank::Blank;
 use zeroset::domain::AutoDomain;
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Errors, Options};
-use zeroset_trace::Region;
 
 /// What is drawn.
 pub struct Subject {
@@ -86,15 +84,4 @@ pub fn describe_domain(found: &AutoDomain) -> String {
         format!("x in {}, y in {}, z in {}", ranges.0, ranges.1, ranges.2)
     };
     format!("{}; domain {shown}", found.finding.describe())
-}
-
-/// One line on a picture in which nothing is seen.
-pub fn why_nothing_is_seen(
-    subject: &Subject,
-    region: &Region,
-    undefined: bool,
-    searched: Option<AutoDomain>,
-) -> String {
-    let blank = Blank::find(&subject.document, region, undefined, searched);
-    blank.describe(&|ends| format!("--domain {ends}"))
 }
