@@ -5,7 +5,6 @@ use super::Window;
 use super::enlarge::enlarge;
 use super::thumbnails::{SIDE, Thumbnails};
 use crate::cli::canvas::{Canvas, Rgb};
-use crate::cli::line_edit::LineEdit;
 use crate::cli::theme::{CHOSEN, DIM, INK};
 use minifb::Key;
 use std::ops::Range;
@@ -220,12 +219,8 @@ impl Window {
         let browser = &self.browser;
         let Some(thumbnails) = &browser.thumbnails else { return };
         let Some(&place) = browser.matches().get(browser.chosen) else { return };
-        let mut line = LineEdit::default();
-        let load = format!(":load {}", thumbnails.examples()[place].slug);
-        load.chars().for_each(|letter| line.insert(letter));
+        self.send(format!(":load {}", thumbnails.examples()[place].slug));
         self.active = Instant::now();
-        // There is somebody to take it as long as there is a window.
-        let _ = self.lines.send(line);
         self.toggle_gallery();
     }
 
