@@ -100,12 +100,22 @@ impl Files {
             let writer = png_encoder(out, size, origin)?.write_header()?;
             Ok(Box::new(Png(writer.into_stream_writer()?)))
         };
-        let picture = self.picture.map(|file| OpenFile::begin(file, png));
-        let arrays = self.arrays.into_iter().map(|(row, file)| {
-            OpenFile::begin(file, |out| (row.begin)(out, [height, width], precision))
-        });
+        let picture = self.picture.map(|file| begun(file, png));
+        let arrays = self
+            .arrays
+            .into_iter()
+            .map(|(row, file)| begun(file, |out| (row.begin)(out, [height, width], precision)));
         Ok(OpenFiles(picture.into_iter().chain(arrays).collect::<Result<_>>()?))
     }
+}
+
+/// A file and what writes rows to it.
+type OpenFile = (Open, Box<dyn Rows>);
+
+fn begun(file: Output, rows: impl FnOnce(Box<dyn Write>) -> Begun) -> Result<OpenFile> {
+    let file = file.begin()?;
+    let rows = rows(Box::new(file.clone())).map_err(|error| file.failed(error))?;
+    Ok((file, rows))
 }
 
 /// Files to which the rows of a picture are written, and which appear at the end.
@@ -117,7 +127,9 @@ impl OpenFiles {
     /// # Errors
     /// If a file cannot be written.
     pub fn add(&mut self, picture: &Picture) -> Result<()> {
-        self.0.iter_mut().try_for_each(|file| file.check(|rows| rows.add(picture)))
+        let add =
+            |(file, rows): &mut OpenFile| rows.add(picture).map_err(|error| file.failed(error));
+        self.0.iter_mut().try_for_each(add)
     }
 
     /// Makes the files appear, the picture last: where it is, the others are.
@@ -125,30 +137,10 @@ impl OpenFiles {
     /// # Errors
     /// If one cannot be written.
     pub fn finish(self) -> Result<()> {
-        self.0.into_iter().rev().try_for_each(OpenFile::finish)
-    }
-}
-
-struct OpenFile {
-    file: Open,
-    rows: Box<dyn Rows>,
-}
-
-impl OpenFile {
-    fn begin(file: Output, rows: impl FnOnce(Box<dyn Write>) -> Begun) -> Result<Self> {
-        let file = file.begin()?;
-        let rows = rows(Box::new(file.clone())).map_err(|error| file.failed(error))?;
-        Ok(Self { file, rows })
-    }
-
-    fn check(&mut self, write: impl FnOnce(&mut dyn Rows) -> io::Result<()>) -> Result<()> {
-        write(&mut *self.rows).map_err(|error| self.file.failed(error))
-    }
-
-    fn finish(self) -> Result<()> {
-        let Self { file, rows } = self;
-        rows.end().map_err(|error| file.failed(error))?;
-        file.finish()
+        self.0.into_iter().rev().try_for_each(|(file, rows)| {
+            rows.end().map_err(|error| file.failed(error))?;
+            file.finish()
+        })
     }
 }
 

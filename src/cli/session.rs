@@ -5,7 +5,7 @@ use super::arguments::InteractiveArgs;
 use super::data::keep;
 use super::gallery::listed;
 use super::history::History;
-use super::output::Output;
+use super::output::{Output, print};
 use super::png_file::{Origin, check_png, write_png};
 use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
@@ -242,7 +242,7 @@ impl Session {
             let text = preview::text(&seen.picture, &seen.summary());
             if !lock(&self.printer).as_mut().is_some_and(|print| print(&text)) {
                 // Whoever no longer reads misses nothing.
-                let _ = super::output::print(&format!("{text}\n"));
+                let _ = print(&format!("{text}\n"));
             }
         }
     }
@@ -430,7 +430,9 @@ impl Session {
         let seen = self.live.snapshot();
         match (&seen.fault, &seen.rendering) {
             (Some(fault), _) => notes::say(&fault.render(notes::coloured())),
-            (None, Some(rendering)) => preview::print(&rendering.picture, &rendering.summary())?,
+            (None, Some(seen)) => {
+                print(&format!("{}\n", preview::text(&seen.picture, &seen.summary())))?;
+            }
             (None, None) => {}
         }
         Ok(())

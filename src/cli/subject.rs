@@ -77,11 +77,11 @@ pub fn note_time(time: Option<f64>, document: &Document) {
 /// One line on a domain that was searched for.
 pub fn describe_domain(found: &AutoDomain) -> String {
     let range = |axis: usize| format!("{}..{}", found.low[axis], found.high[axis]);
-    let ranges = (range(0), range(1), range(2));
-    let shown = if ranges.0 == ranges.1 && ranges.1 == ranges.2 {
-        format!("x, y, z in {}", ranges.0)
+    let [x, y, z] = [0, 1, 2].map(range);
+    let shown = if x == y && y == z {
+        format!("x, y, z in {x}")
     } else {
-        format!("x in {}, y in {}, z in {}", ranges.0, ranges.1, ranges.2)
+        format!("x in {x}, y in {y}, z in {z}")
     };
     format!("{}; domain {shown}", found.finding.describe())
 }

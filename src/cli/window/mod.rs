@@ -79,8 +79,6 @@ pub struct Window {
     sliders: Sliders,
     surfaces: Surfaces,
     browser: Browser,
-    /// Whether values are being moved, as it was last told.
-    moving: bool,
     line: Option<LineEdit>,
     /// What the line's last word may be completed to.
     candidates: Vec<String>,
@@ -144,7 +142,6 @@ impl Window {
             sliders: Sliders::default(),
             surfaces: Surfaces::default(),
             browser: Browser::default(),
-            moving: false,
             line: None,
             candidates: Vec::new(),
             typed: now,
@@ -174,7 +171,7 @@ impl Window {
             self.follow(&seen);
             self.mouse(&seen);
             self.play(&seen);
-            self.follow_motion();
+            self.session.live.set_moving(self.sliders.is_in_motion());
             self.send_value(&seen);
             self.send_opacity(&seen);
             self.show_tips();
@@ -251,14 +248,6 @@ impl Window {
 
     fn has_control(&self) -> bool {
         self.native.is_key_down(Key::LeftCtrl) || self.native.is_key_down(Key::RightCtrl)
-    }
-
-    /// Tells whether values are being moved, where that changes.
-    fn follow_motion(&mut self) {
-        let moving = self.sliders.is_in_motion();
-        if std::mem::replace(&mut self.moving, moving) != moving {
-            self.session.live.set_moving(moving);
-        }
     }
 
     fn say(&mut self, text: &str) {
