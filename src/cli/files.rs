@@ -2,12 +2,14 @@
 
 use super::arguments::OutputArgs;
 use super::array::{ARRAYS, ArrayRow, Arrays, Begun, Rows};
-use super::output::{Open, Output};
+use super::output::Output;
 use super::png_file::{Origin, check_png, png_encoder};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use png::StreamWriter;
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use zeroset::picture::{Picture, Precision};
 
 /// What is to be written of a picture, and where.
@@ -109,11 +111,11 @@ impl Files {
     }
 }
 
-/// A file and what writes rows to it.
-type OpenFile = (Open, Box<dyn Rows>);
+/// A file together with what writes rows to it.
+type OpenFile = (Shared, Box<dyn Rows>);
 
 fn begun(file: Output, rows: impl FnOnce(Box<dyn Write>) -> Begun) -> Result<OpenFile> {
-    let file = file.begin()?;
+    let file = Shared(Rc::new(RefCell::new(file)));
     let rows = rows(Box::new(file.clone())).map_err(|error| file.failed(error))?;
     Ok((file, rows))
 }
@@ -139,8 +141,30 @@ impl OpenFiles {
     pub fn finish(self) -> Result<()> {
         self.0.into_iter().rev().try_for_each(|(file, rows)| {
             rows.end().map_err(|error| file.failed(error))?;
-            file.finish()
+            // Whoever wrote rows is gone.
+            let file = Rc::into_inner(file.0).context("a file is still being written")?;
+            file.into_inner().end()
         })
+    }
+}
+
+/// A file that what writes rows to it owns as well.
+#[derive(Clone)]
+struct Shared(Rc<RefCell<Output>>);
+
+impl Shared {
+    fn failed(&self, error: io::Error) -> anyhow::Error {
+        self.0.borrow().failed(error)
+    }
+}
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.borrow_mut().flush()
     }
 }
 

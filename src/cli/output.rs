@@ -5,17 +5,15 @@
 //! rendering; an interrupted run leaves nothing behind.
 
 use anyhow::{Context, Result, bail, ensure};
-use std::cell::RefCell;
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use tempfile::NamedTempFile;
 
 /// As many symbolic links as Linux follows.
 const MOST_LINKS: usize = 40;
 
-/// A file about to be written.
+/// A file that is written, and appears at the end.
 pub struct Output {
     /// The path as given, for messages.
     path: PathBuf,
@@ -23,12 +21,12 @@ pub struct Output {
 }
 
 enum Sink {
-    /// An ordinary file, or none yet, at this place.
-    Renamed(PathBuf),
+    /// Without a name, so that an interrupted run leaves nothing; to be put in this place.
+    Renamed(BufWriter<File>, PathBuf),
     /// A device or a pipe, which a rename would replace.
-    Direct(File),
-    /// The path `-`.
-    Standard,
+    Direct(BufWriter<File>),
+    /// The path `-`: printed at the end.
+    Standard(Vec<u8>),
 }
 
 impl Output {
@@ -38,7 +36,7 @@ impl Output {
     /// If the directory does not exist or cannot be written to, or the path is a directory.
     pub fn create(path: &Path) -> Result<Self> {
         let sink = if path == Path::new("-") {
-            Sink::Standard
+            Sink::Standard(Vec::new())
         } else {
             sink(path).with_context(|| format!("cannot write '{}'", path.display()))?
         };
@@ -48,7 +46,7 @@ impl Output {
     /// Whether both are the same file, so that one would replace the other.
     pub fn is_same(&self, other: &Self) -> bool {
         match (&self.sink, &other.sink) {
-            (Sink::Renamed(one), Sink::Renamed(other)) => one == other,
+            (Sink::Renamed(_, one), Sink::Renamed(_, other)) => one == other,
             _ => false,
         }
     }
@@ -57,10 +55,12 @@ impl Output {
     ///
     /// # Errors
     /// If writing or renaming fails; the target is then as it was.
-    pub fn finish(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
-        let mut open = self.begin()?;
-        content(&mut open).map_err(|error| open.failed(error))?;
-        open.finish()
+    pub fn finish(
+        mut self,
+        content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> Result<()> {
+        content(&mut self).map_err(|error| self.failed(error))?;
+        self.end()
     }
 
     /// As [`Output::finish`], but standard output is written as content comes. That nobody reads on
@@ -70,46 +70,11 @@ impl Output {
     /// If writing or renaming fails; a file is then as it was.
     pub fn stream(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
         match self.sink {
-            Sink::Standard => written(content(&mut std::io::stdout().lock())),
-            Sink::Renamed(_) | Sink::Direct(_) => self.finish(content),
+            Sink::Standard(_) => written(content(&mut std::io::stdout().lock())),
+            Sink::Renamed(..) | Sink::Direct(_) => self.finish(content),
         }
     }
 
-    /// Makes ready for content that comes in parts.
-    ///
-    /// # Errors
-    /// If there can be no file.
-    pub fn begin(self) -> Result<Open> {
-        let Self { path, sink } = self;
-        let open = match sink {
-            Sink::Renamed(target) => {
-                let unnamed = tempfile::tempfile_in(directory(&target));
-                unnamed.map(|file| Opened::Renamed(BufWriter::new(file), target))
-            }
-            Sink::Direct(file) => Ok(Opened::Direct(BufWriter::new(file))),
-            Sink::Standard => Ok(Opened::Standard(Vec::new())),
-        };
-        let opened = open.with_context(|| format!("cannot write '{}'", path.display()))?;
-        Ok(Open { path, opened: Rc::new(RefCell::new(opened)) })
-    }
-}
-
-/// A file that is being written, and appears at the end. What writes to it may own a clone.
-#[derive(Clone)]
-pub struct Open {
-    path: PathBuf,
-    opened: Rc<RefCell<Opened>>,
-}
-
-enum Opened {
-    /// Without a name, so that an interrupted run leaves nothing; to be put in this place.
-    Renamed(BufWriter<File>, PathBuf),
-    Direct(BufWriter<File>),
-    /// Printed at the end.
-    Standard(Vec<u8>),
-}
-
-impl Open {
     /// What is said of a failure to write it.
     pub fn failed(&self, error: std::io::Error) -> anyhow::Error {
         anyhow::Error::new(error).context(format!("cannot write '{}'", self.path.display()))
@@ -118,33 +83,32 @@ impl Open {
     /// Makes what was written appear.
     ///
     /// # Errors
-    /// If there still is a clone, or writing or renaming fails; the target is then as it was.
-    pub fn finish(self) -> Result<()> {
-        let opened = Rc::into_inner(self.opened).context("a file is still being written")?;
-        let written = match opened.into_inner() {
-            Opened::Renamed(writer, target) => writer
+    /// If writing or renaming fails; the target is then as it was.
+    pub fn end(self) -> Result<()> {
+        let written = match self.sink {
+            Sink::Renamed(writer, target) => writer
                 .into_inner()
                 .map_err(|error| error.into_error())
                 .and_then(|file| put(file, &target)),
-            Opened::Direct(mut writer) => writer.flush(),
-            Opened::Standard(whole) => return print_bytes(&whole),
+            Sink::Direct(mut writer) => writer.flush(),
+            Sink::Standard(whole) => return print_bytes(&whole),
         };
         written.with_context(|| format!("cannot write '{}'", self.path.display()))
     }
 }
 
-impl Write for Open {
+impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        match &mut *self.opened.borrow_mut() {
-            Opened::Renamed(writer, _) | Opened::Direct(writer) => writer.write(bytes),
-            Opened::Standard(whole) => whole.write(bytes),
+        match &mut self.sink {
+            Sink::Renamed(writer, _) | Sink::Direct(writer) => writer.write(bytes),
+            Sink::Standard(whole) => whole.write(bytes),
         }
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
-        match &mut *self.opened.borrow_mut() {
-            Opened::Renamed(writer, _) | Opened::Direct(writer) => writer.flush(),
-            Opened::Standard(_) => Ok(()),
+        match &mut self.sink {
+            Sink::Renamed(writer, _) | Sink::Direct(writer) => writer.flush(),
+            Sink::Standard(_) => Ok(()),
         }
     }
 }
@@ -154,7 +118,7 @@ fn sink(path: &Path) -> Result<Sink> {
     match std::fs::metadata(&path) {
         Ok(found) if found.is_dir() => bail!("it is a directory"),
         Ok(found) if !found.is_file() => {
-            return Ok(Sink::Direct(File::options().write(true).open(&path)?));
+            return Ok(Sink::Direct(BufWriter::new(File::options().write(true).open(&path)?)));
         }
         // It is replaced, which its directory allows; a file that is read-only is left alone all the same.
         Ok(_) => drop(File::options().write(true).open(&path)?),
@@ -165,8 +129,9 @@ fn sink(path: &Path) -> Result<Sink> {
     let directory = directory.unwrap_or(Path::new("."));
     ensure!(directory.is_dir(), "there is no directory '{}'", directory.display());
     temporary(directory)?;
+    let unnamed = BufWriter::new(tempfile::tempfile_in(directory)?);
     // In full, so that a file is known by whatever path it is given.
-    Ok(Sink::Renamed(directory.canonicalize()?.join(name)))
+    Ok(Sink::Renamed(unnamed, directory.canonicalize()?.join(name)))
 }
 
 /// Copies what was written to a file beside `target`, which is renamed.

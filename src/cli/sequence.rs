@@ -254,8 +254,7 @@ impl<'a> Maker<'a> {
         let mut unknown = None;
         let read = |text: &str| {
             let read = sequence.document(text, &options, 0);
-            unknown = read.as_ref().err().and_then(|errors| unknown_sweep(errors, sequence));
-            read
+            read.inspect_err(|errors| unknown = unknown_sweep(errors, sequence))
         };
         let subject = Subject::read_by(&arguments.document, read);
         if let Some(name) = unknown {

@@ -8,7 +8,6 @@ use super::{MESSAGE, PAUSE, Window, browser, list};
 use crate::cli::annotate::Around;
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::help;
-use crate::cli::pick::Pick;
 use crate::cli::theme::{GROUND, INK};
 use anyhow::{Context, Result};
 use minifb::MouseMode;
@@ -85,12 +84,7 @@ impl Window {
 
     fn content(&mut self, seen: &Snapshot) -> Content {
         let gallery = self.browsed();
-        let place = self.pointer(MouseMode::Discard);
-        let pick = seen
-            .rendering
-            .as_ref()
-            .zip(place)
-            .and_then(|(rendering, at)| Pick::at(rendering, at, self.picture_size()));
+        let pick = self.pointer(MouseMode::Discard).and_then(|at| self.pick(at, seen));
         let rested = self.typed.elapsed() > PAUSE;
         let fault = self.fault(seen);
         Content {
