@@ -1,4 +1,4 @@
-//! What is written over a picture that goes to a file: axes, and which value has which color.
+//! What is drawn around a picture: axes, and which value has which color.
 
 use super::arguments::ShadingArgs;
 use super::canvas::Canvas;
@@ -22,7 +22,7 @@ pub struct Around {
     /// The domain's box with its ticks.
     pub axes: bool,
     /// Which value has which color.
-    pub legend: bool,
+    legend: bool,
 }
 
 impl Around {

@@ -8,15 +8,11 @@ const HEIGHT: RasterHeight = RasterHeight::Size16;
 
 /// The letter π, which the font lacks, as high and as bold as its others.
 const PI: [[u8; 7]; 16] = {
-    let mut rows = [[0; 7]; 16];
-    rows[6] = [90, 235, 250, 250, 250, 235, 90];
-    let mut row = 7;
-    while row < 12 {
-        rows[row] = [0, 80, 220, 0, 60, 235, 0];
-        row += 1;
-    }
-    rows[12] = [0, 110, 190, 0, 25, 225, 70];
-    rows
+    let none = [0; 7];
+    let bar = [90, 235, 250, 250, 250, 235, 90];
+    let legs = [0, 80, 220, 0, 60, 235, 0];
+    let feet = [0, 110, 190, 0, 25, 225, 70];
+    [none, none, none, none, none, none, bar, legs, legs, legs, legs, legs, feet, none, none, none]
 };
 
 /// A colour as 0xRRGGBB.

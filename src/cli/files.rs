@@ -12,26 +12,9 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use zeroset::picture::{Picture, Precision};
 
-/// What is to be written of a picture, and where.
-#[derive(Clone)]
-pub struct Wanted {
-    pub picture: Option<PathBuf>,
-    pub arrays: Vec<(&'static ArrayRow, PathBuf)>,
-    /// Whether standard output is taken.
-    pub json: bool,
-}
-
 impl OutputArgs {
-    /// What was asked for.
-    pub fn wanted(&self) -> Wanted {
-        let Self { output, arrays: Arrays(arrays), json, size: _ } = self;
-        Wanted { picture: output.clone(), arrays: arrays.clone(), json: *json }
-    }
-}
-
-impl Wanted {
-    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.picture.iter().chain(self.arrays.iter().map(|(_, path)| path))
+    fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.output.iter().chain(self.arrays.0.iter().map(|(_, path)| path))
     }
 
     /// # Errors
@@ -45,18 +28,15 @@ impl Wanted {
     }
 }
 
-/// The files asked for, opened before the work.
-pub struct Files {
-    picture: Option<Output>,
-    arrays: Vec<(&'static ArrayRow, Output)>,
-}
+/// The files asked for, opened before the work: the picture, which is no array, and arrays.
+pub struct Files(Vec<(Option<&'static ArrayRow>, Output)>);
 
 impl Files {
     /// # Errors
     /// If nothing is asked for, something twice, or a file cannot be written.
-    pub fn create(wanted: &Wanted) -> Result<Self> {
+    pub fn create(wanted: &OutputArgs) -> Result<Self> {
         wanted.check()?;
-        let Wanted { picture, arrays, json } = wanted;
+        let OutputArgs { output: picture, arrays: Arrays(arrays), json, size: _ } = wanted;
         let paths = || wanted.paths();
         let standard = paths().filter(|path| path.as_path() == Path::new("-")).count();
         ensure!(
@@ -71,9 +51,8 @@ impl Files {
             let twice = outputs[..index].iter().any(|other| one.is_same(other));
             ensure!(!twice, "'{}' is given for two outputs", path.display());
         }
-        let mut outputs = outputs.into_iter();
-        let picture = picture.as_ref().and_then(|_| outputs.next());
-        Ok(Self { picture, arrays: arrays.iter().map(|(row, _)| *row).zip(outputs).collect() })
+        let rows = picture.iter().map(|_| None).chain(arrays.iter().map(|(row, _)| Some(*row)));
+        Ok(Self(rows.zip(outputs).collect()))
     }
 
     /// Writes a whole picture.
@@ -98,30 +77,24 @@ impl Files {
         origin: &Origin,
     ) -> Result<OpenFiles> {
         let [width, height] = size;
-        let png = |out: Box<dyn Write>| -> Begun {
+        let begin = |row: Option<&ArrayRow>, out: Box<dyn Write>| -> Begun {
+            if let Some(row) = row {
+                return (row.begin)(out, [height, width], precision);
+            }
             let writer = png_encoder(out, size, origin)?.write_header()?;
             Ok(Box::new(Png(writer.into_stream_writer()?)))
         };
-        let picture = self.picture.map(|file| begun(file, png));
-        let arrays = self
-            .arrays
-            .into_iter()
-            .map(|(row, file)| begun(file, |out| (row.begin)(out, [height, width], precision)));
-        Ok(OpenFiles(picture.into_iter().chain(arrays).collect::<Result<_>>()?))
+        let open = |(row, file)| {
+            let file = Shared(Rc::new(RefCell::new(file)));
+            let rows = begin(row, Box::new(file.clone())).map_err(|error| file.failed(error))?;
+            Ok((file, rows))
+        };
+        Ok(OpenFiles(self.0.into_iter().map(open).collect::<Result<_>>()?))
     }
 }
 
-/// A file together with what writes rows to it.
-type OpenFile = (Shared, Box<dyn Rows>);
-
-fn begun(file: Output, rows: impl FnOnce(Box<dyn Write>) -> Begun) -> Result<OpenFile> {
-    let file = Shared(Rc::new(RefCell::new(file)));
-    let rows = rows(Box::new(file.clone())).map_err(|error| file.failed(error))?;
-    Ok((file, rows))
-}
-
-/// Files to which the rows of a picture are written, and which appear at the end.
-pub struct OpenFiles(Vec<OpenFile>);
+/// Files together with what writes the rows of a picture to them; they appear at the end.
+pub struct OpenFiles(Vec<(Shared, Box<dyn Rows>)>);
 
 impl OpenFiles {
     /// Writes the next rows.
@@ -129,9 +102,10 @@ impl OpenFiles {
     /// # Errors
     /// If a file cannot be written.
     pub fn add(&mut self, picture: &Picture) -> Result<()> {
-        let add =
-            |(file, rows): &mut OpenFile| rows.add(picture).map_err(|error| file.failed(error));
-        self.0.iter_mut().try_for_each(add)
+        for (file, rows) in &mut self.0 {
+            rows.add(picture).map_err(|error| file.failed(error))?;
+        }
+        Ok(())
     }
 
     /// Makes the files appear, the picture last: where it is, the others are.

@@ -82,18 +82,15 @@ pub fn room() -> (usize, usize) {
 
 /// What shows a picture that was made to fit, and a line below it.
 pub fn text(picture: &Picture, below: &str) -> String {
-    let text = match protocol().0.and_then(|protocol| pixels(picture, protocol)) {
-        Some(text) => text,
+    let size = (picture.buffer.width, picture.buffer.height);
+    // As pixels, where they can be packed.
+    let sent = protocol().0.and_then(|one| one.encode(&picture.rgb, size, characters()));
+    let text = match sent {
+        Some(text) => text + "\n",
         None if notes::coloured_output() => blocks(picture),
         None => letters(picture),
     };
     text + below
-}
-
-/// The picture as this protocol takes it; `None` if it cannot be packed.
-fn pixels(picture: &Picture, protocol: Protocol) -> Option<String> {
-    let size = (picture.buffer.width, picture.buffer.height);
-    Some(protocol.encode(&picture.rgb, size, characters())? + "\n")
 }
 
 /// The picture's rows two by two; the last of an odd number is left out.

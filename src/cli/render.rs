@@ -11,7 +11,8 @@ use super::sequence;
 use super::subject::{self, Subject};
 use super::vector::Size;
 use super::{UNDECIDED, notes, report};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
+use glam::DVec3;
 use std::process::ExitCode;
 use std::time::Duration;
 use zeroset::blank::Blank;
@@ -31,7 +32,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     }
     let choice = arguments.camera.choice();
     let cut = arguments.cut();
-    let files = Files::create(&arguments.outputs.wanted())?;
+    let files = Files::create(&arguments.outputs)?;
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
@@ -133,9 +134,8 @@ pub fn beautiful(settings: &Settings) -> Settings {
 /// If a number is out of range.
 pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
     let settings = kernel_settings(&method.kernels)?;
-    let Settings { precision, .. } = settings;
     let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
-    check_depth("--shadow-depth", shadow_depth, precision)?;
+    check_depth("--shadow-depth", shadow_depth, settings.precision)?;
     Ok(Settings {
         width,
         height,
@@ -156,32 +156,27 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let antialias = Pattern::of(aa).with_context(|| {
         format!("--aa {aa}: there are 1, 4, 16 or 64 rays in a pixel with an edge")
     })?;
-    let background = match &shading.background {
-        None => None,
-        Some(text) => {
-            let named = SrgbColor::typed(text).map(|color| LinearRgb::from_srgb(color.rgb));
-            Some(named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
-                format!("--background '{text}' is not a colour such as white or ffffff")
-            })?)
-        }
+    let background = |text: &String| {
+        let named = SrgbColor::typed(text).map(|color| LinearRgb::from_srgb(color.rgb));
+        named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
+            format!("--background '{text}' is not a colour such as white or ffffff")
+        })
     };
-    if let Some(light) = shading.light {
-        ensure!(light.is_finite(), "--light needs finite numbers");
-    }
+    let background = shading.background.as_ref().map(background).transpose()?;
+    ensure!(shading.light.is_none_or(DVec3::is_finite), "--light needs finite numbers");
     let outputs = &arguments.outputs;
     let method = method_settings(&arguments.tracing, outputs.size)?;
     let keeps_normals = outputs.arrays.0.iter().any(|(row, _)| row.needs_normals);
     let needs_normals = outputs.output.is_some() || keeps_normals;
-    let budget = match arguments.budget {
-        None => None,
-        Some(seconds) if seconds > 0.0 => Some(
-            Duration::try_from_secs_f64(seconds)
-                .with_context(|| format!("--budget {seconds}: no such time"))?,
-        ),
-        Some(seconds) => {
-            bail!("--budget {seconds}: without time nothing can be found; give seconds above 0")
-        }
+    let budget = |seconds: f64| {
+        ensure!(
+            seconds > 0.0,
+            "--budget {seconds}: without time nothing can be found; give seconds above 0"
+        );
+        Duration::try_from_secs_f64(seconds)
+            .with_context(|| format!("--budget {seconds}: no such time"))
     };
+    let budget = arguments.budget.map(budget).transpose()?;
     Ok(Settings {
         normals: method.normals.filter(|_| needs_normals),
         keeps_normals,

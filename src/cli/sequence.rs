@@ -2,8 +2,9 @@
 
 use super::animation::{Animation, Format};
 use super::annotate::Around;
-use super::arguments::{RenderArgs, SequenceArgs};
-use super::files::{Files, Wanted};
+use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
+use super::array::Arrays;
+use super::files::Files;
 use super::output::{Output, print};
 use super::overlay::Shown;
 use super::png_file::Origin;
@@ -116,10 +117,10 @@ fn part(text: &str) -> Option<(usize, usize)> {
 /// # Errors
 /// If a frame cannot be made or written; what was written stays.
 pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result<ExitCode> {
-    let wanted = arguments.outputs.wanted();
+    let wanted = &arguments.outputs;
     wanted.check()?;
-    let format = one_file(&wanted, arguments)?;
-    arguments.outputs.size.held_whole()?;
+    let format = one_file(wanted, arguments.sequence.fps)?;
+    wanted.size.held_whole()?;
     let sequence = &asked.sequence;
     ensure!(
         format.is_none() || asked.shard == (0, 1) && !arguments.sequence.resume,
@@ -127,9 +128,9 @@ pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result
     );
     let maker = Maker::new(arguments, sequence, settings)?;
     let count = match format {
-        None => maker.files(&wanted, asked.shard, arguments.sequence.resume)?,
+        None => maker.files(wanted, asked.shard, arguments.sequence.resume)?,
         Some(format) => {
-            let path = wanted.picture.as_deref().unwrap_or(Path::new("-"));
+            let path = wanted.output.as_deref().unwrap_or(Path::new("-"));
             maker.animation(format, path, arguments.sequence.fps)?
         }
     };
@@ -139,20 +140,19 @@ pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result
 }
 
 /// The format of one file that all frames go into; `None` if they go into files of their own.
-fn one_file(wanted: &Wanted, arguments: &RenderArgs) -> Result<Option<Format>> {
-    let size = [arguments.outputs.size.width, arguments.outputs.size.height];
-    if let Some(path) = &wanted.picture
+fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<Format>> {
+    if let Some(path) = &wanted.output
         && numbered(path, 0)?.is_none()
     {
-        let format = Format::of(path, size, arguments.sequence.fps)?;
-        let flag = wanted.arrays.first().map(|(row, _)| format!("--{}", row.flag));
+        let format = Format::of(path, [wanted.size.width, wanted.size.height], fps)?;
+        let flag = wanted.arrays.0.first().map(|(row, _)| format!("--{}", row.flag));
         let flag = flag.or(wanted.json.then(|| "--json".to_owned()));
         if let Some(flag) = flag {
             bail!("{flag} is about one frame: write each to a file, -o frame-%04d.png");
         }
         return Ok(Some(format));
     }
-    for (_, path) in &wanted.arrays {
+    for (_, path) in &wanted.arrays.0 {
         let (numbered, path) = (numbered(path, 0)?.is_some(), path.display());
         ensure!(numbered, "'{path}' would be written by every frame: use a name with %04d");
     }
@@ -306,7 +306,7 @@ impl<'a> Maker<'a> {
     /// Frames in files of their own: of `of` frames that follow each other, every one is another shard's.
     fn files(
         mut self,
-        wanted: &Wanted,
+        wanted: &OutputArgs,
         (shard, of): (usize, usize),
         resume: bool,
     ) -> Result<Count> {
@@ -317,11 +317,11 @@ impl<'a> Maker<'a> {
             let name = |path: &PathBuf| -> Result<PathBuf> {
                 Ok(numbered(path, frame)?.unwrap_or_else(|| path.clone()))
             };
-            let arrays = wanted.arrays.iter().map(|(row, path)| Ok((*row, name(path)?)));
-            let files = Wanted {
-                picture: wanted.picture.as_ref().map(name).transpose()?,
-                arrays: arrays.collect::<Result<_>>()?,
-                json: wanted.json,
+            let arrays = wanted.arrays.0.iter().map(|(row, path)| Ok((*row, name(path)?)));
+            let files = OutputArgs {
+                output: wanted.output.as_ref().map(name).transpose()?,
+                arrays: Arrays(arrays.collect::<Result<_>>()?),
+                ..*wanted
             };
             let is_there = |picture: &PathBuf| {
                 let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
@@ -330,9 +330,9 @@ impl<'a> Maker<'a> {
                 let is_of_it = |(_, array): &(_, PathBuf)| {
                     array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
                 };
-                origin.is_of(picture) && files.arrays.iter().all(is_of_it)
+                origin.is_of(picture) && files.arrays.0.iter().all(is_of_it)
             };
-            if resume && files.picture.as_ref().is_some_and(is_there) {
+            if resume && files.output.as_ref().is_some_and(is_there) {
                 count.kept += 1;
                 continue;
             }
