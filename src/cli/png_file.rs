@@ -1,6 +1,6 @@
 //! PNG files, and where their pictures came from.
 
-use anyhow::{Result, bail};
+use anyhow::{Result, ensure};
 use std::io::Write;
 use std::path::Path;
 use zeroset::live::quote;
@@ -67,17 +67,13 @@ impl Origin {
 /// # Errors
 /// If it does.
 pub fn check_png(path: &Path) -> Result<()> {
-    match path.extension() {
-        Some(extension) if !extension.eq_ignore_ascii_case("png") => {
-            let other = path.with_extension("png");
-            bail!(
-                "pictures are written as PNG only: '{}' has another extension; use '{}'",
-                path.display(),
-                other.display()
-            )
-        }
-        Some(_) | None => Ok(()),
-    }
+    ensure!(
+        path.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("png")),
+        "pictures are written as PNG only: '{}' has another extension; use '{}'",
+        path.display(),
+        path.with_extension("png").display()
+    );
+    Ok(())
 }
 
 /// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with where it came from.
