@@ -28,6 +28,7 @@ mod output;
 mod overlay;
 #[cfg(feature = "window")]
 mod pick;
+mod png_file;
 mod preview;
 mod progress;
 mod prompt;
@@ -55,6 +56,8 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
+/// The exit code for undecided pixels under `--strict`.
+const UNDECIDED: u8 = 1;
 /// The exit code of a user's error: what was asked for cannot be done as asked.
 const USER_ERROR: u8 = 2;
 /// The exit code of an error of the program's own.
@@ -107,17 +110,13 @@ fn dispatch() -> anyhow::Result<ExitCode> {
 fn detached(argument: OsString) -> Vec<OsString> {
     if let Some(text) = argument.to_str() {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());
-        let picture = |value: &str| Path::new(value).extension().is_some_and(|e| e == "png");
-        let name = |value: &str| {
-            value
-                .split('=')
-                .next()
-                .is_some_and(|name| name.bytes().all(|b| b.is_ascii_alphanumeric()))
+        let is_picture = |value: &&str| Path::new(value).extension().is_some_and(|e| e == "png");
+        let is_definition = |value: &&str| {
+            let name = value.split_once('=').map(|(name, _)| name);
+            name.is_some_and(|name| name.bytes().all(|b| b.is_ascii_alphanumeric()))
         };
-        let parts = attached("-D")
-            .filter(|value| value.contains('=') && name(value))
-            .map(|value| ("-D", value))
-            .or_else(|| Some(("-o", attached("-o").filter(|value| picture(value))?)));
+        let definition = attached("-D").filter(is_definition).map(|value| ("-D", value));
+        let parts = definition.or_else(|| Some(("-o", attached("-o").filter(is_picture)?)));
         if let Some((flag, value)) = parts {
             return vec![flag.into(), value.into()];
         }

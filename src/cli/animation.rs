@@ -1,7 +1,6 @@
 //! Frames in one file: animated PNG, GIF, or bytes one after another.
 
-use super::files::Origin;
-use super::output::png_encoder;
+use super::png_file::{Origin, png_encoder};
 use anyhow::{Result, bail, ensure};
 use std::io::{self, Write};
 use std::path::Path;

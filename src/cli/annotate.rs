@@ -1,10 +1,11 @@
-//! What is written over a picture that goes to a file: axes, and which value has which color.
+//! What is drawn around a picture: axes, and which value has which color.
 
-use super::canvas::{Canvas, Mark};
+use super::arguments::ShadingArgs;
+use super::canvas::Canvas;
 use super::overlay::{Shown, draw_box};
 use super::ticks::ticks;
 use zeroset::legend::Legend;
-use zeroset::picture::Picture;
+use zeroset_syntax::Document;
 
 /// Rows of a picture for each pixel of a letter's dots, about.
 const ROWS: usize = 640;
@@ -15,60 +16,65 @@ const TALL: f64 = 0.42;
 /// Letters of a legend's title, at most.
 const LONGEST: usize = 24;
 
-/// The picture's colors with what is wanted over them, as sRGB bytes.
-pub fn annotated(shown: Shown<'_>, axes: bool, legend: bool) -> Vec<u8> {
-    let (width, height) = (shown.picture.buffer.width, shown.picture.buffer.height);
-    let rgb = shown.picture.rgb.as_chunks::<3>().0;
-    let pixel = |[red, green, blue]: &[u8; 3]| u32::from_be_bytes([0, *red, *green, *blue]);
-    let pixels = rgb.iter().map(pixel).collect();
-    let mut canvas = Canvas::new(width, height, pixels, scale(height));
-    draw(&mut canvas, shown, axes, legend);
-    let bytes = canvas.pixels.iter().flat_map(|pixel| {
-        let [_, red, green, blue] = pixel.to_be_bytes();
-        [red, green, blue]
-    });
-    bytes.collect()
+/// What is drawn around a picture.
+#[derive(Clone, Copy)]
+pub struct Around {
+    /// The domain's box with its ticks.
+    pub axes: bool,
+    /// Which value has which color.
+    legend: bool,
 }
 
-/// Pixels on the side of a letter's dot in a picture of so many rows.
-fn scale(height: usize) -> usize {
-    ((height + ROWS / 2) / ROWS).max(1)
-}
-
-fn draw(canvas: &mut Canvas, shown: Shown<'_>, axes: bool, legend: bool) {
-    if axes {
-        draw_box(canvas, shown, canvas.height);
+impl Around {
+    /// With axes or without, and a legend as the document says, or else with axes.
+    pub fn new(axes: bool, document: &Document) -> Self {
+        Self { axes, legend: document.picture.legend.unwrap_or(axes) }
     }
-    if legend {
-        draw_legends(canvas, shown, canvas.height, false);
+
+    /// As the command line says, or else the document.
+    pub fn asked(asked: &ShadingArgs, document: &Document) -> Self {
+        let said = Self::new(asked.axes || document.picture.axes == Some(true), document);
+        Self { legend: asked.legend || said.legend, ..said }
     }
-}
 
-/// What is written over a picture that is made strip by strip.
-pub struct Marks(Vec<Mark>);
+    /// As the document says.
+    pub fn said(document: &Document) -> Self {
+        Self::new(document.picture.axes == Some(true), document)
+    }
 
-impl Marks {
-    /// That over a picture of this width and height, of which a smaller one is `shown`.
-    pub fn new(shown: Shown<'_>, [width, height]: [usize; 2], axes: bool, legend: bool) -> Self {
-        let (pixels, marks) = (Vec::new(), Vec::new());
-        let mut canvas = Canvas { width, height, pixels, scale: scale(height), marks };
-        if !shown.picture.rgb.is_empty() {
-            draw(&mut canvas, shown, axes, legend);
+    /// Draws it over a picture that takes the upper `height` rows of the canvas, legends from the
+    /// top down, or down to the bottom.
+    pub fn draw(self, canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
+        if self.axes {
+            draw_box(canvas, shown, height);
         }
-        Self(canvas.marks)
+        if self.legend {
+            draw_legends(canvas, shown, height, to_bottom);
+        }
     }
 
-    /// Draws it over the rows of `picture`, of which the first is the whole picture's row `top`.
-    pub fn draw(&self, picture: &mut Picture, top: usize) {
-        let first = top * picture.buffer.width;
-        let pixels = picture.rgb.as_chunks_mut::<3>().0;
-        self.0.iter().for_each(|mark| mark.mix(pixels, first));
+    /// The same over a picture of this width and height, of which a smaller one may be `shown`; to
+    /// be mixed into its rows.
+    pub fn marks(self, shown: Shown<'_>, [width, height]: [usize; 2]) -> Canvas {
+        let scale = ((height + ROWS / 2) / ROWS).max(1);
+        let mut canvas = Canvas::new(width, height, Vec::new(), scale);
+        if !shown.picture.rgb.is_empty() {
+            self.draw(&mut canvas, shown, height, false);
+        }
+        canvas
+    }
+
+    /// The picture's colors with it over them, as sRGB bytes.
+    pub fn over(self, shown: Shown<'_>) -> Vec<u8> {
+        let (buffer, mut rgb) = (&shown.picture.buffer, shown.picture.rgb.clone());
+        self.marks(shown, [buffer.width, buffer.height]).mix_into(&mut rgb, 0);
+        rgb
     }
 }
 
 /// Draws what tells colors along the right edge of a picture that takes `height` rows of the canvas, one below the other: from
 /// the top down, or down to the bottom.
-pub fn draw_legends(canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
+fn draw_legends(canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
     let legends = &shown.picture.legends;
     let (ink, space) = (shown.ink(), 10 * canvas.scale);
     let tall = (TALL * height as f64) as usize / legends.len().max(1);
@@ -127,7 +133,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
     use zeroset::model::Model;
-    use zeroset::picture::Settings;
+    use zeroset::picture::{Picture, Settings};
     use zeroset_trace::{Camera, Projection, Region};
 
     fn picture(text: &str) -> (Picture, Camera, Region) {
@@ -152,15 +158,19 @@ mod tests {
     fn axes_are_drawn_over_the_picture_and_faint_behind_it() {
         let (picture, camera, region) = picture("x^2+y^2+z^2 = 1");
         let shown = Shown { camera: &camera, region: &region, picture: &picture };
-        assert_eq!(annotated(shown, false, true), picture.rgb, "there is nothing to tell");
-        let after = annotated(shown, true, false);
+        assert_eq!(
+            Around { axes: false, legend: true }.over(shown),
+            picture.rgb,
+            "there is nothing to tell"
+        );
+        let after = Around { axes: true, legend: false }.over(shown);
         let lines = changed(&picture, &after);
         let on_surface = lines.iter().filter(|&&n| picture.buffer.is_drawn(n)).count();
         assert!(lines.len() > 1500 && on_surface > 20, "{} {on_surface}", lines.len());
         // As if nothing hid them.
         let mut clear = picture.clone();
         clear.buffer.drawn.fill(f64::INFINITY);
-        let seen = annotated(Shown { picture: &clear, ..shown }, true, false);
+        let seen = Around { axes: true, legend: false }.over(Shown { picture: &clear, ..shown });
         let change = |rgb: &[u8], on_surface: bool| -> u64 {
             let lines = lines.iter().filter(|&&n| picture.buffer.is_drawn(n) == on_surface);
             lines.map(|&n| u64::from(picture.rgb[3 * n].abs_diff(rgb[3 * n]))).sum()
@@ -177,7 +187,7 @@ mod tests {
         assert!(legend.value == "z" && legend.low > -1.01 && legend.low < -0.8, "{legend:?}");
         assert!((0.95..1.01).contains(&legend.high), "{legend:?}");
         let shown = Shown { camera: &camera, region: &region, picture: &picture };
-        let after = annotated(shown, false, true);
+        let after = Around { axes: false, legend: true }.over(shown);
         let pixels = after.as_chunks::<3>().0;
         for end in [0.0, 1.0] {
             let color = legend.map.bytes(end);

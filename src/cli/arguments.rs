@@ -2,8 +2,7 @@
 //! known here.
 
 use super::array::Arrays;
-use super::render::AA;
-use super::vector::{Numbers, Size};
+use super::vector::{Size, point};
 use anyhow::{Context, Result};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
@@ -12,10 +11,13 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset::names::Named;
 use zeroset::picture::{Normals, Precision};
-use zeroset::scene::{self, CameraChoice, ClipChoice, ClipTo, DomainChoice};
+use zeroset::scene::{self, CameraChoice, ClipChoice, ClipTo, Cut, DomainChoice};
 use zeroset_trace::{
     Ideas, LOOKS, Look, METHODS, Method, Projection, StandardView, UndecidedStyle,
 };
+
+/// Rays in a pixel with an edge, unless told otherwise.
+pub const AA: usize = 16;
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -166,6 +168,13 @@ pub struct RenderArgs {
     pub strict: bool,
 }
 
+impl RenderArgs {
+    /// What is cut away of the domain.
+    pub fn cut(&self) -> Cut {
+        Cut { plane: self.camera.clip(), to: self.clip_to }
+    }
+}
+
 /// What is written, and where.
 #[derive(Debug, Args)]
 pub struct OutputArgs {
@@ -192,16 +201,16 @@ pub struct CameraArgs {
     view: Option<StandardView>,
 
     /// The position of the eye; it may lie inside the domain
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    eye: Option<Numbers<3>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    eye: Option<DVec3>,
 
     /// The point to look at [default: the centre of the domain]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    target: Option<Numbers<3>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    target: Option<DVec3>,
 
     /// The direction that points up in the picture
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    up: Option<Numbers<3>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    up: Option<DVec3>,
 
     /// The vertical field of view, in degrees [default: 40]
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
@@ -218,13 +227,12 @@ pub struct CameraArgs {
 
 impl CameraArgs {
     pub fn choice(&self) -> CameraChoice {
-        let point = |numbers: Option<Numbers<3>>| numbers.map(|n| DVec3::from(n.0));
         let parallel = self.ortho.map(|height| Projection::Orthographic { height });
         CameraChoice {
             view: self.view,
-            eye: point(self.eye),
-            target: point(self.target),
-            up: point(self.up),
+            eye: self.eye,
+            target: self.target,
+            up: self.up,
             projection: parallel.or(self.fov.map(|fov| Projection::Perspective { fov })),
         }
     }
@@ -366,8 +374,8 @@ pub struct ShadingArgs {
     pub aa: usize,
 
     /// The position of the light [default: far above and to the left of the camera]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub light: Option<Numbers<3>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub light: Option<DVec3>,
 
     /// Ambient share of the light, from 0 to 1 [default: the look's]
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]

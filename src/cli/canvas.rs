@@ -8,15 +8,11 @@ const HEIGHT: RasterHeight = RasterHeight::Size16;
 
 /// The letter π, which the font lacks, as high and as bold as its others.
 const PI: [[u8; 7]; 16] = {
-    let mut rows = [[0; 7]; 16];
-    rows[6] = [90, 235, 250, 250, 250, 235, 90];
-    let mut row = 7;
-    while row < 12 {
-        rows[row] = [0, 80, 220, 0, 60, 235, 0];
-        row += 1;
-    }
-    rows[12] = [0, 110, 190, 0, 25, 225, 70];
-    rows
+    let none = [0; 7];
+    let bar = [90, 235, 250, 250, 250, 235, 90];
+    let legs = [0, 80, 220, 0, 60, 235, 0];
+    let feet = [0, 110, 190, 0, 25, 225, 70];
+    [none, none, none, none, none, none, bar, legs, legs, legs, legs, legs, feet, none, none, none]
 };
 
 /// A colour as 0xRRGGBB.
@@ -36,31 +32,32 @@ pub struct Canvas {
     /// Pixels on the side of one dot of a letter.
     pub scale: usize,
     /// If there are no pixels: what would be mixed into them.
-    pub marks: Vec<Mark>,
+    marks: Vec<Mark>,
 }
 
 /// A colour that is mixed into the pixel of this index, and its share.
-#[derive(Clone, Copy)]
-pub struct Mark {
-    pub pixel: usize,
-    pub colour: Rgb,
-    pub share: u8,
-}
-
-impl Mark {
-    /// Mixes it into its pixel, if that is one of `pixels`, of which the first has the index `first`.
-    pub fn mix(self, pixels: &mut [[u8; 3]], first: usize) {
-        if let Some(pixel) = self.pixel.checked_sub(first).and_then(|there| pixels.get_mut(there)) {
-            let [_, parts @ ..] = self.colour.to_be_bytes();
-            *pixel = mixed(*pixel, parts, u32::from(self.share));
-        }
-    }
+struct Mark {
+    pixel: usize,
+    colour: Rgb,
+    share: u8,
 }
 
 impl Canvas {
     /// The size of each dot of a letter, and a pixel each or none.
     pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, scale: usize) -> Self {
         Self { width, height, pixels, scale, marks: Vec::new() }
+    }
+
+    /// Mixes what was drawn where there were no pixels into rows of red, green and blue bytes, of
+    /// which the first is the row `top`.
+    pub fn mix_into(&self, rgb: &mut [u8], top: usize) {
+        let (pixels, first) = (rgb.as_chunks_mut::<3>().0, top * self.width);
+        for Mark { pixel, colour, share } in &self.marks {
+            if let Some(pixel) = pixel.checked_sub(first).and_then(|there| pixels.get_mut(there)) {
+                let [_, parts @ ..] = colour.to_be_bytes();
+                *pixel = mixed(*pixel, parts, u32::from(*share));
+            }
+        }
     }
 
     /// Width of a letter in pixels.

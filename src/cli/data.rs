@@ -14,11 +14,11 @@ pub fn data_directory() -> Option<PathBuf> {
     Some(directory)
 }
 
-/// Keeps the document, so that it is there after whatever ends the program.
-pub fn remember(text: &str) {
+/// Keeps a text under this name, so that it is there after whatever ends the program.
+pub fn keep(name: &str, text: &str) {
     let Some(directory) = data_directory() else { return };
-    // A document that cannot be kept is no reason to stop.
-    if let Ok(output) = Output::create(&directory.join("last.zset")) {
+    // What cannot be kept is no reason to stop.
+    if let Ok(output) = Output::create(&directory.join(name)) {
         let _ = output.finish(|out| writeln!(out, "{text}"));
     }
 }

@@ -51,7 +51,7 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
         }
         let cut = read as u64 == LONGEST_LINE && line.last() != Some(&b'\n');
         let answer = if cut {
-            skip_line(&mut *input).context("cannot read the input")?;
+            input.skip_until(b'\n').context("cannot read the input")?;
             Err(format!("the line is longer than {LONGEST_LINE} bytes"))
         } else if line.iter().all(u8::is_ascii_whitespace) {
             continue;
@@ -67,22 +67,6 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
         }
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Reads up to and with the next line break.
-fn skip_line(input: &mut dyn BufRead) -> std::io::Result<()> {
-    loop {
-        let buffer = input.fill_buf()?;
-        if buffer.is_empty() {
-            return Ok(());
-        }
-        let end = buffer.iter().position(|&byte| byte == b'\n');
-        let used = end.map_or(buffer.len(), |end| end + 1);
-        input.consume(used);
-        if end.is_some() {
-            return Ok(());
-        }
-    }
 }
 
 /// Formulas by their text, with the kernels asked for so far.

@@ -1,37 +1,20 @@
-//! What one picture is written to: files opened before the work, and where they came from.
+//! What one picture is written to: files opened before the work.
 
 use super::arguments::OutputArgs;
 use super::array::{ARRAYS, ArrayRow, Arrays, Begun, Rows};
-use super::output::{Open, Output, check_png, png_encoder};
+use super::output::Output;
+use super::png_file::{Origin, check_png, png_encoder};
 use anyhow::{Context, Result, bail, ensure};
 use png::StreamWriter;
 use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use zeroset::live::quote;
 use zeroset::picture::{Picture, Precision};
 
-/// What is to be written of a picture, and where.
-#[derive(Clone)]
-pub struct Wanted {
-    pub picture: Option<PathBuf>,
-    pub arrays: Vec<(&'static ArrayRow, PathBuf)>,
-    /// Whether standard output is taken.
-    pub json: bool,
-}
-
 impl OutputArgs {
-    /// What was asked for.
-    pub fn wanted(&self) -> Wanted {
-        let Self { output, arrays: Arrays(arrays), json, size: _ } = self;
-        Wanted { picture: output.clone(), arrays: arrays.clone(), json: *json }
-    }
-}
-
-impl Wanted {
-    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.picture.iter().chain(self.arrays.iter().map(|(_, path)| path))
+    fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.output.iter().chain(self.arrays.0.iter().map(|(_, path)| path))
     }
 
     /// # Errors
@@ -45,18 +28,15 @@ impl Wanted {
     }
 }
 
-/// The files asked for, opened before the work.
-pub struct Files {
-    picture: Option<Output>,
-    arrays: Vec<(&'static ArrayRow, Output)>,
-}
+/// The files asked for, opened before the work: the picture, which is no array, and arrays.
+pub struct Files(Vec<(Option<&'static ArrayRow>, Output)>);
 
 impl Files {
     /// # Errors
     /// If nothing is asked for, something twice, or a file cannot be written.
-    pub fn create(wanted: &Wanted) -> Result<Self> {
+    pub fn create(wanted: &OutputArgs) -> Result<Self> {
         wanted.check()?;
-        let Wanted { picture, arrays, json } = wanted;
+        let OutputArgs { output: picture, arrays: Arrays(arrays), json, size: _ } = wanted;
         let paths = || wanted.paths();
         let standard = paths().filter(|path| path.as_path() == Path::new("-")).count();
         ensure!(
@@ -71,9 +51,8 @@ impl Files {
             let twice = outputs[..index].iter().any(|other| one.is_same(other));
             ensure!(!twice, "'{}' is given for two outputs", path.display());
         }
-        let mut outputs = outputs.into_iter();
-        let picture = picture.as_ref().and_then(|_| outputs.next());
-        Ok(Self { picture, arrays: arrays.iter().map(|(row, _)| *row).zip(outputs).collect() })
+        let rows = picture.iter().map(|_| None).chain(arrays.iter().map(|(row, _)| Some(*row)));
+        Ok(Self(rows.zip(outputs).collect()))
     }
 
     /// Writes a whole picture.
@@ -98,20 +77,24 @@ impl Files {
         origin: &Origin,
     ) -> Result<OpenFiles> {
         let [width, height] = size;
-        let png = |out: Box<dyn Write>| -> Begun {
+        let begin = |row: Option<&ArrayRow>, out: Box<dyn Write>| -> Begun {
+            if let Some(row) = row {
+                return (row.begin)(out, [height, width], precision);
+            }
             let writer = png_encoder(out, size, origin)?.write_header()?;
             Ok(Box::new(Png(writer.into_stream_writer()?)))
         };
-        let picture = self.picture.map(|file| OpenFile::begin(file, png));
-        let arrays = self.arrays.into_iter().map(|(row, file)| {
-            OpenFile::begin(file, |out| (row.begin)(out, [height, width], precision))
-        });
-        Ok(OpenFiles(picture.into_iter().chain(arrays).collect::<Result<_>>()?))
+        let open = |(row, file)| {
+            let file = Shared(Rc::new(RefCell::new(file)));
+            let rows = begin(row, Box::new(file.clone())).map_err(|error| file.failed(error))?;
+            Ok((file, rows))
+        };
+        Ok(OpenFiles(self.0.into_iter().map(open).collect::<Result<_>>()?))
     }
 }
 
-/// Files to which the rows of a picture are written, and which appear at the end.
-pub struct OpenFiles(Vec<OpenFile>);
+/// Files together with what writes the rows of a picture to them; they appear at the end.
+pub struct OpenFiles(Vec<(Shared, Box<dyn Rows>)>);
 
 impl OpenFiles {
     /// Writes the next rows.
@@ -119,7 +102,10 @@ impl OpenFiles {
     /// # Errors
     /// If a file cannot be written.
     pub fn add(&mut self, picture: &Picture) -> Result<()> {
-        self.0.iter_mut().try_for_each(|file| file.check(|rows| rows.add(picture)))
+        for (file, rows) in &mut self.0 {
+            rows.add(picture).map_err(|error| file.failed(error))?;
+        }
+        Ok(())
     }
 
     /// Makes the files appear, the picture last: where it is, the others are.
@@ -127,47 +113,32 @@ impl OpenFiles {
     /// # Errors
     /// If one cannot be written.
     pub fn finish(self) -> Result<()> {
-        self.0.into_iter().rev().try_for_each(OpenFile::finish)
+        self.0.into_iter().rev().try_for_each(|(file, rows)| {
+            rows.end().map_err(|error| file.failed(error))?;
+            // Whoever wrote rows is gone.
+            let file = Rc::into_inner(file.0).context("a file is still being written")?;
+            file.into_inner().end()
+        })
     }
 }
 
-struct OpenFile {
-    file: Shared,
-    rows: Box<dyn Rows>,
-}
-
-impl OpenFile {
-    fn begin(file: Output, rows: impl FnOnce(Box<dyn Write>) -> Begun) -> Result<Self> {
-        let file = Shared(Rc::new(RefCell::new(file.begin()?)));
-        let begun = rows(Box::new(file.clone()));
-        let rows = begun.map_err(|error| file.0.borrow().failed(error))?;
-        Ok(Self { file, rows })
-    }
-
-    fn check(&mut self, write: impl FnOnce(&mut dyn Rows) -> io::Result<()>) -> Result<()> {
-        write(&mut *self.rows).map_err(|error| self.file.0.borrow().failed(error))
-    }
-
-    fn finish(self) -> Result<()> {
-        let Self { file, rows } = self;
-        rows.end().map_err(|error| file.0.borrow().failed(error))?;
-        // Whoever wrote rows is gone.
-        let file = Rc::into_inner(file.0).context("a file is still being written")?;
-        file.into_inner().finish()
-    }
-}
-
-/// A file together with what writes rows to it.
+/// A file that what writes rows to it owns as well.
 #[derive(Clone)]
-struct Shared(Rc<RefCell<Open>>);
+struct Shared(Rc<RefCell<Output>>);
+
+impl Shared {
+    fn failed(&self, error: io::Error) -> anyhow::Error {
+        self.0.borrow().failed(error)
+    }
+}
 
 impl Write for Shared {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.borrow_mut().sink().write(bytes)
+        self.0.borrow_mut().write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.0.borrow_mut().sink().flush()
+        self.0.borrow_mut().flush()
     }
 }
 
@@ -180,62 +151,5 @@ impl Rows for Png {
 
     fn end(self: Box<Self>) -> io::Result<()> {
         Ok(self.0.finish()?)
-    }
-}
-
-/// Where a picture came from, as its file tells.
-#[derive(Clone, Default, PartialEq, Eq)]
-pub struct Origin {
-    /// The command that makes it, and the text that it drew.
-    pub chunks: Vec<(&'static str, String)>,
-}
-
-/// What makes no difference to pictures: which of them are made here, how fast, and whether they are made again.
-const INDIFFERENT: [(&str, bool); 3] =
-    [("--shard", true), ("--resume", false), ("--threads", true)];
-
-impl Origin {
-    /// What was typed, as it could be typed again, and the text that is drawn.
-    pub fn typed(text: &str) -> Self {
-        let mut words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
-        let mut kept = vec!["zeroset".to_owned()];
-        while let Some(word) = words.next() {
-            let (flag, value) = word.split_once('=').map_or((&*word, None), |(a, b)| (a, Some(b)));
-            match INDIFFERENT.iter().find(|(name, _)| *name == flag) {
-                Some((_, true)) if value.is_none() => drop(words.next()),
-                Some(_) => {}
-                None => kept.push(quote(&word)),
-            }
-        }
-        Self { chunks: vec![("Comment", kept.join(" ")), ("Description", text.to_owned())] }
-    }
-
-    /// This command alone.
-    pub fn command(command: &str) -> Self {
-        Self { chunks: vec![("Comment", command.to_owned())] }
-    }
-
-    /// The same for one frame of a sequence.
-    #[must_use]
-    pub fn frame(&self, number: usize) -> Self {
-        let mut chunks = self.chunks.clone();
-        chunks.push(("Title", format!("frame {number}")));
-        Self { chunks }
-    }
-
-    /// Whether a PNG file came from here.
-    pub fn is_of(&self, file: &Path) -> bool {
-        let open = || {
-            let file = std::io::BufReader::new(std::fs::File::open(file).ok()?);
-            png::Decoder::new(file).read_info().ok()
-        };
-        let Some(reader) = open() else { return false };
-        let texts = &reader.info().utf8_text;
-        self.chunks.iter().all(|(key, value)| {
-            let same = |chunk: &png::text_metadata::ITXtChunk| {
-                chunk.keyword == *key && chunk.get_text().is_ok_and(|text| text == *value)
-            };
-            texts.iter().any(same)
-        })
     }
 }

@@ -1,9 +1,9 @@
 //! `zeroset gallery`.
 
 use super::arguments::GalleryArgs;
-use super::files::Origin;
 use super::notes;
-use super::output::{Output, print, write_png};
+use super::output::{Output, print};
+use super::png_file::{Origin, write_png};
 use super::progress::Progress;
 use super::render::{beautiful, in_threads, method_settings};
 use super::sheet::Sheet;
@@ -22,7 +22,7 @@ const SHEET: &str = "contact-sheet.png";
 pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
     let examples = examples();
     if arguments.list {
-        list(&examples)?;
+        print(&listed(&examples))?;
         return Ok(ExitCode::SUCCESS);
     }
     arguments.size.held_whole()?;
@@ -37,10 +37,6 @@ pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
         directory.display()
     ));
     Ok(ExitCode::SUCCESS)
-}
-
-fn list(examples: &[Example]) -> Result<()> {
-    print(&listed(examples))
 }
 
 /// One line for each: its name, and what it is.

@@ -6,8 +6,7 @@
 //! the terminal without a limit of time and writes to standard output itself, `ratatui-image` needs
 //! `ratatui`.
 
-use super::files::Origin;
-use super::output::write_png;
+use super::png_file::{Origin, write_png};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;

@@ -16,7 +16,7 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
         #[cfg(feature = "window")]
         Ok(window) => {
             let prompt = Arc::clone(&session);
-            let saved = super::terminal::State::save();
+            let restore_terminal = super::terminal::keep_setup();
             let thread = std::thread::spawn(move || prompt::run(&prompt, false));
             window.run()?;
             if thread.is_finished() {
@@ -24,7 +24,7 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
                 thread.join().unwrap_or(Ok(()))?;
             }
             // The prompt may still be waiting for a key, with the terminal set up for that.
-            saved.restore();
+            restore_terminal();
         }
         #[cfg(not(feature = "window"))]
         Ok(never) => match never {},

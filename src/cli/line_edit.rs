@@ -12,6 +12,12 @@ pub struct LineEdit {
     back: usize,
 }
 
+impl From<String> for LineEdit {
+    fn from(text: String) -> Self {
+        Self { cursor: text.len(), text, back: 0 }
+    }
+}
+
 impl LineEdit {
     pub fn text(&self) -> &str {
         &self.text

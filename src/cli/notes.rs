@@ -3,16 +3,9 @@
 use std::io::{IsTerminal, Write};
 
 /// An error that is already laid out, with carets and a suggestion.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 pub struct Diagnostic(pub String);
-
-impl std::fmt::Display for Diagnostic {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Diagnostic {}
 
 /// Reports an error and its causes on one line, or as it is if it already is laid out.
 pub fn error(error: &anyhow::Error) {

@@ -4,7 +4,6 @@
 //! be done is tried before any work is, so that a target that cannot be written is an error at once and not after the
 //! rendering; an interrupted run leaves nothing behind.
 
-use super::files::Origin;
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Seek, Write};
@@ -14,7 +13,7 @@ use tempfile::NamedTempFile;
 /// As many symbolic links as Linux follows.
 const MOST_LINKS: usize = 40;
 
-/// A file about to be written.
+/// A file that is written, and appears at the end.
 pub struct Output {
     /// The path as given, for messages.
     path: PathBuf,
@@ -22,12 +21,12 @@ pub struct Output {
 }
 
 enum Sink {
-    /// An ordinary file, or none yet, at this place.
-    Renamed(PathBuf),
+    /// Without a name, so that an interrupted run leaves nothing; to be put in this place.
+    Renamed(BufWriter<File>, PathBuf),
     /// A device or a pipe, which a rename would replace.
-    Direct(File),
-    /// The path `-`.
-    Standard,
+    Direct(BufWriter<File>),
+    /// The path `-`: printed at the end.
+    Standard(Vec<u8>),
 }
 
 impl Output {
@@ -37,7 +36,7 @@ impl Output {
     /// If the directory does not exist or cannot be written to, or the path is a directory.
     pub fn create(path: &Path) -> Result<Self> {
         let sink = if path == Path::new("-") {
-            Sink::Standard
+            Sink::Standard(Vec::new())
         } else {
             sink(path).with_context(|| format!("cannot write '{}'", path.display()))?
         };
@@ -47,7 +46,7 @@ impl Output {
     /// Whether both are the same file, so that one would replace the other.
     pub fn is_same(&self, other: &Self) -> bool {
         match (&self.sink, &other.sink) {
-            (Sink::Renamed(one), Sink::Renamed(other)) => one == other,
+            (Sink::Renamed(_, one), Sink::Renamed(_, other)) => one == other,
             _ => false,
         }
     }
@@ -56,55 +55,24 @@ impl Output {
     ///
     /// # Errors
     /// If writing or renaming fails; the target is then as it was.
-    pub fn finish(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
-        let mut open = self.begin()?;
-        open.write(content)?;
-        open.finish()
-    }
-
-    /// Makes ready for content that comes in parts.
-    ///
-    /// # Errors
-    /// If there can be no file.
-    pub fn begin(self) -> Result<Open> {
-        let Self { path, sink } = self;
-        let open = match sink {
-            Sink::Renamed(target) => {
-                let unnamed = tempfile::tempfile_in(directory(&target));
-                unnamed.map(|file| Opened::Renamed(BufWriter::new(file), target))
-            }
-            Sink::Direct(file) => Ok(Opened::Direct(BufWriter::new(file))),
-            Sink::Standard => Ok(Opened::Standard(Vec::new())),
-        };
-        let opened = open.with_context(|| format!("cannot write '{}'", path.display()))?;
-        Ok(Open { path, opened })
-    }
-}
-
-/// A file that is being written, and appears at the end.
-pub struct Open {
-    path: PathBuf,
-    opened: Opened,
-}
-
-enum Opened {
-    /// Without a name, so that an interrupted run leaves nothing; to be put in this place.
-    Renamed(BufWriter<File>, PathBuf),
-    Direct(BufWriter<File>),
-    /// Printed at the end.
-    Standard(Vec<u8>),
-}
-
-impl Open {
-    /// Writes some content.
-    ///
-    /// # Errors
-    /// If writing fails.
-    pub fn write(
-        &mut self,
+    pub fn finish(
+        mut self,
         content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<()> {
-        content(self.sink()).map_err(|error| self.failed(error))
+        content(&mut self).map_err(|error| self.failed(error))?;
+        self.end()
+    }
+
+    /// As [`Output::finish`], but standard output is written as content comes. That nobody reads on
+    /// ends it, and is no error.
+    ///
+    /// # Errors
+    /// If writing or renaming fails; a file is then as it was.
+    pub fn stream(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
+        match self.sink {
+            Sink::Standard(_) => written(content(&mut std::io::stdout().lock())),
+            Sink::Renamed(..) | Sink::Direct(_) => self.finish(content),
+        }
     }
 
     /// What is said of a failure to write it.
@@ -112,40 +80,35 @@ impl Open {
         anyhow::Error::new(error).context(format!("cannot write '{}'", self.path.display()))
     }
 
-    /// Where content goes.
-    pub fn sink(&mut self) -> &mut dyn Write {
-        match &mut self.opened {
-            Opened::Renamed(writer, _) | Opened::Direct(writer) => writer,
-            Opened::Standard(whole) => whole,
-        }
-    }
-
     /// Makes what was written appear.
     ///
     /// # Errors
     /// If writing or renaming fails; the target is then as it was.
-    pub fn finish(self) -> Result<()> {
-        let written = match self.opened {
-            Opened::Renamed(writer, target) => writer
+    pub fn end(self) -> Result<()> {
+        let written = match self.sink {
+            Sink::Renamed(writer, target) => writer
                 .into_inner()
                 .map_err(|error| error.into_error())
                 .and_then(|file| put(file, &target)),
-            Opened::Direct(mut writer) => writer.flush(),
-            Opened::Standard(whole) => return print_bytes(&whole),
+            Sink::Direct(mut writer) => writer.flush(),
+            Sink::Standard(whole) => return print_bytes(&whole),
         };
         written.with_context(|| format!("cannot write '{}'", self.path.display()))
     }
 }
 
-impl Output {
-    /// As [`Output::finish`], but standard output is written as content comes. That nobody reads on ends it, and is no error.
-    ///
-    /// # Errors
-    /// If writing or renaming fails; a file is then as it was.
-    pub fn stream(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
-        match self.sink {
-            Sink::Standard => written(content(&mut std::io::stdout().lock())),
-            Sink::Renamed(_) | Sink::Direct(_) => self.finish(content),
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        match &mut self.sink {
+            Sink::Renamed(writer, _) | Sink::Direct(writer) => writer.write(bytes),
+            Sink::Standard(whole) => whole.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        match &mut self.sink {
+            Sink::Renamed(writer, _) | Sink::Direct(writer) => writer.flush(),
+            Sink::Standard(_) => Ok(()),
         }
     }
 }
@@ -155,7 +118,7 @@ fn sink(path: &Path) -> Result<Sink> {
     match std::fs::metadata(&path) {
         Ok(found) if found.is_dir() => bail!("it is a directory"),
         Ok(found) if !found.is_file() => {
-            return Ok(Sink::Direct(File::options().write(true).open(&path)?));
+            return Ok(Sink::Direct(BufWriter::new(File::options().write(true).open(&path)?)));
         }
         // It is replaced, which its directory allows; a file that is read-only is left alone all the same.
         Ok(_) => drop(File::options().write(true).open(&path)?),
@@ -166,8 +129,9 @@ fn sink(path: &Path) -> Result<Sink> {
     let directory = directory.unwrap_or(Path::new("."));
     ensure!(directory.is_dir(), "there is no directory '{}'", directory.display());
     temporary(directory)?;
+    let unnamed = BufWriter::new(tempfile::tempfile_in(directory)?);
     // In full, so that a file is known by whatever path it is given.
-    Ok(Sink::Renamed(directory.canonicalize()?.join(name)))
+    Ok(Sink::Renamed(unnamed, directory.canonicalize()?.join(name)))
 }
 
 /// Copies what was written to a file beside `target`, which is renamed.
@@ -246,59 +210,4 @@ pub fn written(result: std::io::Result<()>) -> Result<()> {
         }
         _ => Ok(()),
     }
-}
-
-/// Refuses a path that asks for another format than PNG. A path without an extension asks for none.
-///
-/// # Errors
-/// If it does.
-pub fn check_png(path: &Path) -> Result<()> {
-    match path.extension() {
-        Some(extension) if !extension.eq_ignore_ascii_case("png") => {
-            let other = path.with_extension("png");
-            bail!(
-                "pictures are written as PNG only: '{}' has another extension; use '{}'",
-                path.display(),
-                other.display()
-            )
-        }
-        Some(_) | None => Ok(()),
-    }
-}
-
-/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with where it came from.
-///
-/// # Errors
-/// If the sink fails.
-pub fn write_png(
-    out: &mut dyn Write,
-    rgb: &[u8],
-    [width, height]: [usize; 2],
-    origin: &Origin,
-) -> std::io::Result<()> {
-    let mut writer = png_encoder(out, [width, height], origin)?.write_header()?;
-    writer.write_image_data(rgb)?;
-    writer.finish()?;
-    Ok(())
-}
-
-/// What writes a PNG (sRGB) of this size to `out`, with where it came from.
-///
-/// # Errors
-/// If a text of `origin` cannot be written.
-pub fn png_encoder<W: Write>(
-    out: W,
-    [width, height]: [usize; 2],
-    origin: &Origin,
-) -> std::io::Result<png::Encoder<'static, W>> {
-    let mut encoder = png::Encoder::new(out, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_compression(png::Compression::Fast);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();
-    encoder.add_itxt_chunk("Software".to_owned(), software)?;
-    for (key, text) in &origin.chunks {
-        encoder.add_itxt_chunk((*key).to_owned(), text.clone())?;
-    }
-    Ok(encoder)
 }

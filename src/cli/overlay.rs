@@ -3,7 +3,6 @@
 use super::canvas::{Canvas, Rgb};
 use super::ticks::ticks;
 use glam::{DVec2, DVec3};
-#[cfg(feature = "window")]
 use zeroset::live::Rendering;
 use zeroset::picture::Picture;
 use zeroset_trace::{Camera, Projection, Region};
@@ -27,7 +26,6 @@ pub struct Shown<'a> {
     pub picture: &'a Picture,
 }
 
-#[cfg(feature = "window")]
 impl<'a> From<&'a Rendering> for Shown<'a> {
     fn from(rendering: &'a Rendering) -> Self {
         let (camera, picture) = (&rendering.camera, &rendering.picture);
@@ -48,18 +46,14 @@ impl Shown<'_> {
 }
 
 /// Where points of space appear in a window of a given size.
-pub struct Projector<'a> {
+struct Projector<'a> {
     shown: Shown<'a>,
     rays: zeroset_trace::RayGrid,
 }
 
-impl<'a> Projector<'a> {
-    pub fn new(shown: Shown<'a>, width: usize, height: usize) -> Self {
-        Self { shown, rays: shown.camera.rays(width, height) }
-    }
-
+impl Projector<'_> {
     /// The place in pixels and the distance from the ray's origin; `None` behind the eye.
-    pub fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
+    fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
         let rays = &self.rays;
         let way = point - rays.eye();
         let depth = way.dot(rays.forward());
@@ -207,8 +201,7 @@ impl Label {
 /// pixels, and returns what is written.
 pub fn draw_box(canvas: &mut Canvas, shown: Shown<'_>, height: usize) -> Vec<Label> {
     let mut labels = Vec::new();
-    let width = canvas.width;
-    let projector = Projector::new(shown, width, height);
+    let projector = Projector { shown, rays: shown.camera.rays(canvas.width, height) };
     let (region, mut cover) = (shown.region, Cover::new(canvas));
     let (low, high) = (region.low(), region.high());
     let corner = |n: usize| {

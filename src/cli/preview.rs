@@ -2,8 +2,8 @@
 //! block in one colour over the other, else as letters.
 
 use super::graphics::{Known, Protocol};
+use super::notes;
 use super::terminal::{self, Answer};
-use super::{notes, output};
 use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
@@ -80,42 +80,29 @@ pub fn room() -> (usize, usize) {
     (columns * across, rows * down)
 }
 
-/// Prints a picture that was made to fit, and a line below it.
-///
-/// # Errors
-/// If the terminal cannot be written to.
-pub fn print(picture: &Picture, below: &str) -> anyhow::Result<()> {
-    output::print(&format!("{}\n", text(picture, below)))
-}
-
 /// What shows a picture that was made to fit, and a line below it.
 pub fn text(picture: &Picture, below: &str) -> String {
-    let text = match protocol().0.and_then(|protocol| pixels(picture, protocol)) {
-        Some(text) => text,
+    let size = (picture.buffer.width, picture.buffer.height);
+    // As pixels, where they can be packed.
+    let sent = protocol().0.and_then(|one| one.encode(&picture.rgb, size, characters()));
+    let text = match sent {
+        Some(text) => text + "\n",
         None if notes::coloured_output() => blocks(picture),
         None => letters(picture),
     };
     text + below
 }
 
-/// The picture as this protocol takes it; `None` if it cannot be packed.
-fn pixels(picture: &Picture, protocol: Protocol) -> Option<String> {
-    let size = (picture.buffer.width, picture.buffer.height);
-    Some(protocol.encode(&picture.rgb, size, characters())? + "\n")
-}
-
-fn pixel(picture: &Picture, x: usize, y: usize) -> [u8; 3] {
-    let index = 3 * (y * picture.buffer.width + x);
-    [picture.rgb[index], picture.rgb[index + 1], picture.rgb[index + 2]]
+/// The picture's rows two by two; the last of an odd number is left out.
+fn pairs(picture: &Picture) -> impl Iterator<Item = (&[[u8; 3]], &[[u8; 3]])> {
+    let width = picture.buffer.width;
+    picture.rgb.as_chunks().0.chunks_exact(2 * width).map(move |pair| pair.split_at(width))
 }
 
 fn blocks(picture: &Picture) -> String {
-    let (width, height) = (picture.buffer.width, picture.buffer.height);
     let mut text = String::new();
-    for y in (0..height.saturating_sub(1)).step_by(2) {
-        for x in 0..width {
-            let [r, g, b] = pixel(picture, x, y);
-            let [s, h, c] = pixel(picture, x, y + 1);
+    for (upper, lower) in pairs(picture) {
+        for ([r, g, b], [s, h, c]) in upper.iter().zip(lower) {
             let _ = write!(text, "\x1b[38;2;{r};{g};{b};48;2;{s};{h};{c}m▀");
         }
         text.push_str("\x1b[0m\n");
@@ -126,15 +113,14 @@ fn blocks(picture: &Picture) -> String {
 /// Without colours, letters by brightness; nothing where nothing is painted.
 fn letters(picture: &Picture) -> String {
     const RAMP: &[u8] = b"@%#*+=-:";
-    let (width, height) = (picture.buffer.width, picture.buffer.height);
     let mut text = String::new();
-    for y in (0..height.saturating_sub(1)).step_by(2) {
+    for (row, (upper, _)) in pairs(picture).enumerate() {
         let mut line = String::new();
-        for x in 0..width {
-            let drawn = picture.buffer.is_drawn(y * width + x);
-            let [r, g, b] = pixel(picture, x, y).map(usize::from);
+        for (pixel, rgb) in (2 * row * upper.len()..).zip(upper) {
+            let [r, g, b] = rgb.map(usize::from);
             let bright = (2 * r + 5 * g + b) / 8;
-            line.push(if drawn { char::from(RAMP[bright * RAMP.len() / 256]) } else { ' ' });
+            let letter = char::from(RAMP[bright * RAMP.len() / 256]);
+            line.push(if picture.buffer.is_drawn(pixel) { letter } else { ' ' });
         }
         text.push_str(line.trim_end());
         text.push('\n');

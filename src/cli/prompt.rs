@@ -4,7 +4,7 @@
 use super::completion::{Class, candidates, classes, given_up, is_open};
 use super::data::data_directory;
 use super::history::KEPT_LINES;
-use super::session::Session;
+use super::session::{Session, lock};
 use super::{notes, preview};
 use anyhow::anyhow;
 use rustyline::completion::{Completer, Pair};
@@ -17,7 +17,7 @@ use rustyline::{CompletionType, Config, Context, Editor, ExternalPrinter, Helper
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::IsTerminal;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use zeroset::live::COMMANDS;
 use zeroset_syntax::WordKind;
@@ -166,7 +166,7 @@ struct Typing {
 
 /// Forgets the line that is typed; whether there was anything in it.
 fn forget_line(typing: &Mutex<Typing>) -> bool {
-    let mut typing = typing.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut typing = lock(typing);
     std::mem::take(&mut typing.is_begun)
 }
 
@@ -174,7 +174,7 @@ fn forget_line(typing: &Mutex<Typing>) -> bool {
 fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
     while !session.has_ended() {
         std::thread::sleep(LOOK);
-        let mut typing = typing.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut typing = lock(typing);
         let Some(fault) = session.live.snapshot().fault else { continue };
         let is_new = fault.revision != typing.reported && session.is_told(fault.revision);
         if typing.at.elapsed() < PAUSE || !is_new {
@@ -215,7 +215,7 @@ impl Hinter for PromptHelper {
     /// Called at every key, so that the picture follows what is typed.
     fn hint(&self, line: &str, pos: usize, _: &Context<'_>) -> Option<String> {
         {
-            let mut typing = self.typing.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut typing = lock(&self.typing);
             (typing.at, typing.is_begun) = (Instant::now(), !line.trim().is_empty());
         }
         self.session.live.type_line(line);

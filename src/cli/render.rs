@@ -1,32 +1,28 @@
 //! `zeroset render`.
 
-use super::annotate::{Marks, annotated};
-use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
-use super::files::{Files, Origin};
+use super::annotate::Around;
+use super::arguments::{AA, KernelArgs, RenderArgs, TracingArgs};
+use super::files::Files;
 use super::output::print;
 use super::overlay::Shown;
+use super::png_file::Origin;
 use super::progress::Progress;
 use super::sequence;
 use super::subject::{self, Subject};
 use super::vector::Size;
-use super::{notes, report};
-use anyhow::{Context, Result, bail, ensure};
+use super::{UNDECIDED, notes, report};
+use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use std::process::ExitCode;
 use std::time::Duration;
+use zeroset::blank::Blank;
 use zeroset::domain::AutoDomain;
 use zeroset::framing;
 use zeroset::model::{Model, Strip};
 use zeroset::picture::{Open, Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
-use zeroset::scene::{self, Cut};
-use zeroset_syntax::{Document, SrgbColor};
-use zeroset_trace::{Camera, LinearRgb, MethodOption, Pattern, Region};
-
-/// The exit code for undecided pixels under `--strict`.
-pub const UNDECIDED: u8 = 1;
-
-/// Rays in a pixel with an edge, unless told otherwise.
-pub const AA: usize = 16;
+use zeroset::scene;
+use zeroset_syntax::SrgbColor;
+use zeroset_trace::{LinearRgb, MethodOption, Pattern, Region};
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
@@ -35,12 +31,12 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         return in_threads(threads, || sequence::run(arguments, &sequence, &settings));
     }
     let choice = arguments.camera.choice();
-    let cut = cut(arguments);
-    let files = Files::create(&arguments.outputs.wanted())?;
+    let cut = arguments.cut();
+    let files = Files::create(&arguments.outputs)?;
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let around = Around::of(arguments, &subject.document);
+    let around = Around::asked(&arguments.shading, &subject.document);
     let render = || -> Result<_> {
         let document = &subject.document;
         let (region, searched) = scene::region(document, subject.domain, cut)?;
@@ -55,17 +51,13 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let bar = Progress::new(pixels as u64, "tracing");
         let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
         let origin = Origin::typed(&subject.source.text);
-        let mut files =
-            files.begin([settings.width, settings.height], settings.precision, &origin)?;
+        let size = [settings.width, settings.height];
+        let mut files = files.begin(size, settings.precision, &origin)?;
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
-            if let Some(overview) = overview {
-                let shown = Shown { camera: &camera, region: &region, picture: overview };
-                let size = [settings.width, settings.height];
-                marks.get_or_insert_with(|| around.marks(shown, size)).draw(picture, top);
-            } else {
-                around.draw(picture, &camera, &region);
-            }
+            let seen = overview.unwrap_or(&*picture);
+            let shown = Shown { camera: &camera, region: &region, picture: seen };
+            marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
             files.add(picture)
         };
         let picture = model.strips(&camera, &settings, &advance, &mut write)?;
@@ -84,56 +76,6 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     }
     let undecided = picture.statistics.pixels.undecided > 0;
     Ok(if arguments.strict && undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
-}
-
-/// What is left of a domain.
-pub fn cut(arguments: &RenderArgs) -> Cut {
-    Cut { plane: arguments.camera.clip(), to: arguments.clip_to }
-}
-
-/// What is drawn around a picture.
-#[derive(Clone, Copy)]
-pub struct Around {
-    /// The domain's box with its ticks.
-    pub axes: bool,
-    legend: bool,
-}
-
-impl Around {
-    /// As the command line says, or else the document.
-    pub fn of(arguments: &RenderArgs, document: &Document) -> Self {
-        let asked = &arguments.shading;
-        let axes = asked.axes || document.picture.axes == Some(true);
-        Self { axes, legend: asked.legend || has_legend(document, axes) }
-    }
-
-    /// As the document says.
-    pub fn said(document: &Document) -> Self {
-        let axes = document.picture.axes == Some(true);
-        Self { axes, legend: has_legend(document, axes) }
-    }
-
-    /// The colors of what is shown with it over them, as sRGB bytes.
-    pub fn over(self, shown: Shown<'_>) -> Vec<u8> {
-        annotated(shown, self.axes, self.legend)
-    }
-
-    /// Draws it.
-    pub fn draw(self, picture: &mut Picture, camera: &Camera, region: &Region) {
-        if (self.axes || self.legend) && !picture.rgb.is_empty() {
-            picture.rgb = self.over(Shown { camera, region, picture });
-        }
-    }
-
-    /// What it draws over a picture of this size, of which a smaller one is `shown`.
-    fn marks(self, shown: Shown<'_>, size: [usize; 2]) -> Marks {
-        Marks::new(shown, size, self.axes, self.legend)
-    }
-}
-
-/// Whether a picture of a document, with axes or without, tells which value has which color.
-pub fn has_legend(document: &Document, axes: bool) -> bool {
-    document.picture.legend.unwrap_or(axes)
 }
 
 /// Runs `work` with this many threads, or as many as there are processors.
@@ -192,9 +134,8 @@ pub fn beautiful(settings: &Settings) -> Settings {
 /// If a number is out of range.
 pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
     let settings = kernel_settings(&method.kernels)?;
-    let Settings { precision, .. } = settings;
     let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
-    check_depth("--shadow-depth", shadow_depth, precision)?;
+    check_depth("--shadow-depth", shadow_depth, settings.precision)?;
     Ok(Settings {
         width,
         height,
@@ -215,39 +156,34 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let antialias = Pattern::of(aa).with_context(|| {
         format!("--aa {aa}: there are 1, 4, 16 or 64 rays in a pixel with an edge")
     })?;
-    let background = match &shading.background {
-        None => None,
-        Some(text) => {
-            let named = SrgbColor::typed(text).map(|color| LinearRgb::from_srgb(color.rgb));
-            Some(named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
-                format!("--background '{text}' is not a colour such as white or ffffff")
-            })?)
-        }
+    let background = |text: &String| {
+        let named = SrgbColor::typed(text).map(|color| LinearRgb::from_srgb(color.rgb));
+        named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
+            format!("--background '{text}' is not a colour such as white or ffffff")
+        })
     };
-    if let Some(light) = shading.light {
-        ensure!(light.0.iter().all(|c| c.is_finite()), "--light needs finite numbers");
-    }
+    let background = shading.background.as_ref().map(background).transpose()?;
+    ensure!(shading.light.is_none_or(DVec3::is_finite), "--light needs finite numbers");
     let outputs = &arguments.outputs;
     let method = method_settings(&arguments.tracing, outputs.size)?;
     let keeps_normals = outputs.arrays.0.iter().any(|(row, _)| row.needs_normals);
     let needs_normals = outputs.output.is_some() || keeps_normals;
-    let budget = match arguments.budget {
-        None => None,
-        Some(seconds) if seconds > 0.0 => Some(
-            Duration::try_from_secs_f64(seconds)
-                .with_context(|| format!("--budget {seconds}: no such time"))?,
-        ),
-        Some(seconds) => {
-            bail!("--budget {seconds}: without time nothing can be found; give seconds above 0")
-        }
+    let budget = |seconds: f64| {
+        ensure!(
+            seconds > 0.0,
+            "--budget {seconds}: without time nothing can be found; give seconds above 0"
+        );
+        Duration::try_from_secs_f64(seconds)
+            .with_context(|| format!("--budget {seconds}: no such time"))
     };
+    let budget = arguments.budget.map(budget).transpose()?;
     Ok(Settings {
         normals: method.normals.filter(|_| needs_normals),
         keeps_normals,
         brackets: outputs.arrays.0.iter().any(|(row, _)| row.needs_brackets),
         budget,
         undecided: shading.undecided,
-        light: shading.light.map(|place| DVec3::from_array(place.0)),
+        light: shading.light,
         look: shading.look,
         occlusion: true,
         antialias,
@@ -272,7 +208,8 @@ fn remark(
     let pixels = picture.statistics.pixels;
     let seen = pixels.hit + pixels.undecided;
     if seen == 0 {
-        notes::note(&subject::why_nothing_is_seen(subject, region, picture.undefined, searched));
+        let blank = Blank::find(&subject.document, region, picture.undefined, searched);
+        notes::note(&blank.describe(&|ends| format!("--domain {ends}")));
         return;
     }
     if let Some(why) = picture.why_undecided() {

@@ -44,12 +44,6 @@ pub fn object(
         .zip(statistics.open.reasons)
         .map(|(reason, count)| (reason.name().to_owned(), count.into()))
         .collect();
-    let mut camera_object = json!({
-        "eye": camera.eye().to_array(),
-        "target": camera.target().to_array(),
-        "up": camera.up().to_array(),
-    });
-    camera_object[projection] = json!(value);
     json!({
         "surfaces": echoes,
         "method": picture.method.name,
@@ -88,7 +82,12 @@ pub fn object(
         "code_bytes": statistics.code_bytes,
         "kernels": kernels,
         "nodes": {"before": statistics.nodes.0, "after": statistics.nodes.1},
-        "camera": camera_object,
+        "camera": {
+            "eye": camera.eye().to_array(),
+            "target": camera.target().to_array(),
+            "up": camera.up().to_array(),
+            (projection): value,
+        },
         "domain": [low.x, high.x, low.y, high.y, low.z, high.z],
         "domain_found": searched.map(|found| found.finding.describe()),
         "clip": region.clip().map(|clip| {

@@ -1,13 +1,16 @@
 //! `zeroset render --frames`: many pictures, in files of their own or in one.
 
 use super::animation::{Animation, Format};
-use super::arguments::{RenderArgs, SequenceArgs};
-use super::files::{Files, Origin, Wanted};
+use super::annotate::Around;
+use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
+use super::array::Arrays;
+use super::files::Files;
 use super::output::{Output, print};
+use super::overlay::Shown;
+use super::png_file::Origin;
 use super::progress::Progress;
-use super::render::{Around, UNDECIDED, cut};
 use super::subject::{self, Subject};
-use super::{notes, report};
+use super::{UNDECIDED, notes, report};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -47,9 +50,13 @@ pub fn asked(arguments: &RenderArgs) -> Result<Option<Asked>> {
     }
     let moves = !sweeps.is_empty() || turntable.is_some();
     let Some(frames) = *frames else {
-        let odd = [(moves, "a sequence"), (*is_loop, "--loop"), (*resume, "--resume")];
-        let shard = [(shard.is_some(), "--shard")];
-        if let Some((_, what)) = odd.iter().chain(&shard).find(|(given, _)| *given) {
+        let odd = [
+            (moves, "a sequence"),
+            (*is_loop, "--loop"),
+            (*resume, "--resume"),
+            (shard.is_some(), "--shard"),
+        ];
+        if let Some((_, what)) = odd.iter().find(|(given, _)| *given) {
             bail!("{what} needs --frames N, which says how many pictures there are");
         }
         return Ok(None);
@@ -110,20 +117,20 @@ fn part(text: &str) -> Option<(usize, usize)> {
 /// # Errors
 /// If a frame cannot be made or written; what was written stays.
 pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result<ExitCode> {
-    let wanted = arguments.outputs.wanted();
+    let wanted = &arguments.outputs;
     wanted.check()?;
-    let target = Target::of(&wanted, arguments)?;
-    arguments.outputs.size.held_whole()?;
+    let format = one_file(wanted, arguments.sequence.fps)?;
+    wanted.size.held_whole()?;
     let sequence = &asked.sequence;
     ensure!(
-        matches!(target, Target::Files) || asked.shard == (0, 1) && !arguments.sequence.resume,
+        format.is_none() || asked.shard == (0, 1) && !arguments.sequence.resume,
         "--shard and --resume need a file for each frame: -o frame-%04d.png"
     );
     let maker = Maker::new(arguments, sequence, settings)?;
-    let count = match target {
-        Target::Files => maker.files(&wanted, asked.shard, arguments.sequence.resume)?,
-        Target::One(format) => {
-            let path = wanted.picture.as_deref().unwrap_or(Path::new("-"));
+    let count = match format {
+        None => maker.files(wanted, asked.shard, arguments.sequence.resume)?,
+        Some(format) => {
+            let path = wanted.output.as_deref().unwrap_or(Path::new("-"));
             maker.animation(format, path, arguments.sequence.fps)?
         }
     };
@@ -132,40 +139,24 @@ pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result
     Ok(if undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
 
-/// Where frames go.
-enum Target {
-    /// Files of their own.
-    Files,
-    /// All into one.
-    One(Format),
-}
-
-impl Target {
-    fn of(wanted: &Wanted, arguments: &RenderArgs) -> Result<Self> {
-        let size = [arguments.outputs.size.width, arguments.outputs.size.height];
-        match &wanted.picture {
-            Some(path) if numbered(path, 0)?.is_none() => {
-                let format = Format::of(path, size, arguments.sequence.fps)?;
-                let flag = wanted.arrays.first().map(|(row, _)| format!("--{}", row.flag));
-                let flag = flag.or(wanted.json.then(|| "--json".to_owned()));
-                if let Some(flag) = flag {
-                    bail!("{flag} is about one frame: write each to a file, -o frame-%04d.png");
-                }
-                Ok(Self::One(format))
-            }
-            Some(_) | None => {
-                for (_, path) in &wanted.arrays {
-                    let numbered = numbered(path, 0)?.is_some();
-                    let path = path.display();
-                    ensure!(
-                        numbered,
-                        "'{path}' would be written by every frame: use a name with %04d"
-                    );
-                }
-                Ok(Self::Files)
-            }
+/// The format of one file that all frames go into; `None` if they go into files of their own.
+fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<Format>> {
+    if let Some(path) = &wanted.output
+        && numbered(path, 0)?.is_none()
+    {
+        let format = Format::of(path, [wanted.size.width, wanted.size.height], fps)?;
+        let flag = wanted.arrays.0.first().map(|(row, _)| format!("--{}", row.flag));
+        let flag = flag.or(wanted.json.then(|| "--json".to_owned()));
+        if let Some(flag) = flag {
+            bail!("{flag} is about one frame: write each to a file, -o frame-%04d.png");
         }
+        return Ok(Some(format));
     }
+    for (_, path) in &wanted.arrays.0 {
+        let (numbered, path) = (numbered(path, 0)?.is_some(), path.display());
+        ensure!(numbered, "'{path}' would be written by every frame: use a name with %04d");
+    }
+    Ok(None)
 }
 
 /// A path with the number of a frame in the place of `%d` or `%04d`, and `%` in that of `%%`; `None` if there is no such
@@ -263,8 +254,7 @@ impl<'a> Maker<'a> {
         let mut unknown = None;
         let read = |text: &str| {
             let read = sequence.document(text, &options, 0);
-            unknown = read.as_ref().err().and_then(|errors| unknown_sweep(errors, sequence));
-            read
+            read.inspect_err(|errors| unknown = unknown_sweep(errors, sequence))
         };
         let subject = Subject::read_by(&arguments.document, read);
         if let Some(name) = unknown {
@@ -280,8 +270,8 @@ impl<'a> Maker<'a> {
         if let Some(Sweep { name, .. }) = idle {
             bail!("nothing that is drawn depends on '{name}', so all frames would be the same");
         }
-        let around = Around::of(arguments, &subject.document);
-        let (text, place) = (&subject.source.text, (subject.domain, cut(arguments)));
+        let around = Around::asked(&arguments.shading, &subject.document);
+        let (text, place) = (&subject.source.text, (subject.domain, arguments.cut()));
         let choice = arguments.camera.choice();
         let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;
         if let Some(found) = &stage.searched {
@@ -306,7 +296,8 @@ impl<'a> Maker<'a> {
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
         let mut picture = model.picture(&camera, settings, &|_, _| {}).with_context(named)?;
-        self.around.draw(&mut picture, &camera, &stage.region);
+        let shown = Shown { camera: &camera, region: &stage.region, picture: &picture };
+        picture.rgb = self.around.over(shown);
         self.subject.document = document;
         *last = Some(model);
         Ok((camera, picture))
@@ -315,7 +306,7 @@ impl<'a> Maker<'a> {
     /// Frames in files of their own: of `of` frames that follow each other, every one is another shard's.
     fn files(
         mut self,
-        wanted: &Wanted,
+        wanted: &OutputArgs,
         (shard, of): (usize, usize),
         resume: bool,
     ) -> Result<Count> {
@@ -326,11 +317,11 @@ impl<'a> Maker<'a> {
             let name = |path: &PathBuf| -> Result<PathBuf> {
                 Ok(numbered(path, frame)?.unwrap_or_else(|| path.clone()))
             };
-            let arrays = wanted.arrays.iter().map(|(row, path)| Ok((*row, name(path)?)));
-            let files = Wanted {
-                picture: wanted.picture.as_ref().map(name).transpose()?,
-                arrays: arrays.collect::<Result<_>>()?,
-                json: wanted.json,
+            let arrays = wanted.arrays.0.iter().map(|(row, path)| Ok((*row, name(path)?)));
+            let files = OutputArgs {
+                output: wanted.output.as_ref().map(name).transpose()?,
+                arrays: Arrays(arrays.collect::<Result<_>>()?),
+                ..*wanted
             };
             let is_there = |picture: &PathBuf| {
                 let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
@@ -339,9 +330,9 @@ impl<'a> Maker<'a> {
                 let is_of_it = |(_, array): &(_, PathBuf)| {
                     array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
                 };
-                origin.is_of(picture) && files.arrays.iter().all(is_of_it)
+                origin.is_of(picture) && files.arrays.0.iter().all(is_of_it)
             };
-            if resume && files.picture.as_ref().is_some_and(is_there) {
+            if resume && files.output.as_ref().is_some_and(is_there) {
                 count.kept += 1;
                 continue;
             }

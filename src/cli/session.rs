@@ -1,13 +1,13 @@
 //! A live picture and the files around it, as prompt and window share them.
 
+use super::annotate::Around;
 use super::arguments::InteractiveArgs;
-use super::data::remember;
-use super::files::Origin;
+use super::data::keep;
 use super::gallery::listed;
 use super::history::History;
-use super::output::{Output, check_png, write_png};
-use super::overlay::Shown;
-use super::render::{Around, beautiful, kernel_settings};
+use super::output::{Output, print};
+use super::png_file::{Origin, check_png, write_png};
+use super::render::{beautiful, kernel_settings};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
@@ -85,8 +85,9 @@ pub struct Session {
     pub welcome: String,
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // None of these is left half changed by a panic elsewhere.
+/// Locks what several threads use of a session.
+pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // None of it is left half changed by a panic elsewhere.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -252,7 +253,7 @@ impl Session {
             let text = preview::text(&seen.picture, &seen.summary());
             if !lock(&self.printer).as_mut().is_some_and(|print| print(&text)) {
                 // Whoever no longer reads misses nothing.
-                let _ = super::output::print(&format!("{text}\n"));
+                let _ = print(&format!("{text}\n"));
             }
         }
     }
@@ -314,7 +315,7 @@ impl Session {
             Wrong { full: summary.clone(), summary }
         })?;
         self.follow();
-        remember(&self.live.text());
+        keep("last.zset", &self.live.text());
         Ok(said)
     }
 
@@ -393,9 +394,8 @@ impl Session {
         }
         let picture = finished
             .context("not saved: the picture was changed before it was finished, or never was")?;
-        let (camera, region) = (&picture.camera, picture.model.region());
-        let shown = Shown { camera, region, picture: &picture.picture };
-        let (buffer, rgb) = (&picture.picture.buffer, Around::said(&picture.document).over(shown));
+        let buffer = &picture.picture.buffer;
+        let rgb = Around::said(&picture.document).over((&*picture).into());
         let name = path.display().to_string();
         let command = picture.command(&name);
         let size = [buffer.width, buffer.height];
@@ -441,7 +441,9 @@ impl Session {
         let seen = self.live.snapshot();
         match (&seen.fault, &seen.rendering) {
             (Some(fault), _) => notes::say(&fault.render(notes::coloured())),
-            (None, Some(rendering)) => preview::print(&rendering.picture, &rendering.summary())?,
+            (None, Some(seen)) => {
+                print(&format!("{}\n", preview::text(&seen.picture, &seen.summary())))?;
+            }
             (None, None) => {}
         }
         Ok(())

@@ -58,7 +58,6 @@ impl Sheet {
         let shown = canvas.fitting(text, SIDE as usize);
         let indent = (SIDE as usize - shown.chars().count() * canvas.advance()) / 2;
         canvas.write(&shown, i64::from(left) + indent as i64, i64::from(top), INK);
-        let pixels = self.image.as_chunks_mut().0;
-        canvas.marks.iter().for_each(|mark| mark.mix(pixels, 0));
+        canvas.mix_into(&mut self.image, 0);
     }
 }

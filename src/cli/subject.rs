@@ -5,11 +5,9 @@ use super::notes;
 use super::source::{self, Source};
 use anyhow::Result;
 use std::time::{Duration, Instant};
-use zeroset::blank::Blank;
 use zeroset::domain::AutoDomain;
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Errors, Options};
-use zeroset_trace::Region;
 
 /// What is drawn.
 pub struct Subject {
@@ -79,22 +77,11 @@ pub fn note_time(time: Option<f64>, document: &Document) {
 /// One line on a domain that was searched for.
 pub fn describe_domain(found: &AutoDomain) -> String {
     let range = |axis: usize| format!("{}..{}", found.low[axis], found.high[axis]);
-    let ranges = (range(0), range(1), range(2));
-    let shown = if ranges.0 == ranges.1 && ranges.1 == ranges.2 {
-        format!("x, y, z in {}", ranges.0)
+    let [x, y, z] = [0, 1, 2].map(range);
+    let shown = if x == y && y == z {
+        format!("x, y, z in {x}")
     } else {
-        format!("x in {}, y in {}, z in {}", ranges.0, ranges.1, ranges.2)
+        format!("x in {x}, y in {y}, z in {z}")
     };
     format!("{}; domain {shown}", found.finding.describe())
-}
-
-/// One line on a picture in which nothing is seen.
-pub fn why_nothing_is_seen(
-    subject: &Subject,
-    region: &Region,
-    undefined: bool,
-    searched: Option<AutoDomain>,
-) -> String {
-    let blank = Blank::find(&subject.document, region, undefined, searched);
-    blank.describe(&|ends| format!("--domain {ends}"))
 }

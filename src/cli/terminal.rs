@@ -114,31 +114,19 @@ pub fn drop_input() {
     let _ = rustix::termios::tcflush(std::io::stdin(), rustix::termios::QueueSelector::IFlush);
 }
 
-/// How the terminal was set up before the prompt changed it.
+/// Keeps how the terminal is set up before the prompt changes it. What is returned sets it up so
+/// again.
 #[cfg(feature = "window")]
-pub struct State(#[cfg(unix)] Option<rustix::termios::Termios>);
-
-#[cfg(all(unix, feature = "window"))]
-impl State {
-    pub fn save() -> Self {
-        Self(rustix::termios::tcgetattr(std::io::stdin()).ok())
-    }
-
-    pub fn restore(&self) {
-        if let Some(state) = &self.0
-            && rustix::termios::tcsetattr(std::io::stdin(), OptionalActions::Now, state).is_ok()
+pub fn keep_setup() -> impl FnOnce() {
+    #[cfg(unix)]
+    let before = rustix::termios::tcgetattr(std::io::stdin());
+    move || {
+        #[cfg(unix)]
+        if let Ok(before) = before
+            && rustix::termios::tcsetattr(std::io::stdin(), OptionalActions::Now, &before).is_ok()
         {
             // The line that was being typed has no end.
             println!();
         }
     }
-}
-
-#[cfg(all(not(unix), feature = "window"))]
-impl State {
-    pub fn save() -> Self {
-        Self()
-    }
-
-    pub fn restore(&self) {}
 }

@@ -52,10 +52,8 @@ fn shown(value: f64, step: f64) -> String {
 fn of_pi(times: f64) -> String {
     let quarters = (4.0 * times).round() as i64;
     let (sign, quarters) = (if quarters < 0 { "-" } else { "" }, quarters.abs());
-    let divisor =
-        [4, 2, 1].into_iter().find(|d| quarters * d % 4 == 0 && (quarters * d / 4) % 2 == 1);
-    // Whole multiples, the even ones among them, have none.
-    let divisor = if quarters % 4 == 0 { 1 } else { divisor.unwrap_or(4) };
+    // Whole multiples have none.
+    let divisor = [1, 2].into_iter().find(|d| quarters * d % 4 == 0).unwrap_or(4);
     let factor = match quarters * divisor / 4 {
         0 => return "0".to_owned(),
         1 => String::new(),

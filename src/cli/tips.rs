@@ -1,8 +1,8 @@
 //! Tips for whoever is new: each is shown once in the window. How many were is kept in a file.
 
+#[cfg(feature = "window")]
 use super::data::data_directory;
-use super::output::Output;
-use std::path::PathBuf;
+use super::data::keep;
 
 /// One line each, the most useful first.
 pub const TIPS: &[&str] = &[
@@ -13,32 +13,23 @@ pub const TIPS: &[&str] = &[
     "Tip: Ctrl-Z takes back whatever you did; click a point to have its coordinates in the terminal",
 ];
 
-fn file() -> Option<PathBuf> {
-    Some(data_directory()?.join("tips"))
-}
-
-fn keep(shown: usize) {
-    let Some(file) = file() else { return };
-    // A number that cannot be kept only leads to a tip being seen twice.
-    if let Ok(output) = Output::create(&file) {
-        let _ = output.finish(|out| writeln!(out, "{shown}"));
-    }
-}
+/// The name under which it is kept how many were shown.
+const KEPT: &str = "tips";
 
 #[cfg(feature = "window")]
 /// The next tip that was not shown yet, which then was.
 pub fn next() -> Option<&'static str> {
     // Without a place to note it in, a tip would come every time.
-    let shown = match std::fs::read_to_string(file()?) {
+    let shown = match std::fs::read_to_string(data_directory()?.join(KEPT)) {
         Ok(text) => text.trim().parse().unwrap_or(TIPS.len()),
         Err(_) => 0,
     };
     let tip = TIPS.get(shown)?;
-    keep(shown + 1);
+    keep(KEPT, &(shown + 1).to_string());
     Some(tip)
 }
 
 /// Shows no tips any more, or all of them again.
 pub fn switch(wanted: bool) {
-    keep(if wanted { 0 } else { TIPS.len() });
+    keep(KEPT, &(if wanted { 0 } else { TIPS.len() }).to_string());
 }

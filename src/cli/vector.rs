@@ -1,24 +1,18 @@
-//! Lists of numbers on the command line: points, planes and sizes.
+//! Lists of numbers on the command line: points and sizes.
 
 use anyhow::{Result, ensure};
+use glam::DVec3;
 use std::str::FromStr;
 use zeroset::scene::numbers;
 
-/// `N` numbers with commas between.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Numbers<const N: usize>(pub [f64; N]);
-
-impl<const N: usize> FromStr for Numbers<N> {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = numbers(text)?;
-        let found = numbers.len();
-        let array = numbers.try_into();
-        Ok(Self(
-            array
-                .map_err(|_| format!("expected {N} numbers with commas between, found {found}"))?,
-        ))
+/// Reads three numbers with commas between.
+///
+/// # Errors
+/// If there are not three, or one of them is none.
+pub fn point(text: &str) -> Result<DVec3, String> {
+    match numbers(text)?[..] {
+        [x, y, z] => Ok(DVec3::new(x, y, z)),
+        ref other => Err(format!("expected 3 numbers with commas between, found {}", other.len())),
     }
 }
 
@@ -86,7 +80,7 @@ mod tests {
 
     #[test]
     fn points_have_their_number_of_coordinates() {
-        assert_eq!("1,-2,3".parse(), Ok(Numbers([1.0, -2.0, 3.0])));
-        assert!("1,2".parse::<Numbers<3>>().is_err());
+        assert_eq!(point("1,-2,3"), Ok(DVec3::new(1.0, -2.0, 3.0)));
+        assert!(point("1,2").is_err());
     }
 }

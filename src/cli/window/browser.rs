@@ -5,7 +5,6 @@ use super::Window;
 use super::enlarge::enlarge;
 use super::thumbnails::{SIDE, Thumbnails};
 use crate::cli::canvas::{Canvas, Rgb};
-use crate::cli::line_edit::LineEdit;
 use crate::cli::theme::{CHOSEN, DIM, INK};
 use minifb::Key;
 use std::ops::Range;
@@ -220,12 +219,8 @@ impl Window {
         let browser = &self.browser;
         let Some(thumbnails) = &browser.thumbnails else { return };
         let Some(&place) = browser.matches().get(browser.chosen) else { return };
-        let mut line = LineEdit::default();
-        let load = format!(":load {}", thumbnails.examples()[place].slug);
-        load.chars().for_each(|letter| line.insert(letter));
+        self.send(format!(":load {}", thumbnails.examples()[place].slug));
         self.active = Instant::now();
-        // There is somebody to take it as long as there is a window.
-        let _ = self.lines.send(line);
         self.toggle_gallery();
     }
 
@@ -237,21 +232,14 @@ impl Window {
         let examples = thumbnails.examples();
         for number in grid.shown(matches.len()) {
             let (left, top) = grid.corner(number);
+            let (x, y, below) = (left as i64, top as i64, (top + grid.side) as i64);
             let example = &examples[matches[number]];
             if number == *chosen {
-                let (x, y) = ((left - 2 * dot) as i64, top as i64 - 2 * dot as i64);
-                let (wide, high) = (grid.side + 4 * dot, grid.side + grid.line + 4 * dot);
-                canvas.fill(x, y, wide, high, CHOSEN, 255);
-                canvas.fill(
-                    left as i64,
-                    (top + grid.side) as i64,
-                    grid.side,
-                    grid.line,
-                    GROUND,
-                    255,
-                );
+                let (frame, wide) = (2 * dot as i64, grid.side + 4 * dot);
+                canvas.fill(x - frame, y - frame, wide, wide + grid.line, CHOSEN, 255);
+                canvas.fill(x, below, grid.side, grid.line, GROUND, 255);
             }
-            canvas.fill(left as i64, top as i64, grid.side, grid.side, CELL, 255);
+            canvas.fill(x, y, grid.side, grid.side, CELL, 255);
             if let Some(picture) = thumbnails.picture(matches[number]) {
                 let mut pixels = vec![0; grid.side * grid.side];
                 enlarge(&picture.rgb, [picture.side; 2], &mut pixels, [grid.side; 2]);
@@ -259,7 +247,7 @@ impl Window {
             }
             let name = canvas.fitting(example.slug, grid.side);
             let ink = if number == *chosen { INK } else { DIM };
-            canvas.write(&name, left as i64, (top + grid.side + 2 * dot) as i64, ink);
+            canvas.write(&name, x, below + 2 * dot as i64, ink);
         }
         let room = width.saturating_sub(2 * grid.gap);
         let found = match (matches.len(), filter.is_empty()) {

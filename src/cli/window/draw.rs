@@ -4,13 +4,10 @@
 use super::enlarge::enlarge;
 use super::page::Page;
 use super::panel::Panel;
-use super::{MESSAGE, PAUSE, Window, browser, surfaces};
-use crate::cli::annotate::draw_legends;
+use super::{MESSAGE, PAUSE, Window, browser, list};
+use crate::cli::annotate::Around;
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::help;
-use crate::cli::overlay::draw_box;
-use crate::cli::pick::Pick;
-use crate::cli::render::has_legend;
 use crate::cli::theme::{GROUND, INK};
 use anyhow::{Context, Result};
 use minifb::MouseMode;
@@ -37,7 +34,7 @@ pub struct Backdrop {
 pub struct Content {
     size: (usize, usize),
     /// The rendering, by its place in memory: it is kept while it is shown.
-    rendering: usize,
+    rendering: Option<*const Rendering>,
     fault: Option<String>,
     wrong: bool,
     hover: Option<String>,
@@ -45,7 +42,7 @@ pub struct Content {
     candidates: Option<String>,
     message: Option<String>,
     sliders: Option<(Panel, Vec<Slider>, Option<usize>)>,
-    surfaces: Option<surfaces::Shown>,
+    surfaces: Option<list::Shown>,
     gallery: Option<browser::Shown>,
     help: bool,
     page: Option<Page>,
@@ -97,18 +94,12 @@ impl Window {
 
     fn content(&mut self, seen: &Snapshot) -> Content {
         let gallery = self.browsed();
-        let place = self.pointer(MouseMode::Discard);
-        let pick = seen
-            .rendering
-            .as_ref()
-            .zip(place)
-            .and_then(|(rendering, at)| Pick::at(rendering, at, self.picture_size()));
+        let pick = self.pointer(MouseMode::Discard).and_then(|at| self.pick(at, seen));
         let rested = self.typed.elapsed() > PAUSE;
         let fault = self.fault(seen);
-        let rendering = seen.rendering.as_ref();
         Content {
             size: self.size(),
-            rendering: rendering.map_or(0, |rendering| Arc::as_ptr(rendering) as usize),
+            rendering: seen.rendering.as_ref().map(Arc::as_ptr),
             fault: fault.filter(|_| rested).map(wrong),
             wrong: fault.is_some(),
             hover: pick.and_then(|pick| pick.coordinates()),
@@ -138,15 +129,16 @@ impl Window {
         let (row, margin) = (canvas.line_height(), 6 * scale);
         let room = width.saturating_sub(2 * margin);
         let layout = Layout { margin, room, row, bottom: height as i64 - row as i64 };
-        let are_listed = content.surfaces.as_ref().is_some_and(surfaces::Shown::has_formulas);
+        let listed = content.surfaces.as_ref();
+        let are_listed = listed.is_some_and(|shown| shown.list.has_formulas());
         if let Some(rendering) = rendering.filter(|_| !are_listed) {
             canvas.label(&canvas.fitting(&echo(rendering), room), 0, 0, INK);
         }
         if let Some((panel, sliders, hovered)) = &content.sliders {
             panel.draw(&mut canvas, sliders, *hovered);
         }
-        if let Some(surfaces) = &content.surfaces {
-            surfaces.draw(&mut canvas);
+        if let Some(shown) = listed {
+            shown.draw(&mut canvas);
         }
         draw_status(&mut canvas, &layout, content, rendering);
         draw_texts(&mut canvas, &layout, content);
@@ -251,16 +243,11 @@ impl Backdrop {
         let shown = &rendering.picture.rgb;
         enlarge(shown, [buffer.width, buffer.height], &mut self.pixels, [picture.0, picture.1]);
         let axes = rendering.request.axes.are_shown(&rendering.document);
-        let legend = has_legend(&rendering.document, axes);
         let pixels = std::mem::take(&mut self.pixels);
         let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
-        if axes {
-            draw_box(&mut canvas, (&**rendering).into(), picture.1);
-        }
-        if legend {
-            // Above are the lists.
-            draw_legends(&mut canvas, (&**rendering).into(), picture.1, true);
-        }
+        // Legends stand at the bottom: above are the lists.
+        let around = Around::new(axes, &rendering.document);
+        around.draw(&mut canvas, (&**rendering).into(), picture.1, true);
         self.pixels = canvas.pixels;
     }
 }

@@ -91,8 +91,7 @@ impl Window {
             return self.session.live.type_line("");
         }
         self.session.recall([text]);
-        // There is somebody to take it as long as there is a window.
-        let _ = self.lines.send(line);
+        self.send(line);
     }
 
     /// Takes the last step back, or does it again.
@@ -113,9 +112,7 @@ impl Window {
     fn define_letter(&mut self) {
         let fault = self.session.live.snapshot().fault;
         let Some(letter) = fault.and_then(|fault| fault.missing_letter()) else { return };
-        let mut line = LineEdit::default();
-        format!("{letter} = 1").chars().for_each(|letter| line.insert(letter));
-        let _ = self.lines.send(line);
+        self.send(format!("{letter} = 1"));
     }
 
     fn edit(&mut self, key: Key) {
@@ -183,11 +180,8 @@ impl Window {
         let height = self.picture_size().1;
         match letter.to_ascii_lowercase() {
             '/' | ':' => {
-                let mut line = LineEdit::default();
-                if letter == ':' {
-                    line.insert(':');
-                }
-                self.line = Some(line);
+                let begun = if letter == ':' { ":" } else { "" };
+                self.line = Some(begun.to_owned().into());
                 (self.help, self.page) = (false, None);
             }
             '+' | '=' => live.turn(|orbit| orbit.zoom(ZOOM, 0.0, 0.0, height)),

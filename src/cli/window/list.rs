@@ -1,6 +1,7 @@
 //! The list of surfaces: where its rows and their parts are, and what they look like. Knows no mouse
 //! and no document.
 
+use super::rows::{Rows, SPACE};
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::theme::{CHOSEN, GROUND, INK, TRACK};
 use zeroset::live::Listed;
@@ -8,15 +9,12 @@ use zeroset::live::Listed;
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
-/// So many surfaces are shown at once.
-const SHOWN: usize = 8;
 /// Letters of a formula, at most; where there is room for fewer than the least, colours are shown alone.
 const LETTERS: usize = 24;
 const LEAST_LETTERS: usize = 8;
 /// The list takes no more than this share of the window's width.
 const MOST: f64 = 0.55;
-/// Widths in dots of a letter: space around things, a colour, the track of an opacity, the sign that deletes.
-const SPACE: usize = 6;
+/// Widths in dots of a letter: a colour, the track of an opacity, the sign that deletes.
 const SWATCH: usize = 18;
 const TRACK_WIDTH: usize = 40;
 const DELETE: usize = 12;
@@ -37,17 +35,22 @@ pub enum Part {
 /// Where the surfaces are listed. All places are in pixels of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct List {
+    pub rows: Rows,
     left: usize,
-    top: usize,
     width: usize,
-    row: usize,
-    /// The first surface that is shown, and how many are, of how many.
-    pub first: usize,
-    shown: usize,
-    count: usize,
     /// Letters of each formula; 0 where only colours are shown.
     letters: usize,
     scale: usize,
+}
+
+/// All that is drawn of the list.
+#[derive(Clone, PartialEq)]
+pub struct Shown {
+    pub list: List,
+    pub surfaces: Vec<Listed>,
+    pub hovered: Option<(usize, Part)>,
+    /// The surface that is dragged, and where it would go.
+    pub dragged: Option<(usize, usize)>,
 }
 
 impl List {
@@ -61,10 +64,10 @@ impl List {
         (width, height): (usize, usize),
         canvas: &Canvas,
     ) -> Option<Self> {
-        let (scale, row, letter) = (canvas.scale, canvas.line_height(), canvas.advance());
-        let top = row + SPACE * scale;
-        let room = height.saturating_sub(top + row) / row;
-        let shown = count.min(SHOWN).min(if count > SHOWN { room.saturating_sub(1) } else { room });
+        // The last line of the picture is left to what is said there.
+        let bottom = height.saturating_sub(canvas.line_height());
+        let rows = Rows::new(count, scroll, bottom, canvas)?;
+        let (scale, letter) = (canvas.scale, canvas.advance());
         let plain = (SWATCH + 2 * SPACE) * scale;
         let parts = (TRACK_WIDTH + DELETE + 3 * SPACE) * scale;
         let most = (MOST * width as f64) as usize;
@@ -73,22 +76,17 @@ impl List {
         let letters =
             Some((free / letter).min(LETTERS)).filter(|letters| *letters >= LEAST_LETTERS);
         let own = letters.map_or(plain, |letters| plain + letters * letter + parts);
-        if shown == 0 || width < (taken + plain).max(4 * plain) {
+        if width < (taken + plain).max(4 * plain) {
             return None;
         }
-        let (left, first) = (width - own, scroll.min(count - shown));
-        let letters = letters.unwrap_or(0);
-        Some(Self { left, top, width: own, row, first, shown, count, letters, scale })
+        Some(Self { rows, left: width - own, width: own, letters: letters.unwrap_or(0), scale })
     }
 
     /// The surface at a place, and the part of its row.
     pub fn at(&self, (x, y): (f64, f64)) -> Option<(usize, Part)> {
-        let (across, down) = (x - self.left as f64, y - self.top as f64);
-        let inside = across >= 0.0 && across < self.width as f64 && down >= 0.0;
-        let row = (down / self.row as f64) as usize;
-        if !inside || row >= self.shown {
-            return None;
-        }
+        let across = x - self.left as f64;
+        let inside = across >= 0.0 && across < self.width as f64;
+        let index = self.rows.at(y).filter(|_| inside)?;
         let x = x as usize;
         let part = if self.letters == 0 || x < self.formula() {
             Part::Swatch
@@ -99,13 +97,7 @@ impl List {
         } else {
             Part::Delete
         };
-        Some((self.first + row, part))
-    }
-
-    /// The surface whose place among those that are shown is nearest to a height.
-    pub fn place(&self, y: f64) -> usize {
-        let row = ((y - self.top as f64) / self.row as f64).max(0.0) as usize;
-        self.first + row.min(self.shown - 1)
+        Some((index, part))
     }
 
     /// The opacity that a place of the track stands for, in whole hundredths.
@@ -119,11 +111,6 @@ impl List {
         self.letters > 0
     }
 
-    /// Whether there are more than are shown.
-    pub fn scrolls(&self) -> bool {
-        self.shown < self.count
-    }
-
     fn formula(&self) -> usize {
         self.left + (SWATCH + 2 * SPACE) * self.scale
     }
@@ -134,58 +121,6 @@ impl List {
 
     fn delete(&self) -> usize {
         self.left + self.width - (DELETE + SPACE) * self.scale
-    }
-
-    /// Draws the list, the row under the pointer brighter; of one that is dragged, where it would go.
-    pub fn draw(
-        &self,
-        canvas: &mut Canvas,
-        surfaces: &[Listed],
-        hovered: Option<(usize, Part)>,
-        dragged: Option<(usize, usize)>,
-    ) {
-        let dot = self.scale as i64;
-        let height = (self.shown + usize::from(self.scrolls())) * self.row;
-        canvas.fill(self.left as i64, self.top as i64, self.width, height, GROUND, 208);
-        let shown = surfaces.iter().enumerate().skip(self.first).take(self.shown);
-        for (place, (index, surface)) in shown.enumerate() {
-            let part = hovered.filter(|(other, _)| *other == index).map(|(_, part)| part);
-            let is_bright = part.is_some() || dragged.is_some_and(|(from, _)| from == index);
-            let top = (self.top + place * self.row) as i64;
-            self.swatch(canvas, surface, top, part == Some(Part::Swatch));
-            if self.letters == 0 {
-                continue;
-            }
-            let ink = match (surface.hidden, is_bright) {
-                (true, _) => HIDDEN,
-                (false, true) => BRIGHT,
-                (false, false) => INK,
-            };
-            let formula = canvas.fitting(&surface.echo, self.letters * canvas.advance());
-            canvas.write(&formula, self.formula() as i64, top + 2 * dot, ink);
-            let (track, middle) = (self.track() as i64, top + self.row as i64 / 2 - dot);
-            let wide = TRACK_WIDTH * self.scale;
-            let filled = (surface.opacity * wide as f64).round() as usize;
-            canvas.fill(track, middle, wide, 2 * self.scale, TRACK, 255);
-            let colour = if surface.hidden { HIDDEN } else { CHOSEN };
-            canvas.fill(track, middle, filled, 2 * self.scale, colour, 255);
-            let handle = track + filled as i64 - dot;
-            canvas.fill(handle, top + 5 * dot, 3 * self.scale, 10 * self.scale, ink, 255);
-            let ink = if part == Some(Part::Delete) { BRIGHT } else { HIDDEN };
-            canvas.write("×", self.delete() as i64 + 2 * dot, top + 2 * dot, ink);
-        }
-        if let Some((from, to)) = dragged.filter(|(from, to)| from != to) {
-            let below = usize::from(to > from);
-            let line = self.top + (to + below - self.first) * self.row;
-            let (y, thick) = (line as i64 - dot, 2 * self.scale);
-            canvas.fill(self.left as i64, y, self.width, thick, CHOSEN, 255);
-        }
-        if self.scrolls() {
-            let top = (self.top + self.shown * self.row) as i64;
-            let range = format!("{}-{}", self.first + 1, self.first + self.shown);
-            let text = if self.letters == 0 { range } else { format!("{range} of {}", self.count) };
-            canvas.write(&text, self.left as i64 + 3 * dot, top + 2 * dot, HIDDEN);
-        }
     }
 
     /// Its colours, or a frame of them if it is hidden.
@@ -211,6 +146,49 @@ impl List {
     }
 }
 
+impl Shown {
+    /// Draws the list, the row under the pointer brighter; of one that is dragged, where it
+    /// would go.
+    pub fn draw(&self, canvas: &mut Canvas) {
+        let Self { list, surfaces, hovered, dragged } = self;
+        let (scale, dot) = (list.scale, list.scale as i64);
+        list.rows.draw_ground(canvas, list.left, list.width);
+        for (index, top) in list.rows.each() {
+            let surface = &surfaces[index];
+            let part = hovered.filter(|(other, _)| *other == index).map(|(_, part)| part);
+            let is_bright = part.is_some() || dragged.is_some_and(|(from, _)| from == index);
+            list.swatch(canvas, surface, top, part == Some(Part::Swatch));
+            if list.letters == 0 {
+                continue;
+            }
+            let ink = match (surface.hidden, is_bright) {
+                (true, _) => HIDDEN,
+                (false, true) => BRIGHT,
+                (false, false) => INK,
+            };
+            let formula = canvas.fitting(&surface.echo, list.letters * canvas.advance());
+            canvas.write(&formula, list.formula() as i64, top + 2 * dot, ink);
+            let (track, middle) = (list.track() as i64, top + list.rows.height as i64 / 2 - dot);
+            let wide = TRACK_WIDTH * scale;
+            let filled = (surface.opacity * wide as f64).round() as usize;
+            canvas.fill(track, middle, wide, 2 * scale, TRACK, 255);
+            let colour = if surface.hidden { HIDDEN } else { CHOSEN };
+            canvas.fill(track, middle, filled, 2 * scale, colour, 255);
+            let handle = track + filled as i64 - dot;
+            canvas.fill(handle, top + 5 * dot, 3 * scale, 10 * scale, ink, 255);
+            let ink = if part == Some(Part::Delete) { BRIGHT } else { HIDDEN };
+            canvas.write("×", list.delete() as i64 + 2 * dot, top + 2 * dot, ink);
+        }
+        if let Some((from, to)) = dragged.filter(|(from, to)| from != to) {
+            let below = usize::from(to > from);
+            let line = list.rows.top + (to + below - list.rows.first) * list.rows.height;
+            let (y, thick) = (line as i64 - dot, 2 * scale);
+            canvas.fill(list.left as i64, y, list.width, thick, CHOSEN, 255);
+        }
+        list.rows.write_range(canvas, list.left as i64 + 3 * dot, HIDDEN, list.has_formulas());
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -224,7 +202,7 @@ mod tests {
         for (size, scale) in [((800, 600), 1), ((1600, 1180), 2), ((1000, 300), 1)] {
             let list = List::new(3, 0, 270 * scale, size, &canvas(scale)).expect("room");
             assert!(list.left >= 270 * scale && list.left + list.width == size.0);
-            let y = (list.top + list.row + list.row / 2) as f64;
+            let y = (list.rows.top + list.rows.height + list.rows.height / 2) as f64;
             let part = |x: usize| list.at((x as f64, y));
             assert_eq!(part(list.left + 8 * scale), Some((1, Part::Swatch)));
             assert_eq!(part(list.formula() + 8 * scale), Some((1, Part::Formula)));
@@ -234,7 +212,7 @@ mod tests {
             assert_eq!(part(list.left - 1), None);
             assert_eq!(list.at((half as f64, 3.0)), None);
             assert_eq!((list.opacity(0.0), list.opacity(1e9)), (0.0, 1.0));
-            assert_eq!((list.place(0.0), list.place(y), list.place(1e9)), (0, 1, 2));
+            assert_eq!([0.0, y, 1e9].map(|y| list.rows.nearest(y)), [0, 1, 2]);
         }
     }
 
@@ -244,7 +222,7 @@ mod tests {
         assert_eq!((list.letters, list.at((230.0, 30.0))), (0, Some((0, Part::Swatch))));
         assert_eq!(List::new(3, 0, 0, (100, 90), &canvas(1)), None);
         assert_eq!(List::new(0, 0, 0, (800, 600), &canvas(1)), None);
-        let many = List::new(20, 100, 0, (800, 600), &canvas(1)).expect("room");
+        let many = List::new(20, 100, 0, (800, 600), &canvas(1)).expect("room").rows;
         assert!((many.first, many.shown) == (12, 8) && many.scrolls());
     }
 }

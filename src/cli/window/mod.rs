@@ -11,6 +11,7 @@ mod list;
 mod mouse;
 mod page;
 mod panel;
+mod rows;
 mod sliders;
 mod surfaces;
 mod tasks;
@@ -36,7 +37,7 @@ use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
 use surfaces::Surfaces;
 use tasks::{Outcome, enter_all};
-use zeroset::live::Snapshot;
+use zeroset::live::{Rendering, Snapshot};
 
 /// A message in the window is shown for so long.
 const MESSAGE: Duration = Duration::from_secs(8);
@@ -73,11 +74,11 @@ pub struct Window {
     scale: Option<usize>,
     mouse: Mouse,
     clicks: Clicks,
+    /// Whose sliders and surfaces these are.
+    rendering: Option<Arc<Rendering>>,
     sliders: Sliders,
     surfaces: Surfaces,
     browser: Browser,
-    /// Whether values are being moved, as it was last told.
-    moving: bool,
     line: Option<LineEdit>,
     /// What the line's last word may be completed to.
     candidates: Vec<String>,
@@ -137,10 +138,10 @@ impl Window {
             typed_keys,
             scale,
             mouse: Mouse::default(),
+            rendering: None,
             sliders: Sliders::default(),
             surfaces: Surfaces::default(),
             browser: Browser::default(),
-            moving: false,
             line: None,
             candidates: Vec::new(),
             typed: now,
@@ -167,11 +168,10 @@ impl Window {
             self.keys();
             self.settle();
             let seen = self.session.live.snapshot();
-            self.follow_sliders(&seen);
-            self.follow_surfaces(&seen);
+            self.follow(&seen);
             self.mouse(&seen);
             self.play(&seen);
-            self.follow_motion();
+            self.session.live.set_moving(self.sliders.is_in_motion());
             self.send_value(&seen);
             self.send_opacity(&seen);
             self.show_tips();
@@ -198,6 +198,27 @@ impl Window {
             }
         }
         Ok(())
+    }
+
+    /// Takes the sliders and surfaces of what is seen, and finds a place for them.
+    fn follow(&mut self, seen: &Snapshot) {
+        let rendering = seen.rendering.as_ref();
+        if self.rendering.as_ref().map(Arc::as_ptr) != rendering.map(Arc::as_ptr) {
+            self.active = Instant::now();
+            self.rendering = rendering.cloned();
+            self.sliders.follow(rendering.map(|seen| seen.sliders()).unwrap_or_default());
+            self.surfaces.follow(rendering.map(|seen| seen.surfaces()).unwrap_or_default());
+        }
+        let size = self.picture_size();
+        let letters = Canvas::new(size.0, size.1, Vec::new(), self.scale_at(self.size().1));
+        self.sliders.lay_out(size, &letters);
+        self.surfaces.lay_out(self.sliders.width(), size, &letters);
+    }
+
+    /// Enters a line, on another thread.
+    fn send(&self, line: impl Into<LineEdit>) {
+        // There is somebody to take it as long as there is a window.
+        let _ = self.lines.send(line.into());
     }
 
     fn size(&self) -> (usize, usize) {
@@ -227,14 +248,6 @@ impl Window {
 
     fn has_control(&self) -> bool {
         self.native.is_key_down(Key::LeftCtrl) || self.native.is_key_down(Key::RightCtrl)
-    }
-
-    /// Tells whether values are being moved, where that changes.
-    fn follow_motion(&mut self) {
-        let moving = self.sliders.is_in_motion();
-        if std::mem::replace(&mut self.moving, moving) != moving {
-            self.session.live.set_moving(moving);
-        }
     }
 
     fn say(&mut self, text: &str) {

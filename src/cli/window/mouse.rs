@@ -143,13 +143,14 @@ impl Window {
         }
     }
 
+    /// What is seen at a place.
+    pub(super) fn pick<'a>(&self, at: (f64, f64), seen: &'a Snapshot) -> Option<Pick<'a>> {
+        Pick::at(seen.rendering.as_ref()?, at, self.picture_size())
+    }
+
     /// Says what is known of the point that is seen at a place.
     fn tell_point(&mut self, at: (f64, f64), seen: &Snapshot) {
-        let pick = seen.rendering.as_ref().and_then(|rendering| {
-            let pick = Pick::at(rendering, at, self.picture_size())?;
-            Some(pick.describe())
-        });
-        if let Some(text) = pick {
+        if let Some(text) = self.pick(at, seen).map(|pick| pick.describe()) {
             self.session.say(&text);
             self.say(&text);
         }

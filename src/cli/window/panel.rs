@@ -1,31 +1,23 @@
 //! The panel of sliders: where each is, what it looks like, and which value a place on its track
 //! stands for. Knows no mouse and no document.
 
+use super::rows::{Rows, SPACE};
 use crate::cli::canvas::Canvas;
-use crate::cli::theme::{CHOSEN, DIM, GROUND, INK, TRACK};
+use crate::cli::theme::{CHOSEN, DIM, INK, TRACK};
 use zeroset::live::Slider;
 
-/// So many sliders are shown at once.
-const SHOWN: usize = 8;
 /// Letters of a name, and of a value, that are shown.
 const NAME: usize = 8;
 const VALUE: usize = 9;
 /// The longest and the shortest track, in dots of a letter.
 const LONGEST: usize = 160;
 const SHORTEST: usize = 40;
-/// Space around things, in dots of a letter.
-const SPACE: usize = 6;
 
 /// Where the sliders are. All places are in pixels of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Panel {
-    top: usize,
+    pub rows: Rows,
     pub width: usize,
-    row: usize,
-    /// The first slider that is shown, and how many are, of how many.
-    pub first: usize,
-    shown: usize,
-    count: usize,
     track: (usize, usize),
     scale: usize,
 }
@@ -39,41 +31,23 @@ impl Panel {
         (width, height): (usize, usize),
         canvas: &Canvas,
     ) -> Option<Self> {
-        let (scale, row, letter) = (canvas.scale, canvas.line_height(), canvas.advance());
-        let top = row + SPACE * scale;
-        let room = height.saturating_sub(top) / row;
-        let count = sliders.len();
-        let shown = count.min(SHOWN).min(if count > SHOWN { room.saturating_sub(1) } else { room });
+        let rows = Rows::new(sliders.len(), scroll, height, canvas)?;
+        let (scale, letter) = (canvas.scale, canvas.advance());
         let longest = sliders.iter().map(|one| one.name.chars().count()).max()?.min(NAME);
         let space = SPACE * scale;
         let letters = (longest + VALUE) * letter + 4 * space;
         let track = (LONGEST * scale).min(width.saturating_sub(letters));
-        if shown == 0 || track < SHORTEST * scale {
+        if track < SHORTEST * scale {
             return None;
         }
         let left = 2 * space + longest * letter;
-        Some(Self {
-            top,
-            width: letters + track,
-            row,
-            first: scroll.min(count - shown),
-            shown,
-            count,
-            track: (left, left + track),
-            scale,
-        })
+        Some(Self { rows, width: letters + track, track: (left, left + track), scale })
     }
 
     /// The slider at a place.
     pub fn at(&self, (x, y): (f64, f64)) -> Option<usize> {
-        let inside = x >= 0.0 && x < self.width as f64 && y >= self.top as f64;
-        let row = ((y - self.top as f64) / self.row as f64) as usize;
-        (inside && row < self.shown).then_some(self.first + row)
-    }
-
-    /// Whether there are more than are shown.
-    pub fn scrolls(&self) -> bool {
-        self.shown < self.count
+        let inside = x >= 0.0 && x < self.width as f64;
+        self.rows.at(y).filter(|_| inside)
     }
 
     /// How much a value changes with every pixel of the track.
@@ -101,17 +75,15 @@ impl Panel {
     /// Draws the sliders, the one under the pointer brighter.
     pub fn draw(&self, canvas: &mut Canvas, sliders: &[Slider], hovered: Option<usize>) {
         let dot = self.scale as i64;
-        let height = (self.shown + usize::from(self.scrolls())) * self.row;
-        canvas.fill(0, self.top as i64, self.width, height, GROUND, 208);
-        let shown = sliders.iter().enumerate().skip(self.first).take(self.shown);
-        for (place, (index, slider)) in shown.enumerate() {
-            let top = (self.top + place * self.row) as i64;
+        let space = SPACE as i64 * dot;
+        self.rows.draw_ground(canvas, 0, self.width);
+        for (index, top) in self.rows.each() {
+            let slider = &sliders[index];
             let ink = if hovered == Some(index) { 0x00ff_ffff } else { INK };
-            let space = SPACE as i64 * dot;
             let name: String = slider.name.chars().take(NAME).collect();
             canvas.write(&name, space, top + 2 * dot, ink);
             let (left, right) = (self.track.0 as i64, self.track.1 as i64);
-            let (middle, thin) = (top + self.row as i64 / 2 - dot, 2 * self.scale);
+            let (middle, thin) = (top + self.rows.height as i64 / 2 - dot, 2 * self.scale);
             let handle = self.handle(slider).round() as i64;
             canvas.fill(left, middle, (right - left) as usize, thin, TRACK, 255);
             canvas.fill(left, middle, (handle - left).max(0) as usize, thin, CHOSEN, 255);
@@ -120,11 +92,7 @@ impl Panel {
             let value: String = slider.shown(self.step(slider)).chars().take(VALUE).collect();
             canvas.write(&value, right + space + 2 * dot, top + 2 * dot, ink);
         }
-        if self.scrolls() {
-            let top = (self.top + self.shown * self.row) as i64;
-            let text = format!("{}-{} of {}", self.first + 1, self.first + self.shown, self.count);
-            canvas.write(&text, SPACE as i64 * dot, top + 2 * dot, DIM);
-        }
+        self.rows.write_range(canvas, space, DIM, true);
     }
 }
 
@@ -157,7 +125,7 @@ mod tests {
             let at = panel.handle(slider);
             assert!((panel.value(slider, at) - 1.0).abs() < 1e-9);
             assert!(panel.is_on_handle(slider, at + 2.0) && !panel.is_on_handle(slider, at + 30.0));
-            let y = panel.top as f64 + 1.5 * panel.row as f64;
+            let y = panel.rows.top as f64 + 1.5 * panel.rows.height as f64;
             assert_eq!(panel.at((at, y)), Some(1));
             assert_eq!(panel.at((panel.width as f64 + 1.0, y)), None);
             assert_eq!(panel.at((at, 2.0)), None);
@@ -167,9 +135,9 @@ mod tests {
     #[test]
     fn more_than_eight_are_scrolled_and_none_are_where_there_is_no_room() {
         let canvas = canvas(800, 600, 1);
-        let panel = Panel::new(&sliders(20), 100, (800, 600), &canvas).expect("room");
-        assert!((panel.first, panel.shown) == (12, 8) && panel.scrolls());
-        assert!(!Panel::new(&sliders(8), 0, (800, 600), &canvas).expect("room").scrolls());
+        let rows = Panel::new(&sliders(20), 100, (800, 600), &canvas).expect("room").rows;
+        assert!((rows.first, rows.shown) == (12, 8) && rows.scrolls());
+        assert!(!Panel::new(&sliders(8), 0, (800, 600), &canvas).expect("room").rows.scrolls());
         assert_eq!(Panel::new(&sliders(2), 0, (120, 90), &canvas), None);
         assert_eq!(Panel::new(&[], 0, (800, 600), &canvas), None);
     }

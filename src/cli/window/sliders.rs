@@ -4,9 +4,8 @@
 use super::panel::Panel;
 use super::{FRAME, Window};
 use crate::cli::canvas::Canvas;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
-use zeroset::live::{Rendering, Slider, Snapshot};
+use zeroset::live::{Slider, Snapshot};
 
 /// Two presses of the same slider within so long are a double click.
 const DOUBLE: Duration = Duration::from_millis(400);
@@ -27,8 +26,6 @@ const TIMES: f64 = 5000.0;
 /// The sliders of the picture that is seen, and what moves them.
 #[derive(Default)]
 pub struct Sliders {
-    /// Whose they are.
-    rendering: Option<Arc<Rendering>>,
     all: Vec<Slider>,
     panel: Option<Panel>,
     scroll: usize,
@@ -82,6 +79,27 @@ impl Sliders {
         Some((self.panel?, self.all.clone(), self.hovered))
     }
 
+    /// Takes those of another picture.
+    pub fn follow(&mut self, mut all: Vec<Slider>) {
+        // The hand, or what was asked for, is ahead of the picture.
+        for slider in &mut all {
+            let asked = self.all.iter().find(|one| one.name == slider.name);
+            let is_ahead = self.held.is_some() || self.wanted.is_some();
+            if let Some(asked) = asked.filter(|_| is_ahead) {
+                slider.value = asked.value.max(slider.low).min(slider.high);
+            }
+        }
+        if all.len() != self.all.len() {
+            (self.held, self.hovered) = (None, None);
+        }
+        self.all = all;
+    }
+
+    /// Finds a place for them in a picture of so many pixels, with the letters of `canvas`.
+    pub fn lay_out(&mut self, size: (usize, usize), canvas: &Canvas) {
+        self.panel = Panel::new(&self.all, self.scroll, size, canvas);
+    }
+
     fn want(&mut self, index: usize, value: f64) {
         if let Some(slider) = self.all.get_mut(index) {
             slider.value = value;
@@ -91,33 +109,6 @@ impl Sliders {
 }
 
 impl Window {
-    /// Takes the sliders of what is seen.
-    pub(super) fn follow_sliders(&mut self, seen: &Snapshot) {
-        let (width, height) = self.picture_size();
-        let scale = self.scale_at(self.size().1);
-        let sliders = &mut self.sliders;
-        let place = |rendering: &Option<Arc<Rendering>>| rendering.as_ref().map(Arc::as_ptr);
-        if place(&sliders.rendering) != place(&seen.rendering) {
-            self.active = Instant::now();
-            sliders.rendering.clone_from(&seen.rendering);
-            let mut all = seen.rendering.as_ref().map(|seen| seen.sliders()).unwrap_or_default();
-            // The hand, or what was asked for, is ahead of the picture.
-            for slider in &mut all {
-                let asked = sliders.all.iter().find(|one| one.name == slider.name);
-                let is_ahead = sliders.held.is_some() || sliders.wanted.is_some();
-                if let Some(asked) = asked.filter(|_| is_ahead) {
-                    slider.value = asked.value.max(slider.low).min(slider.high);
-                }
-            }
-            if all.len() != sliders.all.len() {
-                (sliders.held, sliders.hovered) = (None, None);
-            }
-            sliders.all = all;
-        }
-        let letters = Canvas::new(width, height, Vec::new(), scale);
-        sliders.panel = Panel::new(&sliders.all, sliders.scroll, (width, height), &letters);
-    }
-
     pub(super) fn hover_slider(&mut self, at: Option<(f64, f64)>) {
         let sliders = &mut self.sliders;
         sliders.hovered = sliders.held.map(|(index, _)| index).or_else(|| sliders.panel?.at(at?));
@@ -199,13 +190,8 @@ impl Window {
     /// Scrolls the sliders if the pointer is over them and there are more, and tells whether so.
     pub(super) fn scroll_sliders(&mut self, steps: f64) -> bool {
         let sliders = &mut self.sliders;
-        let Some(panel) = sliders.panel.filter(|panel| panel.scrolls()) else { return false };
-        if sliders.hovered.is_none() {
-            return false;
-        }
-        let first = panel.first;
-        sliders.scroll = if steps > 0.0 { first.saturating_sub(1) } else { first + 1 };
-        true
+        let panel = sliders.panel.filter(|_| sliders.hovered.is_some());
+        panel.is_some_and(|panel| panel.rows.scroll(&mut sliders.scroll, steps))
     }
 
     /// Lets time pass, or no longer.
@@ -227,11 +213,8 @@ impl Window {
         let sliders = &mut self.sliders;
         let Some(Playing { since, from }) = &sliders.playing else { return };
         self.active = Instant::now();
-        if seen.rendering.is_none() {
-            sliders.pause();
-            return;
-        }
-        let Some(index) = sliders.all.iter().position(|one| one.is_time) else {
+        let index = sliders.all.iter().position(|one| one.is_time);
+        let Some(index) = index.filter(|_| seen.rendering.is_some()) else {
             sliders.pause();
             return;
         };

@@ -1,14 +1,12 @@
 //! How surfaces are hidden, seen through, moved and taken away by the mouse and the keys.
 
 use super::Window;
-use super::list::{List, Part};
+use super::list::{List, Part, Shown};
 use super::sliders::is_next_due;
 use crate::cli::canvas::Canvas;
-use crate::cli::line_edit::LineEdit;
 use minifb::Key;
-use std::sync::Arc;
 use std::time::Instant;
-use zeroset::live::{Listed, Rendering, Snapshot};
+use zeroset::live::{Listed, Snapshot};
 
 /// How far an arrow key moves an opacity.
 const STEP: f64 = 0.05;
@@ -16,8 +14,6 @@ const STEP: f64 = 0.05;
 /// The list of the surfaces that are seen, and what changes them.
 #[derive(Default)]
 pub struct Surfaces {
-    /// Whose they are.
-    rendering: Option<Arc<Rendering>>,
     all: Vec<Listed>,
     list: Option<List>,
     /// Whether the list is wanted; if nobody says so, where there is more than one surface.
@@ -40,26 +36,6 @@ enum Held {
     Row(usize, usize),
 }
 
-/// All that is drawn of the list.
-#[derive(Clone, PartialEq)]
-pub struct Shown {
-    list: List,
-    all: Vec<Listed>,
-    hovered: Option<(usize, Part)>,
-    dragged: Option<(usize, usize)>,
-}
-
-impl Shown {
-    /// Whether formulas are listed, too.
-    pub fn has_formulas(&self) -> bool {
-        self.list.has_formulas()
-    }
-
-    pub fn draw(&self, canvas: &mut Canvas) {
-        self.list.draw(canvas, &self.all, self.hovered, self.dragged);
-    }
-}
-
 impl Surfaces {
     /// The list as it is to be drawn.
     pub fn shown(&self) -> Option<Shown> {
@@ -67,8 +43,29 @@ impl Surfaces {
             Some(Held::Row(from, to)) => Some((from, to)),
             Some(Held::Opacity(_)) | None => None,
         };
-        let (list, all, hovered) = (self.list?, self.all.clone(), self.hovered);
-        Some(Shown { list, all, hovered, dragged })
+        let (list, surfaces, hovered) = (self.list?, self.all.clone(), self.hovered);
+        Some(Shown { list, surfaces, hovered, dragged })
+    }
+
+    /// Takes those of another picture.
+    pub fn follow(&mut self, mut all: Vec<Listed>) {
+        if all.len() != self.all.len() {
+            (self.held, self.hovered, self.opacity) = (None, None, None);
+        }
+        // The hand is ahead of the picture.
+        if let Some((index, opacity)) = self.opacity {
+            all[index].opacity = opacity;
+        }
+        self.all = all;
+    }
+
+    /// Finds a place for the list in a picture of so many pixels, of which `taken` at the left are
+    /// taken, with the letters of `canvas`.
+    pub fn lay_out(&mut self, taken: usize, size: (usize, usize), canvas: &Canvas) {
+        let count = self.all.len();
+        let is_wanted = self.wanted.unwrap_or(count > 1);
+        let list = || List::new(count, self.scroll, taken, size, canvas);
+        self.list = is_wanted.then(list).flatten();
     }
 
     fn want(&mut self, index: usize, opacity: f64) {
@@ -80,33 +77,6 @@ impl Surfaces {
 }
 
 impl Window {
-    /// Takes the surfaces of what is seen.
-    pub(super) fn follow_surfaces(&mut self, seen: &Snapshot) {
-        let (width, height) = self.picture_size();
-        let scale = self.scale_at(self.size().1);
-        let taken = self.sliders.width();
-        let surfaces = &mut self.surfaces;
-        let place = |rendering: &Option<Arc<Rendering>>| rendering.as_ref().map(Arc::as_ptr);
-        if place(&surfaces.rendering) != place(&seen.rendering) {
-            surfaces.rendering.clone_from(&seen.rendering);
-            let mut all = seen.rendering.as_ref().map(|seen| seen.surfaces()).unwrap_or_default();
-            if all.len() != surfaces.all.len() {
-                (surfaces.held, surfaces.hovered, surfaces.opacity) = (None, None, None);
-            }
-            // The hand is ahead of the picture.
-            if let Some((index, opacity)) = surfaces.opacity {
-                all[index].opacity = opacity;
-            }
-            surfaces.all = all;
-        }
-        let count = surfaces.all.len();
-        let is_wanted = surfaces.wanted.unwrap_or(count > 1);
-        let letters = Canvas::new(width, height, Vec::new(), scale);
-        surfaces.list = is_wanted
-            .then(|| List::new(count, surfaces.scroll, taken, (width, height), &letters))
-            .flatten();
-    }
-
     pub(super) fn hover_surface(&mut self, at: Option<(f64, f64)>) {
         let surfaces = &mut self.surfaces;
         if surfaces.held.is_none() {
@@ -146,7 +116,7 @@ impl Window {
                 let index = *index;
                 surfaces.want(index, list.opacity(at.0));
             }
-            Some(Held::Row(_, to)) => *to = list.place(at.1),
+            Some(Held::Row(_, to)) => *to = list.rows.nearest(at.1),
             None => {}
         }
     }
@@ -174,9 +144,7 @@ impl Window {
 
     /// What is left is looked at anew, on another thread.
     fn delete_surface(&mut self, index: usize) {
-        let mut line = LineEdit::default();
-        format!(":delete {}", index + 1).chars().for_each(|letter| line.insert(letter));
-        let _ = self.lines.send(line);
+        self.send(format!(":delete {}", index + 1));
     }
 
     /// What a key does to the surface under the pointer; tells whether there is one.
@@ -198,18 +166,13 @@ impl Window {
     /// Scrolls the list if the pointer is over it and there are more, and tells whether so.
     pub(super) fn scroll_surfaces(&mut self, steps: f64) -> bool {
         let surfaces = &mut self.surfaces;
-        let Some(list) = surfaces.list.filter(|list| list.scrolls()) else { return false };
-        if surfaces.hovered.is_none() {
-            return false;
-        }
-        let first = list.first;
-        surfaces.scroll = if steps > 0.0 { first.saturating_sub(1) } else { first + 1 };
-        true
+        let list = surfaces.list.filter(|_| surfaces.hovered.is_some());
+        list.is_some_and(|list| list.rows.scroll(&mut surfaces.scroll, steps))
     }
 
     /// Asks for the opacity that is wanted, if the picture of the one before is there.
     pub(super) fn send_opacity(&mut self, seen: &Snapshot) {
-        if self.surfaces.opacity.is_some() && is_next_due(self.surfaces.sent, seen) {
+        if is_next_due(self.surfaces.sent, seen) {
             self.ask_for_opacity();
         }
     }

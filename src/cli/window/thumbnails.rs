@@ -2,11 +2,11 @@
 //! looks, and kept. Whatever else is drawn goes first.
 
 use crate::cli::render::beautiful;
-use crate::cli::session::Session;
+use crate::cli::session::{Session, lock};
 use crate::cli::stage::stage;
 use rayon::ThreadPoolBuilder;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 use zeroset::gallery::{Example, examples};
@@ -40,11 +40,6 @@ struct Shared {
     version: AtomicU64,
     wanted: AtomicBool,
     side: usize,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // Pictures are put in whole.
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Thumbnails {
