@@ -2,9 +2,10 @@
 
 use crate::error::ChartError;
 use crate::machine::Machine;
+use crate::measure::pool;
 use crate::progress::progress;
 use crate::row::Row;
-use crate::run::{Batch, pool};
+use crate::run::Batch;
 use crate::store::Store;
 use crate::surfaces::Surface;
 use crate::views::View;

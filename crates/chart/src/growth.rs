@@ -4,16 +4,18 @@
 mod chart;
 mod formulas;
 
-pub use formulas::{Formula, Source, all};
+pub use formulas::Source;
 
+use crate::arguments::CompileArguments;
 use crate::error::ChartError;
 use crate::machine::Machine;
+use crate::measure::pool;
 use crate::plot::draw;
 use crate::progress::progress;
 use crate::quantile::quantile;
-use crate::run::pool;
 use crate::store::{write, write_csv};
 use crate::views::rng;
+use formulas::{Formula, all};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::Instant;
@@ -22,17 +24,6 @@ use zeroset::scene;
 use zeroset_eval::{ContractTiles, Question};
 use zeroset_syntax::{Options as Reading, read};
 use zeroset_trace::{Method, Options};
-
-/// How much is measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Extent {
-    /// About how many nodes the largest formula has that is made.
-    pub nodes: usize,
-    /// How often each formula is compiled.
-    pub repeats: usize,
-    /// Of the numbers in formulas that are made, and of the order of measurements.
-    pub seed: u64,
-}
 
 /// A formula's line of results. Times are in milliseconds, on one thread: the least of all rounds, as the same work is done
 /// in each and whatever else the processor does only adds to it, the more the longer it takes.
@@ -64,24 +55,22 @@ pub struct Row {
     pub processor: String,
 }
 
-/// Measures `formulas` in rounds of random order, and writes `compile.csv`, `compile-time.svg` and `compile-code.svg` into
-/// `directory` after each round.
+/// Measures formulas in rounds of random order, and writes `compile.csv`, `compile-time.svg` and `compile-code.svg` after each
+/// round; returns what was found, as a table.
 ///
 /// # Errors
 /// If a formula has no kernels, or the directory cannot be written.
-pub fn growth(
-    formulas: &[Formula],
-    extent: Extent,
-    directory: &Path,
-) -> Result<Vec<Row>, ChartError> {
+pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
+    let CompileArguments { nodes, repeats, seed, .. } = *arguments;
+    let formulas = all(nodes, seed)?;
     let (machine, pool) = (Machine::this(), pool(1));
-    let bar = progress((1 + extent.repeats) * formulas.len());
-    let mut random = rng(&format!("{} growth order", extent.seed));
+    let bar = progress((1 + repeats) * formulas.len());
+    let mut random = rng(&format!("{seed} growth order"));
     let mut order: Vec<usize> = (0..formulas.len()).collect();
     let mut made: Vec<Vec<Compiled>> = formulas.iter().map(|_| Vec::new()).collect();
     let mut rows = Vec::new();
     // The first round warms up. A disturbance falls on one round of many formulas, and not on one formula.
-    for round in 0..=extent.repeats {
+    for round in 0..=repeats {
         random.shuffle(&mut order);
         for &number in &order {
             let one = pool.install(|| compile(&formulas[number]))?;
@@ -92,12 +81,12 @@ pub fn growth(
         }
         if round > 0 {
             let pairs = formulas.iter().zip(&made);
-            rows = pairs.map(|(formula, made)| row(formula, made, extent.seed, &machine)).collect();
-            save(&rows, directory)?;
+            rows = pairs.map(|(formula, made)| row(formula, made, seed, &machine)).collect();
+            save(&rows, &arguments.output)?;
         }
     }
     bar.finish_and_clear();
-    Ok(rows)
+    Ok(table(&rows))
 }
 
 fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
@@ -178,7 +167,7 @@ fn row(formula: &Formula, rounds: &[Compiled], seed: u64, machine: &Machine) -> 
 }
 
 /// What was found, in few lines: how times and code grow with nodes, and what the largest formula takes.
-pub fn table(rows: &[Row]) -> String {
+fn table(rows: &[Row]) -> String {
     let Some(largest) = rows.iter().max_by_key(|row| row.nodes) else { return String::new() };
     let (formulas, nodes) = (rows.len(), largest.nodes);
     let head =

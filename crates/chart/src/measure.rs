@@ -5,6 +5,7 @@ use crate::grid::Configuration;
 use crate::quantile::Quartiles;
 use crate::surfaces::Surface;
 use crate::views::rng;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::time::{Duration, Instant};
 use zeroset::model::Model;
 use zeroset::picture::Picture;
@@ -28,6 +29,14 @@ pub struct Measured {
 
 fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
+}
+
+/// A pool of so many threads, apart from that on which references are found.
+///
+/// # Panics
+/// If the system gives none.
+pub fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
 }
 
 /// Measures all `configurations` from one view, each `repeats` times after a cold and a warm picture; `advance` is told after

@@ -49,7 +49,7 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
     let program = Program::new(&surface.document, bounds(&surface.region)).map_err(refuse)?;
     let within = within * (surface.region.high() - surface.region.low()).length();
     let mut said = String::new();
-    for method in arguments.methods() {
+    for method in arguments.methods.chosen() {
         let (found, nanoseconds) = follow(method, &surface, &program, &rays, within)?;
         let rows = found.iter().zip(&rays).flat_map(|(found, ray)| place(found, ray));
         save(output, method.name, 4, &rows.collect::<Vec<_>>())?;
@@ -95,7 +95,7 @@ fn read(path: &Path) -> Result<Vec<Ray>, ChartError> {
 }
 
 /// Rays from a ball around the region to points in it.
-fn random(region: &Region, count: u32, seed: u64) -> Vec<Ray> {
+fn random(region: &Region, count: usize, seed: u64) -> Vec<Ray> {
     let mut rng = rng(&format!("{seed} rays"));
     let (low, extent) = (region.low(), region.high() - region.low());
     let ray = |_| {

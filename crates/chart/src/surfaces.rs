@@ -1,6 +1,7 @@
 //! Surfaces by name: ten of this crate's own, which `benches/frame.rs` draws too, and the gallery.
 
 use crate::error::ChartError;
+use crate::grid::distinct;
 use include_dir::{Dir, include_dir};
 use zeroset::gallery::example;
 use zeroset::scene::{self, DomainChoice};
@@ -27,6 +28,16 @@ pub struct Surface {
 /// The names of the ten surfaces, which are measured unless others are named.
 pub fn names() -> Vec<&'static str> {
     FILES.files().filter_map(|file| file.path().file_stem()?.to_str()).collect()
+}
+
+/// The surfaces of these names, each once; the ten if there are none.
+///
+/// # Errors
+/// If there is no such surface, or it draws several at once.
+pub fn chosen(given: &[String]) -> Result<Vec<Surface>, ChartError> {
+    let given = distinct(given.iter().map(String::as_str));
+    let names = if given.is_empty() { names() } else { given };
+    names.into_iter().map(Surface::named).collect()
 }
 
 impl Surface {

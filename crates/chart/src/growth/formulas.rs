@@ -1,6 +1,5 @@
 //! Formulas of every size: those of the gallery, and sums and products that are made.
 
-use super::Extent;
 use crate::error::ChartError;
 use crate::views::rng;
 use fastrand::Rng;
@@ -45,7 +44,7 @@ const STEP: f64 = 1.5;
 ///
 /// # Errors
 /// If an example has no domain.
-pub fn all(extent: Extent) -> Result<Vec<Formula>, ChartError> {
+pub fn all(nodes: usize, seed: u64) -> Result<Vec<Formula>, ChartError> {
     let mut all = Vec::new();
     for example in examples() {
         let refuse = |why: String| ChartError::Surface { surface: example.slug.to_owned(), why };
@@ -56,10 +55,10 @@ pub fn all(extent: Extent) -> Result<Vec<Formula>, ChartError> {
         let (name, text) = (example.slug.to_owned(), example.text.to_owned());
         all.push(Formula { name, source: Source::Gallery, text, region });
     }
-    let (mut terms, most) = (1, (extent.nodes / NODES).max(1));
+    let (mut terms, most) = (1, (nodes / NODES).max(1));
     loop {
         for source in [Source::Sum, Source::Product] {
-            all.push(made(source, terms, extent.seed)?);
+            all.push(made(source, terms, seed)?);
         }
         if terms == most {
             return Ok(all);
