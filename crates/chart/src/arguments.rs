@@ -1,6 +1,7 @@
 //! The command line's arguments.
 
-use crate::grid::{Values, distinct, precision};
+use crate::grid::{Values, precision};
+use crate::groups::distinct;
 use crate::row::Frame;
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser};
 use clap::{Args, Parser, Subcommand};

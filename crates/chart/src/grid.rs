@@ -33,17 +33,6 @@ pub struct Configuration {
     pub steps: Option<u32>,
 }
 
-/// Each once, as they come.
-pub(crate) fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
-    let mut all: Vec<T> = Vec::new();
-    for value in values {
-        if !all.contains(&value) {
-            all.push(value);
-        }
-    }
-    all
-}
-
 /// What an option is, with its unit.
 pub fn meaning(option: MethodOption) -> &'static str {
     match option {

@@ -8,12 +8,11 @@ pub use formulas::Source;
 
 use crate::arguments::CompileArguments;
 use crate::error::ChartError;
+use crate::files::write_csv;
 use crate::machine::Machine;
 use crate::measure::pool;
-use crate::plot::draw;
 use crate::progress::progress;
 use crate::quantile::quantile;
-use crate::store::{write, write_csv};
 use crate::views::rng;
 use formulas::{Formula, all};
 use serde::{Deserialize, Serialize};
@@ -93,10 +92,8 @@ fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
     let mut sorted: Vec<&Row> = rows.iter().collect();
     sorted.sort_by_key(|row| (row.source, row.nodes, row.name.clone()));
     write_csv(&directory.join("compile.csv"), sorted)?;
-    for (name, figure) in [("time", chart::times(rows)), ("code", chart::code(rows))] {
-        write(&directory.join(format!("compile-{name}.svg")), draw(&figure)?.as_bytes())?;
-    }
-    Ok(())
+    chart::times(rows).save(directory)?;
+    chart::code(rows).save(directory)
 }
 
 /// What came of a formula, and its times in milliseconds.

@@ -5,8 +5,10 @@ use clap::Parser;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset_chart::arguments::{Arguments, Command};
+use zeroset_chart::charts::draw_all;
 use zeroset_chart::check::check;
 use zeroset_chart::growth::growth;
+use zeroset_chart::page::write_page;
 use zeroset_chart::rays::rays;
 use zeroset_chart::rigour::rigour;
 use zeroset_chart::run::run;
@@ -33,9 +35,9 @@ fn command() -> String {
 
 fn draw(directory: &Path) -> Result<()> {
     let store = Store::existing(directory)?;
-    let charts = store.draw()?;
-    println!("{charts} charts are in {}", directory.join("charts").display());
-    println!("everything is on {}", store.write_page()?.display());
+    let charts = store.path("charts");
+    println!("{} charts are in {}", draw_all(&store.rows, &charts)?, charts.display());
+    println!("everything is on {}", write_page(&store)?.display());
     Ok(())
 }
 

@@ -2,8 +2,8 @@
 
 use crate::arguments::RaysArguments;
 use crate::error::ChartError;
+use crate::files::write;
 use crate::reference::{Truth, certify};
-use crate::store::write;
 use crate::surfaces::Surface;
 use crate::views::{direction, rng};
 use glam::DVec3;

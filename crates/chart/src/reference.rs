@@ -4,6 +4,7 @@
 //! derivatives, taken by a kernel of 64 bits at the certified root.
 
 use crate::error::ChartError;
+use crate::files::write;
 use crate::surfaces::Surface;
 use crate::views::{View, rng};
 use glam::DVec3;
@@ -107,7 +108,7 @@ impl Reference {
         let pixels = trace(surface, &rays, &sampled(sampling), sampling.budget)?;
         let reference = Self { origin, pixels };
         let bytes = serde_json::to_vec(&reference).map_err(ChartError::of_content(&path))?;
-        crate::store::write(&path, &bytes)?;
+        write(&path, &bytes)?;
         Ok(reference)
     }
 

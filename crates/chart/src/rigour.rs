@@ -12,12 +12,11 @@ pub use row::{Asked, Row, name};
 
 use crate::arguments::RigourArguments;
 use crate::error::ChartError;
+use crate::files::write_csv;
 use crate::machine::Machine;
 use crate::measure::pool;
-use crate::plot::draw;
 use crate::progress::progress;
 use crate::quantile::{Quartiles, geometric_mean};
-use crate::store::{write, write_csv};
 use crate::surfaces::{self, Surface};
 use crate::views::{View, rng, views};
 use inputs::{Three, boxes, chosen, errors, lengths, widths};
@@ -66,7 +65,7 @@ pub fn rigour(arguments: &RigourArguments) -> Result<String, ChartError> {
 
 fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
     write_csv(&directory.join("rigour.csv"), rows)?;
-    write(&directory.join("rigour.svg"), draw(&chart::figure(rows))?.as_bytes())
+    chart::figure(rows).save(directory)
 }
 
 /// What was found, in few lines: times over those without rigour, and widths over those of rounding up.

@@ -1,7 +1,7 @@
 //! Surfaces by name: ten of this crate's own, which `benches/frame.rs` draws too, and the gallery.
 
 use crate::error::ChartError;
-use crate::grid::distinct;
+use crate::groups::distinct;
 use include_dir::{Dir, include_dir};
 use zeroset::gallery::example;
 use zeroset::scene::{self, DomainChoice};

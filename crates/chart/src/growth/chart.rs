@@ -35,6 +35,7 @@ pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
 /// The stages' times.
 pub fn times(rows: &[Row]) -> Figure {
     Figure {
+        name: "compile-time".to_owned(),
         title: "From text to the kernels of a picture, by size".to_owned(),
         y: "time, ms (1 thread)".to_owned(),
         ..figure(rows, &QUANTITIES[..3])
@@ -44,6 +45,7 @@ pub fn times(rows: &[Row]) -> Figure {
 /// Bytes of code.
 pub fn code(rows: &[Row]) -> Figure {
     Figure {
+        name: "compile-code".to_owned(),
         title: "Code of the kernels of a picture, by size".to_owned(),
         y: "machine code, bytes".to_owned(),
         ..figure(rows, &QUANTITIES[3..])

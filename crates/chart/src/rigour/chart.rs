@@ -64,6 +64,7 @@ pub fn figure(rows: &[Row]) -> Figure {
         "bars from least to greatest".to_owned(),
     ];
     Figure {
+        name: "rigour".to_owned(),
         title: "The price of rigour".to_owned(),
         x: "what is asked of kernels, whole pictures, and in which floats".to_owned(),
         y: "time, as a multiple of that without rigour".to_owned(),
