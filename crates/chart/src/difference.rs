@@ -2,7 +2,8 @@
 
 use crate::error::ChartError;
 use crate::errors::{Mistake, mistake};
-use crate::reference::{Reference, Truth};
+use crate::reference::Reference;
+use crate::truth::Truth;
 use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
 use zeroset_trace::GBuffer;
 
@@ -56,7 +57,7 @@ pub fn png(image: &RgbImage) -> Result<Vec<u8>, ChartError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::Root;
+    use crate::truth::Root;
 
     #[test]
     fn each_mistake_has_its_colour() {

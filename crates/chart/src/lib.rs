@@ -31,4 +31,5 @@ pub mod run;
 pub mod stability;
 pub mod store;
 pub mod surfaces;
+pub mod truth;
 pub mod views;

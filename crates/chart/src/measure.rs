@@ -7,7 +7,6 @@ use crate::surfaces::Surface;
 use crate::views::rng;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::time::{Duration, Instant};
-use zeroset::model::Model;
 use zeroset::picture::Picture;
 use zeroset_trace::Camera;
 
@@ -61,7 +60,7 @@ pub fn measure(
     let mut first = Vec::new();
     for one in configurations {
         let (settings, start) = (one.settings(size), Instant::now());
-        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
+        let model = surface.model(&settings)?;
         let picture = model.trace(camera, &settings, &|_| true).map_err(&refuse)?;
         let cold = milliseconds(start.elapsed());
         let times = picture.statistics.times;
@@ -69,7 +68,7 @@ pub fn measure(
     }
     advance();
     let shared = configurations.first().map(|one| one.settings(size)).unwrap_or_default();
-    let model = Model::new(&surface.document, &surface.region, &shared).map_err(&refuse)?;
+    let model = surface.model(&shared)?;
     let mut times = vec![Vec::with_capacity(repeats); configurations.len()];
     let mut order: Vec<usize> = (0..configurations.len()).collect();
     let mut rng = rng(&format!("{seed} {} order", surface.name));

@@ -3,8 +3,8 @@
 use crate::arguments::RaysArguments;
 use crate::error::ChartError;
 use crate::files::write;
-use crate::reference::{Truth, certify};
 use crate::surfaces::Surface;
+use crate::truth::{Truth, certify};
 use crate::views::{direction, rng};
 use glam::DVec3;
 use std::fmt::Write as _;

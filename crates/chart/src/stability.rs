@@ -22,7 +22,6 @@ use image::RgbImage;
 use serde::Serialize;
 use sheet::Sheet;
 use std::time::{Duration, Instant};
-use zeroset::model::Model;
 use zeroset::picture::Settings;
 use zeroset_trace::Method;
 
@@ -103,12 +102,9 @@ fn judged(
     let settings = Configuration::plain(method).settings(SIDE);
     let settings = Settings { budget: Some(budget), ..settings };
     let start = Instant::now();
-    let drawn = case.view().and_then(|(surface, view)| {
-        let refuse = ChartError::of_surface(&surface.name);
-        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
-        let picture = model.trace(&view.camera, &settings, &|_| true).map_err(&refuse)?;
-        Ok((picture, view))
-    });
+    let drawn = case
+        .view()
+        .and_then(|(surface, view)| Ok((surface.picture(&view.camera, &settings)?, view)));
     let time = start.elapsed();
     let (picture, view) = match drawn {
         Ok(drawn) => drawn,

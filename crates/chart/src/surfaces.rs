@@ -4,10 +4,12 @@ use crate::error::ChartError;
 use crate::groups::distinct;
 use include_dir::{Dir, include_dir};
 use zeroset::gallery::example;
+use zeroset::model::Model;
+use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Options, SurfaceKind, read};
 use zeroset_testkit::certified::Function;
-use zeroset_trace::Region;
+use zeroset_trace::{Camera, Region};
 
 /// Those of Knoll et al. 2007, and the gyroid.
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/data");
@@ -47,8 +49,10 @@ impl Surface {
     /// If there is none, or it draws several at once.
     pub fn named(name: &str) -> Result<Self, ChartError> {
         let own = FILES.get_file(format!("{name}.zset")).and_then(|file| file.contents_utf8());
+        let unknown =
+            || ChartError::UnknownSurface { name: name.to_owned(), ten: names().join(", ") };
         let text = own.or_else(|| example(name).map(|example| example.text));
-        Self::of(name, text.ok_or_else(|| ChartError::UnknownSurface(name.to_owned()))?, None)
+        Self::of(name, text.ok_or_else(unknown)?, None)
     }
 
     /// The surface of a text, within `region` if that is given.
@@ -77,6 +81,24 @@ impl Surface {
     pub fn function(&self) -> Function {
         let parameters: Vec<_> = self.document.parameters.iter().map(|p| p.value.clone()).collect();
         Function::new(&self.document.graph, self.document.surfaces[0].root, &parameters)
+    }
+
+    /// Its kernels.
+    ///
+    /// # Errors
+    /// If they cannot be made.
+    pub fn model(&self, settings: &Settings) -> Result<Model, ChartError> {
+        Model::new(&self.document, &self.region, settings)
+            .map_err(ChartError::of_surface(&self.name))
+    }
+
+    /// A picture, for which kernels are made.
+    ///
+    /// # Errors
+    /// If they cannot be made.
+    pub fn picture(&self, camera: &Camera, settings: &Settings) -> Result<Picture, ChartError> {
+        let picture = self.model(settings)?.trace(camera, settings, &|_| true);
+        picture.map_err(ChartError::of_surface(&self.name))
     }
 
     /// Whether it is a solid, which the faces of its domain may cut.

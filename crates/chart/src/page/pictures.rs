@@ -15,7 +15,6 @@ use crate::views::View;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbImage;
-use zeroset::model::Model;
 use zeroset_testkit::certified::BUDGET;
 use zeroset_trace::{METHODS, Method, Precision};
 
@@ -52,7 +51,6 @@ fn middles(rows: &[&Row]) -> Vec<Configuration> {
 fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
     let row = rows[0];
     let surface = Surface::named(&row.surface)?;
-    let refuse = ChartError::of_surface(&surface.name);
     let view = View { name: format!("{}-page", row.view), camera: row.camera()? };
     let sampling = Sampling { size: SIZE, samples: 0, seed: row.seed, budget: BUDGET };
     let reference = Reference::kept(&store.path("reference"), &surface, &view, sampling)?;
@@ -61,8 +59,7 @@ fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
     let mut text = vec![format!("<h3>{name}</h3>\n<div class=\"pictures\">\n")];
     for configuration in middles(rows) {
         let settings = configuration.settings(SIZE);
-        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
-        let picture = model.trace(&view.camera, &settings, &|_| true).map_err(&refuse)?;
+        let picture = surface.picture(&view.camera, &settings)?;
         let errors = Errors::new(&reference, &rays, &picture.buffer);
         let wrong = difference(&reference, &picture.buffer);
         let side = SIZE as u32;
