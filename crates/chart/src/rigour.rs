@@ -29,7 +29,6 @@ use zeroset::scene;
 use zeroset_eval::{
     ContractSegments, ContractTiles, Enclose, Input, Kernel, KernelError, Question,
 };
-use zeroset_interval::Format;
 use zeroset_jit::comparison::Arithmetic;
 use zeroset_trace::{Driver, GBuffer, Method, Options, Precision};
 
@@ -53,9 +52,9 @@ pub fn rigour(arguments: &RigourArguments) -> Result<String, ChartError> {
         let program = program.map_err(&refuse)?;
         let view = &views(surface, 1, arguments.seed)?[0];
         let plan = Plan { surface, view, program: &program, arguments, machine: &machine };
-        rows.extend(pool.install(|| plan.rows::<f32>(Precision::F32))?);
+        rows.extend(pool.install(|| plan.rows::<f32>())?);
         bar.inc(1);
-        rows.extend(pool.install(|| plan.rows::<f64>(Precision::F64))?);
+        rows.extend(pool.install(|| plan.rows::<f64>())?);
         bar.inc(1);
         save(&rows, &arguments.output)?;
     }
@@ -119,13 +118,13 @@ struct Task<'a> {
 }
 
 impl Plan<'_> {
-    fn rows<T: Float>(&self, precision: Precision) -> Result<Vec<Row>, ChartError> {
+    fn rows<T: Float>(&self) -> Result<Vec<Row>, ChartError> {
         let surface = &self.surface;
         let refuse = ChartError::of_surface(&surface.name);
         let set = |arithmetic, keeps| Set::new(self.program, arithmetic, keeps).map_err(&refuse);
         // What a picture asks is kept from one that is rounded up.
         let asked = set(Arithmetic::Upward, true)?;
-        self.picture(&asked, precision)?;
+        self.picture(&asked, T::PRECISION)?;
         let [unsound, widened, upward] = Arithmetic::ALL.map(|arithmetic| set(arithmetic, false));
         let sets = [unsound?, widened?, upward?];
         let mut random = rng(&format!("{} {} boxes", self.arguments.seed, surface.name));
@@ -143,7 +142,7 @@ impl Plan<'_> {
         let tiles = asked.seen::<T, ContractTiles>().map_err(&refuse)?;
         let widths = [errors(&kernels, &tiles), [None; 3]];
         rows.extend(self.kernel_rows(Asked::Tiles, &kernels, &tiles, widths));
-        rows.extend(self.picture_rows(&sets, T::FORMAT, precision)?);
+        rows.extend(self.picture_rows(&sets, T::PRECISION)?);
         Ok(rows)
     }
 
@@ -171,7 +170,7 @@ impl Plan<'_> {
             };
             Task { run: Box::new(run), lanes }
         });
-        let mut rows = self.timed(asked, T::FORMAT, &tasks);
+        let mut rows = self.timed(asked, T::PRECISION, &tasks);
         for (number, row) in rows.iter_mut().enumerate() {
             row.code_bytes = Some(kernels[number].code_bytes());
             [row.width, row.width_at_points] = widths.map(|widths| widths[number]);
@@ -179,12 +178,7 @@ impl Plan<'_> {
         rows
     }
 
-    fn picture_rows(
-        &self,
-        sets: &[Set; 3],
-        format: Format,
-        precision: Precision,
-    ) -> Result<Vec<Row>, ChartError> {
+    fn picture_rows(&self, sets: &[Set; 3], precision: Precision) -> Result<Vec<Row>, ChartError> {
         // Kernels are made before any time is taken.
         let mut undecided = Vec::new();
         for set in sets {
@@ -199,7 +193,7 @@ impl Plan<'_> {
             };
             Task { run: Box::new(run), lanes: self.arguments.size * self.arguments.size }
         });
-        let mut rows = self.timed(Asked::Picture, format, &tasks);
+        let mut rows = self.timed(Asked::Picture, precision, &tasks);
         for (row, undecided) in rows.iter_mut().zip(undecided) {
             row.undecided = Some(undecided);
         }
@@ -223,7 +217,7 @@ impl Plan<'_> {
     }
 
     /// The three tasks in rounds of random order, by [`Arithmetic::ALL`].
-    fn timed(&self, asked: Asked, format: Format, tasks: &[Task<'_>; 3]) -> Vec<Row> {
+    fn timed(&self, asked: Asked, precision: Precision, tasks: &[Task<'_>; 3]) -> Vec<Row> {
         // What is interrupted takes longer: of three times the least counts.
         let time = |task: &Task<'_>, times: usize| {
             let once = || {
@@ -261,11 +255,8 @@ impl Plan<'_> {
             Row {
                 surface: self.surface.name.clone(),
                 asked,
-                precision: match format {
-                    Format::F32 => "f32".to_owned(),
-                    Format::F64 => "f64".to_owned(),
-                },
-                arithmetic: name(*arithmetic).to_owned(),
+                precision: precision.to_string(),
+                arithmetic: name(*arithmetic),
                 ns: own.median,
                 ns_lower: own.lower,
                 ns_upper: own.upper,

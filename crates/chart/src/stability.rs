@@ -142,7 +142,7 @@ fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
             let of_method = verdicts.iter().filter(|verdict| verdict.method == method.name);
             format!("{:<32}", of_method.filter(|verdict| verdict.outcome == outcome).count())
         };
-        text.push(line(outcome.name(), methods.iter().map(number).collect()));
+        text.push(line(&outcome.name(), methods.iter().map(number).collect()));
     }
     let lines = text.concat();
     lines.lines().map(str::trim_end).collect::<Vec<_>>().join("\n") + "\n"

@@ -60,20 +60,23 @@ impl Surface {
     /// # Errors
     /// If the text cannot be read, or draws several surfaces at once.
     pub fn of(name: &str, text: &str, region: Option<Region>) -> Result<Self, ChartError> {
-        let refuse = |why: String| ChartError::Surface { surface: name.to_owned(), why };
-        let document =
-            read(text, &Options::default()).map_err(|errors| refuse(errors.to_string()))?;
-        if document.surfaces.len() != 1 {
-            return Err(refuse("only a text that draws one surface can be judged".to_owned()));
+        let surface = Self::read(name, text, region)?;
+        if surface.document.surfaces.len() != 1 {
+            let why = "only a text that draws one surface can be judged";
+            return Err(ChartError::of_surface(name)(why));
         }
-        let region = match region {
-            Some(region) => region,
-            None => {
-                scene::region(&document, DomainChoice::Document, None)
-                    .map_err(|error| refuse(error.to_string()))?
-                    .0
-            }
-        };
+        Ok(surface)
+    }
+
+    /// The same of a text that may draw several surfaces.
+    ///
+    /// # Errors
+    /// If the text cannot be read, or has no domain.
+    pub fn read(name: &str, text: &str, region: Option<Region>) -> Result<Self, ChartError> {
+        let document = read(text, &Options::default()).map_err(ChartError::of_surface(name))?;
+        let found = || scene::region(&document, DomainChoice::Document, None);
+        let region = region.map_or_else(|| found().map(|(region, _)| region), Ok);
+        let region = region.map_err(ChartError::of_surface(name))?;
         Ok(Self { name: name.to_owned(), text: text.to_owned(), document, region })
     }
 
