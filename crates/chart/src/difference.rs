@@ -4,7 +4,8 @@ use crate::error::ChartError;
 use crate::errors::{Mistake, mistake};
 use crate::reference::Reference;
 use crate::truth::Truth;
-use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
+use image::{ImageFormat, Rgb, RgbImage};
+use std::io::Cursor;
 use zeroset_trace::GBuffer;
 
 /// Of pixels with this mistake.
@@ -43,15 +44,9 @@ pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
 /// # Errors
 /// If it is too large for one.
 pub fn png(image: &RgbImage) -> Result<Vec<u8>, ChartError> {
-    let mut bytes = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
-    encoder
-        .write_image(image.as_raw(), image.width(), image.height(), ExtendedColorType::Rgb8)
-        .map_err(|error| ChartError::Chart {
-            name: "picture".to_owned(),
-            why: error.to_string(),
-        })?;
-    Ok(bytes)
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, ImageFormat::Png).map_err(ChartError::of_chart("picture"))?;
+    Ok(bytes.into_inner())
 }
 
 #[cfg(test)]

@@ -60,6 +60,11 @@ impl ChartError {
         move |why| Self::Surface { surface: surface.to_owned(), why: why.to_string() }
     }
 
+    /// For `map_err`: of a chart.
+    pub fn of_chart<E: ToString>(name: &str) -> impl Fn(E) -> Self {
+        move |why| Self::Chart { name: name.to_owned(), why: why.to_string() }
+    }
+
     /// For `map_err`: of a file.
     pub fn of_file(path: &Path) -> impl Fn(std::io::Error) -> Self {
         move |source| Self::File { path: path.to_owned(), source }

@@ -31,8 +31,8 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
     let RaysArguments { surface, output, within, .. } = arguments;
     let surface = Surface::named(surface)?;
     if surface.is_solid() {
-        let why = "a solid has faces, too; rays are followed to surfaces only".to_owned();
-        return Err(ChartError::Surface { surface: surface.name, why });
+        let why = "a solid has faces, too; rays are followed to surfaces only";
+        return Err(ChartError::of_surface(&surface.name)(why));
     }
     let rays = match &arguments.rays {
         Some(path) => read(path)?,
@@ -71,7 +71,7 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
 fn read(path: &Path) -> Result<Vec<Ray>, ChartError> {
     let file = File::open(path).map_err(ChartError::of_file(path))?;
     let array = npy::read_f64(BufReader::new(file)).map_err(ChartError::of_content(path))?;
-    let refuse = |why: String| ChartError::Content { path: path.to_owned(), why };
+    let refuse = ChartError::of_content(path);
     if array.shape.len() != 2 || array.shape[1] != COLUMNS as u64 {
         let shape = array.shape.iter().map(u64::to_string).collect::<Vec<_>>().join("×");
         return Err(refuse(format!("{shape} numbers, where rays are rows of {COLUMNS}")));

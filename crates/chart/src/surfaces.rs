@@ -111,7 +111,6 @@ impl Surface {
 
     /// Its domain axis by axis.
     pub fn bounds(&self) -> [[f64; 2]; 3] {
-        let (low, high) = (self.region.low(), self.region.high());
-        [0, 1, 2].map(|axis| [low[axis], high[axis]])
+        scene::bounds(&self.region).map(|range| [range.lo, range.hi])
     }
 }
