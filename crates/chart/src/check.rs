@@ -80,9 +80,4 @@ impl Differences {
             }
         }
     }
-
-    /// Whether what was counted is the same.
-    pub fn is_same(&self) -> bool {
-        self.counts.is_empty()
-    }
 }

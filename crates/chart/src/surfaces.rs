@@ -8,7 +8,6 @@ use zeroset::model::Model;
 use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Options, SurfaceKind, read};
-use zeroset_testkit::certified::Function;
 use zeroset_trace::{Camera, Region};
 
 /// Those of Knoll et al. 2007, and the gyroid.
@@ -78,12 +77,6 @@ impl Surface {
         let region = region.map_or_else(|| found().map(|(region, _)| region), Ok);
         let region = region.map_err(ChartError::of_surface(name))?;
         Ok(Self { name: name.to_owned(), text: text.to_owned(), document, region })
-    }
-
-    /// Its function, for the certified tracer.
-    pub fn function(&self) -> Function {
-        let parameters: Vec<_> = self.document.parameters.iter().map(|p| p.value.clone()).collect();
-        Function::new(&self.document.graph, self.document.surfaces[0].root, &parameters)
     }
 
     /// Its kernels.

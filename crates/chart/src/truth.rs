@@ -66,8 +66,10 @@ impl<'a> Certifier<'a> {
     pub fn new(surface: &'a Surface, budget: u32) -> Result<Self, ChartError> {
         let settings = Settings { precision: Precision::F64, ..Settings::default() };
         let model = surface.model(&settings)?;
-        let (function, bounds) = (surface.function(), surface.bounds());
-        Ok(Self { surface, model, function, bounds, budget })
+        let document = &surface.document;
+        let parameters: Vec<_> = document.parameters.iter().map(|p| p.value.clone()).collect();
+        let function = Function::new(&document.graph, document.surfaces[0].root, &parameters);
+        Ok(Self { surface, model, function, bounds: surface.bounds(), budget })
     }
 
     /// What is proven of a ray.

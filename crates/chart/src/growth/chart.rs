@@ -67,11 +67,8 @@ fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
                 .map(|row| Mark { at: [row.nodes as f64, value(row)], ..Mark::default() })
                 .collect();
             marks.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
-            let called = match source {
-                Source::Gallery => format!("{name}{slope}"),
-                Source::Sum | Source::Product => String::new(),
-            };
             let is_joined = source != Source::Gallery;
+            let called = if is_joined { String::new() } else { format!("{name}{slope}") };
             series.push(Series {
                 name: called,
                 colour,
