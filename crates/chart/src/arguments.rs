@@ -109,13 +109,13 @@ pub struct RunArguments {
     views: usize,
     /// Draws views, pixels and the order of measurements
     #[arg(long, default_value_t = 1)]
-    seed: u64,
+    pub seed: u64,
     /// How often each picture is measured
     #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
     repeats: usize,
     /// Threads that pictures are drawn on
     #[arg(long, default_value_t = 1, value_parser = number(1..=1024))]
-    threads: usize,
+    pub threads: usize,
     /// About how many pixels of a picture are held against the certified tracer; 0 for all
     #[arg(long, default_value_t = 1024, value_parser = number(0..=u32::MAX.into()))]
     samples: usize,
@@ -246,19 +246,16 @@ impl RunArguments {
         self.limited(self.views, 2)
     }
 
-    /// The pictures' sizes.
-    pub fn sizes(&self) -> Vec<usize> {
-        distinct(self.sizes.iter().map(|size| self.limited(*size, 64)))
-    }
-
-    /// How pictures are measured.
-    pub fn frame(&self) -> Frame {
-        Frame {
-            size: self.sizes[0],
+    /// How pictures are measured, size by size.
+    pub fn frames(&self) -> Vec<Frame> {
+        let sizes = distinct(self.sizes.iter().map(|size| self.limited(*size, 64)));
+        let frame = |size| Frame {
+            size,
             threads: self.threads,
             seed: self.seed,
             repeats: self.limited(self.repeats, 3),
             samples: self.limited(self.samples, 256),
-        }
+        };
+        sizes.into_iter().map(frame).collect()
     }
 }

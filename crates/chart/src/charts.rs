@@ -57,10 +57,6 @@ impl<'a> Rows<'a> {
         distinct(self.0.iter().map(|(row, _)| row.surface.as_str()))
     }
 
-    fn configurations(&self) -> Vec<Configuration> {
-        distinct(self.0.iter().map(|(_, configuration)| *configuration))
-    }
-
     /// The one that most rows have, the greatest of such.
     fn common_size(&self) -> Option<usize> {
         let sizes = distinct(self.0.iter().map(|(row, _)| row.size));
@@ -138,7 +134,8 @@ fn series(configuration: &Configuration) -> Series {
 
 /// Configurations that differ in numbers only, method by method.
 fn families(rows: &Rows<'_>) -> Vec<Vec<Configuration>> {
-    let families = grouped(rows.configurations(), |one| (one.method, one.precision));
+    let configurations = distinct(rows.0.iter().map(|(_, configuration)| *configuration));
+    let families = grouped(configurations, |one| (one.method, one.precision));
     families.into_iter().map(|(_, family)| family).collect()
 }
 

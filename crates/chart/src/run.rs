@@ -23,22 +23,21 @@ use zeroset_testkit::certified::BUDGET;
 pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
     let surfaces = chosen(&arguments.surfaces)?;
     let configurations = configurations(&arguments.methods.chosen(), &arguments.values());
-    let (sizes, number, all) = (arguments.sizes(), arguments.views(), arguments.frame());
+    let (frames, number) = (arguments.frames(), arguments.views());
     let mut store = Store::open(&arguments.output)?;
     let machine = Machine::this();
     if store.rows.iter().any(|row| row.machine() != machine) {
         let why = "holds results of another machine, compiler or version";
         return Err(ChartError::of_content(&arguments.output)(why));
     }
-    let (pool, before) = (pool(all.threads), store.rows.len());
-    let rounds = 3 + all.repeats;
-    let bar = progress(surfaces.len() * number * sizes.len() * rounds);
+    let (pool, before) = (pool(arguments.threads), store.rows.len());
+    let rounds = 3 + frames[0].repeats;
+    let bar = progress(surfaces.len() * number * frames.len() * rounds);
     for surface in &surfaces {
-        for view in views(surface, number, all.seed)? {
-            for &size in &sizes {
-                bar.set_message(format!("{} {} {size}", surface.name, view.name));
+        for view in views(surface, number, arguments.seed)? {
+            for &frame in &frames {
+                bar.set_message(format!("{} {} {}", surface.name, view.name, frame.size));
                 let end = bar.position() + rounds as u64;
-                let frame = Frame { size, ..all };
                 let batch = Batch { surface, view: &view, frame, machine: &machine };
                 let missing: Vec<Configuration> = configurations
                     .iter()

@@ -20,9 +20,10 @@ impl Store {
     /// # Errors
     /// If there are some that cannot be read.
     pub fn open(directory: &Path) -> Result<Self, ChartError> {
-        let path = directory.join(ROWS);
-        let rows = if path.exists() { read(&path)? } else { Vec::new() };
-        Ok(Self { directory: directory.to_owned(), rows })
+        if directory.join(ROWS).exists() {
+            return Self::existing(directory);
+        }
+        Ok(Self { directory: directory.to_owned(), rows: Vec::new() })
     }
 
     /// The results in `directory`, where there must be some.
@@ -30,7 +31,9 @@ impl Store {
     /// # Errors
     /// If there are none, or they cannot be read.
     pub fn existing(directory: &Path) -> Result<Self, ChartError> {
-        let rows = read(&directory.join(ROWS))?;
+        let path = directory.join(ROWS);
+        let bytes = fs::read(&path).map_err(ChartError::of_file(&path))?;
+        let rows = serde_json::from_slice(&bytes).map_err(ChartError::of_content(&path))?;
         Ok(Self { directory: directory.to_owned(), rows })
     }
 
@@ -73,8 +76,3 @@ impl Store {
 
 const ROWS: &str = "rows.json";
 const COMMANDS: &str = "commands.txt";
-
-fn read(path: &Path) -> Result<Vec<Row>, ChartError> {
-    let bytes = fs::read(path).map_err(ChartError::of_file(path))?;
-    serde_json::from_slice(&bytes).map_err(ChartError::of_content(path))
-}
