@@ -54,8 +54,8 @@ pub struct Row {
     pub processor: String,
 }
 
-/// Measures formulas in rounds of random order, and writes `compile.csv`, `compile-time.svg` and `compile-code.svg` after each
-/// round; returns what was found, as a table.
+/// Measures formulas in rounds of random order, and writes `compile.csv`, `compile-time.svg` and
+/// `compile-code.svg` after each round; returns what was found, as a table.
 ///
 /// # Errors
 /// If a formula has no kernels, or the directory cannot be written.

@@ -35,11 +35,12 @@ use zeroset_trace::{Driver, GBuffer, Method, Options, Precision};
 /// How long a kernel is asked between two looks at the clock.
 const TURN: Duration = Duration::from_micros(300);
 
-/// Measures surfaces, and writes `rigour.csv` and `rigour.svg` after each; returns what was found, as a table.
+/// Measures surfaces, and writes `rigour.csv` and `rigour.svg` after each; returns what was found,
+/// as a table.
 ///
 /// # Errors
-/// If a surface is unknown, or has parameters or poles, which need other kernels than are compared here, or has no kernels, or
-/// the directory cannot be written.
+/// If a surface is unknown, or has parameters or poles, which need other kernels than are compared
+/// here, or has no kernels, or the directory cannot be written.
 pub fn rigour(arguments: &RigourArguments) -> Result<String, ChartError> {
     let surfaces = surfaces::chosen(&arguments.surfaces)?;
     let (machine, pool) = (Machine::this(), pool(1));

@@ -16,10 +16,12 @@ use rayon::ThreadPool;
 use std::path::Path;
 use zeroset_testkit::certified::BUDGET;
 
-/// Measures what is not in the directory yet, and writes it there view by view; returns how many rows are new.
+/// Measures what is not in the directory yet, and writes it there view by view; returns how many
+/// rows are new.
 ///
 /// # Errors
-/// If a surface is unknown or has no picture, or the directory is of another machine or cannot be written.
+/// If a surface is unknown or has no picture, or the directory is of another machine or cannot be
+/// written.
 pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
     let surfaces = chosen(&arguments.surfaces)?;
     let configurations = configurations(&arguments.methods.chosen(), &arguments.values());

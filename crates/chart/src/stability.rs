@@ -47,7 +47,8 @@ pub struct Verdict {
     pub refusal: Option<String>,
 }
 
-/// Draws cases by methods, each for no longer than the budget, and writes table, rows and contact sheet; returns the table.
+/// Draws cases by methods, each for no longer than the budget, and writes table, rows and contact
+/// sheet; returns the table.
 ///
 /// # Errors
 /// If there is no such case, or the directory cannot be written.

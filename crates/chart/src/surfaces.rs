@@ -20,7 +20,7 @@ pub struct Surface {
     pub name: String,
     /// The function file.
     pub text: String,
-    /// The same, read: it draws one surface.
+    /// The same, read: it draws one surface, or several if only [`Surface::read`] has read it.
     pub document: Document,
     /// Its domain: the document's, else where intervals find the surface.
     pub region: Region,
