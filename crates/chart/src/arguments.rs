@@ -1,12 +1,11 @@
 //! The command line's arguments.
 
-use crate::grid::{Values, distinct, precision};
-use crate::growth;
-use crate::rigour;
+use crate::grid::{Values, precision};
+use crate::groups::distinct;
 use crate::row::Frame;
-use crate::surfaces;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, RangedI64ValueParser};
 use clap::{Args, Parser, Subcommand};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 use zeroset::picture::is_tolerance;
@@ -59,14 +58,32 @@ pub enum Command {
     },
 }
 
+/// Which methods.
+#[derive(Args, Debug)]
+pub struct Methods {
+    /// Methods, with commas between; all if not given
+    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
+    methods: Vec<String>,
+}
+
+impl Methods {
+    /// The methods of these names, in the order of the table; all if there are none.
+    pub fn chosen(&self) -> Vec<&'static Method> {
+        let names = &self.methods;
+        let is_chosen =
+            |method: &&Method| names.is_empty() || names.iter().any(|n| n == method.name);
+        METHODS.iter().filter(is_chosen).collect()
+    }
+}
+
 /// What to measure.
 #[derive(Args, Debug)]
 pub struct RunArguments {
     /// Surfaces: names of `zeroset gallery --list`, or of the ten that are measured by default
-    surfaces: Vec<String>,
-    /// Methods, with commas between; all if not given
-    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
-    methods: Vec<String>,
+    pub surfaces: Vec<String>,
+    /// Which methods.
+    #[command(flatten)]
+    pub methods: Methods,
     /// Depths, for methods that read one
     #[arg(long, value_delimiter = ',', default_value = "6,8,10,12", value_name = "DEPTHS",
         value_parser = clap::value_parser!(u32).range(1..=i64::from(Precision::F64.max_depth())))]
@@ -85,23 +102,23 @@ pub struct RunArguments {
     precision: Vec<String>,
     /// Rows of a picture, and pixels in a row; several, with commas between, chart time against resolution
     #[arg(long, visible_alias = "size", value_delimiter = ',', default_value = "256", value_name = "PIXELS",
-        value_parser = clap::value_parser!(u32).range(8..=8192))]
-    sizes: Vec<u32>,
+        value_parser = number(8..=8192))]
+    sizes: Vec<usize>,
     /// Views of each surface: a standard one, then around it, close, grazing and inside
-    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    views: u32,
+    #[arg(long, default_value_t = 8, value_parser = number(1..=1000))]
+    views: usize,
     /// Draws views, pixels and the order of measurements
     #[arg(long, default_value_t = 1)]
-    seed: u64,
+    pub seed: u64,
     /// How often each picture is measured
-    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    repeats: u32,
+    #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
+    repeats: usize,
     /// Threads that pictures are drawn on
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
-    threads: u32,
+    #[arg(long, default_value_t = 1, value_parser = number(1..=1024))]
+    pub threads: usize,
     /// About how many pixels of a picture are held against the certified tracer; 0 for all
-    #[arg(long, default_value_t = 1024)]
-    samples: u32,
+    #[arg(long, default_value_t = 1024, value_parser = number(0..=u32::MAX.into()))]
+    samples: usize,
     /// Where results go; those that are there are kept
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
@@ -119,14 +136,14 @@ pub struct RaysArguments {
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     pub rays: Option<PathBuf>,
     /// So many random rays, from around the domain to points in it
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
-    pub random: u32,
+    #[arg(long, default_value_t = 1000, value_parser = number(1..=10_000_000))]
+    pub random: usize,
     /// Draws the random rays
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Methods, with commas between; all if not given
-    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
-    methods: Vec<String>,
+    /// Which methods.
+    #[command(flatten)]
+    pub methods: Methods,
     /// How near a hit is to be, as a share of the domain's diagonal
     #[arg(long, default_value_t = 1e-6, value_name = "SHARE", value_parser = tolerance)]
     pub within: f64,
@@ -135,68 +152,40 @@ pub struct RaysArguments {
     pub output: PathBuf,
 }
 
-impl RaysArguments {
-    /// The methods.
-    pub fn methods(&self) -> Vec<&'static Method> {
-        chosen(&self.methods)
-    }
-}
-
 /// What rigour is to be priced on.
 #[derive(Args, Debug)]
 pub struct RigourArguments {
     /// Surfaces without parameters and poles, as for `run`; the ten if not given
-    surfaces: Vec<String>,
+    pub surfaces: Vec<String>,
     /// Rows of a picture, and pixels in a row
-    #[arg(long, default_value_t = 256, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(8..=8192))]
-    size: u32,
+    #[arg(long, default_value_t = 256, value_name = "PIXELS", value_parser = number(8..=8192))]
+    pub size: usize,
     /// How often each kernel and each picture is measured
-    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    repeats: u32,
+    #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
+    pub repeats: usize,
     /// Draws boxes and the order of measurements
     #[arg(long, default_value_t = 1)]
-    seed: u64,
+    pub seed: u64,
     /// Where rows and chart go
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
-}
-
-impl RigourArguments {
-    /// The surfaces' names.
-    pub fn surfaces(&self) -> Vec<String> {
-        named_or_ten(&self.surfaces)
-    }
-
-    /// How much is measured.
-    pub fn extent(&self) -> rigour::Extent {
-        let [size, repeats] = [self.size, self.repeats].map(|number| number as usize);
-        rigour::Extent { size, repeats, seed: self.seed }
-    }
 }
 
 /// What is to be compiled.
 #[derive(Args, Debug)]
 pub struct CompileArguments {
     /// About how many nodes the largest sum and product have
-    #[arg(long, default_value_t = 3000, value_parser = clap::value_parser!(u32).range(12..=100_000))]
-    nodes: u32,
+    #[arg(long, default_value_t = 3000, value_parser = number(12..=100_000))]
+    pub nodes: usize,
     /// How often each formula is compiled
-    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    repeats: u32,
+    #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
+    pub repeats: usize,
     /// Draws the numbers in sums and products, and the order of measurements
     #[arg(long, default_value_t = 1)]
-    seed: u64,
+    pub seed: u64,
     /// Where rows and charts go
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
-}
-
-impl CompileArguments {
-    /// How much is measured.
-    pub fn extent(&self) -> growth::Extent {
-        let [nodes, repeats] = [self.nodes, self.repeats].map(|number| number as usize);
-        growth::Extent { nodes, repeats, seed: self.seed }
-    }
 }
 
 /// Which difficult formulas to draw.
@@ -204,9 +193,9 @@ impl CompileArguments {
 pub struct StabilityArguments {
     /// Cases by name; all of tests/data/stability if not given
     pub cases: Vec<String>,
-    /// Methods, with commas between; all if not given
-    #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
-    methods: Vec<String>,
+    /// Which methods.
+    #[command(flatten)]
+    pub methods: Methods,
     /// How long each picture may take, in seconds
     #[arg(long, default_value = "10", value_name = "SECONDS", value_parser = seconds)]
     pub budget: Duration,
@@ -215,17 +204,9 @@ pub struct StabilityArguments {
     pub output: PathBuf,
 }
 
-impl StabilityArguments {
-    /// The methods.
-    pub fn methods(&self) -> Vec<&'static Method> {
-        chosen(&self.methods)
-    }
-}
-
-/// The methods of these names, in the order of the table; all if there are none.
-fn chosen(names: &[String]) -> Vec<&'static Method> {
-    let is_chosen = |method: &&Method| names.is_empty() || names.iter().any(|n| n == method.name);
-    METHODS.iter().filter(is_chosen).collect()
+/// A whole number in this range.
+fn number(range: RangeInclusive<i64>) -> RangedI64ValueParser<usize> {
+    RangedI64ValueParser::new().range(range)
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -244,23 +225,7 @@ fn precision_name(text: &str) -> Result<String, String> {
     precision(text).map(|_| text.to_owned()).ok_or_else(|| "not one of f32, f64, auto".to_owned())
 }
 
-/// These surfaces, each once, or the ten.
-fn named_or_ten(names: &[String]) -> Vec<String> {
-    let ten = || surfaces::names().into_iter().map(str::to_owned).collect();
-    if names.is_empty() { ten() } else { distinct(names.iter().cloned()) }
-}
-
 impl RunArguments {
-    /// The surfaces' names.
-    pub fn surfaces(&self) -> Vec<String> {
-        named_or_ten(&self.surfaces)
-    }
-
-    /// The methods.
-    pub fn methods(&self) -> Vec<&'static Method> {
-        chosen(&self.methods)
-    }
-
     /// The options' values.
     pub fn values(&self) -> Values {
         Values {
@@ -271,26 +236,26 @@ impl RunArguments {
         }
     }
 
+    /// This many, or no more than `few` if little is asked for.
+    fn limited(&self, number: usize, few: usize) -> usize {
+        if self.quick { number.min(few) } else { number }
+    }
+
     /// How many views each surface has.
     pub fn views(&self) -> usize {
-        if self.quick { self.views.min(2) as usize } else { self.views as usize }
+        self.limited(self.views, 2)
     }
 
-    /// The pictures' sizes.
-    pub fn sizes(&self) -> Vec<usize> {
-        let size = |size: &u32| if self.quick { *size.min(&64) } else { *size } as usize;
-        distinct(self.sizes.iter().map(size))
-    }
-
-    /// How pictures are measured.
-    pub fn frame(&self) -> Frame {
-        let [repeats, samples] = if self.quick {
-            [self.repeats.min(3), self.samples.min(256)]
-        } else {
-            [self.repeats, self.samples]
+    /// How pictures are measured, size by size.
+    pub fn frames(&self) -> Vec<Frame> {
+        let sizes = distinct(self.sizes.iter().map(|size| self.limited(*size, 64)));
+        let frame = |size| Frame {
+            size,
+            threads: self.threads,
+            seed: self.seed,
+            repeats: self.limited(self.repeats, 3),
+            samples: self.limited(self.samples, 256),
         };
-        let [size, threads, repeats, samples] =
-            [self.sizes[0], self.threads, repeats, samples].map(|number| number as usize);
-        Frame { size, threads, seed: self.seed, repeats, samples }
+        sizes.into_iter().map(frame).collect()
     }
 }

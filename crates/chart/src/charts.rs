@@ -4,33 +4,36 @@ mod errors;
 mod options;
 mod resolution;
 
-use crate::grid::{Configuration, distinct};
+use crate::error::ChartError;
+use crate::grid::Configuration;
+use crate::groups::{distinct, grouped};
 use crate::plot::{Figure, Series, Shape};
 use crate::quantile::{Quartiles, geometric_mean};
 use crate::row::Row;
-use zeroset_trace::{METHODS, Precision};
+use std::path::Path;
+use zeroset_trace::{METHODS, MethodOption, Precision};
 
-/// A figure, and what its file is called, without extension.
-#[derive(Clone, Debug)]
-pub struct Chart {
-    /// Within the directory of charts.
-    pub name: String,
-    /// What it shows.
-    pub figure: Figure,
-    /// Whether it is of one surface only.
-    pub is_of_one: bool,
+/// All charts that rows can fill: over all surfaces, and surface by surface.
+pub fn charts(rows: &[Row]) -> [Vec<Figure>; 2] {
+    let rows = Rows::of(rows);
+    let Some(size) = rows.common_size() else { return Default::default() };
+    let same = rows.filter(|row| row.size == size);
+    let mut all = errors::over_all(&same);
+    all.extend(options::charts(&same));
+    all.extend(resolution::chart(&rows));
+    [all, errors::by_surface(&same)]
 }
 
-/// All charts that rows can fill.
-pub fn charts(rows: &[Row]) -> Vec<Chart> {
-    let rows = Rows::of(rows);
-    let Some(size) = rows.common_size() else { return Vec::new() };
-    let same = rows.filter(|row| row.size == size);
-    let mut charts = errors::over_all(&same);
-    charts.extend(options::charts(&same));
-    charts.extend(resolution::chart(&rows));
-    charts.extend(errors::by_surface(&same));
-    charts
+/// Draws all charts that rows can fill into a directory; returns how many.
+///
+/// # Errors
+/// If one cannot be drawn or written.
+pub fn draw_all(rows: &[Row], directory: &Path) -> Result<usize, ChartError> {
+    let charts = charts(rows).concat();
+    for chart in &charts {
+        chart.save(directory)?;
+    }
+    Ok(charts.len())
 }
 
 /// Rows whose method is known.
@@ -52,10 +55,6 @@ impl<'a> Rows<'a> {
 
     fn surfaces(&self) -> Vec<&'a str> {
         distinct(self.0.iter().map(|(row, _)| row.surface.as_str()))
-    }
-
-    fn configurations(&self) -> Vec<Configuration> {
-        distinct(self.0.iter().map(|(_, configuration)| *configuration))
     }
 
     /// The one that most rows have, the greatest of such.
@@ -135,31 +134,24 @@ fn series(configuration: &Configuration) -> Series {
 
 /// Configurations that differ in numbers only, method by method.
 fn families(rows: &Rows<'_>) -> Vec<Vec<Configuration>> {
-    let mut families: Vec<Vec<Configuration>> = Vec::new();
-    for one in rows.configurations() {
-        let same =
-            |other: &Configuration| (other.method, other.precision) == (one.method, one.precision);
-        match families.iter_mut().find(|family| family.iter().all(same)) {
-            Some(family) => family.push(one),
-            None => families.push(vec![one]),
-        }
-    }
-    families
+    let configurations = distinct(rows.0.iter().map(|(_, configuration)| *configuration));
+    let families = grouped(configurations, |one| (one.method, one.precision));
+    families.into_iter().map(|(_, family)| family).collect()
 }
 
 /// What the letters of labels stand for.
 fn letters(rows: &Rows<'_>) -> Vec<&'static str> {
-    let any = |has: fn(&Configuration) -> bool| rows.0.iter().any(|(_, one)| has(one));
     let letters = [
-        any(|one| one.tolerance.is_some()).then_some("t: tolerance in pixels"),
-        any(|one| one.depth.is_some()).then_some("d: depth"),
-        any(|one| one.steps.is_some()).then_some("s: steps"),
+        (MethodOption::Tolerance, "t: tolerance in pixels"),
+        (MethodOption::Depth, "d: depth"),
+        (MethodOption::Steps, "s: steps"),
     ];
-    letters.into_iter().flatten().collect()
+    let has = |option| rows.0.iter().any(|(_, one)| one.number(option).is_some());
+    letters.into_iter().filter(|(option, _)| has(*option)).map(|(_, letter)| letter).collect()
 }
 
-/// What pictures have in common, for a legend.
-fn circumstances(rows: &Rows<'_>) -> Vec<String> {
+/// A legend's notes: what pictures have in common, then `further` lines.
+fn notes<'a>(rows: &Rows<'_>, further: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let Some((row, _)) = rows.0.first() else { return Vec::new() };
     let surfaces = rows.surfaces();
     // What the views are may differ from one surface to the next.
@@ -173,8 +165,9 @@ fn circumstances(rows: &Rows<'_>) -> Vec<String> {
         _ => format!("{} surfaces", surfaces.len()),
     };
     let number = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
-    vec![
+    let common = [
         format!("{surfaces}, {}", number(views, "view")),
         format!("{0}×{0} pixels, {1}", row.size, number(row.threads, "thread")),
-    ]
+    ];
+    common.into_iter().chain(further.into_iter().map(str::to_owned)).collect()
 }

@@ -1,10 +1,12 @@
 //! Results measured once more: what was counted must be the same, times about the same.
 
 use crate::error::ChartError;
+use crate::groups::grouped;
 use crate::machine::Machine;
+use crate::measure::pool;
 use crate::progress::progress;
 use crate::row::Row;
-use crate::run::{Batch, pool};
+use crate::run::Batch;
 use crate::store::Store;
 use crate::surfaces::Surface;
 use crate::views::View;
@@ -32,16 +34,15 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
     let store = Store::existing(directory)?;
     let machine = Machine::this();
     let mut differences = Differences::default();
-    let batches = batches(&store.rows);
+    // Rows that were measured together.
+    let batches = grouped(&store.rows, |row| (&row.surface, &row.view, row.frame()));
     let bar = progress(batches.len());
-    for old in batches {
-        let Some(first) = old.first() else { continue };
-        let surface = Surface::named(&first.surface)?;
-        let view = View { name: first.view.clone(), camera: first.camera()? };
+    for ((surface, view, frame), old) in batches {
+        let surface = Surface::named(surface)?;
+        let view = View { name: view.clone(), camera: old[0].camera()? };
         bar.set_message(format!("{} {}", surface.name, view.name));
         let configurations =
             old.iter().map(|row| row.configuration()).collect::<Result<Vec<_>, _>>()?;
-        let frame = first.frame();
         let batch = Batch { surface: &surface, view: &view, frame, machine: &machine };
         let new =
             batch.rows(&configurations, &pool(frame.threads), &store.path("reference"), &|| {})?;
@@ -50,24 +51,6 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
     }
     bar.finish_and_clear();
     Ok(differences)
-}
-
-/// Rows that were measured together.
-fn batches(rows: &[Row]) -> Vec<Vec<&Row>> {
-    let mut batches: Vec<Vec<&Row>> = Vec::new();
-    for row in rows {
-        let together = |batch: &&mut Vec<&Row>| {
-            batch.iter().any(|other| {
-                (&row.surface, &row.view, row.frame())
-                    == (&other.surface, &other.view, other.frame())
-            })
-        };
-        match batches.iter_mut().find(together) {
-            Some(batch) => batch.push(row),
-            None => batches.push(vec![row]),
-        }
-    }
-    batches
 }
 
 impl Differences {
@@ -96,10 +79,5 @@ impl Differences {
                 ));
             }
         }
-    }
-
-    /// Whether what was counted is the same.
-    pub fn is_same(&self) -> bool {
-        self.counts.is_empty()
     }
 }

@@ -2,8 +2,10 @@
 
 use crate::error::ChartError;
 use crate::errors::{Mistake, mistake};
-use crate::reference::{Reference, Truth};
-use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
+use crate::reference::Reference;
+use crate::truth::Truth;
+use image::{ImageFormat, Rgb, RgbImage};
+use std::io::Cursor;
 use zeroset_trace::GBuffer;
 
 /// Of pixels with this mistake.
@@ -42,21 +44,15 @@ pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
 /// # Errors
 /// If it is too large for one.
 pub fn png(image: &RgbImage) -> Result<Vec<u8>, ChartError> {
-    let mut bytes = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
-    encoder
-        .write_image(image.as_raw(), image.width(), image.height(), ExtendedColorType::Rgb8)
-        .map_err(|error| ChartError::Chart {
-            name: "picture".to_owned(),
-            why: error.to_string(),
-        })?;
-    Ok(bytes)
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, ImageFormat::Png).map_err(ChartError::of_chart("picture"))?;
+    Ok(bytes.into_inner())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::Root;
+    use crate::truth::Root;
 
     #[test]
     fn each_mistake_has_its_colour() {

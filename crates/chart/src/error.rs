@@ -7,11 +7,13 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum ChartError {
     /// No such surface.
-    #[error(
-        "there is no surface '{0}'; {ten} or a name of `zeroset gallery --list`",
-        ten = crate::surfaces::names().join(", ")
-    )]
-    UnknownSurface(String),
+    #[error("there is no surface '{name}'; {ten} or a name of `zeroset gallery --list`")]
+    UnknownSurface {
+        /// What was asked for.
+        name: String,
+        /// The names of the ten.
+        ten: String,
+    },
     /// No such case.
     #[error("there is no case '{0}' in tests/data/stability")]
     UnknownCase(String),
@@ -56,6 +58,11 @@ impl ChartError {
     /// For `map_err`: of a surface.
     pub fn of_surface<E: ToString>(surface: &str) -> impl Fn(E) -> Self {
         move |why| Self::Surface { surface: surface.to_owned(), why: why.to_string() }
+    }
+
+    /// For `map_err`: of a chart.
+    pub fn of_chart<E: ToString>(name: &str) -> impl Fn(E) -> Self {
+        move |why| Self::Chart { name: name.to_owned(), why: why.to_string() }
     }
 
     /// For `map_err`: of a file.

@@ -1,7 +1,8 @@
 //! How a picture differs from what is certain.
 
 use crate::quantile::quantile;
-use crate::reference::{Reference, Root, Truth};
+use crate::reference::Reference;
+use crate::truth::{Root, Truth};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use zeroset_trace::{GBuffer, RayGrid, Status};

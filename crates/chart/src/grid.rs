@@ -1,12 +1,11 @@
 //! Which pictures are compared: each method, with each value of each option that it reads.
 
-use serde::{Deserialize, Serialize};
 use std::fmt;
 use zeroset::picture::Settings;
 use zeroset_trace::{Method, MethodOption, Precision};
 
 /// The values that options take.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Values {
     /// Of the depth.
     pub depths: Vec<u32>,
@@ -31,17 +30,6 @@ pub struct Configuration {
     pub tolerance: Option<f64>,
     /// How many steps are made along a ray.
     pub steps: Option<u32>,
-}
-
-/// Each once, as they come.
-pub(crate) fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
-    let mut all: Vec<T> = Vec::new();
-    for value in values {
-        if !all.contains(&value) {
-            all.push(value);
-        }
-    }
-    all
 }
 
 /// What an option is, with its unit.
@@ -112,21 +100,24 @@ impl Configuration {
 
     /// The number that an option has, if it has one.
     pub fn number(&self, option: MethodOption) -> Option<f64> {
-        match option {
-            MethodOption::Precision => None,
-            MethodOption::Depth => self.depth.map(f64::from),
-            MethodOption::Tolerance => self.tolerance,
-            MethodOption::Steps => self.steps.map(f64::from),
-        }
+        self.numbers().find(|(other, ..)| *other == option).map(|(.., number)| number)
+    }
+
+    /// Its numbers, each with its option and the word for that.
+    fn numbers(&self) -> impl Iterator<Item = (MethodOption, &'static str, f64)> {
+        let Self { method: _, precision: _, depth, tolerance, steps } = *self;
+        let numbers = [
+            (MethodOption::Depth, "depth", depth.map(f64::from)),
+            (MethodOption::Tolerance, "tolerance", tolerance),
+            (MethodOption::Steps, "steps", steps.map(f64::from)),
+        ];
+        numbers.into_iter().filter_map(|(option, word, number)| Some((option, word, number?)))
     }
 
     /// Its numbers, each after a letter: d for depth, t for tolerance, s for steps.
     pub fn label(&self) -> String {
-        let Self { method: _, precision: _, depth, tolerance, steps } = self;
-        let depth = depth.map(|depth| format!("d{depth}"));
-        let tolerance = tolerance.map(|tolerance| format!("t{tolerance}"));
-        let steps = steps.map(|steps| format!("s{steps}"));
-        [depth, tolerance, steps].into_iter().flatten().collect::<Vec<_>>().join(" ")
+        let numbers = self.numbers().map(|(_, word, number)| format!("{}{number}", &word[..1]));
+        numbers.collect::<Vec<_>>().join(" ")
     }
 
     /// How its square pictures are made.
@@ -146,30 +137,19 @@ impl Configuration {
 
     /// The flags of `zeroset render` that ask for it.
     pub fn flags(&self) -> String {
-        let flag = |option: MethodOption, value: Option<String>| {
-            value.map(|value| format!(" --{} {value}", option.name()))
-        };
-        let flags = [
-            flag(MethodOption::Precision, self.precision.map(|p| p.to_string())),
-            flag(MethodOption::Depth, self.depth.map(|depth| depth.to_string())),
-            flag(MethodOption::Tolerance, self.tolerance.map(|tolerance| tolerance.to_string())),
-            flag(MethodOption::Steps, self.steps.map(|steps| steps.to_string())),
-        ];
-        format!("--method {}{}", self.method.name, flags.into_iter().flatten().collect::<String>())
+        let flag = |option: MethodOption, value: String| format!(" --{} {value}", option.name());
+        let precision = self.precision.map(|p| flag(MethodOption::Precision, p.to_string()));
+        let numbers = self.numbers().map(|(option, _, number)| flag(option, number.to_string()));
+        let flags: String = precision.into_iter().chain(numbers).collect();
+        format!("--method {}{flags}", self.method.name)
     }
 }
 
 impl fmt::Display for Configuration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.method.name)?;
-        if let Some(depth) = self.depth {
-            write!(f, " depth {depth}")?;
-        }
-        if let Some(tolerance) = self.tolerance {
-            write!(f, " tolerance {tolerance}")?;
-        }
-        if let Some(steps) = self.steps {
-            write!(f, " steps {steps}")?;
+        for (_, word, number) in self.numbers() {
+            write!(f, " {word} {number}")?;
         }
         self.precision.map_or(Ok(()), |precision| write!(f, " {precision}"))
     }

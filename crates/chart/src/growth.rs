@@ -4,16 +4,17 @@
 mod chart;
 mod formulas;
 
-pub use formulas::{Formula, Source, all};
+pub use formulas::Source;
 
+use crate::arguments::CompileArguments;
 use crate::error::ChartError;
+use crate::files::write_csv;
 use crate::machine::Machine;
-use crate::plot::draw;
+use crate::measure::pool;
 use crate::progress::progress;
-use crate::quantile::quantile;
-use crate::run::pool;
-use crate::store::{write, write_csv};
+use crate::surfaces::Surface;
 use crate::views::rng;
+use formulas::all;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::Instant;
@@ -22,17 +23,6 @@ use zeroset::scene;
 use zeroset_eval::{ContractTiles, Question};
 use zeroset_syntax::{Options as Reading, read};
 use zeroset_trace::{Method, Options};
-
-/// How much is measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Extent {
-    /// About how many nodes the largest formula has that is made.
-    pub nodes: usize,
-    /// How often each formula is compiled.
-    pub repeats: usize,
-    /// Of the numbers in formulas that are made, and of the order of measurements.
-    pub seed: u64,
-}
 
 /// A formula's line of results. Times are in milliseconds, on one thread: the least of all rounds, as the same work is done
 /// in each and whatever else the processor does only adds to it, the more the longer it takes.
@@ -64,121 +54,108 @@ pub struct Row {
     pub processor: String,
 }
 
-/// Measures `formulas` in rounds of random order, and writes `compile.csv`, `compile-time.svg` and `compile-code.svg` into
-/// `directory` after each round.
+/// Measures formulas in rounds of random order, and writes `compile.csv`, `compile-time.svg` and
+/// `compile-code.svg` after each round; returns what was found, as a table.
 ///
 /// # Errors
 /// If a formula has no kernels, or the directory cannot be written.
-pub fn growth(
-    formulas: &[Formula],
-    extent: Extent,
-    directory: &Path,
-) -> Result<Vec<Row>, ChartError> {
+pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
+    let CompileArguments { nodes, repeats, seed, .. } = *arguments;
+    let formulas = all(nodes, seed)?;
     let (machine, pool) = (Machine::this(), pool(1));
-    let bar = progress((1 + extent.repeats) * formulas.len());
-    let mut random = rng(&format!("{} growth order", extent.seed));
+    let bar = progress((1 + repeats) * formulas.len());
+    let mut random = rng(&format!("{seed} growth order"));
     let mut order: Vec<usize> = (0..formulas.len()).collect();
-    let mut made: Vec<Vec<Compiled>> = formulas.iter().map(|_| Vec::new()).collect();
+    let mut rounds: Vec<Vec<Row>> = vec![Vec::new(); formulas.len()];
     let mut rows = Vec::new();
     // The first round warms up. A disturbance falls on one round of many formulas, and not on one formula.
-    for round in 0..=extent.repeats {
+    for round in 0..=repeats {
         random.shuffle(&mut order);
         for &number in &order {
-            let one = pool.install(|| compile(&formulas[number]))?;
+            let row = pool.install(|| compile(&formulas[number], seed, &machine))?;
             if round > 0 {
-                made[number].push(one);
+                rounds[number].push(row);
             }
             bar.inc(1);
         }
         if round > 0 {
-            let pairs = formulas.iter().zip(&made);
-            rows = pairs.map(|(formula, made)| row(formula, made, extent.seed, &machine)).collect();
-            save(&rows, directory)?;
+            rows = rounds.iter().map(|rounds| together(rounds)).collect();
+            save(&rows, &arguments.output)?;
         }
     }
     bar.finish_and_clear();
-    Ok(rows)
+    Ok(table(&rows))
 }
 
 fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
     let mut sorted: Vec<&Row> = rows.iter().collect();
     sorted.sort_by_key(|row| (row.source, row.nodes, row.name.clone()));
     write_csv(&directory.join("compile.csv"), sorted)?;
-    for (name, figure) in [("time", chart::times(rows)), ("code", chart::code(rows))] {
-        write(&directory.join(format!("compile-{name}.svg")), draw(&figure)?.as_bytes())?;
-    }
-    Ok(())
+    chart::times(rows).save(directory)?;
+    chart::code(rows).save(directory)
 }
 
-/// What came of a formula, and its times in milliseconds.
-struct Compiled {
-    /// To parse, to simplify, to compile.
-    times: [f64; 3],
-    nodes: (usize, usize),
-    kernels: usize,
-    bytes: usize,
-    forms: bool,
-}
-
-fn compile(formula: &Formula) -> Result<Compiled, ChartError> {
-    let refuse = |why: String| ChartError::Surface { surface: formula.name.clone(), why };
+/// A formula compiled once.
+fn compile(
+    (source, formula): &(Source, Surface),
+    seed: u64,
+    machine: &Machine,
+) -> Result<Row, ChartError> {
+    let refuse = ChartError::of_surface(&formula.name);
     let mut start = Instant::now();
     let mut lap = || {
         let now = Instant::now();
         (now - std::mem::replace(&mut start, now)).as_secs_f64() * 1e3
     };
     let document = read(&formula.text, &Reading::default());
-    let document = document.map_err(|errors| refuse(errors.to_string()))?;
-    let parse = lap();
+    let document = document.map_err(ChartError::of_surface(&formula.name))?;
+    let parse_ms = lap();
     let program = Program::new(&document, scene::bounds(&formula.region));
-    let program = program.map_err(|error| refuse(error.to_string()))?;
-    let simplify = lap();
+    let program = program.map_err(ChartError::of_surface(&formula.name))?;
+    let simplify_ms = lap();
     let affine = Method::named("affine").expect("the default");
     for surface in 0..document.surfaces.len() {
         let kernels = program.surface(surface);
-        let tracer = affine.prepare(kernels, &formula.region, Options::default());
-        tracer.map_err(|error| refuse(error.to_string()))?;
+        affine.prepare(kernels, &formula.region, Options::default()).map_err(&refuse)?;
     }
-    let compile = lap();
+    let compile_ms = lap();
     let made = program.made();
-    Ok(Compiled {
-        times: [parse, simplify, compile],
-        nodes: program.nodes(),
-        kernels: made.len(),
-        bytes: made.iter().map(|made| made.bytes).sum(),
-        forms: made.iter().any(|made| made.question == ContractTiles::NAME),
-    })
-}
-
-fn row(formula: &Formula, rounds: &[Compiled], seed: u64, machine: &Machine) -> Row {
-    let [parse_ms, simplify_ms, compile_ms] = [0, 1, 2].map(|stage| {
-        let times: Vec<f64> = rounds.iter().map(|round| round.times[stage]).collect();
-        quantile(&times, 0.0).expect("repeats")
-    });
-    let one = &rounds[0];
+    let (nodes_typed, nodes) = program.nodes();
     let Machine { version, rustc, flags, processor, .. } = machine.clone();
-    Row {
+    Ok(Row {
         name: formula.name.clone(),
-        source: formula.source,
-        nodes_typed: one.nodes.0,
-        nodes: one.nodes.1,
+        source: *source,
+        nodes_typed,
+        nodes,
         parse_ms,
         simplify_ms,
         compile_ms,
-        kernels: one.kernels,
-        code_bytes: one.bytes,
-        forms: one.forms,
-        repeats: rounds.len(),
+        kernels: made.len(),
+        code_bytes: made.iter().map(|made| made.bytes).sum(),
+        forms: made.iter().any(|made| made.question == ContractTiles::NAME),
+        repeats: 1,
         seed,
         version,
         rustc,
         flags,
         processor,
+    })
+}
+
+/// What all rounds of a formula tell: times are the least of each.
+fn together(rounds: &[Row]) -> Row {
+    let least = |time: fn(&Row) -> f64| rounds.iter().map(time).fold(f64::INFINITY, f64::min);
+    Row {
+        parse_ms: least(|row| row.parse_ms),
+        simplify_ms: least(|row| row.simplify_ms),
+        compile_ms: least(|row| row.compile_ms),
+        repeats: rounds.len(),
+        ..rounds[0].clone()
     }
 }
 
 /// What was found, in few lines: how times and code grow with nodes, and what the largest formula takes.
-pub fn table(rows: &[Row]) -> String {
+fn table(rows: &[Row]) -> String {
     let Some(largest) = rows.iter().max_by_key(|row| row.nodes) else { return String::new() };
     let (formulas, nodes) = (rows.len(), largest.nodes);
     let head =

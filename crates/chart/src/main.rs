@@ -5,14 +5,15 @@ use clap::Parser;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset_chart::arguments::{Arguments, Command};
+use zeroset_chart::charts::draw_all;
 use zeroset_chart::check::check;
-use zeroset_chart::growth::{self, growth};
+use zeroset_chart::growth::growth;
+use zeroset_chart::page::write_page;
 use zeroset_chart::rays::rays;
 use zeroset_chart::rigour::rigour;
-use zeroset_chart::run::{Plan, run};
-use zeroset_chart::stability::{named, stability, table};
+use zeroset_chart::run::run;
+use zeroset_chart::stability::stability;
 use zeroset_chart::store::Store;
-use zeroset_chart::surfaces::Surface;
 
 /// What was counted differs.
 const DIFFERS: u8 = 1;
@@ -34,37 +35,23 @@ fn command() -> String {
 
 fn draw(directory: &Path) -> Result<()> {
     let store = Store::existing(directory)?;
-    let charts = store.draw()?;
-    println!("{charts} charts are in {}", directory.join("charts").display());
-    println!("everything is on {}", store.write_page()?.display());
+    let charts = store.path("charts");
+    println!("{} charts are in {}", draw_all(&store.rows, &charts)?, charts.display());
+    println!("everything is on {}", write_page(&store)?.display());
     Ok(())
 }
 
 fn dispatch(arguments: &Arguments) -> Result<ExitCode> {
     match &arguments.command {
         Command::Run(arguments) => {
-            let new = run(&Plan::new(arguments)?, &arguments.output)?;
+            let new = run(arguments)?;
             println!("{new} rows are new in {}", arguments.output.display());
             Store::existing(&arguments.output)?.keep_command(&command())?;
             draw(&arguments.output)?;
         }
-        Command::Stability(arguments) => {
-            let (cases, methods) = (named(&arguments.cases)?, arguments.methods());
-            let verdicts = stability(&cases, &methods, arguments.budget, &arguments.output)?;
-            print!("{}", table(&verdicts, &methods));
-        }
-        Command::Rigour(arguments) => {
-            let names = arguments.surfaces();
-            let surfaces: Vec<Surface> =
-                names.iter().map(|name| Surface::named(name)).collect::<Result<_, _>>()?;
-            let rows = rigour(&surfaces, arguments.extent(), &arguments.output)?;
-            print!("{}", zeroset_chart::rigour::table(&rows));
-        }
-        Command::Compile(arguments) => {
-            let extent = arguments.extent();
-            let rows = growth(&growth::all(extent)?, extent, &arguments.output)?;
-            print!("{}", growth::table(&rows));
-        }
+        Command::Stability(arguments) => print!("{}", stability(arguments)?),
+        Command::Rigour(arguments) => print!("{}", rigour(arguments)?),
+        Command::Compile(arguments) => print!("{}", growth(arguments)?),
         Command::Rays(arguments) => print!("{}", rays(arguments)?),
         Command::Draw { directory } => draw(directory)?,
         Command::Check { directory } => {
@@ -79,7 +66,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode> {
             println!(
                 "{rows} rows measured again: {counts} counts or hashes and {times} times differ"
             );
-            if !found.is_same() {
+            if counts > 0 {
                 return Ok(ExitCode::from(DIFFERS));
             }
         }

@@ -5,8 +5,8 @@ use crate::grid::Configuration;
 use crate::quantile::Quartiles;
 use crate::surfaces::Surface;
 use crate::views::rng;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::time::{Duration, Instant};
-use zeroset::model::Model;
 use zeroset::picture::Picture;
 use zeroset_trace::Camera;
 
@@ -28,6 +28,14 @@ pub struct Measured {
 
 fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
+}
+
+/// A pool of so many threads, apart from that on which references are found.
+///
+/// # Panics
+/// If the system gives none.
+pub fn pool(threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
 }
 
 /// Measures all `configurations` from one view, each `repeats` times after a cold and a warm picture; `advance` is told after
@@ -52,7 +60,7 @@ pub fn measure(
     let mut first = Vec::new();
     for one in configurations {
         let (settings, start) = (one.settings(size), Instant::now());
-        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
+        let model = surface.model(&settings)?;
         let picture = model.trace(camera, &settings, &|_| true).map_err(&refuse)?;
         let cold = milliseconds(start.elapsed());
         let times = picture.statistics.times;
@@ -60,7 +68,7 @@ pub fn measure(
     }
     advance();
     let shared = configurations.first().map(|one| one.settings(size)).unwrap_or_default();
-    let model = Model::new(&surface.document, &surface.region, &shared).map_err(&refuse)?;
+    let model = surface.model(&shared)?;
     let mut times = vec![Vec::with_capacity(repeats); configurations.len()];
     let mut order: Vec<usize> = (0..configurations.len()).collect();
     let mut rng = rng(&format!("{seed} {} order", surface.name));

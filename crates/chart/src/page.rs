@@ -3,46 +3,42 @@
 mod pictures;
 mod table;
 
-use crate::charts::{Chart, charts};
+use crate::charts::charts;
 use crate::error::ChartError;
+use crate::files::write;
 use crate::plot::draw;
 use crate::row::Row;
 use crate::store::Store;
-use std::fmt::Write;
+use std::path::PathBuf;
 
-/// The page of a directory's results, as HTML; `advance` is told after each surface's pictures.
+/// Writes the page of a directory's results, `index.html`; returns its path.
 ///
 /// # Errors
-/// If a chart cannot be drawn, or a surface has no picture.
-pub fn page(store: &Store, advance: &dyn Fn(&str)) -> Result<String, ChartError> {
-    let charts = charts(&store.rows);
-    let (all, single): (Vec<&Chart>, Vec<&Chart>) =
-        charts.iter().partition(|chart| !chart.is_of_one);
-    let mut page = String::from(HEAD);
-    push(&mut page, format_args!("<h2>Over all surfaces</h2>\n"));
+/// If a chart cannot be drawn, a surface has no picture, or the page cannot be written.
+pub fn write_page(store: &Store) -> Result<PathBuf, ChartError> {
+    let [all, single] = charts(&store.rows);
+    let mut page = vec![HEAD.to_owned(), "<h2>Over all surfaces</h2>\n".to_owned()];
     for chart in all {
-        let svg = draw(&chart.figure)?;
-        push(&mut page, format_args!("<figure>{svg}</figure>\n"));
+        page.push(format!("<figure>{}</figure>\n", draw(&chart)?));
     }
-    push(&mut page, format_args!("<h2>In numbers</h2>\n{}", table::table(&store.rows)));
-    push(&mut page, format_args!("<h2>What is wrong with pictures</h2>\n{LEGEND}"));
-    page += &pictures::pictures(store, advance)?;
-    push(&mut page, format_args!("<h2>Surface by surface</h2>\n"));
+    page.push(format!("<h2>In numbers</h2>\n{}", table::table(&store.rows)));
+    page.push(format!("<h2>What is wrong with pictures</h2>\n{LEGEND}"));
+    page.push(pictures::pictures(store)?);
+    page.push("<h2>Surface by surface</h2>\n".to_owned());
     for chart in single {
-        let (title, svg) = (escaped(&chart.figure.title), draw(&chart.figure)?);
-        push(
-            &mut page,
-            format_args!("<details><summary>{title}</summary><figure>{svg}</figure></details>\n"),
-        );
+        let (title, svg) = (escaped(&chart.title), draw(&chart)?);
+        page.push(format!("<details><summary>{title}</summary><figure>{svg}</figure></details>\n"));
     }
-    page += &circumstances(store);
-    page += "</body>\n</html>\n";
-    Ok(page)
+    page.push(circumstances(store));
+    page.push("</body>\n</html>\n".to_owned());
+    let path = store.path("index.html");
+    write(&path, page.concat().as_bytes())?;
+    Ok(path)
 }
 
 /// Where and how it was measured.
 fn circumstances(store: &Store) -> String {
-    let mut text = String::from("<h2>The machine</h2>\n<table>\n");
+    let mut text = vec!["<h2>The machine</h2>\n<table>\n".to_owned()];
     if let Some(row) = store.rows.first() {
         let Row { version, rustc, flags, processor, processor_threads, threads, seed, .. } = row;
         let lines = [
@@ -56,21 +52,17 @@ fn circumstances(store: &Store) -> String {
             ("measured again", format!("{} times, in interleaved random order", row.repeats)),
         ];
         for (name, value) in lines {
-            push(&mut text, format_args!("<tr><td>{name}</td><td>{}</td></tr>\n", escaped(&value)));
+            text.push(format!("<tr><td>{name}</td><td>{}</td></tr>\n", escaped(&value)));
         }
     }
     let commands = escaped(&store.commands());
-    push(&mut text, format_args!("</table>\n<h2>The commands</h2>\n<pre>{commands}</pre>\n"));
-    text
+    text.push(format!("</table>\n<h2>The commands</h2>\n<pre>{commands}</pre>\n"));
+    text.concat()
 }
 
 /// Text that HTML takes as text.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-fn push(page: &mut String, text: std::fmt::Arguments<'_>) {
-    page.write_fmt(text).expect("a string has room");
 }
 
 const HEAD: &str = r#"<!DOCTYPE html>

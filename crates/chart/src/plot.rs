@@ -9,9 +9,15 @@ pub use draw::draw;
 use scale::Scale;
 pub use scale::written;
 
+use crate::error::ChartError;
+use crate::files::write;
+use std::path::Path;
+
 /// A chart.
 #[derive(Clone, Debug, Default)]
 pub struct Figure {
+    /// What its file is called, without extension.
+    pub name: String,
     /// What it shows.
     pub title: String,
     /// What the horizontal axis is, with its unit.
@@ -28,6 +34,17 @@ pub struct Figure {
     pub level: Option<f64>,
     /// Further lines of the legend.
     pub notes: Vec<String>,
+}
+
+impl Figure {
+    /// Draws it into a directory.
+    ///
+    /// # Errors
+    /// If it cannot be drawn or written.
+    pub fn save(&self, directory: &Path) -> Result<(), ChartError> {
+        let path = directory.join(&self.name).with_extension("svg");
+        write(&path, draw(self)?.as_bytes())
+    }
 }
 
 /// Marks of one colour and shape.

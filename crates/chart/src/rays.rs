@@ -2,9 +2,9 @@
 
 use crate::arguments::RaysArguments;
 use crate::error::ChartError;
-use crate::reference::{Truth, certify};
-use crate::store::write;
+use crate::files::write;
 use crate::surfaces::Surface;
+use crate::truth::{Truth, certify};
 use crate::views::{direction, rng};
 use glam::DVec3;
 use std::fmt::Write as _;
@@ -31,8 +31,8 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
     let RaysArguments { surface, output, within, .. } = arguments;
     let surface = Surface::named(surface)?;
     if surface.is_solid() {
-        let why = "a solid has faces, too; rays are followed to surfaces only".to_owned();
-        return Err(ChartError::Surface { surface: surface.name, why });
+        let why = "a solid has faces, too; rays are followed to surfaces only";
+        return Err(ChartError::of_surface(&surface.name)(why));
     }
     let rays = match &arguments.rays {
         Some(path) => read(path)?,
@@ -49,7 +49,7 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
     let program = Program::new(&surface.document, bounds(&surface.region)).map_err(refuse)?;
     let within = within * (surface.region.high() - surface.region.low()).length();
     let mut said = String::new();
-    for method in arguments.methods() {
+    for method in arguments.methods.chosen() {
         let (found, nanoseconds) = follow(method, &surface, &program, &rays, within)?;
         let rows = found.iter().zip(&rays).flat_map(|(found, ray)| place(found, ray));
         save(output, method.name, 4, &rows.collect::<Vec<_>>())?;
@@ -71,7 +71,7 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
 fn read(path: &Path) -> Result<Vec<Ray>, ChartError> {
     let file = File::open(path).map_err(ChartError::of_file(path))?;
     let array = npy::read_f64(BufReader::new(file)).map_err(ChartError::of_content(path))?;
-    let refuse = |why: String| ChartError::Content { path: path.to_owned(), why };
+    let refuse = ChartError::of_content(path);
     if array.shape.len() != 2 || array.shape[1] != COLUMNS as u64 {
         let shape = array.shape.iter().map(u64::to_string).collect::<Vec<_>>().join("×");
         return Err(refuse(format!("{shape} numbers, where rays are rows of {COLUMNS}")));
@@ -95,7 +95,7 @@ fn read(path: &Path) -> Result<Vec<Ray>, ChartError> {
 }
 
 /// Rays from a ball around the region to points in it.
-fn random(region: &Region, count: u32, seed: u64) -> Vec<Ray> {
+fn random(region: &Region, count: usize, seed: u64) -> Vec<Ray> {
     let mut rng = rng(&format!("{seed} rays"));
     let (low, extent) = (region.low(), region.high() - region.low());
     let ray = |_| {

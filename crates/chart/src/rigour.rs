@@ -10,14 +10,14 @@ mod row;
 
 pub use row::{Asked, Row, name};
 
+use crate::arguments::RigourArguments;
 use crate::error::ChartError;
+use crate::files::write_csv;
 use crate::machine::Machine;
-use crate::plot::draw;
+use crate::measure::pool;
 use crate::progress::progress;
 use crate::quantile::{Quartiles, geometric_mean};
-use crate::run::pool;
-use crate::store::{write, write_csv};
-use crate::surfaces::Surface;
+use crate::surfaces::{self, Surface};
 use crate::views::{View, rng, views};
 use inputs::{Three, boxes, chosen, errors, lengths, widths};
 use kernels::{Float, Has, Own, Set};
@@ -29,61 +29,47 @@ use zeroset::scene;
 use zeroset_eval::{
     ContractSegments, ContractTiles, Enclose, Input, Kernel, KernelError, Question,
 };
-use zeroset_interval::Format;
 use zeroset_jit::comparison::Arithmetic;
 use zeroset_trace::{Driver, GBuffer, Method, Options, Precision};
 
 /// How long a kernel is asked between two looks at the clock.
 const TURN: Duration = Duration::from_micros(300);
 
-/// How much is measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Extent {
-    /// Pixels in a row, and rows.
-    pub size: usize,
-    /// How often each kernel and each picture is measured.
-    pub repeats: usize,
-    /// Of boxes and of the order of measurements.
-    pub seed: u64,
-}
-
-/// Measures `surfaces`, and writes `rigour.csv` and `rigour.svg` into `directory` after each.
+/// Measures surfaces, and writes `rigour.csv` and `rigour.svg` after each; returns what was found,
+/// as a table.
 ///
 /// # Errors
-/// If a surface has parameters or poles, which need other kernels than are compared here, or has no kernels, or the directory
-/// cannot be written.
-pub fn rigour(
-    surfaces: &[Surface],
-    extent: Extent,
-    directory: &Path,
-) -> Result<Vec<Row>, ChartError> {
+/// If a surface is unknown, or has parameters or poles, which need other kernels than are compared
+/// here, or has no kernels, or the directory cannot be written.
+pub fn rigour(arguments: &RigourArguments) -> Result<String, ChartError> {
+    let surfaces = surfaces::chosen(&arguments.surfaces)?;
     let (machine, pool) = (Machine::this(), pool(1));
     let mut rows = Vec::new();
     let bar = progress(2 * surfaces.len());
-    for surface in surfaces {
+    for surface in &surfaces {
         bar.set_message(surface.name.clone());
         let refuse = ChartError::of_surface(&surface.name);
         let program = Program::new(&surface.document, scene::bounds(&surface.region));
         let program = program.map_err(&refuse)?;
-        let view = &views(surface, 1, extent.seed)?[0];
-        let plan = Plan { surface, view, program: &program, extent, machine: &machine };
-        rows.extend(pool.install(|| plan.rows::<f32>(Precision::F32))?);
+        let view = &views(surface, 1, arguments.seed)?[0];
+        let plan = Plan { surface, view, program: &program, arguments, machine: &machine };
+        rows.extend(pool.install(|| plan.rows::<f32>())?);
         bar.inc(1);
-        rows.extend(pool.install(|| plan.rows::<f64>(Precision::F64))?);
+        rows.extend(pool.install(|| plan.rows::<f64>())?);
         bar.inc(1);
-        save(&rows, directory)?;
+        save(&rows, &arguments.output)?;
     }
     bar.finish_and_clear();
-    Ok(rows)
+    Ok(table(&rows))
 }
 
 fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
     write_csv(&directory.join("rigour.csv"), rows)?;
-    write(&directory.join("rigour.svg"), draw(&chart::figure(rows))?.as_bytes())
+    chart::figure(rows).save(directory)
 }
 
 /// What was found, in few lines: times over those without rigour, and widths over those of rounding up.
-pub fn table(rows: &[Row]) -> String {
+fn table(rows: &[Row]) -> String {
     let mean = |rows: &[&Row], value: fn(&Row) -> Option<f64>| {
         let values: Vec<f64> = rows.iter().filter_map(|row| value(row)).collect();
         geometric_mean(&values).map_or("-".to_owned(), |mean| format!("{mean:.3}"))
@@ -113,7 +99,7 @@ struct Plan<'a> {
     surface: &'a Surface,
     view: &'a View,
     program: &'a Program,
-    extent: Extent,
+    arguments: &'a RigourArguments,
     machine: &'a Machine,
 }
 
@@ -133,16 +119,16 @@ struct Task<'a> {
 }
 
 impl Plan<'_> {
-    fn rows<T: Float>(&self, precision: Precision) -> Result<Vec<Row>, ChartError> {
+    fn rows<T: Float>(&self) -> Result<Vec<Row>, ChartError> {
         let surface = &self.surface;
         let refuse = ChartError::of_surface(&surface.name);
         let set = |arithmetic, keeps| Set::new(self.program, arithmetic, keeps).map_err(&refuse);
         // What a picture asks is kept from one that is rounded up.
         let asked = set(Arithmetic::Upward, true)?;
-        self.picture(&asked, precision)?;
+        self.picture(&asked, T::PRECISION)?;
         let [unsound, widened, upward] = Arithmetic::ALL.map(|arithmetic| set(arithmetic, false));
         let sets = [unsound?, widened?, upward?];
-        let mut random = rng(&format!("{} {} boxes", self.extent.seed, surface.name));
+        let mut random = rng(&format!("{} {} boxes", self.arguments.seed, surface.name));
         let [places, points] = [1.0 / 16.0, 0.0].map(|s| boxes(&surface.region, s, &mut random));
         let refuse = ChartError::of_surface(&surface.name);
 
@@ -157,7 +143,7 @@ impl Plan<'_> {
         let tiles = asked.seen::<T, ContractTiles>().map_err(&refuse)?;
         let widths = [errors(&kernels, &tiles), [None; 3]];
         rows.extend(self.kernel_rows(Asked::Tiles, &kernels, &tiles, widths));
-        rows.extend(self.picture_rows(&sets, T::FORMAT, precision)?);
+        rows.extend(self.picture_rows(&sets, T::PRECISION)?);
         Ok(rows)
     }
 
@@ -185,7 +171,7 @@ impl Plan<'_> {
             };
             Task { run: Box::new(run), lanes }
         });
-        let mut rows = self.timed(asked, T::FORMAT, &tasks);
+        let mut rows = self.timed(asked, T::PRECISION, &tasks);
         for (number, row) in rows.iter_mut().enumerate() {
             row.code_bytes = Some(kernels[number].code_bytes());
             [row.width, row.width_at_points] = widths.map(|widths| widths[number]);
@@ -193,12 +179,7 @@ impl Plan<'_> {
         rows
     }
 
-    fn picture_rows(
-        &self,
-        sets: &[Set; 3],
-        format: Format,
-        precision: Precision,
-    ) -> Result<Vec<Row>, ChartError> {
+    fn picture_rows(&self, sets: &[Set; 3], precision: Precision) -> Result<Vec<Row>, ChartError> {
         // Kernels are made before any time is taken.
         let mut undecided = Vec::new();
         for set in sets {
@@ -211,9 +192,9 @@ impl Plan<'_> {
                     let _ = black_box(self.picture(set, precision));
                 }
             };
-            Task { run: Box::new(run), lanes: self.extent.size * self.extent.size }
+            Task { run: Box::new(run), lanes: self.arguments.size * self.arguments.size }
         });
-        let mut rows = self.timed(Asked::Picture, format, &tasks);
+        let mut rows = self.timed(Asked::Picture, precision, &tasks);
         for (row, undecided) in rows.iter_mut().zip(undecided) {
             row.undecided = Some(undecided);
         }
@@ -222,7 +203,7 @@ impl Plan<'_> {
 
     /// Traces the surface by the method `affine`; returns how many pixels are undecided.
     fn picture(&self, set: &Set, precision: Precision) -> Result<usize, ChartError> {
-        let size = self.extent.size;
+        let size = self.arguments.size;
         let affine = Method::named("affine").expect("the default");
         let options = Options { precision, ..Options::default() };
         let tracer = affine
@@ -237,7 +218,7 @@ impl Plan<'_> {
     }
 
     /// The three tasks in rounds of random order, by [`Arithmetic::ALL`].
-    fn timed(&self, asked: Asked, format: Format, tasks: &[Task<'_>; 3]) -> Vec<Row> {
+    fn timed(&self, asked: Asked, precision: Precision, tasks: &[Task<'_>; 3]) -> Vec<Row> {
         // What is interrupted takes longer: of three times the least counts.
         let time = |task: &Task<'_>, times: usize| {
             let once = || {
@@ -252,7 +233,7 @@ impl Plan<'_> {
             let once = time(task, 1);
             (TURN.as_secs_f64() / once.max(1e-9)).ceil() as usize
         });
-        let Extent { size, repeats, seed } = self.extent;
+        let RigourArguments { size, repeats, seed, .. } = *self.arguments;
         let mut order = [0, 1, 2];
         let mut random = rng(&format!("{seed} {} {asked} order", self.surface.name));
         let mut nanoseconds = vec![[0.0; 3]; repeats];
@@ -275,11 +256,8 @@ impl Plan<'_> {
             Row {
                 surface: self.surface.name.clone(),
                 asked,
-                precision: match format {
-                    Format::F32 => "f32".to_owned(),
-                    Format::F64 => "f64".to_owned(),
-                },
-                arithmetic: name(*arithmetic).to_owned(),
+                precision: precision.to_string(),
+                arithmetic: name(*arithmetic),
                 ns: own.median,
                 ns_lower: own.lower,
                 ns_upper: own.upper,

@@ -5,75 +5,43 @@ use crate::error::ChartError;
 use crate::errors::Errors;
 use crate::grid::{Configuration, configurations};
 use crate::machine::Machine;
-use crate::measure::measure;
+use crate::measure::{measure, pool};
 use crate::progress::progress;
 use crate::reference::{Reference, Sampling};
 use crate::row::{Frame, Row};
 use crate::store::Store;
-use crate::surfaces::Surface;
+use crate::surfaces::{Surface, chosen};
 use crate::views::{View, views};
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use std::path::Path;
 use zeroset_testkit::certified::BUDGET;
 
-/// Surfaces and configurations, and how they are measured.
-pub struct Plan {
-    surfaces: Vec<Surface>,
-    configurations: Vec<Configuration>,
-    views: usize,
-    sizes: Vec<usize>,
-    frame: Frame,
-}
-
-impl Plan {
-    /// What the arguments ask for.
-    ///
-    /// # Errors
-    /// If a surface is unknown.
-    pub fn new(arguments: &RunArguments) -> Result<Self, ChartError> {
-        let names = arguments.surfaces();
-        let surfaces = names.iter().map(|name| Surface::named(name)).collect::<Result<_, _>>()?;
-        Ok(Self {
-            surfaces,
-            configurations: configurations(&arguments.methods(), &arguments.values()),
-            views: arguments.views(),
-            sizes: arguments.sizes(),
-            frame: arguments.frame(),
-        })
-    }
-}
-
-/// A pool of so many threads, apart from that on which references are found.
-///
-/// # Panics
-/// If the system gives none.
-pub fn pool(threads: usize) -> ThreadPool {
-    ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
-}
-
-/// Measures what is not in `directory` yet, and writes it there view by view; returns how many rows are new.
+/// Measures what is not in the directory yet, and writes it there view by view; returns how many
+/// rows are new.
 ///
 /// # Errors
-/// If the directory is of another machine or cannot be written, or a surface has no picture.
-pub fn run(plan: &Plan, directory: &Path) -> Result<usize, ChartError> {
-    let mut store = Store::open(directory)?;
+/// If a surface is unknown or has no picture, or the directory is of another machine or cannot be
+/// written.
+pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
+    let surfaces = chosen(&arguments.surfaces)?;
+    let configurations = configurations(&arguments.methods.chosen(), &arguments.values());
+    let (frames, number) = (arguments.frames(), arguments.views());
+    let mut store = Store::open(&arguments.output)?;
     let machine = Machine::this();
     if store.rows.iter().any(|row| row.machine() != machine) {
         let why = "holds results of another machine, compiler or version";
-        return Err(ChartError::of_content(directory)(why));
+        return Err(ChartError::of_content(&arguments.output)(why));
     }
-    let (pool, before) = (pool(plan.frame.threads), store.rows.len());
-    let rounds = 3 + plan.frame.repeats;
-    let bar = progress(plan.surfaces.len() * plan.views * plan.sizes.len() * rounds);
-    for surface in &plan.surfaces {
-        for view in views(surface, plan.views, plan.frame.seed)? {
-            for &size in &plan.sizes {
-                bar.set_message(format!("{} {} {size}", surface.name, view.name));
+    let (pool, before) = (pool(arguments.threads), store.rows.len());
+    let rounds = 3 + frames[0].repeats;
+    let bar = progress(surfaces.len() * number * frames.len() * rounds);
+    for surface in &surfaces {
+        for view in views(surface, number, arguments.seed)? {
+            for &frame in &frames {
+                bar.set_message(format!("{} {} {}", surface.name, view.name, frame.size));
                 let end = bar.position() + rounds as u64;
-                let frame = Frame { size, ..plan.frame };
                 let batch = Batch { surface, view: &view, frame, machine: &machine };
-                let missing: Vec<Configuration> = plan
-                    .configurations
+                let missing: Vec<Configuration> = configurations
                     .iter()
                     .copied()
                     .filter(|one| !store.rows.iter().any(|row| batch.is(row, one)))

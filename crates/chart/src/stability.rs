@@ -7,22 +7,21 @@ mod case;
 mod outcome;
 mod sheet;
 
-pub use case::{Case, cases, named};
 pub use outcome::Outcome;
 
+use crate::arguments::StabilityArguments;
 use crate::difference::{difference, png};
 use crate::error::ChartError;
 use crate::errors::Errors;
+use crate::files::write;
 use crate::grid::Configuration;
 use crate::progress::progress;
 use crate::reference::Reference;
-use crate::store::write;
+use case::{Case, named};
 use image::RgbImage;
 use serde::Serialize;
 use sheet::Sheet;
-use std::path::Path;
 use std::time::{Duration, Instant};
-use zeroset::model::Model;
 use zeroset::picture::Settings;
 use zeroset_trace::Method;
 
@@ -48,26 +47,23 @@ pub struct Verdict {
     pub refusal: Option<String>,
 }
 
-/// Draws `cases` by `methods`, each for no longer than `budget`, and writes table, rows and contact sheet into `directory`;
-/// returns the rows.
+/// Draws cases by methods, each for no longer than the budget, and writes table, rows and contact
+/// sheet; returns the table.
 ///
 /// # Errors
-/// If the directory cannot be written.
-pub fn stability(
-    cases: &[Case],
-    methods: &[&'static Method],
-    budget: Duration,
-    directory: &Path,
-) -> Result<Vec<Verdict>, ChartError> {
+/// If there is no such case, or the directory cannot be written.
+pub fn stability(arguments: &StabilityArguments) -> Result<String, ChartError> {
+    let StabilityArguments { budget, output: directory, .. } = arguments;
+    let (cases, methods) = (named(&arguments.cases)?, arguments.methods.chosen());
     let bar = progress(cases.len() * methods.len());
     let mut verdicts = Vec::new();
-    let mut sheet = Sheet::new(cases.len(), methods);
+    let mut sheet = Sheet::new(cases.len(), &methods);
     for (row, case) in cases.iter().enumerate() {
         bar.set_message(case.slug.clone());
         let reference = case.reference(&directory.join("reference"));
         for (column, method) in methods.iter().enumerate() {
             let (verdict, pictures) = match &reference {
-                Ok(reference) => judged(case, reference, method, budget),
+                Ok(reference) => judged(case, reference, method, *budget),
                 Err(error) => (refused(case, method, error.to_string()), None),
             };
             sheet.add(row, column, &verdict, pictures.as_ref());
@@ -79,9 +75,10 @@ pub fn stability(
     let path = directory.join("stability.json");
     let json = serde_json::to_vec_pretty(&verdicts).map_err(ChartError::of_content(&path))?;
     write(&path, &json)?;
-    write(&directory.join("stability.txt"), table(&verdicts, methods).as_bytes())?;
+    let table = table(&verdicts, &methods);
+    write(&directory.join("stability.txt"), table.as_bytes())?;
     write(&directory.join("stability.png"), &png(&sheet.into_image())?)?;
-    Ok(verdicts)
+    Ok(table)
 }
 
 fn refused(case: &Case, method: &Method, why: String) -> Verdict {
@@ -106,12 +103,9 @@ fn judged(
     let settings = Configuration::plain(method).settings(SIDE);
     let settings = Settings { budget: Some(budget), ..settings };
     let start = Instant::now();
-    let drawn = case.view().and_then(|(surface, view)| {
-        let refuse = ChartError::of_surface(&surface.name);
-        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
-        let picture = model.trace(&view.camera, &settings, &|_| true).map_err(&refuse)?;
-        Ok((picture, view))
-    });
+    let drawn = case
+        .view()
+        .and_then(|(surface, view)| Ok((surface.picture(&view.camera, &settings)?, view)));
     let time = start.elapsed();
     let (picture, view) = match drawn {
         Ok(drawn) => drawn,
@@ -131,7 +125,7 @@ fn judged(
 }
 
 /// A line for each case, a column for each method, and how often there is each outcome.
-pub fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
+fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
     let line = |name: &str, cells: Vec<String>| format!("{name:20}{}\n", cells.concat());
     let names = methods.iter().map(|method| format!("{:32}", method.name)).collect();
     let mut text = vec![HEAD.to_owned(), line("", names)];
@@ -149,7 +143,7 @@ pub fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
             let of_method = verdicts.iter().filter(|verdict| verdict.method == method.name);
             format!("{:<32}", of_method.filter(|verdict| verdict.outcome == outcome).count())
         };
-        text.push(line(outcome.name(), methods.iter().map(number).collect()));
+        text.push(line(&outcome.name(), methods.iter().map(number).collect()));
     }
     let lines = text.concat();
     lines.lines().map(str::trim_end).collect::<Vec<_>>().join("\n") + "\n"

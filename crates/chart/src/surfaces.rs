@@ -1,12 +1,14 @@
 //! Surfaces by name: ten of this crate's own, which `benches/frame.rs` draws too, and the gallery.
 
 use crate::error::ChartError;
+use crate::groups::distinct;
 use include_dir::{Dir, include_dir};
 use zeroset::gallery::example;
+use zeroset::model::Model;
+use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Options, SurfaceKind, read};
-use zeroset_testkit::certified::Function;
-use zeroset_trace::Region;
+use zeroset_trace::{Camera, Region};
 
 /// Those of Knoll et al. 2007, and the gyroid.
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/data");
@@ -18,7 +20,7 @@ pub struct Surface {
     pub name: String,
     /// The function file.
     pub text: String,
-    /// The same, read: it draws one surface.
+    /// The same, read: it draws one surface, or several if only [`Surface::read`] has read it.
     pub document: Document,
     /// Its domain: the document's, else where intervals find the surface.
     pub region: Region,
@@ -29,6 +31,16 @@ pub fn names() -> Vec<&'static str> {
     FILES.files().filter_map(|file| file.path().file_stem()?.to_str()).collect()
 }
 
+/// The surfaces of these names, each once; the ten if there are none.
+///
+/// # Errors
+/// If there is no such surface, or it draws several at once.
+pub fn chosen(given: &[String]) -> Result<Vec<Surface>, ChartError> {
+    let given = distinct(given.iter().map(String::as_str));
+    let names = if given.is_empty() { names() } else { given };
+    names.into_iter().map(Surface::named).collect()
+}
+
 impl Surface {
     /// The surface called `name`: one of the ten, else of the gallery.
     ///
@@ -36,8 +48,10 @@ impl Surface {
     /// If there is none, or it draws several at once.
     pub fn named(name: &str) -> Result<Self, ChartError> {
         let own = FILES.get_file(format!("{name}.zset")).and_then(|file| file.contents_utf8());
+        let unknown =
+            || ChartError::UnknownSurface { name: name.to_owned(), ten: names().join(", ") };
         let text = own.or_else(|| example(name).map(|example| example.text));
-        Self::of(name, text.ok_or_else(|| ChartError::UnknownSurface(name.to_owned()))?, None)
+        Self::of(name, text.ok_or_else(unknown)?, None)
     }
 
     /// The surface of a text, within `region` if that is given.
@@ -45,27 +59,42 @@ impl Surface {
     /// # Errors
     /// If the text cannot be read, or draws several surfaces at once.
     pub fn of(name: &str, text: &str, region: Option<Region>) -> Result<Self, ChartError> {
-        let refuse = |why: String| ChartError::Surface { surface: name.to_owned(), why };
-        let document =
-            read(text, &Options::default()).map_err(|errors| refuse(errors.to_string()))?;
-        if document.surfaces.len() != 1 {
-            return Err(refuse("only a text that draws one surface can be judged".to_owned()));
+        let surface = Self::read(name, text, region)?;
+        if surface.document.surfaces.len() != 1 {
+            let why = "only a text that draws one surface can be judged";
+            return Err(ChartError::of_surface(name)(why));
         }
-        let region = match region {
-            Some(region) => region,
-            None => {
-                scene::region(&document, DomainChoice::Document, None)
-                    .map_err(|error| refuse(error.to_string()))?
-                    .0
-            }
-        };
+        Ok(surface)
+    }
+
+    /// The same of a text that may draw several surfaces.
+    ///
+    /// # Errors
+    /// If the text cannot be read, or has no domain.
+    pub fn read(name: &str, text: &str, region: Option<Region>) -> Result<Self, ChartError> {
+        let document = read(text, &Options::default()).map_err(ChartError::of_surface(name))?;
+        let found = || scene::region(&document, DomainChoice::Document, None);
+        let region = region.map_or_else(|| found().map(|(region, _)| region), Ok);
+        let region = region.map_err(ChartError::of_surface(name))?;
         Ok(Self { name: name.to_owned(), text: text.to_owned(), document, region })
     }
 
-    /// Its function, for the certified tracer.
-    pub fn function(&self) -> Function {
-        let parameters: Vec<_> = self.document.parameters.iter().map(|p| p.value.clone()).collect();
-        Function::new(&self.document.graph, self.document.surfaces[0].root, &parameters)
+    /// Its kernels.
+    ///
+    /// # Errors
+    /// If they cannot be made.
+    pub fn model(&self, settings: &Settings) -> Result<Model, ChartError> {
+        Model::new(&self.document, &self.region, settings)
+            .map_err(ChartError::of_surface(&self.name))
+    }
+
+    /// A picture, for which kernels are made.
+    ///
+    /// # Errors
+    /// If they cannot be made.
+    pub fn picture(&self, camera: &Camera, settings: &Settings) -> Result<Picture, ChartError> {
+        let picture = self.model(settings)?.trace(camera, settings, &|_| true);
+        picture.map_err(ChartError::of_surface(&self.name))
     }
 
     /// Whether it is a solid, which the faces of its domain may cut.
@@ -75,7 +104,6 @@ impl Surface {
 
     /// Its domain axis by axis.
     pub fn bounds(&self) -> [[f64; 2]; 3] {
-        let (low, high) = (self.region.low(), self.region.high());
-        [0, 1, 2].map(|axis| [low[axis], high[axis]])
+        scene::bounds(&self.region).map(|range| [range.lo, range.hi])
     }
 }

@@ -3,12 +3,10 @@
 //! Points on surfaces are found by the certified tracer, so that a view does not change with the methods that it judges.
 
 use crate::error::ChartError;
-use crate::reference::line;
 use crate::surfaces::Surface;
+use crate::truth::Certifier;
 use fastrand::Rng;
 use glam::DVec3;
-use zeroset::model::Model;
-use zeroset::picture::{Precision, Settings};
 use zeroset_testkit::certified::BUDGET;
 use zeroset_trace::{Camera, Projection, Ray};
 
@@ -123,20 +121,15 @@ pub fn direction(rng: &mut Rng) -> DVec3 {
 
 /// A point where the function crosses 0, seen from outside, and its normal towards where it is seen from.
 fn point(surface: &Surface, rng: &mut Rng) -> Result<Option<(DVec3, DVec3)>, ChartError> {
-    let (function, bounds) = (surface.function(), surface.bounds());
-    let settings = Settings { precision: Precision::F64, ..Settings::default() };
-    let model = Model::new(&surface.document, &surface.region, &settings)
-        .map_err(ChartError::of_surface(&surface.name))?;
+    let certifier = Certifier::new(surface, BUDGET)?;
     let (centre, half) = (surface.region.centre(), surface.region.half_extent());
     for _ in 0..TRIES {
         let origin = centre + half * STANDARD.length() * direction(rng);
         let through = centre + 0.7 * half * rng.f64() * direction(rng);
         let ray = Ray { origin, direction: through - origin };
-        let Some(crossing) = function.trace(&line(&ray), &bounds, BUDGET).crossing else {
-            continue;
-        };
+        let Some(crossing) = certifier.trace(&ray).crossing else { continue };
         let point = ray.at(crossing.near);
-        let normal = DVec3::from_array(model.sample(0, point).1).normalize_or_zero();
+        let normal = certifier.gradient(point).normalize_or_zero();
         if crossing.simple && normal.is_normalized() {
             let towards = -normal.dot(ray.direction).signum();
             return Ok(Some((point, normal * towards)));

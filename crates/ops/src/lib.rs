@@ -28,9 +28,13 @@ pub fn native(name: &str) -> Option<&'static Row> {
 
 /// The native operations a user may call by `name`, one per arity.
 pub fn natives(name: &str) -> impl Iterator<Item = &'static Row> {
-    TABLE.iter().filter(move |row| {
+    callable().filter(move |row| row.name == name || row.aliases.contains(&name))
+}
+
+/// The native operations a user may call.
+fn callable() -> impl Iterator<Item = &'static Row> {
+    TABLE.iter().filter(|row| {
         matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
-            && (row.name == name || row.aliases.contains(&name))
     })
 }
 
@@ -41,16 +45,11 @@ pub fn composed(name: &str) -> impl Iterator<Item = &'static Composed> {
 
 /// Every callable name, aliases included, in table order: for completion and suggestions.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    let native = TABLE
-        .iter()
-        .filter(|row| {
-            matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
-        })
-        .flat_map(|row| std::iter::once(row.name).chain(row.aliases.iter().copied()));
-    let composed =
-        COMPOSED.iter().flat_map(|f| std::iter::once(f.name).chain(f.aliases.iter().copied()));
-    let forms = FORMS.iter().flat_map(|f| std::iter::once(f.name).chain(f.aliases.iter().copied()));
-    native.chain(composed).chain(forms)
+    let native = callable().map(|row| (row.name, row.aliases));
+    let composed = COMPOSED.iter().map(|f| (f.name, f.aliases));
+    let forms = FORMS.iter().map(|f| (f.name, f.aliases));
+    let all = native.chain(composed).chain(forms);
+    all.flat_map(|(name, aliases)| std::iter::once(name).chain(aliases.iter().copied()))
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Time against error, over all surfaces and surface by surface.
 
-use super::{Chart, Rows, bar, circumstances, families, letters, mean, series};
-use crate::grid::{Configuration, distinct};
+use super::{Rows, bar, families, letters, mean, notes, series};
+use crate::grid::Configuration;
+use crate::groups::distinct;
 use crate::pareto::front;
 use crate::plot::{Figure, Mark, Series, Shape};
 use crate::row::Row;
@@ -47,14 +48,14 @@ const WRONG: Kind = Kind {
 const KINDS: [Kind; 3] = [DISTANCE, MEDIAN, WRONG];
 
 /// Over all surfaces: means, with a thin line for each surface.
-pub fn over_all(rows: &Rows<'_>) -> Vec<Chart> {
+pub fn over_all(rows: &Rows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let charts = KINDS.iter().map(|kind| chart(&rows, kind, None));
     charts.chain([claims(&rows)]).collect()
 }
 
 /// Surface by surface, with a thin line for each view.
-pub fn by_surface(rows: &Rows<'_>) -> Vec<Chart> {
+pub fn by_surface(rows: &Rows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let of_surface = |surface: &str| {
         let rows = rows.filter(|row| row.surface == surface);
@@ -64,7 +65,7 @@ pub fn by_surface(rows: &Rows<'_>) -> Vec<Chart> {
 }
 
 /// Of one surface, part by part is view by view; else surface by surface.
-fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Chart {
+fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Figure {
     let part = |row: &Row| if surface.is_some() { row.view.clone() } else { row.surface.clone() };
     let parts = distinct(rows.0.iter().map(|(row, _)| part(row)));
     let parts: Vec<Rows<'_>> =
@@ -73,24 +74,20 @@ fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Chart {
     let series: Vec<Series> = families.iter().map(|one| of_family(&parts, one, kind)).collect();
     let points: Vec<[f64; 2]> = series.iter().flat_map(|s| s.marks.iter().map(|m| m.at)).collect();
     let front = front(&points).into_iter().map(|index| points[index]).collect();
-    let mut notes = circumstances(rows);
     let thin = if surface.is_some() { "thin lines: views" } else { "thin lines: surfaces" };
     let bars = "bars from quartile to quartile";
     let lines = [thin, "time: geometric mean,", bars, kind.mean_name];
-    let lines = lines.into_iter().chain(letters(rows));
-    notes.extend(lines.map(str::to_owned));
     let title = surface.map(|name| format!(": {name}")).unwrap_or_default();
-    let figure = Figure {
+    Figure {
+        name: format!("{}-{}", kind.name, surface.unwrap_or("all")),
         title: format!("{}{title}", kind.title),
         x: kind.axis.to_owned(),
         y: "time to trace, ms".to_owned(),
         series,
         front: Some(("Pareto front".to_owned(), front)),
-        notes,
+        notes: notes(rows, lines.into_iter().chain(letters(rows))),
         ..Figure::default()
-    };
-    let name = format!("{}-{}", kind.name, surface.unwrap_or("all"));
-    Chart { name, figure, is_of_one: surface.is_some() }
+    }
 }
 
 /// A method's means over all parts, with a thin line for each part.
@@ -119,7 +116,7 @@ fn of_family(parts: &[Rows<'_>], family: &[Configuration], kind: &Kind) -> Serie
 }
 
 /// What is claimed: from all that is undecided being right to all of it being wrong.
-fn claims(rows: &Rows<'_>) -> Chart {
+fn claims(rows: &Rows<'_>) -> Figure {
     let (mut places, mut all) = (Vec::new(), Vec::new());
     let mut painted = Series { name: "as painted".to_owned(), colour: 6, ..Series::default() };
     for family in families(rows) {
@@ -145,17 +142,15 @@ fn claims(rows: &Rows<'_>) -> Chart {
         all.push(claimed);
     }
     all.push(painted);
-    let mut notes = circumstances(rows);
     let lines = ["bars: as claimed, from all that is", "undecided being right to all wrong"];
-    notes.extend(lines.map(str::to_owned));
-    let figure = Figure {
+    Figure {
+        name: "claims-all".to_owned(),
         title: "Wrong pixels, as claimed and as painted".to_owned(),
         x: format!("method and its option ({})", letters(rows).join(", ")),
         y: "wrong pixels, share of all".to_owned(),
         places,
         series: all,
-        notes,
+        notes: notes(rows, lines),
         ..Figure::default()
-    };
-    Chart { name: "claims-all".to_owned(), figure, is_of_one: false }
+    }
 }

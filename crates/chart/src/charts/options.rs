@@ -1,14 +1,15 @@
 //! What options cost: work by tolerance and depth, time by precision.
 
-use super::{Chart, Rows, bar, circumstances, colour, families, mean, series, shape};
-use crate::grid::{Configuration, distinct, meaning};
+use super::{Rows, bar, colour, families, mean, notes, series, shape};
+use crate::grid::{Configuration, meaning};
+use crate::groups::distinct;
 use crate::plot::{Figure, Mark, Series};
 use crate::quantile::quantile;
 use crate::row::Row;
 use zeroset_trace::{MethodOption, Precision};
 
 /// Work against each option that is a number, and precisions beside each other.
-pub fn charts(rows: &Rows<'_>) -> Vec<Chart> {
+pub fn charts(rows: &Rows<'_>) -> Vec<Figure> {
     let read = rows.0.iter().flat_map(|(_, one)| one.method.reads.iter().copied());
     let work = distinct(read).into_iter().filter_map(|option| work(rows, option));
     work.chain(precisions(rows)).collect()
@@ -24,7 +25,7 @@ fn lanes(row: &Row) -> Option<f64> {
     Some(lanes as f64 / (row.size * row.size) as f64).filter(|lanes| *lanes > 0.0)
 }
 
-fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Chart> {
+fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Figure> {
     let mut numbers: Vec<f64> = rows.0.iter().filter_map(|(_, one)| one.number(option)).collect();
     numbers.sort_by(f64::total_cmp);
     numbers.dedup();
@@ -50,30 +51,29 @@ fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Chart> {
             all.push(line);
         }
     }
-    let mut notes = circumstances(rows);
     let lines = [
         "geometric mean over surfaces,",
         "bars from quartile to quartile",
         "",
         "f: in boxes, on tiles,",
+        "along segments, at points",
     ];
-    notes.extend(lines.into_iter().chain(["along segments, at points"]).map(str::to_owned));
     let names = numbers.iter().map(f64::to_string).collect();
     let figure = Figure {
+        name: format!("work-{}", option.name()),
         title: format!("Work against {}", option.name()),
         x: meaning(option).to_owned(),
         y: "evaluations of f a pixel (lanes of kernels)".to_owned(),
         places: if is_counted { names } else { Vec::new() },
         series: all,
-        notes,
+        notes: notes(rows, lines),
         ..Figure::default()
     };
-    let name = format!("work-{}", option.name());
-    (!figure.series.is_empty()).then_some(Chart { name, figure, is_of_one: false })
+    (!figure.series.is_empty()).then_some(figure)
 }
 
 /// Times in `f64` and `auto` over those in `f32`, surface by surface.
-fn precisions(rows: &Rows<'_>) -> Option<Chart> {
+fn precisions(rows: &Rows<'_>) -> Option<Figure> {
     let surfaces = rows.surfaces();
     let mut all: Vec<Series> = Vec::new();
     for family in families(rows) {
@@ -103,21 +103,19 @@ fn precisions(rows: &Rows<'_>) -> Option<Chart> {
             all.push(Series { name, colour, shape, marks, ..Series::default() });
         }
     }
-    let mut notes = circumstances(rows);
-    notes
-        .extend(["geometric mean over options,", "bars from least to greatest"].map(str::to_owned));
+    let lines = ["geometric mean over options,", "bars from least to greatest"];
     let figure = Figure {
+        name: "precision".to_owned(),
         title: "Time by precision, over that of f32".to_owned(),
         x: "surface".to_owned(),
         y: "time to trace, times that of f32".to_owned(),
         places: surfaces.into_iter().map(str::to_owned).collect(),
         series: all,
         level: Some(1.0),
-        notes,
+        notes: notes(rows, lines),
         ..Figure::default()
     };
-    let name = "precision".to_owned();
-    (!figure.series.is_empty()).then_some(Chart { name, figure, is_of_one: false })
+    (!figure.series.is_empty()).then_some(figure)
 }
 
 /// From the least to the greatest.

@@ -1,11 +1,11 @@
 //! Time against resolution.
 
-use super::{Chart, Rows, bar, circumstances, families, mean, series};
-use crate::grid::distinct;
+use super::{Rows, bar, families, mean, notes, series};
+use crate::groups::distinct;
 use crate::plot::{Figure, Mark};
 
 /// If there are several sizes: time a pixel, each method in the middle of its configurations.
-pub fn chart(rows: &Rows<'_>) -> Option<Chart> {
+pub fn chart(rows: &Rows<'_>) -> Option<Figure> {
     let rows = rows.in_one_precision();
     let mut sizes = distinct(rows.0.iter().map(|(row, _)| row.size));
     sizes.sort_unstable();
@@ -29,12 +29,12 @@ pub fn chart(rows: &Rows<'_>) -> Option<Chart> {
         }
         all.push(line);
     }
-    let mut notes = circumstances(&rows);
-    notes.truncate(1);
-    notes.extend(
-        ["geometric mean over surfaces,", "bars from quartile to quartile"].map(str::to_owned),
-    );
-    let figure = Figure {
+    let lines = ["geometric mean over surfaces,", "bars from quartile to quartile"];
+    let mut notes = notes(&rows, lines);
+    // The second is of one size.
+    notes.remove(1);
+    Some(Figure {
+        name: "time-size".to_owned(),
         title: "Time a pixel against resolution".to_owned(),
         x: "pixels in a row".to_owned(),
         places: sizes.iter().map(usize::to_string).collect(),
@@ -42,6 +42,5 @@ pub fn chart(rows: &Rows<'_>) -> Option<Chart> {
         series: all,
         notes,
         ..Figure::default()
-    };
-    Some(Chart { name: "time-size".to_owned(), figure, is_of_one: false })
+    })
 }

@@ -35,6 +35,7 @@ pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
 /// The stages' times.
 pub fn times(rows: &[Row]) -> Figure {
     Figure {
+        name: "compile-time".to_owned(),
         title: "From text to the kernels of a picture, by size".to_owned(),
         y: "time, ms (1 thread)".to_owned(),
         ..figure(rows, &QUANTITIES[..3])
@@ -44,6 +45,7 @@ pub fn times(rows: &[Row]) -> Figure {
 /// Bytes of code.
 pub fn code(rows: &[Row]) -> Figure {
     Figure {
+        name: "compile-code".to_owned(),
         title: "Code of the kernels of a picture, by size".to_owned(),
         y: "machine code, bytes".to_owned(),
         ..figure(rows, &QUANTITIES[3..])
@@ -65,11 +67,8 @@ fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
                 .map(|row| Mark { at: [row.nodes as f64, value(row)], ..Mark::default() })
                 .collect();
             marks.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
-            let called = match source {
-                Source::Gallery => format!("{name}{slope}"),
-                Source::Sum | Source::Product => String::new(),
-            };
             let is_joined = source != Source::Gallery;
+            let called = if is_joined { String::new() } else { format!("{name}{slope}") };
             series.push(Series {
                 name: called,
                 colour,

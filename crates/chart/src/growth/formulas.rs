@@ -1,14 +1,12 @@
 //! Formulas of every size: those of the gallery, and sums and products that are made.
 
-use super::Extent;
 use crate::error::ChartError;
+use crate::surfaces::Surface;
 use crate::views::rng;
 use fastrand::Rng;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use zeroset::gallery::examples;
-use zeroset::scene::{self, DomainChoice};
-use zeroset_syntax::{Options, read};
 use zeroset_trace::Region;
 
 /// Where a formula is from.
@@ -23,19 +21,6 @@ pub enum Source {
     Product,
 }
 
-/// A text, and where its surface is looked for.
-#[derive(Clone, Debug)]
-pub struct Formula {
-    /// What it is called.
-    pub name: String,
-    /// Where it is from.
-    pub source: Source,
-    /// What is read.
-    pub text: String,
-    /// Its domain.
-    pub region: Region,
-}
-
 /// Nodes of a term: three products, three sums, a square or a product, four numbers.
 const NODES: usize = 12;
 /// From one size to the next.
@@ -45,21 +30,15 @@ const STEP: f64 = 1.5;
 ///
 /// # Errors
 /// If an example has no domain.
-pub fn all(extent: Extent) -> Result<Vec<Formula>, ChartError> {
+pub fn all(nodes: usize, seed: u64) -> Result<Vec<(Source, Surface)>, ChartError> {
     let mut all = Vec::new();
     for example in examples() {
-        let refuse = |why: String| ChartError::Surface { surface: example.slug.to_owned(), why };
-        let document =
-            read(example.text, &Options::default()).map_err(|errors| refuse(errors.to_string()))?;
-        let (region, _) = scene::region(&document, DomainChoice::Document, None)
-            .map_err(|error| refuse(error.to_string()))?;
-        let (name, text) = (example.slug.to_owned(), example.text.to_owned());
-        all.push(Formula { name, source: Source::Gallery, text, region });
+        all.push((Source::Gallery, Surface::read(example.slug, example.text, None)?));
     }
-    let (mut terms, most) = (1, (extent.nodes / NODES).max(1));
+    let (mut terms, most) = (1, (nodes / NODES).max(1));
     loop {
         for source in [Source::Sum, Source::Product] {
-            all.push(made(source, terms, extent.seed)?);
+            all.push((source, made(source, terms, seed)?));
         }
         if terms == most {
             return Ok(all);
@@ -70,7 +49,7 @@ pub fn all(extent: Extent) -> Result<Vec<Formula>, ChartError> {
 
 /// A sum or product of so many linear functions of different slopes; on its domain the factors of a product are within
 /// [−1, 1], so that no bounds become infinite.
-fn made(source: Source, terms: usize, seed: u64) -> Result<Formula, ChartError> {
+fn made(source: Source, terms: usize, seed: u64) -> Result<Surface, ChartError> {
     let name = format!("{source:?}-{terms}").to_lowercase();
     let mut rng = rng(&format!("{seed} {name}"));
     let linear: Vec<String> = (0..terms).map(|_| format!("({})", linear(&mut rng))).collect();
@@ -80,7 +59,7 @@ fn made(source: Source, terms: usize, seed: u64) -> Result<Formula, ChartError> 
     };
     let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0))
         .map_err(ChartError::of_surface(&name))?;
-    Ok(Formula { name, source, text, region })
+    Surface::read(&name, &text, Some(region))
 }
 
 /// A linear function that is within [−1, 1] on the cube from −1 to 1.

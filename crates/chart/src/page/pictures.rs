@@ -1,10 +1,12 @@
 //! Each surface by each method, and what is wrong with each pixel.
 
-use super::{escaped, push};
+use super::escaped;
 use crate::difference::{difference, png};
 use crate::error::ChartError;
 use crate::errors::Errors;
-use crate::grid::{Configuration, distinct};
+use crate::grid::Configuration;
+use crate::groups::{distinct, grouped};
+use crate::progress::progress;
 use crate::reference::{Reference, Sampling};
 use crate::row::Row;
 use crate::store::Store;
@@ -13,77 +15,70 @@ use crate::views::View;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbImage;
-use zeroset::model::Model;
 use zeroset_testkit::certified::BUDGET;
-use zeroset_trace::{METHODS, Precision};
+use zeroset_trace::{METHODS, Method, Precision};
 
 /// Pixels in a row: every one of them is held against the certified tracer.
 const SIZE: usize = 96;
 
 /// The standard view of every surface.
-pub fn pictures(store: &Store, advance: &dyn Fn(&str)) -> Result<String, ChartError> {
+pub fn pictures(store: &Store) -> Result<String, ChartError> {
     let mut text = String::new();
-    let mut names: Vec<&str> = Vec::new();
-    for row in &store.rows {
-        if names.contains(&row.surface.as_str()) {
-            continue;
-        }
-        names.push(&row.surface);
-        advance(&row.surface);
-        of_surface(store, row, &mut text)?;
+    let bar = progress(store.rows.len());
+    for (surface, rows) in grouped(&store.rows, |row| &row.surface) {
+        bar.set_message(format!("pictures of {surface}"));
+        bar.inc(rows.len() as u64);
+        text += &of_surface(store, &rows)?;
     }
+    bar.finish_and_clear();
     Ok(text)
 }
 
 /// Of each method, that in the middle of those measured, in `auto` where it was.
-fn middles(rows: &[Row], surface: &str) -> Vec<Configuration> {
-    let of_surface = rows.iter().filter(|row| row.surface == surface);
-    let measured = distinct(of_surface.filter_map(|row| row.configuration().ok()));
-    let middle = |name: &str| {
-        let of_method = measured.iter().filter(|one| one.method.name == name);
-        let of_method: Vec<&Configuration> = of_method.collect();
-        let is_auto = |one: &&&Configuration| one.precision == Some(Precision::Auto);
-        let auto: Vec<&Configuration> = of_method.iter().filter(is_auto).copied().collect();
-        let some = if auto.is_empty() { of_method } else { auto };
-        some.get(some.len() / 2).copied().copied()
+fn middles(rows: &[&Row]) -> Vec<Configuration> {
+    let measured = distinct(rows.iter().filter_map(|row| row.configuration().ok()));
+    let middle = |method: &Method| {
+        let of_method = measured.iter().filter(|one| one.method == method);
+        let (auto, others): (Vec<_>, Vec<_>) = of_method
+            .copied()
+            .partition(|one: &Configuration| one.precision == Some(Precision::Auto));
+        let some = if auto.is_empty() { others } else { auto };
+        some.get(some.len() / 2).copied()
     };
-    METHODS.iter().filter_map(|method| middle(method.name)).collect()
+    METHODS.iter().filter_map(middle).collect()
 }
 
-fn of_surface(store: &Store, row: &Row, text: &mut String) -> Result<(), ChartError> {
+fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
+    let row = rows[0];
     let surface = Surface::named(&row.surface)?;
-    let refuse = ChartError::of_surface(&surface.name);
     let view = View { name: format!("{}-page", row.view), camera: row.camera()? };
     let sampling = Sampling { size: SIZE, samples: 0, seed: row.seed, budget: BUDGET };
     let reference = Reference::kept(&store.path("reference"), &surface, &view, sampling)?;
     let rays = view.camera.rays(SIZE, SIZE);
-    push(text, format_args!("<h3>{}</h3>\n<div class=\"pictures\">\n", escaped(&surface.name)));
-    for configuration in middles(&store.rows, &row.surface) {
+    let name = escaped(&surface.name);
+    let mut text = vec![format!("<h3>{name}</h3>\n<div class=\"pictures\">\n")];
+    for configuration in middles(rows) {
         let settings = configuration.settings(SIZE);
-        let model = Model::new(&surface.document, &surface.region, &settings).map_err(&refuse)?;
-        let picture = model.trace(&view.camera, &settings, &|_| true).map_err(&refuse)?;
+        let picture = surface.picture(&view.camera, &settings)?;
         let errors = Errors::new(&reference, &rays, &picture.buffer);
         let wrong = difference(&reference, &picture.buffer);
         let side = SIZE as u32;
         let shown = RgbImage::from_raw(side, side, picture.rgb).unwrap_or_default();
         let [shown, wrong] = [shown, wrong].map(|image| source(&image));
         let (name, command) = (configuration.to_string(), command(row, &configuration));
-        push(
-            text,
-            format_args!(
-                "<div title=\"{}\"><img src=\"{}\" alt=\"\"><img class=\"wrong\" src=\"{}\" alt=\"\">{}<br>{} wrong, {} \
-                 undecided</div>\n",
-                escaped(&command),
-                shown?,
-                wrong?,
-                escaped(&name),
-                errors.wrong(),
-                errors.undecided
-            ),
-        );
+        text.push(format!(
+            "<div title=\"{}\"><img src=\"{}\" alt=\"\"><img class=\"wrong\" src=\"{}\" alt=\"\">{}<br>{} wrong, {} \
+             undecided</div>\n",
+            escaped(&command),
+            shown?,
+            wrong?,
+            escaped(&name),
+            errors.wrong(),
+            errors.undecided
+        ));
     }
-    push(text, format_args!("</div>\n"));
-    Ok(())
+    text.push("</div>\n".to_owned());
+    Ok(text.concat())
 }
 
 /// What draws the picture again, if the surface is one of the gallery.

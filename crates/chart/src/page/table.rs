@@ -1,20 +1,17 @@
 //! Means of each configuration over all surfaces and views, as a table.
 
-use super::{escaped, push};
-use crate::grid::distinct;
+use super::escaped;
+use crate::groups::grouped;
 use crate::plot::written;
 use crate::quantile::geometric_mean;
 use crate::row::Row;
 
 /// A line for each configuration and size.
 pub fn table(rows: &[Row]) -> String {
-    let mut text = String::from(HEAD);
-    let kind = |row: &Row| Some((row.configuration().ok()?, row.size));
-    for (configuration, size) in distinct(rows.iter().filter_map(kind)) {
-        let is_of = |row: &&Row| {
-            row.size == size && row.configuration().is_ok_and(|other| other == configuration)
-        };
-        let rows: Vec<&Row> = rows.iter().filter(is_of).collect();
+    let mut text = vec![HEAD.to_owned()];
+    let kind = |row: &&Row| (row.configuration().ok(), row.size);
+    for ((configuration, size), rows) in grouped(rows, kind) {
+        let Some(configuration) = configuration else { continue };
         let mean = |value: fn(&Row) -> f64| {
             geometric_mean(&rows.iter().map(|row| value(row)).collect::<Vec<_>>()).unwrap_or(0.0)
         };
@@ -35,9 +32,10 @@ pub fn table(rows: &[Row]) -> String {
             sum(|row| row.false_claims).to_string(),
             if off > 0.0 { written(off) } else { "0".to_owned() },
         ];
-        push(&mut text, format_args!("<tr><td>{}</td></tr>\n", cells.join("</td><td>")));
+        text.push(format!("<tr><td>{}</td></tr>\n", cells.join("</td><td>")));
     }
-    text + "</table>\n"
+    text.push("</table>\n".to_owned());
+    text.concat()
 }
 
 const HEAD: &str = "<p>Times in ms are geometric means over surfaces and views; pixels are sums; the greatest distance from a \

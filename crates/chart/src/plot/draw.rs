@@ -56,17 +56,13 @@ pub fn draw(figure: &Figure) -> Result<String, ChartError> {
         let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         Canvas::new(area, figure).draw(figure)
     };
-    let refuse = |error: Box<dyn std::error::Error>| ChartError::Chart {
-        name: figure.title.clone(),
-        why: error.to_string(),
-    };
-    drawn.map_err(refuse)?;
+    drawn.map_err(ChartError::of_chart(&figure.title))?;
     // Without its size, it fills the width that there is.
     let fixed = format!("<svg width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1);
     Ok(svg.replacen(&fixed, "<svg ", 1))
 }
 
-fn text(colour: RGBColor, size: i32, at: (HPos, VPos)) -> TextStyle<'static> {
+fn font(colour: RGBColor, size: i32, at: (HPos, VPos)) -> TextStyle<'static> {
     let mut style = TextStyle::from(("sans-serif", size).into_font());
     style.color = colour.to_backend_color();
     style.pos(Pos::new(at.0, at.1))
@@ -110,6 +106,10 @@ impl<'a> Canvas<'a> {
         Some((Self::across(self.x.place(x)?), self.upward(self.y.place(y)?)))
     }
 
+    fn text(&self, words: &str, at: (i32, i32), style: TextStyle<'static>) -> Drawn {
+        Ok(self.area.draw(&Text::new(words, at, style))?)
+    }
+
     fn path(&self, points: &[[f64; 2]]) -> Vec<(i32, i32)> {
         points.iter().filter_map(|point| self.at(*point)).collect()
     }
@@ -146,8 +146,7 @@ impl<'a> Canvas<'a> {
         for (place, label) in self.y.ticks() {
             let y = self.upward(place);
             self.area.draw(&PathElement::new(vec![(LEFT, y), (right, y)], GRID))?;
-            let style = text(INK, TEXT, (HPos::Right, VPos::Center));
-            self.area.draw(&Text::new(label, (LEFT - 7, y), style))?;
+            self.text(&label, (LEFT - 7, y), font(INK, TEXT, (HPos::Right, VPos::Center)))?;
         }
         let is_upright = figure.places.len() > SIDEWAYS;
         let names = figure.places.iter().enumerate();
@@ -157,12 +156,12 @@ impl<'a> Canvas<'a> {
             let x = Self::across(place);
             self.area.draw(&PathElement::new(vec![(x, TOP), (x, self.bottom)], GRID))?;
             let style = if is_upright {
-                let style = text(INK, SMALL, (HPos::Left, VPos::Center));
+                let style = font(INK, SMALL, (HPos::Left, VPos::Center));
                 style.transform(FontTransform::Rotate90)
             } else {
-                text(INK, TEXT, (HPos::Center, VPos::Top))
+                font(INK, TEXT, (HPos::Center, VPos::Top))
             };
-            self.area.draw(&Text::new(label, (x, self.bottom + 7), style))?;
+            self.text(&label, (x, self.bottom + 7), style)?;
         }
         if let Some(y) = figure.level.and_then(|level| self.y.place(level)) {
             let ends = vec![(LEFT, self.upward(y)), (right, self.upward(y))];
@@ -170,15 +169,14 @@ impl<'a> Canvas<'a> {
         }
         let frame = [(LEFT, TOP), (right, self.bottom)];
         self.area.draw(&Rectangle::new(frame, INK.stroke_width(1)))?;
-        let title = text(INK, TITLE, (HPos::Left, VPos::Top));
-        self.area.draw(&Text::new(figure.title.clone(), (LEFT, 12), title))?;
+        self.text(&figure.title, (LEFT, 12), font(INK, TITLE, (HPos::Left, VPos::Top)))?;
         let across = middle(f64::from(LEFT), f64::from(right)) as i32;
-        let label = text(INK, TEXT, (HPos::Center, VPos::Bottom));
-        self.area.draw(&Text::new(figure.x.clone(), (across, SIZE.1 as i32 - 8), label.clone()))?;
+        let label = font(INK, TEXT, (HPos::Center, VPos::Bottom));
+        self.text(&figure.x, (across, SIZE.1 as i32 - 8), label)?;
         let upward = middle(f64::from(TOP), f64::from(self.bottom)) as i32;
         let upright =
-            text(INK, TEXT, (HPos::Center, VPos::Center)).transform(FontTransform::Rotate270);
-        Ok(self.area.draw(&Text::new(figure.y.clone(), (16, upward), upright))?)
+            font(INK, TEXT, (HPos::Center, VPos::Center)).transform(FontTransform::Rotate270);
+        self.text(&figure.y, (16, upward), upright)
     }
 
     fn series(&self, series: &Series) -> Drawn {
@@ -202,8 +200,8 @@ impl<'a> Canvas<'a> {
             }
             self.mark(place, series.shape, colour)?;
             if !label.is_empty() {
-                let style = text(colour, SMALL, (HPos::Left, VPos::Bottom));
-                self.area.draw(&Text::new(label.clone(), (place.0 + 5, place.1 - 4), style))?;
+                let style = font(colour, SMALL, (HPos::Left, VPos::Bottom));
+                self.text(label, (place.0 + 5, place.1 - 4), style)?;
             }
         }
         Ok(())
@@ -228,9 +226,8 @@ impl<'a> Canvas<'a> {
     fn legend(&self, figure: &Figure) -> Drawn {
         const STEP: i32 = 22;
         let (left, mut y) = (Self::right() + 16, TOP + 10);
-        let label = |y: i32, line: &str, size: i32| {
-            let style = text(INK, size, (HPos::Left, VPos::Center));
-            self.area.draw(&Text::new(line.to_owned(), (left + 34, y), style))
+        let label = |x: i32, y: i32, line: &str, size: i32| {
+            self.text(line, (x, y), font(INK, size, (HPos::Left, VPos::Center)))
         };
         for series in figure.series.iter().filter(|series| !series.name.is_empty()) {
             let colour = COLOURS[series.colour % COLOURS.len()];
@@ -240,18 +237,17 @@ impl<'a> Canvas<'a> {
                 self.area.draw(&PathElement::new(ends, colour.stroke_width(width)))?;
             }
             self.mark((left + 13, y), series.shape, colour)?;
-            label(y, &series.name, TEXT)?;
+            label(left + 34, y, &series.name, TEXT)?;
             y += STEP;
         }
         if let Some((name, _)) = &figure.front {
             self.area.draw(&PathElement::new(vec![(left, y), (left + 26, y)], front_style()))?;
-            label(y, name, TEXT)?;
+            label(left + 34, y, name, TEXT)?;
             y += STEP;
         }
         y += 6;
         for note in &figure.notes {
-            let style = text(INK, SMALL, (HPos::Left, VPos::Center));
-            self.area.draw(&Text::new(note.clone(), (left, y), style))?;
+            label(left, y, note, SMALL)?;
             y += 16;
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! The price of rigour as a figure.
 
 use super::{Asked, Row, name};
+use crate::groups::distinct;
 use crate::plot::{Figure, Mark, Series, Shape};
 use crate::quantile::{geometric_mean, quantile};
 use zeroset_jit::comparison::Arithmetic;
@@ -49,10 +50,7 @@ pub fn figure(rows: &[Row]) -> Figure {
             ..Series::default()
         }
     };
-    let mut surfaces: Vec<&str> = rows.iter().map(|row| row.surface.as_str()).collect();
-    surfaces.sort_unstable();
-    surfaces.dedup();
-    let number = surfaces.len();
+    let number = distinct(rows.iter().map(|row| row.surface.as_str())).len();
     let size = rows.first().map_or(0, |row| row.size);
     let notes = [
         "1: to nearest and left so, no terms".to_owned(),
@@ -64,6 +62,7 @@ pub fn figure(rows: &[Row]) -> Figure {
         "bars from least to greatest".to_owned(),
     ];
     Figure {
+        name: "rigour".to_owned(),
         title: "The price of rigour".to_owned(),
         x: "what is asked of kernels, whole pictures, and in which floats".to_owned(),
         y: "time, as a multiple of that without rigour".to_owned(),

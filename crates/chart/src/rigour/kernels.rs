@@ -7,6 +7,7 @@ use zeroset_eval::{
     KernelFloat, Kernels, Question, Real, Surface, Tape,
 };
 use zeroset_jit::comparison::{Arithmetic, Compared};
+use zeroset_trace::Precision;
 
 /// The kernels of a surface without parameters and poles.
 pub struct Set {
@@ -115,17 +116,24 @@ impl Surface for Set {
 
 /// A precision, by which a set's kernels are picked.
 pub trait Float: KernelFloat {
+    /// What it is called.
+    const PRECISION: Precision;
+
     /// Those of this precision.
     fn own(set: &Set) -> &Own<Self>;
 }
 
 impl Float for f32 {
+    const PRECISION: Precision = Precision::F32;
+
     fn own(set: &Set) -> &Own<Self> {
         &set.single
     }
 }
 
 impl Float for f64 {
+    const PRECISION: Precision = Precision::F64;
+
     fn own(set: &Set) -> &Own<Self> {
         &set.double
     }

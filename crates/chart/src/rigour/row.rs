@@ -20,22 +20,13 @@ pub enum Asked {
 
 impl fmt::Display for Asked {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Boxes => "boxes",
-            Self::Segments => "segments",
-            Self::Tiles => "tiles",
-            Self::Picture => "picture",
-        })
+        f.write_str(&format!("{self:?}").to_lowercase())
     }
 }
 
 /// What an arithmetic is called in results.
-pub fn name(arithmetic: Arithmetic) -> &'static str {
-    match arithmetic {
-        Arithmetic::Unsound => "unsound",
-        Arithmetic::Widened => "widened",
-        Arithmetic::Upward => "upward",
-    }
+pub fn name(arithmetic: Arithmetic) -> String {
+    format!("{arithmetic:?}").to_lowercase()
 }
 
 /// A line of results. Times are nanoseconds a lane, of pictures a pixel: medians and quartiles.

@@ -2,8 +2,9 @@
 
 use super::SIDE;
 use crate::error::ChartError;
-use crate::reference::{Reference, Root, Sampling, Truth};
+use crate::reference::{Reference, Sampling};
 use crate::surfaces::Surface;
+use crate::truth::{Root, Truth};
 use crate::views::View;
 use glam::DVec3;
 use serde::Deserialize;

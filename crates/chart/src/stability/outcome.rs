@@ -50,17 +50,8 @@ impl Outcome {
     ];
 
     /// What it is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sound => "sound",
-            Self::Holes => "holes",
-            Self::Phantoms => "phantoms",
-            Self::Wall => "wall",
-            Self::Noise => "noise",
-            Self::Slow => "slow",
-            Self::Refused => "refused",
-            Self::Unjudged => "unjudged",
-        }
+    pub fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
     }
 
     /// That of a picture with these errors, for which time ran out or not.

@@ -1,0 +1,40 @@
+//! Files that appear whole or not at all.
+
+use crate::error::ChartError;
+use serde::Serialize;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+/// Writes a file in one step.
+///
+/// # Errors
+/// If that is impossible.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ChartError> {
+    let refuse = ChartError::of_file(path);
+    let directory = path.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(directory).map_err(&refuse)?;
+    let mut builder = tempfile::Builder::new();
+    // As readable as any other file; a temporary one would be its owner's alone.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(directory).map_err(&refuse)?;
+    file.write_all(bytes).map_err(&refuse)?;
+    file.persist(path).map_err(|error| refuse(error.error))?;
+    Ok(())
+}
+
+/// Writes rows as a table with a head, in one step.
+///
+/// # Errors
+/// If that is impossible.
+pub fn write_csv<R: Serialize>(
+    path: &Path,
+    rows: impl IntoIterator<Item = R>,
+) -> Result<(), ChartError> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        csv.serialize(row).map_err(ChartError::of_content(path))?;
+    }
+    write(path, &csv.into_inner().map_err(ChartError::of_content(path))?)
+}

@@ -1,0 +1,124 @@
+//! What is certain of rays, by the certified tracer.
+//!
+//! It knows no methods: the tracer shares no code with kernels or traversers. Normals are the exception: they are exact
+//! derivatives, taken by a kernel of 64 bits at the certified root.
+
+use crate::error::ChartError;
+use crate::surfaces::Surface;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use zeroset::model::Model;
+use zeroset::picture::{Precision, Settings};
+use zeroset_testkit::certified::{Certificate, Crossing, Function, Line};
+use zeroset_trace::Ray;
+
+/// What is certain of a ray. Distances are in world units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Truth {
+    /// It meets no zero.
+    Miss,
+    /// It meets one.
+    Root(Root),
+    /// It comes near one, and perhaps touches it; or effort ran out.
+    Open,
+}
+
+/// The first zero of a ray.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Root {
+    /// It lies in one of these pieces, and there is no other before or between them.
+    pub pieces: Vec<[f64; 2]>,
+    /// Where the next one lies, if there is one and it is certain.
+    pub next: Option<[f64; 2]>,
+    /// The unit normal at the zero, towards f > 0, if that is certainly the first and has one.
+    pub normal: Option<[f64; 3]>,
+}
+
+/// The ray, as the certified tracer takes it.
+fn line(ray: &Ray) -> Line {
+    Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() }
+}
+
+/// What is certain of these rays, by about `budget` evaluations each.
+///
+/// # Errors
+/// If the function has no code.
+pub fn certify(surface: &Surface, rays: &[Ray], budget: u32) -> Result<Vec<Truth>, ChartError> {
+    let certifier = Certifier::new(surface, budget)?;
+    Ok(rays.par_iter().map(|ray| certifier.truth(ray)).collect())
+}
+
+/// The certified tracer, made ready for a surface.
+pub struct Certifier<'a> {
+    surface: &'a Surface,
+    model: Model,
+    function: Function,
+    bounds: [[f64; 2]; 3],
+    budget: u32,
+}
+
+impl<'a> Certifier<'a> {
+    /// With about `budget` evaluations for each ray.
+    ///
+    /// # Errors
+    /// If the function has no code.
+    pub fn new(surface: &'a Surface, budget: u32) -> Result<Self, ChartError> {
+        let settings = Settings { precision: Precision::F64, ..Settings::default() };
+        let model = surface.model(&settings)?;
+        let document = &surface.document;
+        let parameters: Vec<_> = document.parameters.iter().map(|p| p.value.clone()).collect();
+        let function = Function::new(&document.graph, document.surfaces[0].root, &parameters);
+        Ok(Self { surface, model, function, bounds: surface.bounds(), budget })
+    }
+
+    /// What is proven of a ray.
+    pub fn trace(&self, ray: &Ray) -> Certificate {
+        self.function.trace(&line(ray), &self.bounds, self.budget)
+    }
+
+    /// The function's gradient.
+    pub fn gradient(&self, point: DVec3) -> DVec3 {
+        DVec3::from_array(self.model.sample(0, point).1)
+    }
+
+    fn truth(&self, ray: &Ray) -> Truth {
+        let scaled = |piece: [f64; 2]| piece.map(|t| ray.distance(t));
+        if self.surface.is_solid() {
+            // A solid that a face cuts is seen where the ray comes in.
+            if let Some(entry) = self.function.entry(&line(ray), &self.bounds) {
+                match entry.below {
+                    Some(true) => {
+                        let (near, far) = entry.distance;
+                        let pieces = vec![scaled([near, far])];
+                        return Truth::Root(Root { pieces, next: None, normal: None });
+                    }
+                    Some(false) => {}
+                    None => return Truth::Open,
+                }
+            }
+        }
+        let certificate = self.trace(ray);
+        if certificate.is_miss() {
+            return Truth::Miss;
+        }
+        let Some(crossing) = certificate.crossing else { return Truth::Open };
+        let unresolved = certificate.unresolved.iter().map(|piece| [piece.near, piece.far]);
+        let pieces = unresolved.chain([[crossing.near, crossing.far]]).map(scaled).collect();
+        let is_certain = certificate.unresolved.is_empty() && crossing.simple;
+        let normal = if is_certain { self.normal(ray, &crossing) } else { None };
+        Truth::Root(Root { pieces, next: self.next(ray, &crossing), normal })
+    }
+
+    /// The next crossing, on a ray that starts behind the first: within rounding it is the same ray.
+    fn next(&self, ray: &Ray, first: &Crossing) -> Option<[f64; 2]> {
+        let behind = Ray { origin: ray.at(first.far), direction: ray.direction };
+        let next = self.trace(&behind).crossing?;
+        Some([next.near, next.far].map(|t| ray.distance(first.far + t)))
+    }
+
+    fn normal(&self, ray: &Ray, crossing: &Crossing) -> Option<[f64; 3]> {
+        let point = ray.at(f64::midpoint(crossing.near, crossing.far));
+        Some(self.gradient(point).try_normalize()?.to_array())
+    }
+}
