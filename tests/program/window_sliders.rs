@@ -68,6 +68,32 @@ fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+#[test]
+fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let mut scene = Scene::start(BALL);
+    let middle = i32::midpoint(TRACK.0, TRACK.1);
+    scene.point(middle, ROWS[0]);
+    wait(100);
+    scene.display.tool(&["mousedown", "1"]);
+    wait(100);
+    scene.key("g");
+    wait(300);
+    scene.display.tool(&["mouseup", "1"]);
+    wait(100);
+    scene.key("Escape");
+    wait(300);
+    // Away from it an arrow turns the view.
+    scene.point(300, 250);
+    scene.changes("turned", || scene.key("Right"));
+    listed(&mut scene, "r = 1 in [0, 2]");
+    assert!(!scene.terminal.shown().contains("r = 1.02"), "the slider was moved");
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 /// While a hand holds a slider a surface is seen to grow, and then all of it is seen again.
 #[test]
 fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {

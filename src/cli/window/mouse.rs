@@ -74,7 +74,9 @@ impl Window {
                 let drag = Drag { start, last, moves: true, what, cancelled: true };
                 self.mouse.drag.get_or_insert(drag);
             } else {
-                self.mouse.drag = None;
+                // What was held before is let go where it is.
+                self.mouse.cancel();
+                self.let_go(seen);
             }
             return self.point_gallery(at, has_changed, pressed);
         }
