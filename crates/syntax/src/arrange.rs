@@ -6,12 +6,13 @@
 
 use crate::environment::{matrix, scalar_products};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::lexer::{OTHERWISE, ends_operand};
+use crate::lexer::OTHERWISE;
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
-use crate::scan::{Piece, Token, scan};
+use crate::scan::{Piece, scan};
 use crate::span::Span;
-use crate::spelling::{closer, decimal, is_setting};
+use crate::spelling::{closer, decimal, ends_operand, in_name, is_setting};
+use crate::token::{Token, outside};
 use std::collections::VecDeque;
 
 /// A symbol, or a pair of brackets with what is in it, arranged.
@@ -222,22 +223,12 @@ impl Arranger<'_> {
         before: Option<&Node>,
     ) -> Node {
         if open.symbol == '⟦' {
-            let (open, inner, close) = matrix(self.typed(open), (open, close), inner);
+            let (open, inner, close) = matrix(self.typed(open), (open, close), &inner);
             return Node::Group(open, inner, close);
         }
-        let mut depth = 0_usize;
-        let (mut colon, mut comma, mut relation) = (false, false, false);
-        for token in &inner {
-            if closer(token.symbol).is_some() {
-                depth += 1;
-            } else if crate::spelling::is_closer(token.symbol) {
-                depth = depth.saturating_sub(1);
-            } else if depth == 0 {
-                colon |= token.symbol == ':';
-                comma |= token.symbol == ',';
-            }
-            relation |= "=≠<≤>≥∧∨¬".contains(token.symbol);
-        }
+        let colon = outside(&inner, ':').is_some();
+        let comma = outside(&inner, ',').is_some();
+        let relation = inner.iter().any(|token| "=≠<≤>≥∧∨¬".contains(token.symbol));
         let typed = self.typed(open);
         let is_printed = typed == r"\{" || typed == r"\lbrace";
         if is_printed && !colon && !relation && (!comma || is_called(before)) {
@@ -274,8 +265,7 @@ impl Arranger<'_> {
             // Brackets behind a name may hold arguments; two numbers alone may be a point.
             Some(open) => {
                 let behind = self.text[..open.span.start].trim_end().chars().next_back();
-                let is_call =
-                    behind.is_some_and(|c| crate::spelling::in_name(c) || ")]}".contains(c));
+                let is_call = behind.is_some_and(|c| in_name(c) || ")]}".contains(c));
                 open.symbol != '(' || is_call || before.len() < 2
             }
         };

@@ -5,12 +5,12 @@ use crate::ast::{ExprKind, Name, NamedValue};
 use crate::counting::{number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::Wrap;
-use crate::program_words::{Words, split};
+use crate::program_words::Words;
 use crate::reader::{Frame, Reader};
-use crate::scan::Token;
 use crate::span::Span;
 use crate::spelling::is_name;
 use crate::statement::Head;
+use crate::token::{Token, split};
 use crate::value::LETTERS;
 
 /// The most names that a function sets.
@@ -25,7 +25,7 @@ impl Reader<'_> {
         is_whole: bool,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        for tokens in split(tokens, ',') {
+        for tokens in split(&tokens, ',') {
             let tokens = Words::without_type(tokens);
             if is_whole && let Some(name) = tokens.first() {
                 let word = self.words.word(*name);

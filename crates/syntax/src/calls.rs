@@ -3,11 +3,10 @@
 use crate::ast::{Expr, ExprKind, Function, Name};
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program_words::{closing, split};
 use crate::reader::{Frame, Reader};
-use crate::scan::Token;
 use crate::span::Span;
 use crate::steps::Step;
+use crate::token::{Token, closing, in_brackets, split};
 use crate::value::LETTERS;
 use std::rc::Rc;
 
@@ -87,19 +86,14 @@ impl Reader<'_> {
                 all.push(token);
                 continue;
             };
-            let arguments = split(tokens[at + 1..at + end].to_vec(), ',');
+            let arguments = split(&tokens[at + 1..at + end], ',');
             at += end + 1;
             let mut body = Vec::with_capacity(made.body.len());
             for part in &made.body {
                 let word = self.words.word(*part);
                 let index = parameters.iter().position(|name| name == word);
                 match index.and_then(|index| arguments.get(index)) {
-                    Some(argument) if argument.len() > 1 => {
-                        body.push(Token::new('(', Span::at(argument[0].span.start)));
-                        body.extend(argument);
-                        let end = argument[argument.len() - 1].span.end;
-                        body.push(Token::new(')', Span::at(end)));
-                    }
+                    Some(argument) if argument.len() > 1 => body.extend(in_brackets(argument)),
                     Some(argument) => body.extend(argument),
                     None => body.push(*part),
                 }
@@ -113,7 +107,7 @@ impl Reader<'_> {
     pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
         let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
         let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;
-        let arguments = split(tokens[2..=end].to_vec(), ',');
+        let arguments = split(&tokens[2..=end], ',');
         (tokens[1].symbol == '(').then(|| (Rc::clone(procedure), arguments))
     }
 

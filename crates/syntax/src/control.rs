@@ -8,12 +8,11 @@ use crate::ast::{Expr, ExprKind, Name, Relation};
 use crate::counting::{Counters, count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::Wrap;
-use crate::program_words::{closing, split};
 use crate::reader::{Frame, Reader};
-use crate::scan::Token;
 use crate::span::Span;
 use crate::statement::Head;
 use crate::steps::Step;
+use crate::token::{Token, closing, split};
 use rustc_hash::FxHashMap;
 
 /// The most statements that a program runs.
@@ -235,7 +234,7 @@ impl Reader<'_> {
         let Some(end) = closing(list).filter(|end| end + 1 == list.len()) else {
             return Err(refused());
         };
-        let parts = split(list[1..end].to_vec(), ',');
+        let parts = split(&list[1..end], ',');
         if !is_range {
             return Ok(parts.into_iter().map(Value::Typed).collect());
         }

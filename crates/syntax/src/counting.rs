@@ -2,9 +2,9 @@
 
 use crate::ast::{Expr, ExprKind};
 use crate::program_words::Words;
-use crate::scan::Token;
 use crate::span::Span;
 use crate::spelling::decimal;
+use crate::token::Token;
 
 /// Looks up and sets what names stand for.
 pub(crate) trait Counters {

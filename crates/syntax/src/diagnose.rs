@@ -2,11 +2,11 @@
 
 use crate::error::{Error, ErrorKind};
 use crate::grammar::Rule;
-use crate::program_words::split;
-use crate::scan::{Piece, Token};
+use crate::scan::Piece;
 use crate::setting::setting;
 use crate::span::Span;
 use crate::spelling::{closer, is_closer, is_name, is_operator, short_name};
+use crate::token::{Token, split};
 
 /// Bytes of the longest statement that is written anew.
 const LONGEST: usize = 60;
@@ -134,7 +134,7 @@ fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
 
 /// What was meant by parts of a statement between commas, the first of which is at `first`.
 fn listed(text: &str, piece: &Piece, first: usize) -> Option<String> {
-    let parts = split(piece.tokens.clone(), ',');
+    let parts = split(&piece.tokens, ',');
     let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
     let texts: Vec<&str> = parts.iter().map(typed).collect::<Option<_>>()?;
     let (formula, rest) = (*texts.first()?, texts.get(1..).filter(|rest| !rest.is_empty())?);

@@ -6,13 +6,13 @@ use crate::calls::{Given, Procedure};
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::note::{Note, NoteKind};
-use crate::program_words::{SCENES, Words, bracketed, closing, size_of, split};
+use crate::program_words::{SCENES, Words, size_of};
 use crate::reader::{Frame, Reader, Statements};
-use crate::scan::Token;
 use crate::scope::coordinate;
 use crate::span::Span;
 use crate::statement::Head;
 use crate::steps::Step;
+use crate::token::{Token, bracketed, closing, split};
 use std::rc::Rc;
 
 /// The most functions on one line.
@@ -181,7 +181,7 @@ impl Reader<'_> {
             None => {
                 if let Some((parameters, rest)) = tokens.get(1..).and_then(bracketed)
                     && !parameters.iter().any(|token| token.symbol == ',')
-                    && self.words.is_point(&parameters, &[rest])
+                    && self.words.is_point(parameters, &[rest.to_vec()])
                 {
                     self.draws(&self.words.name(tokens[0]));
                 }
@@ -329,6 +329,6 @@ impl Reader<'_> {
                 self.set(self.words.name(name), 1, value, None, frame)?;
             }
         }
-        self.result(rest, frame)
+        self.result(rest.to_vec(), frame)
     }
 }

@@ -4,27 +4,12 @@
 //! languages, names of modules before functions, components of vectors.
 
 use crate::environment::environment;
-use crate::foreign::{foreign, plain_text};
-use crate::scan::start;
-use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, symbol, vulgar};
-
-/// What is known where a symbol is read.
-#[derive(Clone, Copy, Default)]
-#[allow(clippy::struct_excessive_bools)] // what was seen, each by itself
-pub(crate) struct Context {
-    /// Whether a part of a fraction is next, which is one digit or stands in braces.
-    pub is_part: bool,
-    /// Whether a root of LaTeX is open, of which one digit stands below.
-    pub is_radicand: bool,
-    /// Whether a color is next.
-    pub is_color: bool,
-    /// Whether nothing stands before it on its line.
-    pub starts_line: bool,
-    /// The symbol before it, if nothing stands between.
-    pub touching: Option<char>,
-    /// The last symbol of its statement.
-    pub last: Option<char>,
-}
+use crate::foreign::foreign;
+use crate::spelling::{
+    ends_operand, in_name, is_closer, is_name, line_length, plain_text, prefix, start,
+    superscript_digit, symbol, vulgar,
+};
+use crate::token::Context;
 
 /// Names of modules, which mean nothing before a dot and a name.
 const MODULES: &[&str] = &[
@@ -190,16 +175,6 @@ fn comment(rest: &str, context: Context) -> Option<usize> {
         }
     }
     (context.starts_line && rest.starts_with('%')).then(|| line_length(rest))
-}
-
-/// The length of the line that `rest` starts in.
-pub(crate) fn line_length(rest: &str) -> usize {
-    rest.find('\n').unwrap_or(rest.len())
-}
-
-/// The length of what `text` starts with, as far as its characters are `accepted`.
-fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
-    text.find(|c| !accepted(c)).unwrap_or(text.len())
 }
 
 /// Whether a component can follow: a vector has a name or stands in brackets.
@@ -409,16 +384,4 @@ fn braced(rest: &str) -> Option<usize> {
     let inner = rest.strip_prefix('{')?;
     let length = prefix(inner, in_name);
     (length > 0 && inner[length..].starts_with('}')).then_some(length + 2)
-}
-
-/// Whether an operand can end with this symbol.
-pub(crate) fn ends_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '1' | '½' | '²' | '‧' | '!') || is_name(symbol) || is_closer(symbol)
-}
-
-/// Whether an operand can begin with this symbol.
-pub(crate) fn begins_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '½' | 'F' | '√' | '∛' | '¬' | 'Σ' | 'Π')
-        || is_name(symbol)
-        || closer(symbol).is_some()
 }

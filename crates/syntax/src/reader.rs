@@ -8,11 +8,11 @@ use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
 use crate::plots::Plot;
 use crate::program::{Program, Unit, Wrap};
-use crate::program_words::{Words, begins_name, closing, is_whole_type, size_of};
-use crate::scan::Token;
+use crate::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::scope::coordinate;
 use crate::spelling::is_setting;
 use crate::statement::{Built, Head};
+use crate::token::{Token, closing};
 use crate::wrappers::Unwrapped;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::Cell;
@@ -248,7 +248,7 @@ impl Reader<'_> {
             return Ok(None);
         }
         if let Some((names, value)) = Words::unpacked(&tokens) {
-            return self.unpack(&names, &value, frame).map(|()| None);
+            return self.unpack(&names, value, frame).map(|()| None);
         }
         if let Some((name, letters, value)) = self.words.assignment(&tokens) {
             let name = self.words.name(name);

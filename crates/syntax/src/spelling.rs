@@ -1,6 +1,5 @@
 //! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
-use crate::foreign::plain_text;
 use crate::setting::{SETTINGS, setting};
 
 /// Directions that a `view` line can name.
@@ -91,6 +90,18 @@ pub(crate) fn is_operator(symbol: char) -> bool {
     "+-*/^²√∛,=≠<≤>≥∧∨¬∈".contains(symbol)
 }
 
+/// Whether an operand can end with this symbol.
+pub(crate) fn ends_operand(symbol: char) -> bool {
+    matches!(symbol, '0' | '1' | '½' | '²' | '‧' | '!') || is_name(symbol) || is_closer(symbol)
+}
+
+/// Whether an operand can begin with this symbol.
+pub(crate) fn begins_operand(symbol: char) -> bool {
+    matches!(symbol, '0' | '½' | 'F' | '√' | '∛' | '¬' | 'Σ' | 'Π')
+        || is_name(symbol)
+        || closer(symbol).is_some()
+}
+
 /// The bracket that closes `open`.
 pub(crate) fn closer(open: char) -> Option<char> {
     "([{⌊⌈⦃⟨⟦".chars().zip(")]}⌋⌉⦄⟩⟧".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
@@ -107,6 +118,25 @@ pub(crate) fn in_name(character: char) -> bool {
         || character.is_ascii_digit()
         || character == '_'
         || ('₀'..='₉').contains(&character)
+}
+
+/// The length of what `text` starts with, as far as its characters are `accepted`.
+pub(crate) fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
+    text.find(|c| !accepted(c)).unwrap_or(text.len())
+}
+
+/// The length of the line that `rest` starts in.
+pub(crate) fn line_length(rest: &str) -> usize {
+    rest.find('\n').unwrap_or(rest.len())
+}
+
+/// The first bytes of `text`, no more than `most`.
+pub(crate) fn start(text: &str, most: usize) -> &str {
+    let mut end = most.min(text.len());
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    &text[..end]
 }
 
 /// Whether `text` can be defined: a name that is no operator.
@@ -141,6 +171,48 @@ pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
         '⅞' => ['7', '8'],
         _ => return None,
     })
+}
+
+/// The letter, digit or sign that a character is another form of: of full width, or set for mathematics.
+pub(crate) fn plain(character: char) -> Option<char> {
+    let code = u32::from(character);
+    if (0xFF01..=0xFF5E).contains(&code) {
+        return char::from_u32(code - 0xFF01 + 0x21);
+    }
+    if character == 'ℎ' {
+        return Some('h');
+    }
+    // Alphabets of 26 capitals and 26 small letters, from bold to monospace.
+    if (0x1D400..0x1D6A4).contains(&code) {
+        let at = (code - 0x1D400) % 52;
+        let first = if at < 26 { 'A' } else { 'a' };
+        return char::from_u32(u32::from(first) + at % 26);
+    }
+    // Digits in five styles.
+    if (0x1D7CE..0x1D800).contains(&code) {
+        return char::from_digit((code - 0x1D7CE) % 10, 10);
+    }
+    None
+}
+
+/// A text with such characters replaced; subscripts become what `x_1` is.
+pub(crate) fn plain_text(text: &str) -> String {
+    let mut all = String::with_capacity(text.len());
+    let mut is_below = false;
+    for character in text.chars() {
+        let digit = u32::from(character).checked_sub(u32::from('₀')).filter(|digit| *digit < 10);
+        if let Some(digit) = digit.and_then(|digit| char::from_digit(digit, 10)) {
+            if !is_below {
+                all.push('_');
+            }
+            all.push(digit);
+            is_below = true;
+        } else {
+            all.push(plain(character).unwrap_or(character));
+            is_below = false;
+        }
+    }
+    all
 }
 
 /// A number's text in one spelling: `.5` as `0.5`, `1.` as `1`, `0,5` as `0.5`, an exponent after

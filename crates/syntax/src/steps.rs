@@ -1,9 +1,9 @@
 //! What a program does, statement by statement: blocks in braces, or indented. No statement is looked into.
 
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program_words::{Words, closing, split};
-use crate::scan::Token;
-use crate::spelling::{closer, is_closer, is_name};
+use crate::program_words::Words;
+use crate::spelling::is_name;
+use crate::token::{Token, closing, outside, split};
 
 /// How deep blocks may nest that stand in no brackets.
 const DEEPEST: usize = 40;
@@ -52,19 +52,6 @@ impl Step {
             Self::Each { name, .. } => Some(*name),
         }
     }
-}
-
-/// The first place of `sign` outside brackets.
-pub(crate) fn outside(tokens: &[Token], sign: char) -> Option<usize> {
-    let mut depth = 0_usize;
-    tokens.iter().position(|token| {
-        if closer(token.symbol).is_some() {
-            depth += 1;
-        } else if is_closer(token.symbol) {
-            depth = depth.saturating_sub(1);
-        }
-        depth == 0 && token.symbol == sign
-    })
 }
 
 /// What stands behind the semicolons and line ends at the start.
@@ -297,7 +284,7 @@ impl Words<'_> {
         if outside(&tokens, ',').is_none() || self.types(&tokens) > 0 {
             return vec![tokens];
         }
-        let parts = split(tokens.clone(), ',');
+        let parts = split(&tokens, ',');
         if parts.iter().all(|part| self.assignment(part).is_some()) { parts } else { vec![tokens] }
     }
 }

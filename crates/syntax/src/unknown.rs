@@ -3,11 +3,10 @@
 use crate::ast::Name;
 use crate::build::Builder;
 use crate::error::{Error, ErrorKind};
-use crate::lexer::ends_operand;
 use crate::scope::{Meaning, Scope, nearest, read_as};
 use crate::setting::SETTINGS;
 use crate::span::Span;
-use crate::spelling::{is_name, is_setting, short_name, symbol};
+use crate::spelling::{ends_operand, is_name, is_setting, short_name, start, symbol};
 
 /// Longest name, in bytes, whose parts are looked up: a bound keeps hostile names cheap.
 const LONGEST: usize = 64;
@@ -50,7 +49,7 @@ impl Builder<'_> {
             return None;
         }
         let statement = self.piece.span;
-        let text = crate::scan::start(&self.text[statement.range()], LONGEST);
+        let text = start(&self.text[statement.range()], LONGEST);
         let mut words = text.split(|c: char| !c.is_alphabetic());
         // `cylinder(r = 1, h = 2)` has names of its arguments only.
         let is_called = self.piece.tokens.get(1).is_some_and(|next| next.symbol == '(');

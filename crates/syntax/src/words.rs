@@ -73,6 +73,16 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
         .chain(PROGRAM.iter().map(first).map(|word| (word, Program)))
 }
 
+/// Every function, constant and coordinate of the language, aliases included.
+///
+/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
+/// written as a whole number and odd, negative numbers have roots too; any other n is read as
+/// `a^(1/n)`, for a ≥ 0.
+pub fn language_names() -> impl Iterator<Item = &'static str> {
+    let is_name = |kind| matches!(kind, WordKind::Function | WordKind::Value);
+    words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
+}
+
 /// What a word that is no function is, in one line.
 pub fn word_help(word: &str) -> Option<String> {
     let found = |table: &[(&'static str, &'static str)]| {

@@ -1,12 +1,10 @@
 //! What other systems put around a formula: commands that plot it, declarations of names, braces of print. No formula is
 //! looked into.
 
-use crate::lexer::begins_operand;
-use crate::program_words::{Words, bracketed, closing, split};
-use crate::scan::Token;
+use crate::program_words::Words;
 use crate::span::Span;
-use crate::spelling::{closer, is_closer, is_name};
-use crate::steps::outside;
+use crate::spelling::{begins_operand, closer, is_closer, is_name};
+use crate::token::{Token, bracketed, closing, outside, split};
 
 /// Commands that only declare names, or set up a system.
 const SETUP: &[&str] = &[
@@ -110,11 +108,11 @@ impl Words<'_> {
             "With" | "Module" | "Block" if opens => return Self::with(tokens).and_then(statements),
             "function" if next.is_some_and(|next| next.symbol == '{') => {
                 let (inner, rest) = bracketed(&tokens[1..])?;
-                return rest.is_empty().then(|| Unwrapped::Statements(vec![inner]));
+                return rest.is_empty().then(|| Unwrapped::Statements(vec![inner.to_vec()]));
             }
             _ if AROUND.contains(&word) && opens && Self::is_whole_call(tokens) => {
                 let (inner, _) = bracketed(&tokens[1..])?;
-                return statements(vec![inner]);
+                return statements(vec![inner.to_vec()]);
             }
             _ if ASKS.contains(&word)
                 && tokens.get(2).is_some()
@@ -180,7 +178,7 @@ impl Words<'_> {
         };
         let at = tokens.windows(2).position(is_sign)?;
         let rules = &tokens[at + 2..];
-        let rules = bracketed(rules).map_or(rules.to_vec(), |(inner, _)| inner);
+        let rules = bracketed(rules).map_or(rules, |(inner, _)| inner);
         let mut all = vec![tokens[..at].to_vec()];
         for rule in split(rules, ',') {
             let [name, minus, arrow, value @ ..] = rule.as_slice() else { return None };
@@ -205,8 +203,8 @@ impl Words<'_> {
             formula.pop();
         }
         let mut all = vec![formula];
-        for part in split(tokens[at + 1..].to_vec(), ',') {
-            all.extend(split(part, '∧'));
+        for part in split(&tokens[at + 1..], ',') {
+            all.extend(split(&part, '∧'));
         }
         let is_value = |part: &Vec<Token>| match part.as_slice() {
             [name, equals, value, ..] => {
@@ -293,7 +291,7 @@ impl Words<'_> {
         }
         let mut all = split(names, ',');
         all.retain(|tokens| tokens.len() > 1);
-        all.extend(split(body, ';'));
+        all.extend(split(&body, ';'));
         Some(all)
     }
 
