@@ -91,6 +91,17 @@ impl Expr {
         }
     }
 
+    /// This and everything that it is made of.
+    pub(crate) fn all_parts(&self) -> Vec<&Self> {
+        let mut all = vec![self];
+        let mut at = 0;
+        while let Some(next) = all.get(at) {
+            all.extend(next.parts());
+            at += 1;
+        }
+        all
+    }
+
     /// `-self`, which stands at `span`.
     pub(crate) fn negated(self, span: Span) -> Self {
         Self::new(ExprKind::Negate(Box::new(self)), span)

@@ -5,7 +5,7 @@
 //! more branch.
 
 use crate::ast::{Expr, ExprKind, Name, Relation};
-use crate::counting::{Counters, count, number_of, written};
+use crate::counting::{count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::Wrap;
 use crate::reader::{Frame, Reader};
@@ -13,7 +13,6 @@ use crate::span::Span;
 use crate::statement::Head;
 use crate::steps::Step;
 use crate::token::{Token, closing, split};
-use rustc_hash::FxHashMap;
 
 /// The most statements that a program runs.
 pub(crate) const MOST_STEPS: usize = 1000;
@@ -28,38 +27,17 @@ const ROUND: f64 = 1.0;
 const LOOP: f64 = 2.0;
 const FUNCTION: f64 = 3.0;
 
-/// What is known of numbers in a function's body.
-struct Known<'k> {
-    frame: &'k mut Frame,
-    constants: &'k FxHashMap<String, f64>,
-}
-
-impl Counters for Known<'_> {
-    fn get(&self, name: &str) -> Option<f64> {
-        match self.frame.aliases.find(name) {
-            Some(kind) => number_of(kind),
-            None => self.constants.get(name).copied(),
-        }
-    }
-
-    fn set(&mut self, name: &str, value: f64) {
-        self.frame.aliases.push(name.to_owned(), written(value, Span::default()));
-    }
-}
-
 impl Reader<'_> {
     /// The number that `tokens` are, if that is known.
     pub(crate) fn known(&self, tokens: &[Token], frame: &mut Frame) -> Option<f64> {
-        count(self.words, tokens, &mut Known { frame, constants: &self.constants })
+        count(self.words, tokens, &mut frame.aliases, &self.constants)
     }
 
     /// Runs the statements of a block.
     pub(crate) fn run(&mut self, steps: &[Step], frame: &mut Frame) -> Fallible<()> {
         for (index, step) in steps.iter().enumerate() {
-            self.steps += usize::from(frame.nested > 0);
-            if self.steps > MOST_STEPS {
-                let span = step.first().map_or(Span::default(), |first| first.span);
-                return Err(Error::new(span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+            if frame.nested > 0 {
+                self.count_step(step.first().map_or(Span::default(), |first| first.span))?;
             }
             match step {
                 Step::Plain(tokens) => self.plain_step(tokens, frame)?,
@@ -82,21 +60,37 @@ impl Reader<'_> {
                     frame.nested -= 1;
                 }
             }
-            let Some(left) = frame.aliases.find(LEFT).cloned() else { continue };
-            match number_of(&left) {
-                Some(0.0) => {}
-                Some(_) => return Ok(()),
-                None => {
-                    let rest = &steps[index + 1..];
-                    if !rest.is_empty() {
-                        let mut going = frame.inner();
-                        self.run(rest, &mut going)?;
-                        let stopped = frame.clone();
-                        self.merge(frame, &stopped, &going, &more_than(left, 0.0));
-                    }
-                    return Ok(());
-                }
+            let Some(left) = frame.left().cloned() else { continue };
+            let rest = &steps[index + 1..];
+            if rest.is_empty() {
+                return Ok(());
             }
+            return self.unless_left(left, frame, |reader, going| reader.run(rest, going));
+        }
+        Ok(())
+    }
+
+    /// Counts a statement that is run.
+    fn count_step(&mut self, place: Span) -> Fallible<()> {
+        self.steps += 1;
+        if self.steps > MOST_STEPS {
+            return Err(Error::new(place, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+        }
+        Ok(())
+    }
+
+    /// Runs what follows where `left` is 0: one side of a branch, unless it is known that something has left.
+    fn unless_left(
+        &mut self,
+        left: ExprKind,
+        frame: &mut Frame,
+        follow: impl FnOnce(&mut Self, &mut Frame) -> Fallible<()>,
+    ) -> Fallible<()> {
+        if number_of(&left).is_none() {
+            let mut going = frame.inner();
+            follow(self, &mut going)?;
+            let stopped = frame.clone();
+            self.merge(frame, &stopped, &going, &more_than(left, 0.0));
         }
         Ok(())
     }
@@ -169,21 +163,13 @@ impl Reader<'_> {
             if holds == 0.0 {
                 return Ok(());
             }
-            self.steps += 1;
-            if self.steps > MOST_STEPS {
-                return Err(Error::new(word.span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
-            }
+            self.count_step(word.span)?;
             self.run(body, frame)?;
             if let Some(left) = self.end_round(body, frame) {
-                if number_of(&left).is_some() {
-                    return Ok(());
-                }
-                let mut going = frame.inner();
-                self.plain_step(next, &mut going)?;
-                self.rounds(word, (condition, next), body, &mut going)?;
-                let stopped = frame.clone();
-                self.merge(frame, &stopped, &going, &more_than(left, 0.0));
-                return Ok(());
+                return self.unless_left(left, frame, |reader, going| {
+                    reader.plain_step(next, going)?;
+                    reader.rounds(word, (condition, next), body, going)
+                });
             }
             self.plain_step(next, frame)?;
         }
@@ -198,10 +184,7 @@ impl Reader<'_> {
         frame: &mut Frame,
     ) -> Fallible<()> {
         for (index, value) in values.iter().enumerate() {
-            self.steps += 1;
-            if self.steps > MOST_STEPS {
-                return Err(Error::new(name.span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
-            }
+            self.count_step(name.span)?;
             let text = self.words.text[name.span.range()].to_owned();
             match value {
                 Value::Known(number) => frame.aliases.push(text, written(*number, name.span)),
@@ -212,13 +195,10 @@ impl Reader<'_> {
             }
             self.run(body, frame)?;
             if let Some(left) = self.end_round(body, frame) {
-                if number_of(&left).is_none() {
-                    let mut going = frame.inner();
-                    self.each(name, &values[index + 1..], body, &mut going)?;
-                    let stopped = frame.clone();
-                    self.merge(frame, &stopped, &going, &more_than(left, 0.0));
-                }
-                return Ok(());
+                let rest = &values[index + 1..];
+                return self.unless_left(left, frame, |reader, going| {
+                    reader.each(name, rest, body, going)
+                });
             }
         }
         Ok(())
@@ -263,7 +243,7 @@ impl Reader<'_> {
             let others = ["break", "return"].iter().any(|word| Step::has(body, self.words, word));
             self.stay(ROUND, others, frame);
         }
-        frame.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0)).cloned()
+        frame.left().cloned()
     }
 
     /// What left the loop is over with it.

@@ -87,10 +87,7 @@ impl Reader<'_> {
 
     /// Ends a function, or what is outside functions: what it returns, if that was not plain.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
-        let Some(left) = frame.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0))
-        else {
-            return;
-        };
+        let Some(left) = frame.left() else { return };
         let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.is_done) else {
             return;
         };
@@ -159,6 +156,11 @@ impl Frame {
             }
         };
         (parameters, kind)
+    }
+
+    /// What says whether the loop or the function was left, unless it is known that nothing was.
+    pub(crate) fn left(&self) -> Option<&ExprKind> {
+        self.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0))
     }
 
     /// What a name stood for before a branch, if it was something.
