@@ -4,12 +4,11 @@ use crate::aliases::Aliases;
 use crate::ast::{ExprKind, Name, NamedValue};
 use crate::counting::{number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program::Wrap;
+use crate::program::{Head, Wrap};
 use crate::program_words::Words;
 use crate::reader::{Frame, Reader};
 use crate::span::Span;
 use crate::spelling::is_name;
-use crate::statement::Head;
 use crate::token::{Token, split};
 use crate::value::LETTERS;
 

@@ -1,41 +1,15 @@
 //! Functions of programs that change what they are given, and macros: both are written out where they are called.
 
-use crate::ast::{Expr, ExprKind, Function, Name};
+use crate::ast::ExprKind;
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::reader::{Frame, Reader};
-use crate::span::Span;
-use crate::steps::Step;
+use crate::made::with_parts;
+use crate::reader::{Frame, Macro, Procedure, Reader};
 use crate::token::{Token, closing, in_brackets, split};
-use crate::value::LETTERS;
 use std::rc::Rc;
 
 /// How deep calls may nest that are written out.
 const DEEPEST: usize = 12;
-
-/// A function that changes what it is given, or returns nothing.
-pub(crate) struct Procedure {
-    pub parameters: Vec<Given>,
-    pub body: Vec<Step>,
-    /// Whether it changes a parameter.
-    pub changes: bool,
-}
-
-/// A parameter.
-pub(crate) struct Given {
-    pub name: Name,
-    pub size: usize,
-    /// Whether it has a value when the function begins.
-    pub is_in: bool,
-    /// Whether what it was made into goes back.
-    pub is_out: bool,
-}
-
-/// What stands for something else wherever it is called.
-pub(crate) struct Macro {
-    pub parameters: Option<Vec<String>>,
-    pub body: Vec<Token>,
-}
 
 impl Reader<'_> {
     /// `#define name body` and `#define name(a) body`.
@@ -189,25 +163,4 @@ impl Reader<'_> {
         frame.aliases.push(name.text.clone(), kind);
         frame.set.push((name.text, known.unwrap_or(size)));
     }
-}
-
-/// A vector of which some components are set.
-pub(crate) fn with_parts(
-    letters: &str,
-    before: &ExprKind,
-    size: usize,
-    value: &ExprKind,
-    span: Span,
-) -> ExprKind {
-    let expr = |kind: &ExprKind| Expr::new(kind.clone(), span);
-    let part = |of: &ExprKind, letter: char| {
-        Expr::new(ExprKind::Component(Box::new(expr(of)), letter.to_string()), span)
-    };
-    let parts = LETTERS.chars().take(size).map(|letter| match letters.find(letter) {
-        Some(_) if letters.len() == 1 => expr(value),
-        Some(at) => part(value, LETTERS.chars().nth(at).unwrap_or('x')),
-        None => part(before, letter),
-    });
-    let function = Function::Vector(u8::try_from(size).unwrap_or(3));
-    ExprKind::Call(function, parts.collect())
 }

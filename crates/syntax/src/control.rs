@@ -7,10 +7,9 @@
 use crate::ast::{Expr, ExprKind, Name, Relation};
 use crate::counting::{count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program::Wrap;
+use crate::program::{Head, Wrap};
 use crate::reader::{Frame, Reader};
 use crate::span::Span;
-use crate::statement::Head;
 use crate::steps::Step;
 use crate::token::{Token, closing, split};
 

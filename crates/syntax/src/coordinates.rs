@@ -9,12 +9,13 @@ use crate::ast::{Definition, Expr, ExprKind, Name, NamedValue, Statement};
 use crate::build::Builder;
 use crate::grammar::Rule;
 use crate::limits::Limits;
+use crate::made::Built;
 use crate::note::{Note, NoteKind};
 use crate::program::Wrap;
 use crate::scope::{Scope, canonical};
 use crate::span::Span;
 use crate::spelling::plain_name;
-use crate::statement::{Built, Line};
+use crate::statement::Line;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A name with its definition.

@@ -2,15 +2,14 @@
 
 use crate::aliases::Aliases;
 use crate::ast::{ExprKind, Name, NamedValue};
-use crate::calls::{Given, Procedure};
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::note::{Note, NoteKind};
+use crate::program::Head;
 use crate::program_words::{SCENES, Words, size_of};
-use crate::reader::{Frame, Reader, Statements};
+use crate::reader::{Frame, Given, Procedure, Reader, Statements};
 use crate::scope::coordinate;
 use crate::span::Span;
-use crate::statement::Head;
 use crate::steps::Step;
 use crate::token::{Token, bracketed, closing, split};
 use std::rc::Rc;

@@ -4,9 +4,9 @@
 use crate::aliases::Aliases;
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Statement};
 use crate::counting::number_of;
+use crate::made::Built;
 use crate::reader::{Frame, Reader};
 use crate::span::Span;
-use crate::statement::Built;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::control::{LEFT, RESULT, more_than};

@@ -3,15 +3,17 @@
 use crate::aliases::Aliases;
 use crate::arrange::arrange;
 use crate::ast::{Expr, ExprKind, Name, NamedValue, Statement};
-use crate::calls::{Macro, Procedure};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
+use crate::made::Built;
 use crate::plots::Plot;
-use crate::program::{Program, Unit, Wrap};
+use crate::program::{Head, Program, Unit, Wrap};
 use crate::program_words::{Words, begins_name, is_whole_type, size_of};
+use crate::scan::scan;
 use crate::scope::coordinate;
+use crate::span::Span;
 use crate::spelling::is_setting;
-use crate::statement::{Built, Head};
+use crate::steps::Step;
 use crate::token::{Token, closing};
 use crate::wrappers::Unwrapped;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -38,6 +40,30 @@ pub(crate) struct Frame {
     pub is_done: bool,
 }
 
+/// A function that changes what it is given, or returns nothing.
+pub(crate) struct Procedure {
+    pub parameters: Vec<Given>,
+    pub body: Vec<Step>,
+    /// Whether it changes a parameter.
+    pub changes: bool,
+}
+
+/// A parameter.
+pub(crate) struct Given {
+    pub name: Name,
+    pub size: usize,
+    /// Whether it has a value when the function begins.
+    pub is_in: bool,
+    /// Whether what it was made into goes back.
+    pub is_out: bool,
+}
+
+/// What stands for something else wherever it is called.
+pub(crate) struct Macro {
+    pub parameters: Option<Vec<String>>,
+    pub body: Vec<Token>,
+}
+
 pub(crate) struct Reader<'a> {
     pub words: Words<'a>,
     pub limits: &'a Limits,
@@ -61,6 +87,41 @@ pub(crate) struct Reader<'a> {
 }
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
+
+/// Reads `text` as statements.
+pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
+    let mut statements = scan(text, limits)?;
+    let words = Words { text };
+    words.join_bodies(&mut statements);
+    let taken = statements
+        .iter()
+        .flatten()
+        .map(|token| &text[token.span.range()])
+        .collect::<FxHashSet<_>>();
+    let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
+    let mut reader = Reader {
+        words,
+        limits,
+        taken: taken.into_iter().map(str::to_owned).collect(),
+        heads: FxHashSet::default(),
+        whole: FxHashSet::default(),
+        macros: FxHashMap::default(),
+        procedures: FxHashMap::default(),
+        constants: FxHashMap::default(),
+        generated: FxHashSet::default(),
+        steps: 0,
+        written: Cell::new(0),
+        program: Program { in_steps, ..Program::default() },
+    };
+    let mut top = Frame::default();
+    let mut statements = statements.into_iter();
+    while let Some(tokens) = statements.next() {
+        reader.statement(tokens, &mut top, &mut statements)?;
+    }
+    reader.end(&top, Span::at(text.len()));
+    reader.program.generated = reader.generated;
+    Ok(reader.program)
+}
 
 impl Reader<'_> {
     /// One statement, which may be a function with the statements after it.

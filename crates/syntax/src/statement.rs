@@ -2,12 +2,13 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::build::{Builder, relation};
-use crate::calls::with_parts;
+use crate::diagnose::recognise;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
-use crate::grammar::{Pair, Rule, recognise};
+use crate::grammar::{Pair, Rule};
 use crate::limits::Limits;
+use crate::made::{Built, with_parts};
 use crate::note::{Note, NoteKind};
-use crate::program::{Unit, Wrap};
+use crate::program::{Head, Unit, Wrap};
 use crate::scan::Piece;
 use crate::scope::{Meaning, Scope, built_in, coordinate};
 use crate::setting::{SETTINGS, Setting};
@@ -28,22 +29,6 @@ pub(crate) struct Line<'i> {
     /// Its rule tells what the statement is.
     pub pair: Pair<'i>,
     pub head: Option<Head>,
-}
-
-/// `name` or `name(parameters)` before a `=`.
-#[derive(Clone, Debug)]
-pub(crate) struct Head {
-    pub name: Name,
-    pub parameters: Option<Vec<Name>>,
-}
-
-/// A statement with its trees, what was noticed while building them, and the names that it uses.
-#[derive(Clone)]
-pub(crate) struct Built {
-    pub statement: Statement,
-    pub span: Span,
-    pub notes: Vec<Note>,
-    pub used: FxHashSet<String>,
 }
 
 /// Recognises each statement of `text`.

@@ -3,8 +3,8 @@
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Series};
 use crate::build::{Builder, number_only};
 use crate::error::{Error, ErrorKind, Fallible};
+use crate::made::Built;
 use crate::span::Span;
-use crate::statement::Built;
 use rustc_hash::FxHashSet;
 
 impl Builder<'_> {
