@@ -1,7 +1,7 @@
 //! Names that a program sets: each time that one is set it is another name, which stands for it below.
 
 use crate::aliases::Aliases;
-use crate::ast::{ExprKind, Name, NamedValue};
+use crate::ast::{ExprKind, LETTERS, Name, NamedValue};
 use crate::counting::{number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::{Head, Wrap};
@@ -10,7 +10,6 @@ use crate::reader::{Frame, Reader};
 use crate::span::Span;
 use crate::spelling::is_name;
 use crate::token::{Token, split};
-use crate::value::LETTERS;
 
 /// The most names that a function sets.
 const MOST_NAMES: usize = 1500;

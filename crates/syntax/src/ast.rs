@@ -142,6 +142,9 @@ pub enum ExprKind {
     Not(Box<Expr>),
 }
 
+/// The letters of a vector's components.
+pub(crate) const LETTERS: &str = "xyzw";
+
 /// A sum or a product over whole numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {

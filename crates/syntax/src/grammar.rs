@@ -8,6 +8,11 @@ pub(crate) type Pair<'i> = pest::iterators::Pair<'i, Rule>;
 /// Parts of a statement that are still to be read.
 pub(crate) type Pairs<'i> = pest::iterators::Pairs<'i, Rule>;
 
+/// What stands behind the word of a line.
+pub(crate) fn parts(line: Pair<'_>) -> Vec<Pair<'_>> {
+    line.into_inner().filter(|part| part.as_rule() != Rule::EOI).collect()
+}
+
 /// A module of its own, because the generated items carry no documentation.
 #[allow(missing_docs, clippy::pedantic)]
 mod rules {

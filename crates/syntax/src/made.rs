@@ -1,9 +1,8 @@
 //! Statements with their trees, and those that a text does not spell out: what branches, loops and calls are written out to.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
+use crate::ast::{Definition, Expr, ExprKind, Function, LETTERS, NamedValue, Statement};
 use crate::note::Note;
 use crate::span::Span;
-use crate::value::LETTERS;
 use rustc_hash::FxHashSet;
 
 /// A statement with its trees, what was noticed while building them, and the names that it uses.

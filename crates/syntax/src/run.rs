@@ -4,7 +4,7 @@
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
 use crate::arithmetic::{Arithmetic, arithmetic};
-use crate::ast::{Expr, ExprKind, NamedValue, ProductSign};
+use crate::ast::{Expr, ExprKind, LETTERS, NamedValue, ProductSign};
 use crate::build::{Builder, Signs, number_only, root_text};
 use crate::closed::native;
 use crate::error::{Error, ErrorKind, Fallible};
@@ -15,7 +15,6 @@ use crate::scope::{Callee, Meaning, meaning, read_as};
 use crate::span::Span;
 use crate::special::{Logic, logic};
 use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
-use crate::value::LETTERS;
 use std::collections::VecDeque;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{Form, Op};

@@ -8,6 +8,12 @@ pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", 
 /// What a `look` line may name.
 pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
 
+/// Color maps that a `color` line can name.
+pub const COLOR_MAPS: [&str; 12] = [
+    "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "spectral", "sinebow", "rainbow",
+    "blues", "greys", "redblue",
+];
+
 /// The symbol of a fixed spelling: the character that the grammar knows it by. A blank only
 /// separates, a line break ends a statement.
 ///
@@ -77,7 +83,7 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
 
 /// Whether a symbol is that of a word that begins a line about the picture rather than a formula.
 pub(crate) fn is_setting(symbol: char) -> bool {
-    const { &SETTINGS }.iter().any(|setting| setting.symbol == symbol)
+    SETTINGS.iter().any(|setting| setting.symbol == symbol)
 }
 
 /// Whether a symbol stands for a name.

@@ -59,7 +59,7 @@ pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, 
 fn rule(piece: &Piece) -> Rule {
     let mut symbols = piece.symbols.chars();
     let first = symbols.next();
-    let setting = const { &SETTINGS }.iter().find(|setting| Some(setting.symbol) == first);
+    let setting = SETTINGS.iter().find(|setting| Some(setting.symbol) == first);
     let Some(Setting { rule, .. }) = setting else { return Rule::line };
     let rule = *rule;
     // `view = 3` and `view(x) = …` are definitions like any other.

@@ -131,7 +131,7 @@ impl Builder<'_> {
         let begins =
             span.start == self.piece.span.start && behind.len() < self.text.len() - span.end;
         if begins && behind.starts_with(|c: char| c.is_alphanumeric() || c == '#') {
-            let words = const { &SETTINGS }.iter().map(|setting| setting.word);
+            let words = SETTINGS.iter().map(|setting| setting.word);
             if let Some(meant) = nearest(name, words) {
                 let kind = ErrorKind::UnknownName { name: short_name(name), letter: None };
                 return Error::new(span, kind).suggest(span, meant);
