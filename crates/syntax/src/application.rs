@@ -126,23 +126,18 @@ impl Builder<'_> {
     #[inline(never)]
     fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
         let name = callee.name().to_owned();
-        let inverse = match (callee, name.as_str()) {
-            (Callee::BuiltIn(_), "sin") => "asin",
-            (Callee::BuiltIn(_), "cos") => "acos",
-            (Callee::BuiltIn(_), "tan") => "atan",
-            (Callee::BuiltIn(_), "sec") => "asec",
-            (Callee::BuiltIn(_), "csc") => "acsc",
-            (Callee::BuiltIn(_), "cot") => "acot",
-            (Callee::BuiltIn(_), "sinh") => "asinh",
-            (Callee::BuiltIn(_), "cosh") => "acosh",
-            (Callee::BuiltIn(_), "tanh") => "atanh",
-            _ => {
-                return Err(Error::new(span, ErrorKind::InversePower { name }));
-            }
-        };
-        let kind = NoteKind::InverseFunction { name, inverse: inverse.to_owned() };
+        let has_inverse = matches!(callee, Callee::BuiltIn(_))
+            && matches!(
+                name.as_str(),
+                "sin" | "cos" | "tan" | "sec" | "csc" | "cot" | "sinh" | "cosh" | "tanh"
+            );
+        if !has_inverse {
+            return Err(Error::new(span, ErrorKind::InversePower { name }));
+        }
+        let inverse = format!("a{name}");
+        let kind = NoteKind::InverseFunction { name, inverse: inverse.clone() };
         self.note(span, kind);
-        Ok(Callee::BuiltIn(inverse.to_owned()))
+        Ok(Callee::BuiltIn(inverse))
     }
 
     /// The argument of a function without brackets.
@@ -217,7 +212,7 @@ impl Builder<'_> {
     ) -> Fallible<Expr> {
         let forms = self.scope.forms(callee);
         let mut arguments = arguments;
-        note_form(self, callee, span);
+        self.note_form(callee, span);
         let typed = &self.text[span.range()];
         match (callee, arguments.as_mut_slice()) {
             (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
@@ -303,6 +298,17 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
     }
 
+    /// Notes on functions that other languages understand otherwise.
+    pub(crate) fn note_form(&mut self, callee: &Callee, span: Span) {
+        if let Callee::BuiltIn(name) = callee {
+            match name.as_str() {
+                "acot" | "arccot" => self.note(span, NoteKind::ArcCotangent),
+                "sinc" => self.note(span, NoteKind::Sinc),
+                _ => {}
+            }
+        }
+    }
+
     /// The error for a number of arguments that a function does not take.
     pub(crate) fn wrong_count(
         &self,
@@ -318,17 +324,6 @@ impl Builder<'_> {
             usage: usage(callee),
         };
         Error::new(span.to(place), kind)
-    }
-}
-
-/// Notes on functions that other languages understand otherwise.
-pub(crate) fn note_form(builder: &mut Builder<'_>, callee: &Callee, span: Span) {
-    if let Callee::BuiltIn(name) = callee {
-        match name.as_str() {
-            "acot" | "arccot" => builder.note(span, NoteKind::ArcCotangent),
-            "sinc" => builder.note(span, NoteKind::Sinc),
-            _ => {}
-        }
     }
 }
 

@@ -3,27 +3,6 @@
 use crate::spelling::{ends_operand, in_name, line_length, plain, prefix, start, symbol};
 use crate::token::Context;
 
-/// Characters of markup by name, and what they are.
-const ENTITIES: &[(&str, &str)] = &[
-    ("&minus;", "-"),
-    ("&times;", "*"),
-    ("&middot;", "*"),
-    ("&sdot;", "*"),
-    ("&divide;", "/"),
-    ("&lt;", "<"),
-    ("&gt;", ">"),
-    ("&le;", "≤"),
-    ("&ge;", "≥"),
-    ("&ne;", "≠"),
-    ("&radic;", "√"),
-    ("&nbsp;", " "),
-    ("&thinsp;", " "),
-    ("&amp;", "&"),
-];
-
-/// The superscripts among them.
-const POWERS: &[&str] = &["&sup2;", "&sup3;"];
-
 /// Words in angle brackets around a formula.
 const TAGS: &[&str] = &["math", "i", "em", "b", "span", "p", "code", "var", "br", "nowiki"];
 
@@ -35,13 +14,10 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
     let first = rest.chars().next()?;
     let length = first.len_utf8();
     match first {
+        // A character of markup by name.
         '&' => {
-            if let Some(power) = POWERS.iter().find(|power| rest.starts_with(**power)) {
-                return Some(('²', power.len()));
-            }
-            let (entity, meant) = ENTITIES.iter().find(|(entity, _)| rest.starts_with(entity))?;
-            let symbol = if *meant == "≤" { '≤' } else { symbol(meant).unwrap_or('?') };
-            Some((symbol, entity.len()))
+            let end = start(rest, 10).find(';')? + 1;
+            Some((symbol(&rest[..end])?, end))
         }
         '<' => tag(rest),
         '#' => {

@@ -17,38 +17,6 @@ const MODULES: &[&str] = &[
     "mpmath", "mp", "cp", "xp", "Mathf",
 ];
 
-/// LaTeX commands that set type and mean nothing.
-const TYPESETTING: &[&str] = &[
-    "Bigl",
-    "Bigr",
-    "Big",
-    "bigg",
-    "biggl",
-    "biggr",
-    "Bigg",
-    "Biggl",
-    "Biggr",
-    "small",
-    "large",
-    "Large",
-    "normalsize",
-    "nonumber",
-    "notag",
-    "textstyle",
-    "limits",
-    "nolimits",
-    "middle",
-    "mathbf",
-    "mathsf",
-    "boldsymbol",
-    "displaylimits",
-    "hspace",
-    "bf",
-    "rm",
-    "it",
-    "enspace",
-];
-
 /// LaTeX commands whose text in braces is no part of a formula.
 const LABELS: &[&str] = &["tag", "label"];
 
@@ -299,8 +267,6 @@ fn command(rest: &str, context: Context) -> (char, usize) {
                 return (found.0, end + found.1);
             }
         }
-        "sum" => return ('Σ', end),
-        "prod" => return ('Π', end),
         "left" | "right" => {
             let bar = [r"\lvert", r"\rvert", r"\vert", r"\lVert", r"\rVert", r"\Vert", r"\|", "|"];
             let space = prefix(after, |c| c == ' ');
@@ -310,17 +276,7 @@ fn command(rest: &str, context: Context) -> (char, usize) {
                 None => (' ', end),
             };
         }
-        "lvert" | "lVert" => return ('❘', end),
-        "rvert" | "rVert" => return ('¦', end),
-        "vert" | "Vert" => return ('|', end),
         "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (' ', end),
-        "over" => return ('÷', end),
-        "lbrace" => return ('{', end),
-        "rbrace" => return ('}', end),
-        "pm" | "mp" | "int" | "iint" | "iiint" | "oint" | "partial" | "nabla" | "lim" => {
-            return ('?', end);
-        }
-        _ if TYPESETTING.contains(&word) => return (' ', end),
         _ if LABELS.contains(&word) && after.starts_with('{') => {
             return (' ', after.find('}').map_or(rest.len(), |length| end + length + 1));
         }
@@ -345,13 +301,9 @@ fn sign(rest: &str) -> (char, usize) {
             let word = prefix(&rest[2..], |c| c.is_ascii_alphabetic());
             if word > 0 && rest[2 + word..].starts_with(']') { ('a', word + 3) } else { (' ', 2) }
         }
-        r"\]" | r"\(" | r"\)" => (' ', 2),
         // A brace before an environment is its ornament.
         r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (' ', 2),
-        r"\|" => ('|', 2),
-        r"\{" => ('{', 2),
-        r"\}" => ('}', 2),
-        other => symbol(other).map_or(('?', 1), |blank| (blank, two)),
+        other => symbol(other).map_or(('?', 1), |symbol| (symbol, two)),
     }
 }
 

@@ -24,12 +24,8 @@ pub(crate) enum Item<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
-    /// What takes more than numbers, in the brackets that follow.
-    Form(&'static Form, Span),
-    /// A condition, its parts in the brackets that follow.
-    Logic(Logic, Span),
-    /// Arithmetic that is written as a function.
-    Arithmetic(Arithmetic, Span),
+    /// What is no function, of what stands in the brackets that follow.
+    Word(Word, Span),
     /// A function behind what it is applied to, with its other arguments.
     Method(String, Span, Pair<'i>),
     /// `.xz` behind a vector.
@@ -48,6 +44,16 @@ pub(crate) enum Item<'i> {
     Radical(char, Span),
 }
 
+/// What is written like a function and is none.
+#[derive(Clone, Copy)]
+pub(crate) enum Word {
+    /// What takes more than numbers.
+    Form(&'static Form),
+    /// A condition.
+    Logic(Logic),
+    Arithmetic(Arithmetic),
+}
+
 /// What is left of a run.
 pub(crate) type Items<'i> = VecDeque<Item<'i>>;
 
@@ -61,6 +67,14 @@ impl Builder<'_> {
         }
         self.note_powers(&factors);
         Ok(factors)
+    }
+
+    /// A part of a fraction that is one name.
+    #[inline(never)] // not in the stack frames of nested fractions
+    pub(crate) fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let mut items = Items::new();
+        self.item(pair, &mut items)?;
+        self.power(&mut items)
     }
 
     #[inline(never)] // not a part of the recursion, so not of its stack frames
@@ -123,17 +137,14 @@ impl Builder<'_> {
         let behind = self.text[span.end..].trim_start_matches(BLANKS);
         let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
         if behind.starts_with(['(', '[']) || behind.starts_with(r"\begin{") {
-            if let Some(form) = self.scope.form(&name, &self.locals) {
-                items.push_back(Item::Form(form, span));
-                return Ok(());
-            }
-            let square = behind.starts_with('[');
-            if let (Some(kind), false) = (arithmetic(&name, square), self.scope.is_defined(&name)) {
-                items.push_back(Item::Arithmetic(kind, span));
-                return Ok(());
-            }
-            if let (Some(logic), false) = (logic(&name), self.scope.is_defined(&name)) {
-                items.push_back(Item::Logic(logic, span));
+            let form = self.scope.form(&name, &self.locals).map(Word::Form);
+            let elsewhere = || {
+                let kind = arithmetic(&name, behind.starts_with('[')).map(Word::Arithmetic);
+                kind.or_else(|| logic(&name).map(Word::Logic))
+            };
+            let elsewhere = || elsewhere().filter(|_| !self.scope.is_defined(&name));
+            if let Some(word) = form.or_else(elsewhere) {
+                items.push_back(Item::Word(word, span));
                 return Ok(());
             }
         }
@@ -418,17 +429,13 @@ impl Builder<'_> {
             Item::Function(callee, span) => {
                 self.deeper(span, 1, |b| b.application(&callee, span, items))
             }
-            Item::Form(form, span) => {
+            Item::Word(word, span) => {
                 let group = self.brackets(items, span)?;
-                self.deeper(span, 1, |b| b.form(form, span, group))
-            }
-            Item::Logic(logic, span) => {
-                let group = self.brackets(items, span)?;
-                self.deeper(span, 1, |b| b.logic(logic, span, group))
-            }
-            Item::Arithmetic(kind, span) => {
-                let group = self.brackets(items, span)?;
-                self.deeper(span, 1, |b| b.arithmetic(kind, span, group))
+                self.deeper(span, 1, |b| match word {
+                    Word::Form(form) => b.form(form, span, group),
+                    Word::Logic(logic) => b.logic(logic, span, group),
+                    Word::Arithmetic(kind) => b.arithmetic(kind, span, group),
+                })
             }
             Item::Closed(pair) => {
                 let span = self.span(&pair);
@@ -463,7 +470,11 @@ impl Builder<'_> {
         number_only(&inner)?;
         let place = span.to(inner.span);
         if let Some(
-            Item::Leaf(_) | Item::Group(_) | Item::Function(..) | Item::Form(..) | Item::Closed(_),
+            Item::Leaf(_)
+            | Item::Group(_)
+            | Item::Function(..)
+            | Item::Word(Word::Form(_), _)
+            | Item::Closed(_),
         ) = items.front()
         {
             self.note(place, NoteKind::RadicalScope { radical });

@@ -1,7 +1,6 @@
 //! Forms: what looks like a function and takes more than numbers, in the spellings of several
 //! languages.
 
-use crate::application::note_form;
 use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation};
 use crate::build::{Builder, joined, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
@@ -368,7 +367,7 @@ impl Builder<'_> {
         let Some(function) = self.scope.forms(&callee).function(count) else {
             return Err(self.wrong_count(&callee, at, place, count));
         };
-        note_form(self, &callee, at);
+        self.note_form(&callee, at);
         let function = Function::Iterate(Box::new(function));
         Ok(Some(Expr::new(ExprKind::Call(function, arguments), place)))
     }
