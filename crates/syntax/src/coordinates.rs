@@ -40,7 +40,7 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
             .map(|name| name.text.as_str())
             .chain(unit.aliases.iter().map(|(name, _)| name))
             .collect();
-        for token in &line.piece.tokens {
+        for token in &line.unit.piece.tokens {
             let name = match token.symbol {
                 'x' => Some("x"),
                 'y' => Some("y"),
@@ -66,7 +66,7 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
         if let Some(ExprKind::Name(NamedValue::Defined(name))) = before
             && let Some(point) = ["p", "pos"].into_iter().find(|point| point == name)
         {
-            uses.entry(point).or_default().push((index, line.piece.span));
+            uses.entry(point).or_default().push((index, line.unit.piece.span));
         }
     }
     uses
@@ -195,7 +195,7 @@ fn system([r, rho, theta, phi]: [bool; 4], with_z: bool) -> Option<(&'static str
 /// Whether components of `name` are taken.
 fn has_components(text: &str, lines: &[Line<'_>], name: &str) -> bool {
     lines.iter().any(|line| {
-        line.piece.tokens.windows(2).any(|pair| {
+        line.unit.piece.tokens.windows(2).any(|pair| {
             pair[0].symbol == 'a' && pair[1].symbol == '‧' && &text[pair[0].span.range()] == name
         })
     })

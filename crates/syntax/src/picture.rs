@@ -76,8 +76,8 @@ impl Collected {
         scope: &Scope,
         limits: &Limits,
     ) -> Fallible<()> {
-        let span = line.piece.span;
-        let first = line.piece.tokens[0];
+        let span = line.unit.piece.span;
+        let first = line.unit.piece.tokens[0];
         // The ranges of a plot have no word; a `domain` line counts more.
         let is_made = first.span.start == first.span.end;
         let setting = match setting(&text[first.span.range()]) {
@@ -91,7 +91,7 @@ impl Collected {
             }
             _ => scope,
         };
-        let mut builder = Builder::new(text, line.piece, scope, &[], limits);
+        let mut builder = Builder::new(text, &line.unit.piece, scope, &[], limits);
         let (pair, at) = (line.pair, span.start);
         let mut share = None;
         match setting.kind {

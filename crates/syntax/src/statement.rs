@@ -24,7 +24,6 @@ const MOST_PARAMETERS: usize = 64;
 
 /// A statement that the grammar has recognised.
 pub(crate) struct Line<'i> {
-    pub piece: &'i Piece,
     pub unit: &'i Unit,
     /// Its rule tells what the statement is.
     pub pair: Pair<'i>,
@@ -44,7 +43,7 @@ pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, 
         match recognise(text, piece, rule) {
             Ok(pair) => {
                 let head = unit.head.clone().or_else(|| head(text, piece, &pair));
-                lines.push(Line { piece, unit, pair, head });
+                lines.push(Line { unit, pair, head });
             }
             Err(error) => errors.push(*error),
         }
@@ -170,7 +169,8 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
             continue;
         }
         let key = (head.name.text.clone(), parameters.count());
-        let is_value = line.unit.head.is_none() && is_value(text, line.piece, key.1, &numbers);
+        let is_value =
+            line.unit.head.is_none() && is_value(text, &line.unit.piece, key.1, &numbers);
         if is_value && defined.contains(&key) {
             notes.push(Note { span: head.name.span, kind: NoteKind::LevelOf { name: key.0 } });
             line.head = None;
@@ -184,7 +184,7 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
 fn numbers(text: &str, lines: &[Line<'_>]) -> FxHashSet<String> {
     let named = lines.iter().filter(|line| {
         line.head.as_ref().is_some_and(|head| head.parameters.is_none())
-            && right_side(line.piece).all(|token| matches!(token.symbol, '0' | '-'))
+            && right_side(&line.unit.piece).all(|token| matches!(token.symbol, '0' | '-'))
     });
     let name = |line: &Line<'_>| text[line.head.as_ref()?.name.span.range()].to_owned().into();
     named.filter_map(name).collect()
@@ -259,7 +259,8 @@ fn accepts(head: &Head) -> Option<bool> {
 /// Builds the trees of one line.
 pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) -> Fallible<Built> {
     let locals = line.head.as_ref().and_then(|head| head.parameters.as_deref());
-    let mut builder = Builder::new(text, line.piece, scope, locals.unwrap_or_default(), limits);
+    let mut builder =
+        Builder::new(text, &line.unit.piece, scope, locals.unwrap_or_default(), limits);
     builder.aliases = line.unit.aliases.clone();
     let mut parts = line.pair.into_inner();
     let expression = parts.next().expect("a line has an expression");
@@ -290,9 +291,9 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         if let Some(span) = braces {
             let error = Error::new(span, ErrorKind::RestrictedDefinition);
             let bounds = slider_bounds(&head.name, &restrictions);
-            let typed = builder.text[line.piece.span.start..span.start].trim_end();
+            let typed = builder.text[line.unit.piece.span.start..span.start].trim_end();
             let meant = bounds.map(|(low, high)| format!("{typed} in [{low}, {high}]"));
-            return Err(error.suggest_any(line.piece.span, meant));
+            return Err(error.suggest_any(line.unit.piece.span, meant));
         }
         let range = range.map(|(ends, _)| ends);
         Statement::Define(match &line.unit.head {
@@ -313,7 +314,7 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         Statement::Draw { expr, restrictions }
     };
     let Builder { notes, used, .. } = builder;
-    Ok(Built { statement, span: line.piece.span, notes, used })
+    Ok(Built { statement, span: line.unit.piece.span, notes, used })
 }
 
 /// The ends between which `0 < a < 3` in braces lets a value move.

@@ -89,16 +89,10 @@ impl Words<'_> {
         {
             return statements(Vec::new());
         }
-        if let Some(rest) = self.behind_mark(tokens) {
-            return statements(vec![rest]);
-        }
-        if let Some(found) = self.with_rules(tokens) {
-            return statements(found);
-        }
-        if let Some(found) = self.with_values(tokens) {
-            return statements(found);
-        }
-        if let Some(found) = self.of_surfer(tokens) {
+        let found = self.behind_mark(tokens).map(|rest| vec![rest]);
+        let found = found.or_else(|| self.with_rules(tokens));
+        let found = found.or_else(|| self.with_values(tokens));
+        if let Some(found) = found.or_else(|| self.of_surfer(tokens)) {
             return statements(found);
         }
         if first.symbol == '{' {
