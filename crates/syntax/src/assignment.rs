@@ -97,7 +97,7 @@ impl Reader<'_> {
         }
         let again = frame.set.iter().any(|(set, _)| *set == name.text)
             && frame.aliases.find(&name.text).is_some()
-            || self.defined(&name.text);
+            || self.heads.contains(&name.text);
         let is_inner = frame.is_inner();
         let text = match &frame.function {
             _ if is_inner => self.fresh(&frame.made_name(&name.text)),
@@ -112,7 +112,7 @@ impl Reader<'_> {
         };
         let (parameters, kind) = frame.call(&text);
         if frame.nested > 0 {
-            self.generated.insert(text.clone());
+            self.program.generated.insert(text.clone());
         }
         let mut is_constant = false;
         if frame.function.is_none() {
@@ -165,10 +165,6 @@ impl Reader<'_> {
         } else {
             NamedValue::Defined(name.to_owned())
         }
-    }
-
-    pub(crate) fn defined(&self, name: &str) -> bool {
-        self.heads.contains(name)
     }
 
     pub(crate) fn uses(&self, tokens: &[Token], name: &str) -> bool {

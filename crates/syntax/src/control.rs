@@ -134,7 +134,7 @@ impl Reader<'_> {
         let span = condition.first().map_or(Span::default(), |first| first.span);
         let flag = self.fresh(&frame.made_name("if"));
         let name = Name { text: flag, span };
-        self.generated.insert(name.text.clone());
+        self.program.generated.insert(name.text.clone());
         let (parameters, kind) = frame.call(&name.text);
         let head = Head { name, parameters };
         self.push(condition.to_vec(), Some(head), Some(Wrap::Flag), &frame.aliases.clone(), false)?;

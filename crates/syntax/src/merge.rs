@@ -16,7 +16,7 @@ impl Reader<'_> {
     pub(crate) fn make(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
         let span = frame.function.as_ref().map_or(Span::default(), |(name, _)| name.span);
         let text = self.fresh(&frame.made_name(name));
-        self.generated.insert(text.clone());
+        self.program.generated.insert(text.clone());
         let (parameters, kind) = frame.call(&text);
         let body = Expr::new(body, span);
         let name = Name { text, span };

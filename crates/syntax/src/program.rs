@@ -54,7 +54,7 @@ pub(crate) struct Program {
     pub last_value: Option<Name>,
     /// What the text does not spell out.
     pub made: Vec<Built>,
-    /// Names that were made for branches and loops, which may be used nowhere.
+    /// Names that were made in branches and loops, which may be used nowhere.
     pub generated: FxHashSet<String>,
     pub notes: Vec<Note>,
 }

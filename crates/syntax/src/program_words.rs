@@ -1,6 +1,7 @@
 //! The words of programs, and where their parts begin and end: no formula is looked into.
 
 use crate::ast::Name;
+use crate::error::{Error, ErrorKind};
 use crate::span::Span;
 use crate::spelling::{is_name, plain_name};
 use crate::token::{Token, bracketed, closing, in_brackets, split};
@@ -88,6 +89,11 @@ impl<'a> Words<'a> {
 
     pub(crate) fn name(self, token: Token) -> Name {
         Name { text: plain_name(&self.text[token.span.range()]), span: token.span }
+    }
+
+    /// The error for a word of programs that is not read.
+    pub(crate) fn unread(self, token: Token) -> Box<Error> {
+        Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
     /// Whether a word is followed by brackets or a name, and not by a sign.

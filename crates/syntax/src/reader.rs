@@ -77,8 +77,6 @@ pub(crate) struct Reader<'a> {
     pub procedures: FxHashMap<String, Rc<Procedure>>,
     /// Numbers that names stand for outside functions.
     pub constants: FxHashMap<String, f64>,
-    /// Names that were made in branches and loops.
-    pub generated: FxHashSet<String>,
     /// How many statements were run.
     pub steps: usize,
     /// How many symbols macros were written out to.
@@ -108,7 +106,6 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
         macros: FxHashMap::default(),
         procedures: FxHashMap::default(),
         constants: FxHashMap::default(),
-        generated: FxHashSet::default(),
         steps: 0,
         written: Cell::new(0),
         program: Program { in_steps, ..Program::default() },
@@ -119,7 +116,6 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
         reader.statement(tokens, &mut top, &mut statements)?;
     }
     reader.end(&top, Span::at(text.len()));
-    reader.program.generated = reader.generated;
     Ok(reader.program)
 }
 
@@ -157,8 +153,7 @@ impl Reader<'_> {
             "struct" | "switch" | "do" | "else" | "elif"
                 if Words::is_command(&tokens) || self.words.governs(&tokens) =>
             {
-                let word = self.words.word(first).to_owned();
-                return Err(Error::new(first.span, ErrorKind::Program { word }));
+                return Err(self.words.unread(first));
             }
             "def" if tokens.len() > 3 => return self.python(&tokens, following),
             "return" if tokens.len() > 1 => {

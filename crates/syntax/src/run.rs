@@ -11,12 +11,12 @@ use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::lexer::method;
 use crate::note::NoteKind;
-use crate::scope::{Callee, Meaning, meaning, read_as};
+use crate::scope::{Callee, Meaning, coordinate, meaning, read_as};
 use crate::span::Span;
 use crate::special::{Logic, logic};
 use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
 use std::collections::VecDeque;
-use zeroset_ir::{Axis, NamedConstant};
+use zeroset_ir::NamedConstant;
 use zeroset_ops::{Form, Op};
 
 /// A piece of a run.
@@ -183,12 +183,6 @@ impl Builder<'_> {
                 }
             }
             Meaning::Unknown => {
-                if TIMES.contains(&typed) {
-                    let name = typed.to_owned();
-                    self.note(span, NoteKind::TimeOfShaders { name });
-                    items.push_back(self.leaf(NamedValue::Time, span));
-                    return Ok(());
-                }
                 if typed == "°" {
                     items.push_back(Item::Leaf(degree(span)));
                     return Ok(());
@@ -206,23 +200,20 @@ impl Builder<'_> {
                 {
                     return Ok(());
                 }
-                if typed == "E" {
-                    self.note(span, NoteKind::CapitalE);
-                    let value = NamedValue::Constant(NamedConstant::E);
-                    items.push_back(self.leaf(value, span));
-                    return Ok(());
-                }
                 // Beside a parameter x, X is no coordinate.
-                let hides = |axis: &Axis| {
-                    let lower = NamedValue::Coordinate(*axis);
-                    self.locals.iter().any(|local| local.text == lower.name())
-                };
-                let Some(axis) = capital(&name).filter(|axis| !hides(axis)) else {
+                let lower = name.to_lowercase();
+                let is_hidden = self.locals.iter().any(|local| local.text == lower);
+                let (value, kind) = if TIMES.contains(&typed) {
+                    (NamedValue::Time, NoteKind::TimeOfShaders { name })
+                } else if typed == "E" {
+                    (NamedValue::Constant(NamedConstant::E), NoteKind::CapitalE)
+                } else if let Some(axis) = coordinate(&lower).filter(|_| !is_hidden) {
+                    (NamedValue::Coordinate(axis), NoteKind::CapitalCoordinates)
+                } else {
                     return Err(self.unknown(&name, typed, span));
                 };
-                self.note(span, NoteKind::CapitalCoordinates);
-                let value = NamedValue::Coordinate(axis);
-                items.push_back(Item::Leaf(Expr::new(ExprKind::Name(value), span)));
+                self.note(span, kind);
+                items.push_back(self.leaf(value, span));
             }
         }
         Ok(())
@@ -555,16 +546,6 @@ const TIMES: [&str; 6] = ["iTime", "iGlobalTime", "u_time", "uTime", "time", "TI
 
 /// Blanks between a name and its brackets.
 const BLANKS: [char; 2] = [' ', '\t'];
-
-/// The coordinate that a capital letter stands for in other languages.
-fn capital(name: &str) -> Option<Axis> {
-    match name {
-        "X" => Some(Axis::X),
-        "Y" => Some(Axis::Y),
-        "Z" => Some(Axis::Z),
-        _ => None,
-    }
-}
 
 /// The letters of `.rgb`, by position.
 fn letters(typed: &str) -> String {

@@ -97,13 +97,10 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             '&' if within == '⟦' => symbol = ',',
             '&' if aligned > 0 => symbol = ' ',
             // Windows ends lines with two characters.
-            '\n' if text[end - length..].starts_with("\r\n") => symbol = ' ',
+            '\n' if rest.starts_with("\r\n") => symbol = ' ',
             // A line that starts with an operator goes on with the one before.
             '␤' if !in_rows => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
             _ => {}
-        }
-        if symbol == '\n' {
-            starts_line = true;
         }
         if matches!(symbol, ' ' | '⇥' | '⇤') {
             continue;
@@ -116,20 +113,17 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let mut first = tokens.len();
         // A line that ends with an operator goes on below.
         let last = tokens.last().map_or(' ', |token| token.symbol);
-        if symbol == '\n' && open.is_empty() && "+-*/^".contains(last) && continues(&text[end..]) {
-            continue;
-        }
-        if symbol == '\n' && open.is_empty() && goes_back(&text[end..], &tokens) {
-            continue;
-        }
+        let goes_on = || {
+            "+-*/^".contains(last) && continues(&text[end..]) || goes_back(&text[end..], &tokens)
+        };
         match symbol {
+            '\n' if !open.is_empty() || goes_on() => continue,
             '\n' | ';' if open.is_empty() => {
                 if !tokens.is_empty() {
                     statements.push(std::mem::take(&mut tokens));
                 }
                 continue;
             }
-            '\n' => continue,
             _ if closer(symbol).is_some() => {
                 if open.len() >= limits.depth {
                     return Err(Error::new(span, ErrorKind::TooDeep { limit: limits.depth }));

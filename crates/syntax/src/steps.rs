@@ -140,10 +140,6 @@ impl Words<'_> {
         if depth > DEEPEST {
             return Err(Error::new(first.span, ErrorKind::TooDeep { limit: DEEPEST }));
         }
-        let unread = |token: Token| {
-            let word = self.word(token).to_owned();
-            Error::new(token.span, ErrorKind::Program { word })
-        };
         if first.symbol == '{'
             && let Some(end) = closing(tokens)
         {
@@ -151,14 +147,14 @@ impl Words<'_> {
             return Ok(&tokens[end + 1..]);
         }
         if matches!(self.word(first), "switch" | "struct" | "do") && Self::is_command(tokens) {
-            return Err(unread(first));
+            return Err(self.unread(first));
         }
         if !self.governs(tokens) || self.word(first) == "else" {
             let end = outside(tokens, ';').unwrap_or(tokens.len());
             steps.push(Step::Plain(tokens[..end].to_vec()));
             return Ok(&tokens[end..]);
         }
-        let Some(end) = closing(&tokens[1..]) else { return Err(unread(first)) };
+        let Some(end) = closing(&tokens[1..]) else { return Err(self.unread(first)) };
         let (header, rest) = (&tokens[2..=end], &tokens[end + 2..]);
         let mut body = Vec::new();
         let mut rest = self.step(rest, depth + 1, &mut body)?;
@@ -184,7 +180,7 @@ impl Words<'_> {
                 } else {
                     // `for (const c of [1, 2])`
                     let of = header.iter().position(|token| self.word(*token) == "of");
-                    let Some(of) = of.filter(|of| *of > 0) else { return Err(unread(first)) };
+                    let Some(of) = of.filter(|of| *of > 0) else { return Err(self.unread(first)) };
                     let values = header[of + 1..].to_vec();
                     steps.push(Step::Each { name: header[of - 1], values, body });
                 }
@@ -270,10 +266,7 @@ impl Words<'_> {
                 [name, within, values @ ..] if within.symbol == '∈' => {
                     steps.push(Step::Each { name: *name, values: values.to_vec(), body });
                 }
-                _ => {
-                    let word = self.word(first).to_owned();
-                    return Err(Error::new(first.span, ErrorKind::Program { word }));
-                }
+                _ => return Err(self.unread(first)),
             },
         }
         Ok(next)
