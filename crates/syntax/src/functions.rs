@@ -160,29 +160,27 @@ impl Reader<'_> {
         });
         let note =
             trigonometric.map(|token| Note { span: token.span, kind: NoteKind::DegreesOfOpenscad });
-        let value = tokens.get(1..).and_then(bracketed);
-        let value = value.filter(|(inner, rest)| {
-            let has_values = inner.iter().any(|token| token.symbol == '=');
-            has_values && rest.first().is_some_and(|next| next.symbol == '=')
-        });
-        match self.words.with_bindings(&tokens) {
-            None if value.is_some() => {
-                if let Some((inner, rest)) = value {
-                    let name = self.words.name(tokens[0]);
-                    let frame = self.enter(name, split(inner, ','))?;
-                    self.result(rest[1..].to_vec(), &frame)?;
-                }
+        let name = self.words.name(tokens[0]);
+        match bracketed(&tokens[1..]) {
+            Some((inner, [equals, rest @ ..]))
+                if equals.symbol == '='
+                    && rest.first().is_some_and(|word| self.words.word(*word) == "let") =>
+            {
+                let mut frame = self.enter(name, split(inner, ','))?;
+                self.bindings(rest.to_vec(), &mut frame)?;
             }
-            Some((name, parameters, bindings)) => {
-                let mut frame = self.enter(self.words.name(name), parameters)?;
-                self.bindings(bindings, &mut frame)?;
+            Some((inner, [equals, rest @ ..]))
+                if equals.symbol == '=' && inner.iter().any(|token| token.symbol == '=') =>
+            {
+                let frame = self.enter(name, split(inner, ','))?;
+                self.result(rest.to_vec(), &frame)?;
             }
-            None => {
-                if let Some((parameters, rest)) = tokens.get(1..).and_then(bracketed)
-                    && !parameters.iter().any(|token| token.symbol == ',')
-                    && self.words.is_point(parameters, &[rest.to_vec()])
+            found => {
+                if let Some((inner, rest)) = found
+                    && !inner.iter().any(|token| token.symbol == ',')
+                    && self.words.is_point(inner, &[rest.to_vec()])
                 {
-                    self.draws(&self.words.name(tokens[0]));
+                    self.draws(&name);
                 }
                 self.plain(tokens, frame, false)?;
             }

@@ -254,18 +254,6 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Name, parameters and right side of `f(x) = let(a = 1) value`.
-    #[allow(clippy::type_complexity)] // taken apart at once
-    pub(crate) fn with_bindings(
-        self,
-        tokens: &[Token],
-    ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
-        let (parameters, rest) = bracketed(tokens.get(1..)?)?;
-        let [equals, word, ..] = rest else { return None };
-        let is_let = equals.symbol == '=' && self.word(*word) == "let";
-        is_let.then(|| (tokens[0], split(parameters, ','), rest[1..].to_vec()))
-    }
-
     /// Name, size and value of a parameter.
     pub(crate) fn parameter(self, tokens: &[Token]) -> Option<(Token, usize, Option<Vec<Token>>)> {
         let equals = tokens.iter().position(|token| token.symbol == '=');

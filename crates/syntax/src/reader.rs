@@ -15,7 +15,6 @@ use crate::span::Span;
 use crate::spelling::is_setting;
 use crate::steps::Step;
 use crate::token::{Token, closing};
-use crate::wrappers::Unwrapped;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::Cell;
 use std::rc::Rc;
@@ -138,9 +137,12 @@ impl Reader<'_> {
             return self.plain(tokens, frame, false);
         }
         if frame.function.is_none()
-            && let Some(unwrapped) = self.words.unwrapped(&tokens)
+            && let Some(statements) = self.words.unwrapped(&tokens)
         {
-            return self.unwrapped(unwrapped, frame);
+            // Each is shorter, so that this ends.
+            return statements
+                .into_iter()
+                .try_for_each(|tokens| self.statement(tokens, frame, &mut Vec::new().into_iter()));
         }
         match self.words.word(first) {
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
@@ -179,6 +181,15 @@ impl Reader<'_> {
             {
                 let formula = "write equations for its parts, and `subtract(a, b)`, `union(a, b)` or `intersect(a, b)` of them";
                 return Err(Error::new(first.span, ErrorKind::Solid { formula }));
+            }
+            "draw_surface"
+                if tokens.len() == 1 && frame.function.is_none() && self.words.sets_surface() =>
+            {
+                let value = NamedValue::Defined("surface".to_owned());
+                let expr = Expr::new(ExprKind::Name(value), first.span);
+                let statement = Statement::Draw { expr, restrictions: Vec::new() };
+                self.program.made.push(Built::made(statement, first.span));
+                return Ok(());
             }
             "let" if tokens.get(1).is_some_and(|token| token.symbol == '(') => {
                 return self.bindings(tokens, frame);
@@ -270,23 +281,6 @@ impl Reader<'_> {
             self.program.units.push(Unit { piece, head, aliases, wrap, is_height });
         }
         Ok(())
-    }
-
-    /// What stands for a statement of another system.
-    pub(crate) fn unwrapped(&mut self, unwrapped: Unwrapped, frame: &mut Frame) -> Fallible<()> {
-        match unwrapped {
-            // Each is shorter, so that this ends.
-            Unwrapped::Statements(all) => all
-                .into_iter()
-                .try_for_each(|tokens| self.statement(tokens, frame, &mut Vec::new().into_iter())),
-            Unwrapped::Drawn(name) => {
-                let value = NamedValue::Defined("surface".to_owned());
-                let expr = Expr::new(ExprKind::Name(value), name.span);
-                let statement = Statement::Draw { expr, restrictions: Vec::new() };
-                self.program.made.push(Built::made(statement, name.span));
-                Ok(())
-            }
-        }
     }
 
     /// A statement that sets names; what is left, if it sets none in steps.

@@ -3,7 +3,7 @@
 use crate::error::{Error, Errors, Origin};
 use crate::note::Note;
 use crate::span::Span;
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet, Title};
 
 /// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the
 /// terminal.
@@ -28,42 +28,37 @@ impl Error {
             Origin::Document => (source_name, text),
             Origin::Override(given) => (Some("-D"), given.as_str()),
         };
-        let excerpt = Excerpt::around(text, self.span);
-        let message = self.message();
-        let mut annotation = AnnotationKind::Primary.span(excerpt.span(self.span));
-        if let Some(label) = self.label() {
-            annotation = annotation.label(label);
-        }
-        let mut group = Level::ERROR
-            .primary_title(message.as_str())
-            .element(excerpt.snippet(source_name).annotation(annotation));
-        if let Some(reason) = self.reason() {
-            group = group.element(Level::NOTE.message(reason));
-        }
         let help = self.help(text);
-        if let Some(help) = &help {
-            group = group.element(Level::HELP.message(help.as_str()));
-        }
-        renderer(color).render(&[group])
+        let more = [(Level::NOTE, self.reason()), (Level::HELP, help.as_deref())];
+        let title = Level::ERROR.primary_title(self.message());
+        draw(title, (source_name, text, self.span), self.label(), more, color)
     }
 }
 
 impl Note {
     /// This note as text with a caret, without a line break at the end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
-        let excerpt = Excerpt::around(text, self.span);
-        let message = self.message();
-        let annotation = AnnotationKind::Primary.span(excerpt.span(self.span));
-        let group: Group<'_> = Level::NOTE
-            .primary_title(message.as_str())
-            .element(excerpt.snippet(source_name).annotation(annotation));
-        renderer(color).render(&[group])
+        let title = Level::NOTE.primary_title(self.message());
+        draw(title, (source_name, text, self.span), None, [], color)
     }
 }
 
-fn renderer(color: bool) -> Renderer {
+/// A title, the place that it is about with a label, and what else is said of it.
+fn draw<'a>(
+    title: Title<'a>,
+    (source_name, text, span): (Option<&'a str>, &'a str, Span),
+    label: Option<&'a str>,
+    more: impl IntoIterator<Item = (Level<'a>, Option<&'a str>)>,
+    color: bool,
+) -> String {
+    let excerpt = Excerpt::around(text, span);
+    let annotation = AnnotationKind::Primary.span(excerpt.span(span)).label(label);
+    let mut group = title.element(excerpt.snippet(source_name).annotation(annotation));
+    for (level, said) in more {
+        group = group.elements(said.map(|said| level.message(said)));
+    }
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
-    renderer.term_width(WIDTH)
+    renderer.term_width(WIDTH).render(&[group])
 }
 
 /// The part of a text that is shown: whole lines, or less of the last where it is very long. It
