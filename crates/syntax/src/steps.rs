@@ -82,40 +82,17 @@ impl Words<'_> {
         }
     }
 
-    /// What follows the first statement; `None` if that is not whole.
-    fn behind(self, tokens: &[Token], depth: usize) -> Option<&[Token]> {
-        let tokens = skip(tokens);
-        let first = tokens.first()?;
-        if depth > DEEPEST {
-            return Some(&[]);
-        }
-        if first.symbol == '{' {
-            return Some(&tokens[closing(tokens)? + 1..]);
-        }
-        if self.word(*first) == "else" {
-            return self.behind(&tokens[1..], depth + 1);
-        }
-        if self.governs(tokens) {
-            let end = closing(&tokens[1..])? + 2;
-            let rest = self.behind(&tokens[end..], depth + 1)?;
-            let next = skip(rest);
-            let is_else = next.first().is_some_and(|next| self.word(*next) == "else");
-            return if is_else { self.behind(&next[1..], depth + 1) } else { Some(rest) };
-        }
-        let end = outside(tokens, ';').unwrap_or(tokens.len());
-        Some(&tokens[end..])
-    }
-
-    /// Whether the last statement that `tokens` hold is whole.
+    /// Whether the last statement that `tokens` hold is whole: they do not end with `else`, or with what stands before a body.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
-        let mut rest = skip(tokens);
-        while !rest.is_empty() {
-            match self.behind(rest, 0) {
-                Some(behind) => rest = skip(behind),
-                None => return false,
-            }
-        }
-        true
+        let end = tokens.iter().rposition(|token| token.symbol != ';').map_or(0, |last| last + 1);
+        let tokens = &tokens[..end];
+        let lacks_body = |at: usize| {
+            let behind = &tokens[at + 1..];
+            let is_else = self.word(tokens[at]) == "else";
+            self.governs(&tokens[at..])
+                && (behind.is_empty() || !is_else && closing(behind) == Some(behind.len() - 1))
+        };
+        !(0..end).any(lacks_body)
     }
 
     /// The statements of a block in braces.
