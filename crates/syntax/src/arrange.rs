@@ -201,9 +201,6 @@ impl Arranger<'_> {
         {
             // A comma behind the last argument.
             segments.pop();
-            if let Some((_, comma)) = segments.last_mut() {
-                *comma = None;
-            }
         }
         if open.is_some_and(|open| open.symbol == '(') {
             // Arguments of numpy and SymPy that leave a value as it is.
@@ -213,9 +210,9 @@ impl Arranger<'_> {
                     && matches!(self.word(&segment[0]), "axis" | "keepdims" | "evaluate")
             };
             segments.retain(|segment| !is_option(segment));
-            if let Some((_, comma)) = segments.last_mut() {
-                *comma = None;
-            }
+        }
+        if let Some((_, comma)) = segments.last_mut() {
+            *comma = None;
         }
         let mut arranged = Vec::new();
         for (segment, comma) in segments {

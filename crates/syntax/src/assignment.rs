@@ -1,7 +1,7 @@
 //! Names that a program sets: each time that one is set it is another name, which stands for it below.
 
 use crate::aliases::Aliases;
-use crate::ast::{ExprKind, LETTERS, Name, NamedValue};
+use crate::ast::{LETTERS, Name};
 use crate::counting::{number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::{Head, Wrap};
@@ -74,9 +74,7 @@ impl Reader<'_> {
     ) -> Fallible<()> {
         let within = frame.aliases.clone();
         let write = letters.map(|letters| {
-            let before = within.find(&name.text);
-            let before = before
-                .map_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)), ExprKind::clone);
+            let before = frame.meaning(&name.text);
             Wrap::Write { letters, before, size }
         });
         self.set_to(name, size, value, write, &within, frame)
@@ -155,16 +153,6 @@ impl Reader<'_> {
                 && (is_named(part[0]) || is_named(part[2]))
         });
         found.map(|part| part[0].span.to(part[2].span))
-    }
-
-    /// What a name stands for that nothing has set.
-    pub(crate) fn unset(name: &str, frame: &Frame) -> NamedValue {
-        let parameters = frame.function.iter().flat_map(|(_, parameters)| parameters);
-        if parameters.into_iter().any(|parameter| parameter.text == name) {
-            NamedValue::Local(name.to_owned())
-        } else {
-            NamedValue::Defined(name.to_owned())
-        }
     }
 
     pub(crate) fn uses(&self, tokens: &[Token], name: &str) -> bool {

@@ -152,9 +152,7 @@ impl Reader<'_> {
         let kind = match letters {
             None => value,
             Some(letters) => {
-                let before = frame.aliases.find(&name.text).cloned();
-                let before =
-                    before.unwrap_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)));
+                let before = frame.meaning(&name.text);
                 let whole = known.unwrap_or(3);
                 let body = with_parts(&letters, &before, whole, &value, name.span);
                 self.make(&name.text, body, frame)

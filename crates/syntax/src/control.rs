@@ -7,7 +7,7 @@
 use crate::ast::{Expr, ExprKind, Name, Relation};
 use crate::counting::{count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program::{Head, Wrap};
+use crate::program::Wrap;
 use crate::reader::{Frame, Reader};
 use crate::span::Span;
 use crate::steps::Step;
@@ -132,11 +132,7 @@ impl Reader<'_> {
             return self.run(if holds == 0.0 { no } else { yes }, frame);
         }
         let span = condition.first().map_or(Span::default(), |first| first.span);
-        let flag = self.fresh(&frame.made_name("if"));
-        let name = Name { text: flag, span };
-        self.program.generated.insert(name.text.clone());
-        let (parameters, kind) = frame.call(&name.text);
-        let head = Head { name, parameters };
+        let (head, kind) = self.made_head("if", span, frame);
         self.push(condition.to_vec(), Some(head), Some(Wrap::Flag), &frame.aliases.clone(), false)?;
         let (mut first, mut second) = (frame.inner(), frame.inner());
         self.run(yes, &mut first)?;

@@ -203,21 +203,13 @@ impl Reader<'_> {
         let own = self.words.indent(tokens);
         let is_indented =
             following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);
-        while lines.is_empty() || is_indented {
-            let next = following.as_slice().first();
-            if next.is_none_or(|next| is_indented && self.words.indent(next) <= own) {
+        // What lost its indentation ends where it returns.
+        while let Some(next) = following.as_slice().first() {
+            let ends = if is_indented { self.words.indent(next) <= own } else { self.ends(&lines) };
+            if ends {
                 break;
             }
             lines.extend(following.next());
-        }
-        if !is_indented && !self.ends(&lines) {
-            // Lost its indentation: it ends where it returns.
-            for next in following.by_ref() {
-                lines.push(next);
-                if self.ends(&lines) {
-                    break;
-                }
-            }
         }
         if !lines.iter().any(|line| line.iter().any(|token| self.words.word(*token) == "return")) {
             return Err(refused);

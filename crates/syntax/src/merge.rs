@@ -5,6 +5,7 @@ use crate::aliases::Aliases;
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Statement};
 use crate::counting::number_of;
 use crate::made::Built;
+use crate::program::Head;
 use crate::reader::{Frame, Reader};
 use crate::span::Span;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -15,14 +16,19 @@ impl Reader<'_> {
     /// Adds a definition that no statement spells out; what it is called by.
     pub(crate) fn make(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
         let span = frame.function.as_ref().map_or(Span::default(), |(name, _)| name.span);
-        let text = self.fresh(&frame.made_name(name));
-        self.program.generated.insert(text.clone());
-        let (parameters, kind) = frame.call(&text);
+        let (Head { name, parameters }, kind) = self.made_head(name, span, frame);
         let body = Expr::new(body, span);
-        let name = Name { text, span };
         let definition = Definition { name, parameters, body, range: None };
         self.program.made.push(Built::made(Statement::Define(definition), span));
         kind
+    }
+
+    /// The left side of what is made under a name that nothing else has, and how it is called.
+    pub(crate) fn made_head(&mut self, name: &str, span: Span, frame: &Frame) -> (Head, ExprKind) {
+        let text = self.fresh(&frame.made_name(name));
+        self.program.generated.insert(text.clone());
+        let (parameters, kind) = frame.call(&text);
+        (Head { name: Name { text, span }, parameters }, kind)
     }
 
     /// Names stand for what either side made of them.
@@ -174,5 +180,11 @@ impl Frame {
         let (_, parameters) = self.function.as_ref()?;
         let is_parameter = parameters.iter().any(|parameter| parameter.text == name);
         is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
+    }
+
+    /// What a name stands for that may be one of the document.
+    pub(crate) fn meaning(&self, name: &str) -> ExprKind {
+        let document = || ExprKind::Name(NamedValue::Defined(name.to_owned()));
+        self.before(name).unwrap_or_else(document)
     }
 }

@@ -66,15 +66,12 @@ impl Words<'_> {
     /// What a command plots; `None` if `tokens` are none.
     pub(crate) fn plot(self, tokens: &[Token]) -> Fallible<Option<Plot>> {
         // `plots[implicitplot3d](…)` of Maple
-        let tokens = match tokens {
-            [plots, open, command, close, ..]
-                if self.word(*plots) == "plots" && open.symbol == '[' && close.symbol == ']' =>
-            {
-                let rest = &tokens[4..];
-                return self.plot_of(self.word(*command), rest);
-            }
-            _ => tokens,
-        };
+        if let [plots, open, command, close, rest @ ..] = tokens
+            && self.word(*plots) == "plots"
+            && (open.symbol, close.symbol) == ('[', ']')
+        {
+            return self.plot_of(self.word(*command), rest);
+        }
         let Some(first) = tokens.first() else { return Ok(None) };
         if self.word(*first) == "isosurface" && tokens.get(1).is_some_and(|t| t.symbol == '{') {
             return Ok(self.isosurface(&tokens[1..], first.span));
