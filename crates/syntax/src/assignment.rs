@@ -18,12 +18,12 @@ impl Reader<'_> {
     /// `float a = 1., b = 2.`, its types taken away.
     pub(crate) fn declarations(
         &mut self,
-        tokens: Vec<Token>,
+        tokens: &[Token],
         size: usize,
         is_whole: bool,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        for tokens in split(&tokens, ',') {
+        for tokens in split(tokens, ',') {
             let tokens = Words::without_type(tokens);
             if is_whole && let Some(name) = tokens.first() {
                 let word = self.words.word(*name);

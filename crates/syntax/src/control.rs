@@ -42,21 +42,36 @@ impl Reader<'_> {
                 Step::Plain(tokens) => self.plain_step(tokens, frame)?,
                 Step::If { condition, yes, no } => self.branch(condition, yes, no, frame)?,
                 Step::Loop { word, start, condition, next, body } => {
-                    frame.nested += 1;
                     let counted = start.windows(2).filter(|pair| pair[1].symbol == '=');
                     let names = counted.map(|pair| self.words.word(pair[0]).to_owned());
                     frame.whole.extend(names);
-                    self.plain_step(start, frame)?;
-                    self.rounds(*word, (condition, next), body, frame)?;
-                    self.end_loop(body, frame);
-                    frame.nested -= 1;
+                    let mut before = start.as_slice();
+                    let mut begin = |reader: &mut Self, frame: &mut Frame| {
+                        reader.plain_step(std::mem::replace(&mut before, next), frame)?;
+                        let holds = reader.holds(condition, frame)?;
+                        if holds {
+                            reader.count_step(word.span)?;
+                        }
+                        Ok(holds)
+                    };
+                    self.repeat(&mut begin, body, frame)?;
                 }
                 Step::Each { name, values, body } => {
-                    let values = self.values(*name, values, frame)?;
-                    frame.nested += 1;
-                    self.each(*name, &values, body, frame)?;
-                    self.end_loop(body, frame);
-                    frame.nested -= 1;
+                    let mut values = self.values(*name, values, frame)?.into_iter();
+                    let mut begin = |reader: &mut Self, frame: &mut Frame| {
+                        let Some(value) = values.next() else { return Ok(false) };
+                        reader.count_step(name.span)?;
+                        let span = name.span;
+                        let text = reader.words.text[span.range()].to_owned();
+                        match value {
+                            Value::Known(number) => frame.aliases.push(text, written(number, span)),
+                            Value::Typed(tokens) => {
+                                reader.set(Name { text, span }, 1, tokens, None, frame)?;
+                            }
+                        }
+                        Ok(true)
+                    };
+                    self.repeat(&mut begin, body, frame)?;
                 }
             }
             let Some(left) = frame.left().cloned() else { continue };
@@ -141,62 +156,35 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The rounds of a loop that are left.
-    fn rounds(
-        &mut self,
-        word: Token,
-        (condition, next): (&[Token], &[Token]),
-        body: &[Step],
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        loop {
-            let holds = if condition.is_empty() { Some(1.0) } else { self.known(condition, frame) };
-            let Some(holds) = holds else {
-                let span = condition[0].span.to(condition[condition.len() - 1].span);
-                return Err(Error::new(span, ErrorKind::LoopEnd));
-            };
-            if holds == 0.0 {
-                return Ok(());
-            }
-            self.count_step(word.span)?;
-            self.run(body, frame)?;
-            if let Some(left) = self.end_round(body, frame) {
-                return self.unless_left(left, frame, |reader, going| {
-                    reader.plain_step(next, going)?;
-                    reader.rounds(word, (condition, next), body, going)
-                });
-            }
-            self.plain_step(next, frame)?;
-        }
+    /// Runs a loop. Before each round `begin` makes it ready, and tells whether there is one.
+    fn repeat(&mut self, begin: Begin<'_, Self>, body: &[Step], frame: &mut Frame) -> Fallible<()> {
+        frame.nested += 1;
+        self.rounds(begin, body, frame)?;
+        // What left the loop is over with it.
+        self.stay(LOOP, Step::has(body, self.words, "return"), frame);
+        frame.nested -= 1;
+        Ok(())
     }
 
-    /// One round for each value.
-    fn each(
-        &mut self,
-        name: Token,
-        values: &[Value],
-        body: &[Step],
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        for (index, value) in values.iter().enumerate() {
-            self.count_step(name.span)?;
-            let text = self.words.text[name.span.range()].to_owned();
-            match value {
-                Value::Known(number) => frame.aliases.push(text, written(*number, name.span)),
-                Value::Typed(tokens) => {
-                    let name = Name { text, span: name.span };
-                    self.set(name, 1, tokens.clone(), None, frame)?;
-                }
-            }
+    /// The rounds of a loop that are left.
+    fn rounds(&mut self, begin: Begin<'_, Self>, body: &[Step], frame: &mut Frame) -> Fallible<()> {
+        while begin(self, frame)? {
             self.run(body, frame)?;
             if let Some(left) = self.end_round(body, frame) {
-                let rest = &values[index + 1..];
-                return self.unless_left(left, frame, |reader, going| {
-                    reader.each(name, rest, body, going)
-                });
+                return self
+                    .unless_left(left, frame, |reader, going| reader.rounds(begin, body, going));
             }
         }
         Ok(())
+    }
+
+    /// Whether the condition of a loop holds, which must be known.
+    fn holds(&self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        let (Some(first), Some(last)) = (condition.first(), condition.last()) else {
+            return Ok(true);
+        };
+        let known = self.known(condition, frame).map(|holds| holds != 0.0);
+        known.ok_or_else(|| Error::new(first.span.to(last.span), ErrorKind::LoopEnd))
     }
 
     /// What a loop over values goes through.
@@ -241,14 +229,6 @@ impl Reader<'_> {
         frame.left().cloned()
     }
 
-    /// What left the loop is over with it.
-    fn end_loop(&mut self, body: &[Step], frame: &mut Frame) {
-        let others = Step::has(body, self.words, "return");
-        if frame.aliases.find(LEFT).is_some() {
-            self.stay(LOOP, others, frame);
-        }
-    }
-
     /// Forgets what left no more than `level`; whether there are `others`.
     fn stay(&mut self, level: f64, others: bool, frame: &mut Frame) {
         let Some(left) = frame.aliases.find(LEFT).cloned() else { return };
@@ -266,6 +246,9 @@ impl Reader<'_> {
         frame.aliases.push(LEFT.to_owned(), kind);
     }
 }
+
+/// Makes the next round of a loop ready, and tells whether there is one.
+type Begin<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 
 /// What a name of a loop over values stands for.
 enum Value {

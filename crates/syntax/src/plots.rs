@@ -210,11 +210,11 @@ impl Words<'_> {
             if matches!(part[0].symbol, '{' | '(' | '[')
                 && let Some((inner, _)) = bracketed(part)
             {
-                let parts = split(&inner, ',');
+                let parts = split(inner, ',');
                 if let Ok([name, low, high]) = <[_; 3]>::try_from(parts) {
                     let axis = axis(&name);
                     ranges.extend(axis.map(|axis| Range { axis, low, high }));
-                } else if let Some(numbers) = self.numbers(&inner) {
+                } else if let Some(numbers) = self.numbers(inner) {
                     ranges.extend(in_order(&numbers));
                 }
             } else if let [name, equals, ends @ ..] = part.as_slice()

@@ -207,8 +207,7 @@ impl Reader<'_> {
         if types > 0 {
             let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
             let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
-            tokens.drain(..types);
-            return self.declarations(tokens, size.unwrap_or(1), is_whole, frame);
+            return self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame);
         }
         if self.counts(&tokens, frame) {
             return Ok(());
