@@ -82,17 +82,24 @@ impl Words<'_> {
         }
     }
 
-    /// Whether the last statement that `tokens` hold is whole: they do not end with `else`, or with what stands before a body.
+    /// Whether the last statement that `tokens` hold is whole: something stands behind what governs it.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
-        let end = tokens.iter().rposition(|token| token.symbol != ';').map_or(0, |last| last + 1);
-        let tokens = &tokens[..end];
-        let lacks_body = |at: usize| {
-            let behind = &tokens[at + 1..];
-            let is_else = self.word(tokens[at]) == "else";
-            self.governs(&tokens[at..])
-                && (behind.is_empty() || !is_else && closing(behind) == Some(behind.len() - 1))
-        };
-        !(0..end).any(lacks_body)
+        let mut is_whole = true;
+        let mut rest = skip(tokens);
+        while let Some(first) = rest.first() {
+            let is_else = self.word(*first) == "else";
+            let governs = is_else || self.governs(rest);
+            let end = match first.symbol {
+                _ if is_else => Some(1),
+                _ if governs => closing(&rest[1..]).map(|close| close + 2),
+                '{' => closing(rest).map(|close| close + 1),
+                _ => outside(rest, ';').or(Some(rest.len())),
+            };
+            let Some(end) = end else { return false };
+            is_whole = !governs;
+            rest = skip(&rest[end..]);
+        }
+        is_whole
     }
 
     /// The statements of a block in braces.
