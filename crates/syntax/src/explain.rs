@@ -212,8 +212,8 @@ impl Error {
             ErrorKind::BadLook => setting("look")?.hint.to_owned(),
             ErrorKind::BadSetting { hint, .. } => (*hint).to_owned(),
             ErrorKind::BadColorMap => {
-                "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, `spectral`, \
-                 `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
+                "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, \
+                 `spectral`, `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
                     .to_owned()
             }
             kind => fixed_advice(kind)?.to_owned(),

@@ -25,12 +25,13 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         | "\u{2061}" | "\u{200E}" | "\u{200F}" | "\u{202A}" | "\u{202C}" | "\u{202D}" | "\u{2066}" | "\u{2069}"
         // In print these set spaces and the sizes of brackets; they mean nothing here.
         | r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle"
-        | r"\left" | r"\right" | r"\middle" | r"\bigl" | r"\bigr" | r"\big" | r"\biggl" | r"\biggr" | r"\bigg"
-        | r"\Bigl" | r"\Bigr" | r"\Big" | r"\Biggl" | r"\Biggr" | r"\Bigg"
+        | r"\left" | r"\right" | r"\middle" | r"\bigl" | r"\bigr" | r"\big" | r"\biggl" | r"\biggr"
+        | r"\bigg" | r"\Bigl" | r"\Bigr" | r"\Big" | r"\Biggl" | r"\Biggr" | r"\Bigg"
         // These set type.
-        | r"\small" | r"\normalsize" | r"\large" | r"\Large" | r"\textstyle" | r"\limits" | r"\nolimits"
-        | r"\displaylimits" | r"\mathbf" | r"\mathsf" | r"\boldsymbol" | r"\bf" | r"\rm" | r"\it"
-        | r"\hspace" | r"\enspace" | r"\nonumber" | r"\notag" | "&nbsp;" | "&thinsp;"
+        | r"\small" | r"\normalsize" | r"\large" | r"\Large" | r"\textstyle" | r"\limits"
+        | r"\nolimits" | r"\displaylimits" | r"\mathbf" | r"\mathsf" | r"\boldsymbol" | r"\bf"
+        | r"\rm" | r"\it" | r"\hspace" | r"\enspace" | r"\nonumber" | r"\notag" | "&nbsp;"
+        | "&thinsp;"
         // These set formulas apart from the text around them.
         | r"\(" | r"\)" | r"\]" | "$" => ' ',
         "\n" | "\r" => '\n',
@@ -43,8 +44,8 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "+" => '+',
         // A dash between values can only be meant as a minus.
         "-" | "−" | "&minus;" | "–" | "—" | "‒" | "﹣" => '-',
-        "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times" | "&times;"
-        | "&middot;" | "&sdot;" => '*',
+        "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times"
+        | "&times;" | "&middot;" | "&sdot;" => '*',
         "/" | "÷" | "∕" | "⁄" | r"\div" | "&divide;" => '/',
         "^" | "**" | "ˆ" => '^',
         "√" | "&radic;" => '√',
@@ -77,8 +78,8 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         r"\prod" => 'Π',
         "&sup2;" | "&sup3;" => '²',
         // What has no meaning, or none that is known here.
-        r"\pm" | r"\mp" | r"\int" | r"\iint" | r"\iiint" | r"\oint" | r"\partial" | r"\nabla" | r"\lim"
-        | "&amp;" => '?',
+        r"\pm" | r"\mp" | r"\int" | r"\iint" | r"\iiint" | r"\oint" | r"\partial" | r"\nabla"
+        | r"\lim" | "&amp;" => '?',
         r"\bmod" => '٪',
         r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => 'F',
         r"\sqrt" => 'R',
