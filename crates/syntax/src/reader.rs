@@ -212,12 +212,10 @@ impl Reader<'_> {
         if self.counts(&tokens, frame) {
             return Ok(());
         }
-        let tokens = if self.program.in_steps || frame.function.is_some() {
-            let Some(tokens) = self.step(tokens, frame)? else { return Ok(()) };
-            tokens
-        } else {
-            tokens
-        };
+        let in_steps = self.program.in_steps || frame.function.is_some();
+        if in_steps && self.step(&tokens, frame)? {
+            return Ok(());
+        }
         if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
             return self.lambda(name, parameters, value, frame);
         }
@@ -282,24 +280,20 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A statement that sets names; what is left, if it sets none in steps.
-    pub(crate) fn step(
-        &mut self,
-        tokens: Vec<Token>,
-        frame: &mut Frame,
-    ) -> Fallible<Option<Vec<Token>>> {
-        if let Some((left, right)) = Words::parallel(&tokens) {
+    /// Reads a statement that sets names in steps; whether it is one.
+    fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        if let Some((left, right)) = Words::parallel(tokens) {
             // All values are those before any of the names is set.
             let within = frame.aliases.clone();
             for (name, value) in left.into_iter().zip(right) {
                 self.set_to(self.words.name(name), 1, value, None, &within, frame)?;
             }
-            return Ok(None);
+            return Ok(true);
         }
-        if let Some((names, value)) = Words::unpacked(&tokens) {
-            return self.unpack(&names, value, frame).map(|()| None);
+        if let Some((names, value)) = Words::unpacked(tokens) {
+            return self.unpack(&names, value, frame).map(|()| true);
         }
-        if let Some((name, letters, value)) = self.words.assignment(&tokens) {
+        if let Some((name, letters, value)) = self.words.assignment(tokens) {
             let name = self.words.name(name);
             let known = frame.set.iter().rfind(|(set, _)| *set == name.text);
             let size = known.map_or(3, |(_, size)| *size);
@@ -307,18 +301,18 @@ impl Reader<'_> {
             // `x = 3` is an equation, unless a program has declared x.
             let is_coordinate = name.text == "t" || coordinate(&name.text).is_some();
             if is_coordinate && !is_set {
-                return self.plain(tokens, frame, true).map(|()| None);
+                return self.plain(tokens.to_vec(), frame, true).map(|()| true);
             }
-            let is_steps = is_set || self.words.is_step(&tokens);
+            let is_steps = is_set || self.words.is_step(tokens);
             if is_steps || value.iter().any(|t| self.words.word(*t) == name.text) {
-                return self.set(name, size, value, letters, frame).map(|()| None);
+                return self.set(name, size, value, letters, frame).map(|()| true);
             }
             let is_number = matches!(value.as_slice(), [only] if only.symbol == '0');
-            if frame.function.is_none() && !is_number && self.words.lambda(&tokens).is_none() {
+            if frame.function.is_none() && !is_number && self.words.lambda(tokens).is_none() {
                 self.program.last_value = Some(name.clone());
             }
             frame.set.push((name.text, size));
         }
-        Ok(Some(tokens))
+        Ok(false)
     }
 }
