@@ -217,9 +217,7 @@ impl<'a> Reader<'a> {
             } else {
                 self.settings.read(self.text, line, &scope, &self.options.limits)
             };
-            if let Err(error) = result {
-                self.errors.push(*error);
-            }
+            self.kept(result);
             if self.errors.len() >= MOST {
                 break;
             }
@@ -242,6 +240,11 @@ impl<'a> Reader<'a> {
             self.notes.push(note);
         }
         Ok((built, scope))
+    }
+
+    /// What there is, unless it is an error, which is kept.
+    pub(crate) fn kept<T>(&mut self, result: Fallible<T>) -> Option<T> {
+        result.map_err(|error| self.errors.push(*error)).ok()
     }
 
     /// Fails if there were errors.
@@ -303,10 +306,7 @@ impl<'a> Reader<'a> {
             return Err(Error::new(start, ErrorKind::TooManySurfaces { limit }).into());
         }
         for drawing in &drawings {
-            match surface(&mut lowering, drawing) {
-                Ok(surface) => surfaces.push(surface),
-                Err(error) => self.errors.push(*error),
-            }
+            surfaces.extend(self.kept(surface(&mut lowering, drawing)));
         }
         self.check()?;
         let implied;
