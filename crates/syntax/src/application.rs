@@ -3,7 +3,7 @@
 
 use crate::ast::{Expr, ExprKind, Function, NamedValue, ProductSign};
 use crate::build::{Builder, number_only, product_of};
-use crate::closed::is_vector;
+use crate::closed::{is_vector, native};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
@@ -248,27 +248,22 @@ impl Builder<'_> {
             // Mathematica has the base first, Python last.
             (Callee::BuiltIn(name), [_, _]) if name == "log" => {
                 let before = &self.text[..span.start];
-                let is_first =
-                    &self.text[span.range()] == "Log" && self.text[span.end..].starts_with('[');
+                let is_first = typed == "Log" && self.text[span.end..].starts_with('[');
                 let is_last = ["math.", "sp.", "sympy.", "mpmath.", "mp."]
                     .iter()
                     .any(|module| before.ends_with(module));
                 if is_first || is_last {
-                    let second = arguments.remove(1);
-                    let first = arguments.remove(0);
-                    let (base, argument) = if is_first { (first, second) } else { (second, first) };
-                    return Ok(logarithm(argument, base, span.to(place)));
+                    if is_first {
+                        arguments.swap(0, 1);
+                    }
+                    let base = arguments.remove(1);
+                    return Ok(logarithm(arguments.remove(0), base, span.to(place)));
                 }
             }
-            (Callee::BuiltIn(name), [first, second])
-                if name == "arctan" && &self.text[span.range()] == "ArcTan" =>
-            {
+            (Callee::BuiltIn(name), [first, second]) if name == "arctan" && typed == "ArcTan" => {
                 std::mem::swap(first, second);
-                let read = Expr::new(
-                    ExprKind::Call(Function::Native(Op::Atan2), arguments.clone()),
-                    span.to(place),
-                );
-                let read = short_formula(&read.to_string());
+                let kind = ExprKind::Call(Function::Native(Op::Atan2), arguments.clone());
+                let read = short_formula(&Expr::new(kind, span.to(place)).to_string());
                 self.note(span.to(place), NoteKind::ArcTanOfPoint { read });
             }
             _ => {}
@@ -331,7 +326,7 @@ impl Builder<'_> {
 fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
     let ln = |expr: Expr| {
         let place = expr.span;
-        Expr::new(ExprKind::Call(Function::Native(Op::Ln), vec![expr]), place)
+        native(Op::Ln, expr, place)
     };
     let quotient = vec![(ProductSign::Over, ln(base))];
     Expr::new(ExprKind::Product(Box::new(ln(argument)), quotient), span)

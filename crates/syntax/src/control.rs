@@ -8,7 +8,7 @@ use crate::ast::{Expr, ExprKind, Name, Relation};
 use crate::counting::{count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::Wrap;
-use crate::reader::{Frame, Reader};
+use crate::reader::{Frame, Reader, Statements};
 use crate::span::Span;
 use crate::steps::Step;
 use crate::token::{Token, closing, split};
@@ -128,7 +128,7 @@ impl Reader<'_> {
             }
             _ => {
                 for part in self.words.each_setting(tokens.to_vec()) {
-                    self.statement(part, frame, &mut Vec::new().into_iter())?;
+                    self.statement(part, frame, &mut Statements::default())?;
                 }
             }
         }

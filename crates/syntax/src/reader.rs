@@ -142,7 +142,7 @@ impl Reader<'_> {
             // Each is shorter, so that this ends.
             return statements
                 .into_iter()
-                .try_for_each(|tokens| self.statement(tokens, frame, &mut Vec::new().into_iter()));
+                .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
         }
         match self.words.word(first) {
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),

@@ -105,10 +105,8 @@ impl Builder<'_> {
         }
         // `i` alone, or next to values as in `iy`.
         let rest = name.strip_prefix('i').or_else(|| name.strip_suffix('i'));
-        if rest.is_some_and(|rest| rest.is_empty() || scope.is_product(rest, locals)) {
-            return Error::new(span, ErrorKind::Complex);
-        }
-        if name == "I" {
+        let is_unit = |rest: &str| rest.is_empty() || scope.is_product(rest, locals);
+        if name == "I" || rest.is_some_and(is_unit) {
             return Error::new(span, ErrorKind::Complex);
         }
         let is_parameter = matches!(name, "u" | "v" | "s");
@@ -116,10 +114,8 @@ impl Builder<'_> {
             return Error::new(span, ErrorKind::Parametric);
         }
         let after = self.text[span.end..].trim_start_matches(['}', ' ']);
-        let is_over = |rest: &str| {
-            rest.strip_prefix(['/', '{']).is_some_and(|rest| rest.trim_start().starts_with('d'))
-        };
-        if name == "d" && is_over(after) {
+        let below = after.strip_prefix(['/', '{']);
+        if name == "d" && below.is_some_and(|below| below.trim_start().starts_with('d')) {
             return Error::new(span, ErrorKind::Calculus);
         }
         if symbol(name).is_some_and(is_setting) && span.start > self.piece.span.start {
