@@ -57,8 +57,7 @@ impl Reader<'_> {
         let mut steps = self.words.block(&body, 0)?;
         let given = self.given(&parameters);
         if is_void || given.iter().any(|given| given.is_out) {
-            let changes = given.iter().any(|given| given.is_out);
-            let procedure = Procedure { parameters: given, body: steps, changes };
+            let procedure = Procedure { parameters: given, body: steps };
             self.procedures.insert(word, Rc::new(procedure));
             return Ok(rest);
         }

@@ -43,8 +43,6 @@ pub(crate) struct Frame {
 pub(crate) struct Procedure {
     pub parameters: Vec<Given>,
     pub body: Vec<Step>,
-    /// Whether it changes a parameter.
-    pub changes: bool,
 }
 
 /// A parameter.
@@ -263,7 +261,7 @@ impl Reader<'_> {
         }
         let changing = |token: &&Token| {
             let procedure = self.procedures.get(self.words.word(**token));
-            procedure.is_some_and(|procedure| procedure.changes)
+            procedure.is_some_and(|procedure| procedure.parameters.iter().any(|given| given.is_out))
         };
         if let Some(span) = self.cut_quotient(&tokens) {
             return Err(Error::new(span, ErrorKind::WholeQuotient));
