@@ -51,47 +51,20 @@ fn draw<'a>(
     more: impl IntoIterator<Item = (Level<'a>, Option<&'a str>)>,
     color: bool,
 ) -> String {
-    let excerpt = Excerpt::around(text, span);
-    let annotation = AnnotationKind::Primary.span(excerpt.span(span)).label(label);
-    let mut group = title.element(excerpt.snippet(source_name).annotation(annotation));
+    let place = span.start.min(text.len());
+    let line = 1 + text[..place].matches('\n').count();
+    // Whole lines are shown, or less of the last where it is very long; columns are counted from the start of the first.
+    let start = text[..place].rfind('\n').map_or(0, |at| at + 1);
+    let end = span.end.clamp(place, text.len());
+    let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);
+    let shown = &text[start..line_end.min(text.floor_char_boundary(place + CONTEXT))];
+    let clip = |at: usize| at.saturating_sub(start).min(shown.len());
+    let annotation = AnnotationKind::Primary.span(clip(span.start)..clip(span.end)).label(label);
+    let snippet = Snippet::source(shown).line_start(line).path(source_name);
+    let mut group = title.element(snippet.annotation(annotation));
     for (level, said) in more {
         group = group.elements(said.map(|said| level.message(said)));
     }
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
     renderer.term_width(WIDTH).render(&[group])
-}
-
-/// The part of a text that is shown: whole lines, or less of the last where it is very long. It
-/// starts with a line, because columns are counted from its start.
-struct Excerpt<'a> {
-    shown: &'a str,
-    start: usize,
-    line: usize,
-}
-
-impl<'a> Excerpt<'a> {
-    fn around(text: &'a str, span: Span) -> Self {
-        let place = span.start.min(text.len());
-        let line = 1 + text[..place].matches('\n').count();
-        let line_start = text[..place].rfind('\n').map_or(0, |at| at + 1);
-        let end = span.end.clamp(place, text.len());
-        let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);
-        let floor = |mut at: usize| {
-            while !text.is_char_boundary(at) {
-                at -= 1;
-            }
-            at
-        };
-        let stop = line_end.min(floor((place + CONTEXT).min(text.len())));
-        Self { shown: &text[line_start..stop], start: line_start, line }
-    }
-
-    fn span(&self, span: Span) -> std::ops::Range<usize> {
-        let clip = |at: usize| at.saturating_sub(self.start).min(self.shown.len());
-        clip(span.start)..clip(span.end)
-    }
-
-    fn snippet<A: Clone>(&self, source_name: Option<&'a str>) -> Snippet<'a, A> {
-        Snippet::source(self.shown).line_start(self.line).path(source_name)
-    }
 }

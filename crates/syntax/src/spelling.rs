@@ -154,11 +154,7 @@ pub(crate) fn line_length(rest: &str) -> usize {
 
 /// The first bytes of `text`, no more than `most`.
 pub(crate) fn start(text: &str, most: usize) -> &str {
-    let mut end = most.min(text.len());
-    while !text.is_char_boundary(end) {
-        end -= 1;
-    }
-    &text[..end]
+    &text[..text.floor_char_boundary(most)]
 }
 
 /// Whether `text` can be defined: a name that is no operator.
