@@ -47,7 +47,7 @@ impl Reader<'_> {
                     continue;
                 }
                 let name = self.words.name(name);
-                self.set(name, size, value, None, frame)?;
+                self.set(name, size, value, frame)?;
             } else if let [name, open, ..] = tokens.as_slice()
                 && open.symbol == '['
                 && is_name(name.symbol)
@@ -63,21 +63,16 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `name = value`, or with `letters` some components of it.
+    /// `name = value`.
     pub(crate) fn set(
         &mut self,
         name: Name,
         size: usize,
         value: Vec<Token>,
-        letters: Option<String>,
         frame: &mut Frame,
     ) -> Fallible<()> {
         let within = frame.aliases.clone();
-        let write = letters.map(|letters| {
-            let before = frame.meaning(&name.text);
-            Wrap::Write { letters, before, size }
-        });
-        self.set_to(name, size, value, write, &within, frame)
+        self.set_to(name, size, value, None, &within, frame)
     }
 
     /// `name = value`, whose names stand for what they are in `within`.

@@ -66,7 +66,7 @@ impl Reader<'_> {
                         match value {
                             Value::Known(number) => frame.aliases.push(text, written(number, span)),
                             Value::Typed(tokens) => {
-                                reader.set(Name { text, span }, 1, tokens, None, frame)?;
+                                reader.set(Name { text, span }, 1, tokens, frame)?;
                             }
                         }
                         Ok(true)
@@ -118,7 +118,7 @@ impl Reader<'_> {
             "return" if tokens.len() == 1 => leave(FUNCTION, frame),
             "return" if frame.nested > 0 => {
                 let name = Name { text: RESULT.to_owned(), span: first.span };
-                self.set(name, 1, tokens[1..].to_vec(), None, frame)?;
+                self.set(name, 1, tokens[1..].to_vec(), frame)?;
                 leave(FUNCTION, frame);
             }
             "return" => {

@@ -314,7 +314,7 @@ impl Reader<'_> {
         };
         for tokens in split(inner, ',') {
             if let Some((name, None, value)) = self.words.assignment(&tokens) {
-                self.set(self.words.name(name), 1, value, None, frame)?;
+                self.set(self.words.name(name), 1, value, frame)?;
             }
         }
         self.result(rest.to_vec(), frame)

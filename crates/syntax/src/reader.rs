@@ -303,7 +303,10 @@ impl Reader<'_> {
             }
             let is_steps = is_set || self.words.is_step(tokens);
             if is_steps || value.iter().any(|t| self.words.word(*t) == name.text) {
-                return self.set(name, size, value, letters, frame).map(|()| true);
+                let within = frame.aliases.clone();
+                let before = frame.meaning(&name.text);
+                let write = letters.map(|letters| Wrap::Write { letters, before, size });
+                return self.set_to(name, size, value, write, &within, frame).map(|()| true);
             }
             let is_number = matches!(value.as_slice(), [only] if only.symbol == '0');
             if frame.function.is_none() && !is_number && self.words.lambda(tokens).is_none() {
