@@ -1,7 +1,7 @@
 //! Names that a program sets: each time that one is set it is another name, which stands for it below.
 
 use crate::aliases::Aliases;
-use crate::ast::{LETTERS, Name};
+use crate::ast::Name;
 use crate::counting::{number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::{Head, Wrap};
@@ -96,7 +96,7 @@ impl Reader<'_> {
             _ if is_inner => self.fresh(&frame.made_name(&name.text)),
             None if again
                 || wrap.is_some()
-                || self.uses(&value, &name.text)
+                || self.words.has(&value, &name.text)
                 || name.text.chars().all(|letter| "xyzt".contains(letter)) =>
             {
                 self.fresh(&format!("{}_2", name.text))
@@ -150,10 +150,6 @@ impl Reader<'_> {
         found.map(|part| part[0].span.to(part[2].span))
     }
 
-    pub(crate) fn uses(&self, tokens: &[Token], name: &str) -> bool {
-        tokens.iter().any(|token| self.words.word(*token) == name)
-    }
-
     /// A name like `wanted` that the text does not use.
     pub(crate) fn fresh(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
@@ -189,20 +185,5 @@ impl Reader<'_> {
         frame.aliases.push(text.clone(), written(number, name.span));
         frame.set.push((text, 1));
         true
-    }
-
-    /// `x, y, z = p`.
-    pub(crate) fn unpack(
-        &mut self,
-        names: &[Token],
-        value: &[Token],
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        let within = frame.aliases.clone();
-        for (name, letter) in names.iter().zip(LETTERS.chars()) {
-            let wrap = Some(Wrap::Pick(letter));
-            self.set_to(self.words.name(*name), 1, value.to_vec(), wrap, &within, frame)?;
-        }
-        Ok(())
     }
 }

@@ -45,7 +45,7 @@ impl Reader<'_> {
             return Ok(tokens);
         };
         let types = &tokens[..self.words.types(&tokens)];
-        let is_void = types.iter().any(|token| self.words.word(*token) == "void");
+        let is_void = self.words.has(types, "void");
         let word = self.words.word(name).to_owned();
         if is_void && matches!(word.as_str(), "main" | "mainImage") {
             // What it would be drawn with.
@@ -99,7 +99,7 @@ impl Reader<'_> {
     pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<Given> {
         let one = |tokens: &Vec<Token>| {
             let (token, size, _) = self.words.parameter(tokens)?;
-            let has = |word: &str| tokens.iter().any(|token| self.words.word(*token) == word);
+            let has = |word: &str| self.words.has(tokens, word);
             let is_out = has("out") || has("inout");
             Some(Given { name: self.words.name(token), size, is_in: !has("out"), is_out })
         };
@@ -210,7 +210,7 @@ impl Reader<'_> {
             }
             lines.extend(following.next());
         }
-        if !lines.iter().any(|line| line.iter().any(|token| self.words.word(*token) == "return")) {
+        if !lines.iter().any(|line| self.words.has(line, "return")) {
             return Err(refused);
         }
         let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, &lines));
@@ -299,7 +299,7 @@ impl Reader<'_> {
         }
         let mut frame = self.enter(name, parameters)?;
         let Some(body) = body else { return self.result(value, &frame) };
-        if !body.iter().any(|token| self.words.word(*token) == "return") {
+        if !self.words.has(&body, "return") {
             return self.result(body, &frame);
         }
         let steps = self.words.block(&body, 0)?;

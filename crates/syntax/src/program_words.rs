@@ -87,6 +87,11 @@ impl<'a> Words<'a> {
         if is_name(token.symbol) { &self.text[token.span.range()] } else { "" }
     }
 
+    /// Whether a word is among symbols.
+    pub(crate) fn has(self, tokens: &[Token], word: &str) -> bool {
+        tokens.iter().any(|token| self.word(*token) == word)
+    }
+
     pub(crate) fn name(self, token: Token) -> Name {
         Name { text: plain_name(&self.text[token.span.range()]), span: token.span }
     }

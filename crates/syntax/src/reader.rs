@@ -2,7 +2,7 @@
 
 use crate::aliases::Aliases;
 use crate::arrange::arrange;
-use crate::ast::{Expr, ExprKind, Name, NamedValue, Statement};
+use crate::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
 use crate::made::Built;
@@ -289,7 +289,12 @@ impl Reader<'_> {
             return Ok(true);
         }
         if let Some((names, value)) = Words::unpacked(tokens) {
-            return self.unpack(&names, value, frame).map(|()| true);
+            let within = frame.aliases.clone();
+            for (name, letter) in names.into_iter().zip(LETTERS.chars()) {
+                let (name, part) = (self.words.name(name), Some(Wrap::Pick(letter)));
+                self.set_to(name, 1, value.to_vec(), part, &within, frame)?;
+            }
+            return Ok(true);
         }
         if let Some((name, letters, value)) = self.words.assignment(tokens) {
             let name = self.words.name(name);
@@ -302,7 +307,7 @@ impl Reader<'_> {
                 return self.plain(tokens.to_vec(), frame, true).map(|()| true);
             }
             let is_steps = is_set || self.words.is_step(tokens);
-            if is_steps || value.iter().any(|t| self.words.word(*t) == name.text) {
+            if is_steps || self.words.has(&value, &name.text) {
                 let within = frame.aliases.clone();
                 let before = frame.meaning(&name.text);
                 let write = letters.map(|letters| Wrap::Write { letters, before, size });
