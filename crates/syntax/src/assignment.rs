@@ -163,11 +163,7 @@ impl Reader<'_> {
 
     /// `return value`.
     pub(crate) fn result(&mut self, tokens: Vec<Token>, frame: &Frame) -> Fallible<()> {
-        let head = frame.function.as_ref().map(|(name, parameters)| Head {
-            name: name.clone(),
-            parameters: Some(parameters.clone()).filter(|parameters| !parameters.is_empty()),
-        });
-        self.push(tokens, head, None, &frame.aliases, false)
+        self.push(tokens, frame.function.clone(), None, &frame.aliases, false)
     }
 
     /// Counts, where a name that counts is set to a number that is known.

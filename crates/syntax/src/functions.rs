@@ -86,7 +86,7 @@ impl Reader<'_> {
 
     /// Ends a function, which must return something.
     pub(crate) fn leave_function(&mut self, frame: &Frame) -> Fallible<()> {
-        let Some((name, _)) = &frame.function else { return Ok(()) };
+        let Some(Head { name, .. }) = &frame.function else { return Ok(()) };
         if !frame.is_done && frame.aliases.find(RESULT).is_none() {
             let word = "void".to_owned();
             return Err(Error::new(name.span, ErrorKind::Program { word }));
@@ -273,8 +273,9 @@ impl Reader<'_> {
             self.push(value, Some(head), None, &Aliases::default(), false)?;
             frame.aliases.push(parameter.text, kind);
         }
-        let names = names.into_iter().map(|(name, _)| name).collect();
-        frame.function = Some((name, names));
+        let names: Vec<Name> = names.into_iter().map(|(name, _)| name).collect();
+        let parameters = Some(names).filter(|names| !names.is_empty());
+        frame.function = Some(Head { name, parameters });
         Ok(frame)
     }
 

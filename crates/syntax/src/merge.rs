@@ -15,7 +15,7 @@ use crate::control::{LEFT, RESULT, more_than};
 impl Reader<'_> {
     /// Adds a definition that no statement spells out; what it is called by.
     pub(crate) fn make(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
-        let span = frame.function.as_ref().map_or(Span::default(), |(name, _)| name.span);
+        let span = frame.function.as_ref().map_or(Span::default(), |head| head.name.span);
         let (Head { name, parameters }, kind) = self.made_head(name, span, frame);
         let body = Expr::new(body, span);
         let definition = Definition { name, parameters, body, range: None };
@@ -105,10 +105,9 @@ impl Reader<'_> {
             Expr::new(ExprKind::Choice(vec![piece], None), span)
         };
         let statement = match &frame.function {
-            Some((name, parameters)) => {
-                let parameters = Some(parameters.clone()).filter(|names| !names.is_empty());
+            Some(head) => {
+                let Head { name, parameters } = head.clone();
                 self.heads.insert(name.text.clone());
-                let name = name.clone();
                 Statement::Define(Definition { name, parameters, body, range: None })
             }
             None => Statement::Draw { expr: body, restrictions: Vec::new() },
@@ -141,15 +140,14 @@ impl Frame {
     pub(crate) fn made_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
-            (None, Some((function, _))) => format!("{}_{name}", function.text),
+            (None, Some(function)) => format!("{}_{name}", function.name.text),
             (None, None) => format!("{name}_2"),
         }
     }
 
     /// The parameters of what is made here, and how it is called.
     pub(crate) fn call(&self, name: &str) -> (Option<Vec<Name>>, ExprKind) {
-        let parameters = self.function.as_ref().map(|(_, parameters)| parameters.clone());
-        let parameters = parameters.filter(|parameters| !parameters.is_empty());
+        let parameters = self.function.as_ref().and_then(|head| head.parameters.clone());
         let kind = match &parameters {
             None => ExprKind::Name(NamedValue::Defined(name.to_owned())),
             Some(parameters) => {
@@ -177,7 +175,7 @@ impl Frame {
         if let Some(kind) = self.aliases.find(name) {
             return Some(kind.clone());
         }
-        let (_, parameters) = self.function.as_ref()?;
+        let parameters = self.function.as_ref()?.parameters.as_ref()?;
         let is_parameter = parameters.iter().any(|parameter| parameter.text == name);
         is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
     }

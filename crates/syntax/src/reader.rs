@@ -23,7 +23,7 @@ use std::rc::Rc;
 #[derive(Clone, Default)]
 pub(crate) struct Frame {
     /// The function's name and parameters.
-    pub function: Option<(Name, Vec<Name>)>,
+    pub function: Option<Head>,
     pub aliases: Aliases,
     /// Names that were set, with the number of their components.
     pub set: Vec<(String, usize)>,
@@ -254,10 +254,8 @@ impl Reader<'_> {
         is_height: bool,
     ) -> Fallible<()> {
         if tokens.is_empty() {
-            return match head {
-                Some(head) => Err(Error::new(head.name.span, ErrorKind::Unfinished)),
-                None => Ok(()),
-            };
+            let unfinished = |head: Head| Err(Error::new(head.name.span, ErrorKind::Unfinished));
+            return head.map_or(Ok(()), unfinished);
         }
         let changing = |token: &&Token| {
             let procedure = self.procedures.get(self.words.word(**token));
