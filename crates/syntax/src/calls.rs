@@ -26,7 +26,7 @@ impl Reader<'_> {
             }
             None => Macro { parameters: None, body: rest.to_vec() },
         };
-        self.macros.insert(self.words.word(name).to_owned(), Rc::new(made));
+        self.macros.insert(self.words.word(name).to_owned(), made);
     }
 
     /// What `tokens` are with macros written out.
@@ -46,7 +46,6 @@ impl Reader<'_> {
             if depth > DEEPEST {
                 return Err(Error::new(token.span, ErrorKind::TooDeep { limit: DEEPEST }));
             }
-            let made = Rc::clone(made);
             let limit = self.limits.symbols;
             self.written.set(self.written.get() + made.body.len() + 1);
             if self.written.get() > limit {

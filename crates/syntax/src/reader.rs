@@ -70,7 +70,7 @@ pub(crate) struct Reader<'a> {
     pub whole: FxHashSet<String>,
     /// Names that were defined.
     pub heads: FxHashSet<String>,
-    pub macros: FxHashMap<String, Rc<Macro>>,
+    pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
     /// Numbers that names stand for outside functions.
     pub constants: FxHashMap<String, f64>,
