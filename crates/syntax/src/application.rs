@@ -3,7 +3,7 @@
 
 use crate::ast::{Expr, ExprKind, Function, NamedValue, ProductSign};
 use crate::build::{Builder, number_only, product_of};
-use crate::closed::is_vector;
+use crate::closed::{is_vector, native};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::note::NoteKind;
@@ -126,23 +126,18 @@ impl Builder<'_> {
     #[inline(never)]
     fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
         let name = callee.name().to_owned();
-        let inverse = match (callee, name.as_str()) {
-            (Callee::BuiltIn(_), "sin") => "asin",
-            (Callee::BuiltIn(_), "cos") => "acos",
-            (Callee::BuiltIn(_), "tan") => "atan",
-            (Callee::BuiltIn(_), "sec") => "asec",
-            (Callee::BuiltIn(_), "csc") => "acsc",
-            (Callee::BuiltIn(_), "cot") => "acot",
-            (Callee::BuiltIn(_), "sinh") => "asinh",
-            (Callee::BuiltIn(_), "cosh") => "acosh",
-            (Callee::BuiltIn(_), "tanh") => "atanh",
-            _ => {
-                return Err(Error::new(span, ErrorKind::InversePower { name }));
-            }
-        };
-        let kind = NoteKind::InverseFunction { name, inverse: inverse.to_owned() };
+        let has_inverse = matches!(callee, Callee::BuiltIn(_))
+            && matches!(
+                name.as_str(),
+                "sin" | "cos" | "tan" | "sec" | "csc" | "cot" | "sinh" | "cosh" | "tanh"
+            );
+        if !has_inverse {
+            return Err(Error::new(span, ErrorKind::InversePower { name }));
+        }
+        let inverse = format!("a{name}");
+        let kind = NoteKind::InverseFunction { name, inverse: inverse.clone() };
         self.note(span, kind);
-        Ok(Callee::BuiltIn(inverse.to_owned()))
+        Ok(Callee::BuiltIn(inverse))
     }
 
     /// The argument of a function without brackets.
@@ -217,7 +212,7 @@ impl Builder<'_> {
     ) -> Fallible<Expr> {
         let forms = self.scope.forms(callee);
         let mut arguments = arguments;
-        note_form(self, callee, span);
+        self.note_form(callee, span);
         let typed = &self.text[span.range()];
         match (callee, arguments.as_mut_slice()) {
             (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
@@ -253,27 +248,22 @@ impl Builder<'_> {
             // Mathematica has the base first, Python last.
             (Callee::BuiltIn(name), [_, _]) if name == "log" => {
                 let before = &self.text[..span.start];
-                let is_first =
-                    &self.text[span.range()] == "Log" && self.text[span.end..].starts_with('[');
+                let is_first = typed == "Log" && self.text[span.end..].starts_with('[');
                 let is_last = ["math.", "sp.", "sympy.", "mpmath.", "mp."]
                     .iter()
                     .any(|module| before.ends_with(module));
                 if is_first || is_last {
-                    let second = arguments.remove(1);
-                    let first = arguments.remove(0);
-                    let (base, argument) = if is_first { (first, second) } else { (second, first) };
-                    return Ok(logarithm(argument, base, span.to(place)));
+                    if is_first {
+                        arguments.swap(0, 1);
+                    }
+                    let base = arguments.remove(1);
+                    return Ok(logarithm(arguments.remove(0), base, span.to(place)));
                 }
             }
-            (Callee::BuiltIn(name), [first, second])
-                if name == "arctan" && &self.text[span.range()] == "ArcTan" =>
-            {
+            (Callee::BuiltIn(name), [first, second]) if name == "arctan" && typed == "ArcTan" => {
                 std::mem::swap(first, second);
-                let read = Expr::new(
-                    ExprKind::Call(Function::Native(Op::Atan2), arguments.clone()),
-                    span.to(place),
-                );
-                let read = short_formula(&read.to_string());
+                let kind = ExprKind::Call(Function::Native(Op::Atan2), arguments.clone());
+                let read = short_formula(&Expr::new(kind, span.to(place)).to_string());
                 self.note(span.to(place), NoteKind::ArcTanOfPoint { read });
             }
             _ => {}
@@ -303,6 +293,17 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
     }
 
+    /// Notes on functions that other languages understand otherwise.
+    pub(crate) fn note_form(&mut self, callee: &Callee, span: Span) {
+        if let Callee::BuiltIn(name) = callee {
+            match name.as_str() {
+                "acot" | "arccot" => self.note(span, NoteKind::ArcCotangent),
+                "sinc" => self.note(span, NoteKind::Sinc),
+                _ => {}
+            }
+        }
+    }
+
     /// The error for a number of arguments that a function does not take.
     pub(crate) fn wrong_count(
         &self,
@@ -321,22 +322,11 @@ impl Builder<'_> {
     }
 }
 
-/// Notes on functions that other languages understand otherwise.
-pub(crate) fn note_form(builder: &mut Builder<'_>, callee: &Callee, span: Span) {
-    if let Callee::BuiltIn(name) = callee {
-        match name.as_str() {
-            "acot" | "arccot" => builder.note(span, NoteKind::ArcCotangent),
-            "sinc" => builder.note(span, NoteKind::Sinc),
-            _ => {}
-        }
-    }
-}
-
 /// ln(argument)/ln(base)
 fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
     let ln = |expr: Expr| {
         let place = expr.span;
-        Expr::new(ExprKind::Call(Function::Native(Op::Ln), vec![expr]), place)
+        native(Op::Ln, expr, place)
     };
     let quotient = vec![(ProductSign::Over, ln(base))];
     Expr::new(ExprKind::Product(Box::new(ln(argument)), quotient), span)

@@ -3,7 +3,7 @@
 
 use crate::ast::{Expr, ExprKind, Function, ProductSign, SumSign};
 use crate::build::{Builder, product_of, sum_of};
-use crate::error::{Error, ErrorKind, Fallible};
+use crate::error::{Error, ErrorKind, Fallible, plural};
 use crate::grammar::Pair;
 use crate::span::Span;
 use zeroset_ops::{Op, VectorFunction};
@@ -55,11 +55,6 @@ impl Builder<'_> {
     ) -> Fallible<Expr> {
         let place = span.to(self.span(&group));
         let parts: Vec<Pair<'_>> = group.into_inner().collect();
-        let refused = |expected: &str| {
-            let name = self.text[span.range()].to_owned();
-            let (expected, given) = (expected.to_owned(), parts.len());
-            Err(Error::new(place, ErrorKind::WrongCount { name, expected, given, usage: None }))
-        };
         if let (Arithmetic::Boole, [only]) = (kind, parts.as_slice()) {
             let condition = self.condition_of(only.clone())?;
             let number = |digits| Expr::of_digits(digits, place);
@@ -75,7 +70,10 @@ impl Builder<'_> {
             | Arithmetic::Remainder => 2,
         };
         if parts.len() != count {
-            return refused(if count == 1 { "an argument" } else { "2 arguments" });
+            let name = self.text[span.range()].to_owned();
+            let (expected, given) = (plural(count), parts.len());
+            let kind = ErrorKind::WrongCount { name, expected, given, usage: None };
+            return Err(Error::new(place, kind));
         }
         let values: Fallible<Vec<Expr>> =
             parts.into_iter().map(|part| self.argument(part)).collect();

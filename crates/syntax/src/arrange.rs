@@ -6,12 +6,13 @@
 
 use crate::environment::{matrix, scalar_products};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::lexer::{OTHERWISE, ends_operand};
+use crate::lexer::OTHERWISE;
 use crate::limits::Limits;
 use crate::note::{Note, NoteKind};
-use crate::scan::{Piece, Token, scan};
+use crate::scan::{Piece, scan};
 use crate::span::Span;
-use crate::spelling::{closer, decimal, is_setting};
+use crate::spelling::{closer, decimal, ends_operand, in_name, is_setting};
+use crate::token::{Token, outside};
 use std::collections::VecDeque;
 
 /// A symbol, or a pair of brackets with what is in it, arranged.
@@ -23,6 +24,13 @@ enum Node {
 impl Node {
     fn is(&self, symbol: char) -> bool {
         matches!(self, Self::Leaf(token) if token.symbol == symbol)
+    }
+
+    /// Makes another symbol of a leaf.
+    fn set(&mut self, symbol: char) {
+        if let Self::Leaf(token) = self {
+            token.symbol = symbol;
+        }
     }
 
     fn span(&self) -> Span {
@@ -132,8 +140,12 @@ impl Arranger<'_> {
         &self.text[token.span.range()]
     }
 
-    fn is_word(&self, node: &Node, word: &str) -> bool {
-        matches!(node, Node::Leaf(token) if token.symbol == 'a' && self.typed(*token) == word)
+    /// What was typed for a name; nothing for others.
+    fn word(&self, node: &Node) -> &str {
+        match node {
+            Node::Leaf(token) if token.symbol == 'a' => self.typed(*token),
+            _ => "",
+        }
     }
 
     /// What stands up to the bracket that closes `open`, arranged; the bracket is left.
@@ -189,21 +201,18 @@ impl Arranger<'_> {
         {
             // A comma behind the last argument.
             segments.pop();
-            if let Some((_, comma)) = segments.last_mut() {
-                *comma = None;
-            }
         }
         if open.is_some_and(|open| open.symbol == '(') {
             // Arguments of numpy and SymPy that leave a value as it is.
             let is_option = |(segment, _): &(Vec<Node>, Option<Token>)| {
                 segment.len() > 2
                     && segment[1].is('=')
-                    && ["axis", "keepdims", "evaluate"].iter().any(|w| self.is_word(&segment[0], w))
+                    && matches!(self.word(&segment[0]), "axis" | "keepdims" | "evaluate")
             };
             segments.retain(|segment| !is_option(segment));
-            if let Some((_, comma)) = segments.last_mut() {
-                *comma = None;
-            }
+        }
+        if let Some((_, comma)) = segments.last_mut() {
+            *comma = None;
         }
         let mut arranged = Vec::new();
         for (segment, comma) in segments {
@@ -222,22 +231,12 @@ impl Arranger<'_> {
         before: Option<&Node>,
     ) -> Node {
         if open.symbol == '⟦' {
-            let (open, inner, close) = matrix(self.typed(open), (open, close), inner);
+            let (open, inner, close) = matrix(self.typed(open), (open, close), &inner);
             return Node::Group(open, inner, close);
         }
-        let mut depth = 0_usize;
-        let (mut colon, mut comma, mut relation) = (false, false, false);
-        for token in &inner {
-            if closer(token.symbol).is_some() {
-                depth += 1;
-            } else if crate::spelling::is_closer(token.symbol) {
-                depth = depth.saturating_sub(1);
-            } else if depth == 0 {
-                colon |= token.symbol == ':';
-                comma |= token.symbol == ',';
-            }
-            relation |= "=≠<≤>≥∧∨¬".contains(token.symbol);
-        }
+        let colon = outside(&inner, ':').is_some();
+        let comma = outside(&inner, ',').is_some();
+        let relation = inner.iter().any(|token| "=≠<≤>≥∧∨¬".contains(token.symbol));
         let typed = self.typed(open);
         let is_printed = typed == r"\{" || typed == r"\lbrace";
         if is_printed && !colon && !relation && (!comma || is_called(before)) {
@@ -274,8 +273,7 @@ impl Arranger<'_> {
             // Brackets behind a name may hold arguments; two numbers alone may be a point.
             Some(open) => {
                 let behind = self.text[..open.span.start].trim_end().chars().next_back();
-                let is_call =
-                    behind.is_some_and(|c| crate::spelling::in_name(c) || ")]}".contains(c));
+                let is_call = behind.is_some_and(|c| in_name(c) || ")]}".contains(c));
                 open.symbol != '(' || is_call || before.len() < 2
             }
         };
@@ -298,17 +296,12 @@ impl Arranger<'_> {
         if open.is_some() {
             self.words(&mut nodes);
         }
-        for index in 0..nodes.len() {
+        for index in 1..nodes.len() {
             // `(a) & (b)` of numpy.
-            if nodes[index].is('&')
-                && index > 0
-                && matches!(
-                    (&nodes[index - 1], nodes.get(index + 1)),
-                    (Node::Group(..), Some(Node::Group(..)))
-                )
-                && let Node::Leaf(token) = &mut nodes[index]
+            if let [Node::Group(..), sign, Node::Group(..), ..] = &mut nodes[index - 1..]
+                && sign.is('&')
             {
-                token.symbol = '∧';
+                sign.set('∧');
             }
         }
         if open.is_none() {
@@ -321,12 +314,12 @@ impl Arranger<'_> {
         self.infix(&mut nodes);
         self.then(&mut nodes);
         let is_ternary = nodes.iter().any(|node| node.is('⸮'));
-        let is_conditional = nodes.iter().skip(1).any(|node| self.is_word(node, "if"))
-            && nodes.iter().any(|node| self.is_word(node, "else"));
+        let is_conditional = nodes.iter().skip(1).any(|node| self.word(node) == "if")
+            && nodes.iter().any(|node| self.word(node) == "else");
         if is_ternary || is_conditional {
             // What is set equal to a choice is no part of it.
             let choice =
-                nodes.iter().position(|node| node.is('⸮') || self.is_word(node, "if")).unwrap_or(0);
+                nodes.iter().position(|node| node.is('⸮') || self.word(node) == "if").unwrap_or(0);
             let is_equals = |node: &Node| {
                 matches!(node, Node::Leaf(token) if token.symbol == '='
                     && (is_conditional || !self.typed(*token).starts_with("==")))
@@ -342,8 +335,7 @@ impl Arranger<'_> {
 
     /// `x + y = z where z > 0` as `x + y = z {z > 0}`.
     fn condition_behind(&self, nodes: &mut Vec<Node>, is_first: bool) {
-        let is_lead =
-            |node: &Node| ["where", "when", "for"].iter().any(|word| self.is_word(node, word));
+        let is_lead = |node: &Node| matches!(self.word(node), "where" | "when" | "for");
         let Some(at) = nodes.iter().position(is_lead).filter(|at| *at > 0 && is_first) else {
             return;
         };
@@ -368,32 +360,25 @@ impl Arranger<'_> {
                 Node::Group(..) => true,
             };
             let is_infix = ends
-                && self.is_word(&nodes[index], "mod")
+                && self.word(&nodes[index]) == "mod"
                 && nodes.get(index + 1).is_some_and(|next| !is_call(next));
-            if let Node::Leaf(token) = &mut nodes[index]
-                && is_infix
-            {
-                token.symbol = '٪';
+            if is_infix {
+                nodes[index].set('٪');
             }
         }
     }
 
     /// `if c then a else b` as `c ? a : b`.
     fn then(&self, nodes: &mut Vec<Node>) {
-        if !nodes.iter().any(|node| self.is_word(node, "then")) {
+        if !nodes.iter().any(|node| self.word(node) == "then") {
             return;
         }
-        nodes.retain(|node| !["if", "end", "fi"].iter().any(|word| self.is_word(node, word)));
+        nodes.retain(|node| !matches!(self.word(node), "if" | "end" | "fi"));
         for node in nodes.iter_mut() {
-            let symbol = if self.is_word(node, "then") {
-                '⸮'
-            } else if ["else", "elif", "elseif"].iter().any(|word| self.is_word(node, word)) {
-                ':'
-            } else {
-                continue;
-            };
-            if let Node::Leaf(token) = node {
-                token.symbol = symbol;
+            match self.word(node) {
+                "then" => node.set('⸮'),
+                "else" | "elif" | "elseif" => node.set(':'),
+                _ => {}
             }
         }
     }
@@ -406,36 +391,25 @@ impl Arranger<'_> {
         {
             equals.symbol = '≔';
         }
-        let is_otherwise = |node: Option<&Node>| {
-            matches!(node, Some(Node::Leaf(token))
-                if token.symbol == 'a' && OTHERWISE.contains(&self.typed(*token)))
-        };
-        let before_colon =
-            nodes.get(1).is_none_or(|next| next.is(':')) && is_otherwise(nodes.first());
-        if before_colon
-            && nodes.len() > 1
-            && let Some(Node::Leaf(token)) = nodes.first_mut()
+        let is_otherwise = |node: &Node| OTHERWISE.contains(&self.word(node));
+        if let [first, colon, ..] = nodes
+            && colon.is(':')
+            && is_otherwise(first)
         {
-            token.symbol = 'O';
+            first.set('O');
         }
         for index in 1..nodes.len() {
             let follows = nodes[index - 1].is('¿');
-            let is_for = self.is_word(&nodes[index], "for");
-            let is_range = nodes[index - 1].is('∈') && self.is_word(&nodes[index], "range");
-            let last = follows && is_otherwise(nodes.get(index));
-            let lead = follows && (is_for || self.is_word(&nodes[index], "if"));
-            if let Node::Leaf(token) = &mut nodes[index] {
-                if last {
-                    token.symbol = 'O';
-                } else if lead {
-                    // Dropped below: it means nothing behind the sign that separates.
-                    token.symbol = ' ';
-                } else if is_for {
-                    token.symbol = '∀';
-                } else if is_range {
-                    token.symbol = 'N';
-                }
-            }
+            let within = nodes[index - 1].is('∈');
+            let symbol = match self.word(&nodes[index]) {
+                word if follows && OTHERWISE.contains(&word) => 'O',
+                // Dropped below: it means nothing behind the sign that separates.
+                "for" | "if" if follows => ' ',
+                "for" => '∀',
+                "range" if within => 'N',
+                _ => continue,
+            };
+            nodes[index].set(symbol);
         }
     }
 
@@ -485,10 +459,10 @@ impl Arranger<'_> {
         is_ternary: bool,
     ) -> Option<(usize, usize)> {
         let opens = |node: &Node| {
-            if is_ternary { node.is('⸮') } else { self.is_word(node, "if") }
+            if is_ternary { node.is('⸮') } else { self.word(node) == "if" }
         };
         let closes = |node: &Node| {
-            if is_ternary { node.is(':') } else { self.is_word(node, "else") }
+            if is_ternary { node.is(':') } else { self.word(node) == "else" }
         };
         let first = nodes.clone().position(opens)?;
         let mut depth = 0_usize;

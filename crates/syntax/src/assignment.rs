@@ -1,17 +1,15 @@
 //! Names that a program sets: each time that one is set it is another name, which stands for it below.
 
 use crate::aliases::Aliases;
-use crate::ast::{ExprKind, Name, NamedValue};
+use crate::ast::Name;
 use crate::counting::{number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program::Wrap;
-use crate::program_words::{Words, split};
+use crate::program::{Head, Wrap};
+use crate::program_words::Words;
 use crate::reader::{Frame, Reader};
-use crate::scan::Token;
 use crate::span::Span;
 use crate::spelling::is_name;
-use crate::statement::Head;
-use crate::value::LETTERS;
+use crate::token::{Token, split};
 
 /// The most names that a function sets.
 const MOST_NAMES: usize = 1500;
@@ -20,7 +18,7 @@ impl Reader<'_> {
     /// `float a = 1., b = 2.`, its types taken away.
     pub(crate) fn declarations(
         &mut self,
-        tokens: Vec<Token>,
+        tokens: &[Token],
         size: usize,
         is_whole: bool,
         frame: &mut Frame,
@@ -49,7 +47,7 @@ impl Reader<'_> {
                     continue;
                 }
                 let name = self.words.name(name);
-                self.set(name, size, value, None, frame)?;
+                self.set(name, size, value, frame)?;
             } else if let [name, open, ..] = tokens.as_slice()
                 && open.symbol == '['
                 && is_name(name.symbol)
@@ -65,23 +63,16 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `name = value`, or with `letters` some components of it.
+    /// `name = value`.
     pub(crate) fn set(
         &mut self,
         name: Name,
         size: usize,
         value: Vec<Token>,
-        letters: Option<String>,
         frame: &mut Frame,
     ) -> Fallible<()> {
         let within = frame.aliases.clone();
-        let write = letters.map(|letters| {
-            let before = within.find(&name.text);
-            let before = before
-                .map_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)), ExprKind::clone);
-            Wrap::Write { letters, before, size }
-        });
-        self.set_to(name, size, value, write, &within, frame)
+        self.set_to(name, size, value, None, &within, frame)
     }
 
     /// `name = value`, whose names stand for what they are in `within`.
@@ -99,13 +90,13 @@ impl Reader<'_> {
         }
         let again = frame.set.iter().any(|(set, _)| *set == name.text)
             && frame.aliases.find(&name.text).is_some()
-            || self.defined(&name.text);
+            || self.heads.contains(&name.text);
         let is_inner = frame.is_inner();
         let text = match &frame.function {
             _ if is_inner => self.fresh(&frame.made_name(&name.text)),
             None if again
                 || wrap.is_some()
-                || self.uses(&value, &name.text)
+                || self.words.has(&value, &name.text)
                 || name.text.chars().all(|letter| "xyzt".contains(letter)) =>
             {
                 self.fresh(&format!("{}_2", name.text))
@@ -114,7 +105,7 @@ impl Reader<'_> {
         };
         let (parameters, kind) = frame.call(&text);
         if frame.nested > 0 {
-            self.generated.insert(text.clone());
+            self.program.generated.insert(text.clone());
         }
         let mut is_constant = false;
         if frame.function.is_none() {
@@ -159,24 +150,6 @@ impl Reader<'_> {
         found.map(|part| part[0].span.to(part[2].span))
     }
 
-    /// What a name stands for that nothing has set.
-    pub(crate) fn unset(name: &str, frame: &Frame) -> NamedValue {
-        let parameters = frame.function.iter().flat_map(|(_, parameters)| parameters);
-        if parameters.into_iter().any(|parameter| parameter.text == name) {
-            NamedValue::Local(name.to_owned())
-        } else {
-            NamedValue::Defined(name.to_owned())
-        }
-    }
-
-    pub(crate) fn defined(&self, name: &str) -> bool {
-        self.heads.contains(name)
-    }
-
-    pub(crate) fn uses(&self, tokens: &[Token], name: &str) -> bool {
-        tokens.iter().any(|token| self.words.word(*token) == name)
-    }
-
     /// A name like `wanted` that the text does not use.
     pub(crate) fn fresh(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
@@ -190,11 +163,7 @@ impl Reader<'_> {
 
     /// `return value`.
     pub(crate) fn result(&mut self, tokens: Vec<Token>, frame: &Frame) -> Fallible<()> {
-        let head = frame.function.as_ref().map(|(name, parameters)| Head {
-            name: name.clone(),
-            parameters: Some(parameters.clone()).filter(|parameters| !parameters.is_empty()),
-        });
-        self.push(tokens, head, None, &frame.aliases, false)
+        self.push(tokens, frame.function.clone(), None, &frame.aliases, false)
     }
 
     /// Counts, where a name that counts is set to a number that is known.
@@ -212,20 +181,5 @@ impl Reader<'_> {
         frame.aliases.push(text.clone(), written(number, name.span));
         frame.set.push((text, 1));
         true
-    }
-
-    /// `x, y, z = p`.
-    pub(crate) fn unpack(
-        &mut self,
-        names: &[Token],
-        value: &[Token],
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        let within = frame.aliases.clone();
-        for (name, letter) in names.iter().zip(LETTERS.chars()) {
-            let wrap = Some(Wrap::Pick(letter));
-            self.set_to(self.words.name(*name), 1, value.to_vec(), wrap, &within, frame)?;
-        }
-        Ok(())
     }
 }

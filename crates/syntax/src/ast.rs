@@ -91,6 +91,17 @@ impl Expr {
         }
     }
 
+    /// This and everything that it is made of.
+    pub(crate) fn all_parts(&self) -> Vec<&Self> {
+        let mut all = vec![self];
+        let mut at = 0;
+        while let Some(next) = all.get(at) {
+            all.extend(next.parts());
+            at += 1;
+        }
+        all
+    }
+
     /// `-self`, which stands at `span`.
     pub(crate) fn negated(self, span: Span) -> Self {
         Self::new(ExprKind::Negate(Box::new(self)), span)
@@ -130,6 +141,9 @@ pub enum ExprKind {
     /// A condition that must not hold.
     Not(Box<Expr>),
 }
+
+/// The letters of a vector's components.
+pub(crate) const LETTERS: &str = "xyzw";
 
 /// A sum or a product over whole numbers.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,8 @@
 //! Bars: which open and which close, and which two are the word or.
 
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::lexer::{begins_operand, ends_operand};
-use crate::scan::Token;
-use crate::spelling::{closer, is_closer};
+use crate::spelling::{begins_operand, closer, ends_operand, is_closer};
+use crate::token::Token;
 
 /// Bars that may be open at once.
 const DEPTH: usize = 12;

@@ -3,8 +3,9 @@
 
 use crate::aliases::Aliases;
 use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign};
+use crate::diagnose::recognise;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::grammar::{Pair, Pairs, Rule, recognise};
+use crate::grammar::{Pair, Pairs, Rule};
 use crate::limits::Limits;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::print::factor_text;

@@ -1,42 +1,15 @@
 //! Functions of programs that change what they are given, and macros: both are written out where they are called.
 
-use crate::ast::{Expr, ExprKind, Function, Name};
+use crate::ast::ExprKind;
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program_words::{closing, split};
-use crate::reader::{Frame, Reader};
-use crate::scan::Token;
-use crate::span::Span;
-use crate::steps::Step;
-use crate::value::LETTERS;
+use crate::made::with_parts;
+use crate::reader::{Frame, Macro, Procedure, Reader};
+use crate::token::{Token, closing, in_brackets, split};
 use std::rc::Rc;
 
 /// How deep calls may nest that are written out.
 const DEEPEST: usize = 12;
-
-/// A function that changes what it is given, or returns nothing.
-pub(crate) struct Procedure {
-    pub parameters: Vec<Given>,
-    pub body: Vec<Step>,
-    /// Whether it changes a parameter.
-    pub changes: bool,
-}
-
-/// A parameter.
-pub(crate) struct Given {
-    pub name: Name,
-    pub size: usize,
-    /// Whether it has a value when the function begins.
-    pub is_in: bool,
-    /// Whether what it was made into goes back.
-    pub is_out: bool,
-}
-
-/// What stands for something else wherever it is called.
-pub(crate) struct Macro {
-    pub parameters: Option<Vec<String>>,
-    pub body: Vec<Token>,
-}
 
 impl Reader<'_> {
     /// `#define name body` and `#define name(a) body`.
@@ -53,7 +26,7 @@ impl Reader<'_> {
             }
             None => Macro { parameters: None, body: rest.to_vec() },
         };
-        self.macros.insert(self.words.word(name).to_owned(), Rc::new(made));
+        self.macros.insert(self.words.word(name).to_owned(), made);
     }
 
     /// What `tokens` are with macros written out.
@@ -73,7 +46,6 @@ impl Reader<'_> {
             if depth > DEEPEST {
                 return Err(Error::new(token.span, ErrorKind::TooDeep { limit: DEEPEST }));
             }
-            let made = Rc::clone(made);
             let limit = self.limits.symbols;
             self.written.set(self.written.get() + made.body.len() + 1);
             if self.written.get() > limit {
@@ -87,19 +59,14 @@ impl Reader<'_> {
                 all.push(token);
                 continue;
             };
-            let arguments = split(tokens[at + 1..at + end].to_vec(), ',');
+            let arguments = split(&tokens[at + 1..at + end], ',');
             at += end + 1;
             let mut body = Vec::with_capacity(made.body.len());
             for part in &made.body {
                 let word = self.words.word(*part);
                 let index = parameters.iter().position(|name| name == word);
                 match index.and_then(|index| arguments.get(index)) {
-                    Some(argument) if argument.len() > 1 => {
-                        body.push(Token::new('(', Span::at(argument[0].span.start)));
-                        body.extend(argument);
-                        let end = argument[argument.len() - 1].span.end;
-                        body.push(Token::new(')', Span::at(end)));
-                    }
+                    Some(argument) if argument.len() > 1 => body.extend(in_brackets(argument)),
                     Some(argument) => body.extend(argument),
                     None => body.push(*part),
                 }
@@ -113,7 +80,7 @@ impl Reader<'_> {
     pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
         let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
         let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;
-        let arguments = split(tokens[2..=end].to_vec(), ',');
+        let arguments = split(&tokens[2..=end], ',');
         (tokens[1].symbol == '(').then(|| (Rc::clone(procedure), arguments))
     }
 
@@ -184,9 +151,7 @@ impl Reader<'_> {
         let kind = match letters {
             None => value,
             Some(letters) => {
-                let before = frame.aliases.find(&name.text).cloned();
-                let before =
-                    before.unwrap_or_else(|| ExprKind::Name(Self::unset(&name.text, frame)));
+                let before = frame.meaning(&name.text);
                 let whole = known.unwrap_or(3);
                 let body = with_parts(&letters, &before, whole, &value, name.span);
                 self.make(&name.text, body, frame)
@@ -195,25 +160,4 @@ impl Reader<'_> {
         frame.aliases.push(name.text.clone(), kind);
         frame.set.push((name.text, known.unwrap_or(size)));
     }
-}
-
-/// A vector of which some components are set.
-pub(crate) fn with_parts(
-    letters: &str,
-    before: &ExprKind,
-    size: usize,
-    value: &ExprKind,
-    span: Span,
-) -> ExprKind {
-    let expr = |kind: &ExprKind| Expr::new(kind.clone(), span);
-    let part = |of: &ExprKind, letter: char| {
-        Expr::new(ExprKind::Component(Box::new(expr(of)), letter.to_string()), span)
-    };
-    let parts = LETTERS.chars().take(size).map(|letter| match letters.find(letter) {
-        Some(_) if letters.len() == 1 => expr(value),
-        Some(at) => part(value, LETTERS.chars().nth(at).unwrap_or('x')),
-        None => part(before, letter),
-    });
-    let function = Function::Vector(u8::try_from(size).unwrap_or(3));
-    ExprKind::Call(function, parts.collect())
 }

@@ -4,7 +4,6 @@ use crate::ast::{Expr, ExprKind, Function, ProductSign};
 use crate::build::{Builder, number_only, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
-use crate::run::Items;
 use crate::scope::Callee;
 use crate::span::Span;
 use crate::spelling::vulgar;
@@ -109,14 +108,6 @@ impl Builder<'_> {
         let index = self.value(first_part(first))?;
         let radicand = self.part(radicand)?;
         Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
-    }
-
-    /// A part of a fraction that is one name.
-    #[inline(never)] // not in the stack frames of nested fractions
-    fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let mut items = Items::new();
-        self.item(pair, &mut items)?;
-        self.power(&mut items)
     }
 
     /// A part of a fraction, or what is below a root: one digit, or braces.

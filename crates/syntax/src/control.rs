@@ -5,16 +5,13 @@
 //! more branch.
 
 use crate::ast::{Expr, ExprKind, Name, Relation};
-use crate::counting::{Counters, count, number_of, written};
+use crate::counting::{count, number_of, written};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program::Wrap;
-use crate::program_words::{closing, split};
-use crate::reader::{Frame, Reader};
-use crate::scan::Token;
+use crate::reader::{Frame, Reader, Statements};
 use crate::span::Span;
-use crate::statement::Head;
 use crate::steps::Step;
-use rustc_hash::FxHashMap;
+use crate::token::{Token, closing, split};
 
 /// The most statements that a program runs.
 pub(crate) const MOST_STEPS: usize = 1000;
@@ -29,75 +26,85 @@ const ROUND: f64 = 1.0;
 const LOOP: f64 = 2.0;
 const FUNCTION: f64 = 3.0;
 
-/// What is known of numbers in a function's body.
-struct Known<'k> {
-    frame: &'k mut Frame,
-    constants: &'k FxHashMap<String, f64>,
-}
-
-impl Counters for Known<'_> {
-    fn get(&self, name: &str) -> Option<f64> {
-        match self.frame.aliases.find(name) {
-            Some(kind) => number_of(kind),
-            None => self.constants.get(name).copied(),
-        }
-    }
-
-    fn set(&mut self, name: &str, value: f64) {
-        self.frame.aliases.push(name.to_owned(), written(value, Span::default()));
-    }
-}
-
 impl Reader<'_> {
     /// The number that `tokens` are, if that is known.
     pub(crate) fn known(&self, tokens: &[Token], frame: &mut Frame) -> Option<f64> {
-        count(self.words, tokens, &mut Known { frame, constants: &self.constants })
+        count(self.words, tokens, &mut frame.aliases, &self.constants)
     }
 
     /// Runs the statements of a block.
     pub(crate) fn run(&mut self, steps: &[Step], frame: &mut Frame) -> Fallible<()> {
         for (index, step) in steps.iter().enumerate() {
-            self.steps += usize::from(frame.nested > 0);
-            if self.steps > MOST_STEPS {
-                let span = step.first().map_or(Span::default(), |first| first.span);
-                return Err(Error::new(span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+            if frame.nested > 0 {
+                self.count_step(step.first().map_or(Span::default(), |first| first.span))?;
             }
             match step {
                 Step::Plain(tokens) => self.plain_step(tokens, frame)?,
                 Step::If { condition, yes, no } => self.branch(condition, yes, no, frame)?,
                 Step::Loop { word, start, condition, next, body } => {
-                    frame.nested += 1;
                     let counted = start.windows(2).filter(|pair| pair[1].symbol == '=');
                     let names = counted.map(|pair| self.words.word(pair[0]).to_owned());
                     frame.whole.extend(names);
-                    self.plain_step(start, frame)?;
-                    self.rounds(*word, (condition, next), body, frame)?;
-                    self.end_loop(body, frame);
-                    frame.nested -= 1;
+                    let mut before = start.as_slice();
+                    let mut begin = |reader: &mut Self, frame: &mut Frame| {
+                        reader.plain_step(std::mem::replace(&mut before, next), frame)?;
+                        let holds = reader.holds(condition, frame)?;
+                        if holds {
+                            reader.count_step(word.span)?;
+                        }
+                        Ok(holds)
+                    };
+                    self.repeat(&mut begin, body, frame)?;
                 }
                 Step::Each { name, values, body } => {
-                    let values = self.values(*name, values, frame)?;
-                    frame.nested += 1;
-                    self.each(*name, &values, body, frame)?;
-                    self.end_loop(body, frame);
-                    frame.nested -= 1;
+                    let mut values = self.values(*name, values, frame)?.into_iter();
+                    let mut begin = |reader: &mut Self, frame: &mut Frame| {
+                        let Some(value) = values.next() else { return Ok(false) };
+                        reader.count_step(name.span)?;
+                        let span = name.span;
+                        let text = reader.words.text[span.range()].to_owned();
+                        match value {
+                            Value::Known(number) => frame.aliases.push(text, written(number, span)),
+                            Value::Typed(tokens) => {
+                                reader.set(Name { text, span }, 1, tokens, frame)?;
+                            }
+                        }
+                        Ok(true)
+                    };
+                    self.repeat(&mut begin, body, frame)?;
                 }
             }
-            let Some(left) = frame.aliases.find(LEFT).cloned() else { continue };
-            match number_of(&left) {
-                Some(0.0) => {}
-                Some(_) => return Ok(()),
-                None => {
-                    let rest = &steps[index + 1..];
-                    if !rest.is_empty() {
-                        let mut going = frame.inner();
-                        self.run(rest, &mut going)?;
-                        let stopped = frame.clone();
-                        self.merge(frame, &stopped, &going, &more_than(left, 0.0));
-                    }
-                    return Ok(());
-                }
+            let Some(left) = frame.left().cloned() else { continue };
+            let rest = &steps[index + 1..];
+            if rest.is_empty() {
+                return Ok(());
             }
+            return self.unless_left(left, frame, |reader, going| reader.run(rest, going));
+        }
+        Ok(())
+    }
+
+    /// Counts a statement that is run.
+    fn count_step(&mut self, place: Span) -> Fallible<()> {
+        self.steps += 1;
+        if self.steps > MOST_STEPS {
+            return Err(Error::new(place, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+        }
+        Ok(())
+    }
+
+    /// Runs what follows where `left` is 0: one side of a branch, unless it is known that something has left.
+    fn unless_left(
+        &mut self,
+        left: ExprKind,
+        frame: &mut Frame,
+        follow: impl FnOnce(&mut Self, &mut Frame) -> Fallible<()>,
+    ) -> Fallible<()> {
+        if number_of(&left).is_none() {
+            let mut going = frame.inner();
+            follow(self, &mut going)?;
+            let stopped = frame.clone();
+            self.merge(frame, &stopped, &going, &more_than(left, 0.0));
         }
         Ok(())
     }
@@ -111,7 +118,7 @@ impl Reader<'_> {
             "return" if tokens.len() == 1 => leave(FUNCTION, frame),
             "return" if frame.nested > 0 => {
                 let name = Name { text: RESULT.to_owned(), span: first.span };
-                self.set(name, 1, tokens[1..].to_vec(), None, frame)?;
+                self.set(name, 1, tokens[1..].to_vec(), frame)?;
                 leave(FUNCTION, frame);
             }
             "return" => {
@@ -121,7 +128,7 @@ impl Reader<'_> {
             }
             _ => {
                 for part in self.words.each_setting(tokens.to_vec()) {
-                    self.statement(part, frame, &mut Vec::new().into_iter())?;
+                    self.statement(part, frame, &mut Statements::default())?;
                 }
             }
         }
@@ -140,11 +147,7 @@ impl Reader<'_> {
             return self.run(if holds == 0.0 { no } else { yes }, frame);
         }
         let span = condition.first().map_or(Span::default(), |first| first.span);
-        let flag = self.fresh(&frame.made_name("if"));
-        let name = Name { text: flag, span };
-        self.generated.insert(name.text.clone());
-        let (parameters, kind) = frame.call(&name.text);
-        let head = Head { name, parameters };
+        let (head, kind) = self.made_head("if", span, frame);
         self.push(condition.to_vec(), Some(head), Some(Wrap::Flag), &frame.aliases.clone(), false)?;
         let (mut first, mut second) = (frame.inner(), frame.inner());
         self.run(yes, &mut first)?;
@@ -153,76 +156,35 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The rounds of a loop that are left.
-    fn rounds(
-        &mut self,
-        word: Token,
-        (condition, next): (&[Token], &[Token]),
-        body: &[Step],
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        loop {
-            let holds = if condition.is_empty() { Some(1.0) } else { self.known(condition, frame) };
-            let Some(holds) = holds else {
-                let span = condition[0].span.to(condition[condition.len() - 1].span);
-                return Err(Error::new(span, ErrorKind::LoopEnd));
-            };
-            if holds == 0.0 {
-                return Ok(());
-            }
-            self.steps += 1;
-            if self.steps > MOST_STEPS {
-                return Err(Error::new(word.span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
-            }
-            self.run(body, frame)?;
-            if let Some(left) = self.end_round(body, frame) {
-                if number_of(&left).is_some() {
-                    return Ok(());
-                }
-                let mut going = frame.inner();
-                self.plain_step(next, &mut going)?;
-                self.rounds(word, (condition, next), body, &mut going)?;
-                let stopped = frame.clone();
-                self.merge(frame, &stopped, &going, &more_than(left, 0.0));
-                return Ok(());
-            }
-            self.plain_step(next, frame)?;
-        }
+    /// Runs a loop. Before each round `begin` makes it ready, and tells whether there is one.
+    fn repeat(&mut self, begin: Begin<'_, Self>, body: &[Step], frame: &mut Frame) -> Fallible<()> {
+        frame.nested += 1;
+        self.rounds(begin, body, frame)?;
+        // What left the loop is over with it.
+        self.stay(LOOP, Step::has(body, self.words, "return"), frame);
+        frame.nested -= 1;
+        Ok(())
     }
 
-    /// One round for each value.
-    fn each(
-        &mut self,
-        name: Token,
-        values: &[Value],
-        body: &[Step],
-        frame: &mut Frame,
-    ) -> Fallible<()> {
-        for (index, value) in values.iter().enumerate() {
-            self.steps += 1;
-            if self.steps > MOST_STEPS {
-                return Err(Error::new(name.span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
-            }
-            let text = self.words.text[name.span.range()].to_owned();
-            match value {
-                Value::Known(number) => frame.aliases.push(text, written(*number, name.span)),
-                Value::Typed(tokens) => {
-                    let name = Name { text, span: name.span };
-                    self.set(name, 1, tokens.clone(), None, frame)?;
-                }
-            }
+    /// The rounds of a loop that are left.
+    fn rounds(&mut self, begin: Begin<'_, Self>, body: &[Step], frame: &mut Frame) -> Fallible<()> {
+        while begin(self, frame)? {
             self.run(body, frame)?;
             if let Some(left) = self.end_round(body, frame) {
-                if number_of(&left).is_none() {
-                    let mut going = frame.inner();
-                    self.each(name, &values[index + 1..], body, &mut going)?;
-                    let stopped = frame.clone();
-                    self.merge(frame, &stopped, &going, &more_than(left, 0.0));
-                }
-                return Ok(());
+                return self
+                    .unless_left(left, frame, |reader, going| reader.rounds(begin, body, going));
             }
         }
         Ok(())
+    }
+
+    /// Whether the condition of a loop holds, which must be known.
+    fn holds(&self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        let (Some(first), Some(last)) = (condition.first(), condition.last()) else {
+            return Ok(true);
+        };
+        let known = self.known(condition, frame).map(|holds| holds != 0.0);
+        known.ok_or_else(|| Error::new(first.span.to(last.span), ErrorKind::LoopEnd))
     }
 
     /// What a loop over values goes through.
@@ -235,7 +197,7 @@ impl Reader<'_> {
         let Some(end) = closing(list).filter(|end| end + 1 == list.len()) else {
             return Err(refused());
         };
-        let parts = split(list[1..end].to_vec(), ',');
+        let parts = split(&list[1..end], ',');
         if !is_range {
             return Ok(parts.into_iter().map(Value::Typed).collect());
         }
@@ -264,15 +226,7 @@ impl Reader<'_> {
             let others = ["break", "return"].iter().any(|word| Step::has(body, self.words, word));
             self.stay(ROUND, others, frame);
         }
-        frame.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0)).cloned()
-    }
-
-    /// What left the loop is over with it.
-    fn end_loop(&mut self, body: &[Step], frame: &mut Frame) {
-        let others = Step::has(body, self.words, "return");
-        if frame.aliases.find(LEFT).is_some() {
-            self.stay(LOOP, others, frame);
-        }
+        frame.left().cloned()
     }
 
     /// Forgets what left no more than `level`; whether there are `others`.
@@ -292,6 +246,9 @@ impl Reader<'_> {
         frame.aliases.push(LEFT.to_owned(), kind);
     }
 }
+
+/// Makes the next round of a loop ready, and tells whether there is one.
+type Begin<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 
 /// What a name of a loop over values stands for.
 enum Value {

@@ -9,12 +9,13 @@ use crate::ast::{Definition, Expr, ExprKind, Name, NamedValue, Statement};
 use crate::build::Builder;
 use crate::grammar::Rule;
 use crate::limits::Limits;
+use crate::made::Built;
 use crate::note::{Note, NoteKind};
 use crate::program::Wrap;
 use crate::scope::{Scope, canonical};
 use crate::span::Span;
 use crate::spelling::plain_name;
-use crate::statement::{Built, Line};
+use crate::statement::Line;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A name with its definition.
@@ -39,7 +40,7 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
             .map(|name| name.text.as_str())
             .chain(unit.aliases.iter().map(|(name, _)| name))
             .collect();
-        for token in &line.piece.tokens {
+        for token in &line.unit.piece.tokens {
             let name = match token.symbol {
                 'x' => Some("x"),
                 'y' => Some("y"),
@@ -65,7 +66,7 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
         if let Some(ExprKind::Name(NamedValue::Defined(name))) = before
             && let Some(point) = ["p", "pos"].into_iter().find(|point| point == name)
         {
-            uses.entry(point).or_default().push((index, line.piece.span));
+            uses.entry(point).or_default().push((index, line.unit.piece.span));
         }
     }
     uses
@@ -194,7 +195,7 @@ fn system([r, rho, theta, phi]: [bool; 4], with_z: bool) -> Option<(&'static str
 /// Whether components of `name` are taken.
 fn has_components(text: &str, lines: &[Line<'_>], name: &str) -> bool {
     lines.iter().any(|line| {
-        line.piece.tokens.windows(2).any(|pair| {
+        line.unit.piece.tokens.windows(2).any(|pair| {
             pair[0].symbol == 'a' && pair[1].symbol == '‧' && &text[pair[0].span.range()] == name
         })
     })

@@ -1,26 +1,22 @@
 //! Numbers that are known while a program is read: how often a loop is run.
 
+use crate::aliases::Aliases;
 use crate::ast::{Expr, ExprKind};
 use crate::program_words::Words;
-use crate::scan::Token;
 use crate::span::Span;
 use crate::spelling::decimal;
+use crate::token::Token;
+use rustc_hash::FxHashMap;
 
-/// Looks up and sets what names stand for.
-pub(crate) trait Counters {
-    /// The number that a name stands for, if that is known.
-    fn get(&self, name: &str) -> Option<f64>;
-    /// Lets a name stand for another number.
-    fn set(&mut self, name: &str, value: f64);
-}
-
-/// The number that `tokens` are, or 1 for what holds and 0 for what does not; `None` if that is not known.
+/// The number that `tokens` are, or 1 for what holds and 0 for what does not; `None` if that is not known. A name stands for
+/// what its alias is, else for one of the `constants`.
 pub(crate) fn count(
     words: Words<'_>,
     tokens: &[Token],
-    counters: &mut dyn Counters,
+    aliases: &mut Aliases,
+    constants: &FxHashMap<String, f64>,
 ) -> Option<f64> {
-    let mut reader = Count { words, tokens, at: 0, counters, depth: 0 };
+    let mut reader = Count { words, tokens, at: 0, aliases, constants, depth: 0 };
     let value = reader.joined()?;
     (reader.at == tokens.len() && value.is_finite()).then_some(value)
 }
@@ -44,11 +40,24 @@ struct Count<'a> {
     words: Words<'a>,
     tokens: &'a [Token],
     at: usize,
-    counters: &'a mut dyn Counters,
+    aliases: &'a mut Aliases,
+    constants: &'a FxHashMap<String, f64>,
     depth: usize,
 }
 
 impl Count<'_> {
+    /// The number that a name stands for, if that is known.
+    fn get(&self, name: &str) -> Option<f64> {
+        match self.aliases.find(name) {
+            Some(kind) => number_of(kind),
+            None => self.constants.get(name).copied(),
+        }
+    }
+
+    fn set(&mut self, name: &str, value: f64) {
+        self.aliases.push(name.to_owned(), written(value, Span::default()));
+    }
+
     fn symbol(&self) -> Option<char> {
         self.tokens.get(self.at).map(|token| token.symbol)
     }
@@ -149,8 +158,8 @@ impl Count<'_> {
         if let Some(change) = self.doubled() {
             let name = self.tokens.get(self.at + 2)?;
             let name = self.words.word(*name);
-            let value = self.counters.get(name)? + change;
-            self.counters.set(name, value);
+            let value = self.get(name)? + change;
+            self.set(name, value);
             self.at += 3;
             return Some(value);
         }
@@ -172,10 +181,10 @@ impl Count<'_> {
             let value = if name == "int" { value.trunc() } else { value };
             return self.take(")").map(|_| value);
         }
-        let value = self.counters.get(name)?;
+        let value = self.get(name)?;
         if let Some(change) = self.doubled() {
             self.at += 2;
-            self.counters.set(name, value + change);
+            self.set(name, value + change);
         }
         Some(value)
     }

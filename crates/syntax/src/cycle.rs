@@ -2,7 +2,7 @@
 
 use crate::ast::Definition;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::statement::Built;
+use crate::made::Built;
 use rustc_hash::FxHashMap;
 
 /// Fails if definitions use one another in a circle.

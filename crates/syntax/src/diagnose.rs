@@ -1,19 +1,34 @@
-//! What is wrong with a statement that the grammar refuses, inferred from where it stopped.
+//! Statements as the grammar recognises them, and what is wrong with one that it refuses, inferred from where it stopped.
 
-use crate::error::{Error, ErrorKind};
-use crate::grammar::Rule;
-use crate::program_words::split;
-use crate::scan::{Piece, Token};
+use crate::error::{Error, ErrorKind, Fallible};
+use crate::grammar::{Pair, Rule, Zeroset};
+use crate::scan::Piece;
 use crate::setting::setting;
 use crate::span::Span;
 use crate::spelling::{closer, is_closer, is_name, is_operator, short_name};
+use crate::token::{Token, split};
+use pest::Parser as _;
+use pest::error::{ErrorVariant, InputLocation};
 
 /// Bytes of the longest statement that is written anew.
 const LONGEST: usize = 60;
 
+/// Recognises a statement of `text`.
+pub(crate) fn recognise<'i>(text: &str, piece: &'i Piece, rule: Rule) -> Fallible<Pair<'i>> {
+    let mut pairs = Zeroset::parse(rule, &piece.symbols).map_err(|refusal| {
+        // Where a thread has little of its stack left, pest stops.
+        if matches!(&refusal.variant, ErrorVariant::CustomError { .. }) {
+            return Error::new(piece.span, ErrorKind::NoStack);
+        }
+        let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = refusal.location;
+        diagnose(text, piece, rule, piece.index(at))
+    })?;
+    Ok(pairs.next().expect("a statement is one pair"))
+}
+
 /// The error behind the grammar's refusal of `piece`; `next` is the index of the token at which it
 /// stopped.
-pub(crate) fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
+fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
     let found = piece.tokens.get(next);
     let word = piece.tokens.first().and_then(|first| setting(&text[first.span.range()]));
     let setting = match rule {
@@ -134,7 +149,7 @@ fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
 
 /// What was meant by parts of a statement between commas, the first of which is at `first`.
 fn listed(text: &str, piece: &Piece, first: usize) -> Option<String> {
-    let parts = split(piece.tokens.clone(), ',');
+    let parts = split(&piece.tokens, ',');
     let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
     let texts: Vec<&str> = parts.iter().map(typed).collect::<Option<_>>()?;
     let (formula, rest) = (*texts.first()?, texts.get(1..).filter(|rest| !rest.is_empty())?);

@@ -10,16 +10,17 @@ use crate::heading::heading;
 use crate::implied::{drawn_by_program, implied_drawing};
 use crate::limits::Limits;
 use crate::lower::Lowering;
+use crate::made::Built;
 use crate::note::{MOST_NOTES, Note, NoteKind};
 use crate::paint::{Contours, PointValues, SurfaceColor};
+use crate::picture::{Collected, PictureLines, SettingLine, placed};
 use crate::print::Drawing;
-use crate::program::program;
+use crate::reader::program;
 use crate::scene::{DomainLine, SrgbColor, ViewLine};
 use crate::scope::{Meaning, Scope};
-use crate::setting::{Collected, PictureLines, SettingLine, placed};
 use crate::span::Span;
 use crate::spelling::short_name;
-use crate::statement::{Built, build, lines, settle_heads};
+use crate::statement::{build, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Constant, Graph, NodeId};
 
@@ -216,9 +217,7 @@ impl<'a> Reader<'a> {
             } else {
                 self.settings.read(self.text, line, &scope, &self.options.limits)
             };
-            if let Err(error) = result {
-                self.errors.push(*error);
-            }
+            self.kept(result);
             if self.errors.len() >= MOST {
                 break;
             }
@@ -241,6 +240,11 @@ impl<'a> Reader<'a> {
             self.notes.push(note);
         }
         Ok((built, scope))
+    }
+
+    /// What there is, unless it is an error, which is kept.
+    pub(crate) fn kept<T>(&mut self, result: Fallible<T>) -> Option<T> {
+        result.map_err(|error| self.errors.push(*error)).ok()
     }
 
     /// Fails if there were errors.
@@ -302,10 +306,7 @@ impl<'a> Reader<'a> {
             return Err(Error::new(start, ErrorKind::TooManySurfaces { limit }).into());
         }
         for drawing in &drawings {
-            match surface(&mut lowering, drawing) {
-                Ok(surface) => surfaces.push(surface),
-                Err(error) => self.errors.push(*error),
-            }
+            surfaces.extend(self.kept(surface(&mut lowering, drawing)));
         }
         self.check()?;
         let implied;

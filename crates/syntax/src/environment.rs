@@ -1,9 +1,8 @@
 //! LaTeX environments: pieces of a choice, lines, or the rows of a matrix; and the rows as lists, which matrices are elsewhere.
 
-use crate::program_words::closing;
-use crate::scan::{Token, start};
 use crate::span::Span;
-use crate::spelling::{closer, is_closer, is_name};
+use crate::spelling::{is_name, start};
+use crate::token::{Token, closing, is_outside, outside};
 
 /// Environments of pieces: `\begin{…}` opens them.
 const PIECES: &[&str] = &["cases", "dcases", "rcases", "array", "cases*", "dcases*"];
@@ -71,24 +70,11 @@ fn holds_lines(rest: &str, name: &str) -> bool {
 pub(crate) fn matrix(
     typed: &str,
     (open, close): (Token, Token),
-    inner: Vec<Token>,
+    inner: &[Token],
 ) -> (Token, Vec<Token>, Token) {
     let at = |place: Span, symbol: char| Token::new(symbol, place);
-    let mut rows = vec![Vec::new()];
-    let (mut depth, mut columns) = (0_usize, false);
-    for token in inner {
-        if closer(token.symbol).is_some() {
-            depth += 1;
-        } else if is_closer(token.symbol) {
-            depth = depth.saturating_sub(1);
-        }
-        columns |= depth == 0 && token.symbol == ',';
-        match rows.last_mut() {
-            Some(row) if depth > 0 || token.symbol != '␤' => row.push(token),
-            _ => rows.push(Vec::new()),
-        }
-    }
-    let is_nested = columns && rows.len() > 1;
+    let rows: Vec<&[Token]> = inner.split(is_outside('␤')).collect();
+    let is_nested = outside(inner, ',').is_some() && rows.len() > 1;
     let mut all = vec![at(open.span, '⟨')];
     for (index, row) in rows.into_iter().enumerate() {
         let begin = row.first().map_or(close.span.start, |first| first.span.start);

@@ -338,7 +338,8 @@ fn bracket(symbol: char) -> String {
     }
 }
 
-fn plural(count: usize) -> String {
+/// So many arguments.
+pub(crate) fn plural(count: usize) -> String {
     match count {
         1 => "an argument".to_owned(),
         _ => format!("{count} arguments"),

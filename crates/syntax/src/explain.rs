@@ -207,6 +207,15 @@ impl Error {
                 PRESETS.join(", ")
             ),
             ErrorKind::BadVector { key } => format!("write `{key} (1, 2, 3)`"),
+            ErrorKind::BadDomain => setting("domain")?.hint.to_owned(),
+            ErrorKind::BadColor => setting("background")?.hint.to_owned(),
+            ErrorKind::BadLook => setting("look")?.hint.to_owned(),
+            ErrorKind::BadSetting { hint, .. } => (*hint).to_owned(),
+            ErrorKind::BadColorMap => {
+                "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, \
+                 `spectral`, `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
+                    .to_owned()
+            }
             kind => fixed_advice(kind)?.to_owned(),
         })
     }
@@ -331,21 +340,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ErrorKind::CoordinateFunction { .. } => "give the function another name, such as `f`",
         ErrorKind::UnknownOverride { .. } => "use it in the formula, or drop the setting",
         ErrorKind::OverrideFunction { .. } => "change its definition in the text instead",
-        _ => return line_advice(kind),
-    })
-}
-
-/// The same, on lines about the picture.
-fn line_advice(kind: &ErrorKind) -> Option<&'static str> {
-    Some(match kind {
-        ErrorKind::BadDomain => setting("domain")?.hint,
-        ErrorKind::BadColor => setting("background")?.hint,
-        ErrorKind::BadColorMap => {
-            "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, `spectral`, \
-             `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
-        }
-        ErrorKind::BadSetting { hint, .. } => hint,
-        ErrorKind::BadLook => setting("look")?.hint,
         _ => return None,
     })
 }

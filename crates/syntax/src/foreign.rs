@@ -1,28 +1,7 @@
 //! Signs of other languages, of markup and of print, that stand for a symbol or for none.
 
-use crate::lexer::{Context, ends_operand, line_length};
-use crate::spelling::{in_name, symbol};
-
-/// Characters of markup by name, and what they are.
-const ENTITIES: &[(&str, &str)] = &[
-    ("&minus;", "-"),
-    ("&times;", "*"),
-    ("&middot;", "*"),
-    ("&sdot;", "*"),
-    ("&divide;", "/"),
-    ("&lt;", "<"),
-    ("&gt;", ">"),
-    ("&le;", "≤"),
-    ("&ge;", "≥"),
-    ("&ne;", "≠"),
-    ("&radic;", "√"),
-    ("&nbsp;", " "),
-    ("&thinsp;", " "),
-    ("&amp;", "&"),
-];
-
-/// The superscripts among them.
-const POWERS: &[&str] = &["&sup2;", "&sup3;"];
+use crate::spelling::{ends_operand, in_name, line_length, plain, prefix, start, symbol};
+use crate::token::Context;
 
 /// Words in angle brackets around a formula.
 const TAGS: &[&str] = &["math", "i", "em", "b", "span", "p", "code", "var", "br", "nowiki"];
@@ -35,13 +14,10 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
     let first = rest.chars().next()?;
     let length = first.len_utf8();
     match first {
+        // A character of markup by name.
         '&' => {
-            if let Some(power) = POWERS.iter().find(|power| rest.starts_with(**power)) {
-                return Some(('²', power.len()));
-            }
-            let (entity, meant) = ENTITIES.iter().find(|(entity, _)| rest.starts_with(entity))?;
-            let symbol = if *meant == "≤" { '≤' } else { symbol(meant).unwrap_or('?') };
-            Some((symbol, entity.len()))
+            let end = start(rest, 10).find(';')? + 1;
+            Some((symbol(&rest[..end])?, end))
         }
         '<' => tag(rest),
         '#' => {
@@ -53,16 +29,17 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
         '%' if context.last.is_some_and(ends_operand) && divides(&rest[1..]) => Some(('٪', 1)),
         // Constants of Maxima.
         '%' if !context.last.is_some_and(ends_operand) || context.touching.is_none() => {
-            let word = name_length(&rest[1..]);
+            let word = prefix(&rest[1..], in_name);
             matches!(&rest[1..=word], "pi" | "e" | "phi").then_some(('a', 1 + word))
         }
         // Coordinates of Houdini.
         '$' => {
-            let is_axis = rest[1..].starts_with(['X', 'Y', 'Z']) && name_length(&rest[1..]) == 1;
+            let is_axis =
+                rest[1..].starts_with(['X', 'Y', 'Z']) && prefix(&rest[1..], in_name) == 1;
             is_axis.then_some((' ', 1))
         }
         '@' if rest[1..].trim_start().starts_with('(') => Some(('@', 1)),
-        '@' if rest[1..].starts_with('P') && name_length(&rest[1..]) == 1 => Some(('a', 2)),
+        '@' if rest[1..].starts_with('P') && prefix(&rest[1..], in_name) == 1 => Some(('a', 2)),
         // The product of matrices in Python.
         '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some(('*', 1)),
         '.' => {
@@ -81,7 +58,7 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
         }
         // Quotation marks stand around a formula, not in it.
         '"' | '`' | '“' | '”' | '„' => {
-            let next = crate::scan::start(&rest[length..], 20);
+            let next = start(&rest[length..], 20);
             let line = next[..line_length(next)].trim();
             let is_end = line.is_empty() || matches!(line, "." | ",");
             // Mathematica marks the precision of a number.
@@ -90,13 +67,13 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
                 .then_some((' ', length))
         }
         '*' if rest.starts_with("*^") && context.touching == Some('0') => None,
-        _ => plain(first).filter(|_| !first.is_alphabetic()).and_then(|plain| {
+        _ => plain(first).filter(|_| !first.is_alphabetic()).and_then(|meant| {
             let mut buffer = [0; 4];
-            if plain.is_ascii_digit() {
-                let digits = |c: char| crate::foreign::plain(c).is_some_and(|c| c.is_ascii_digit());
+            if meant.is_ascii_digit() {
+                let digits = |c: char| plain(c).is_some_and(|c| c.is_ascii_digit());
                 return Some(('0', rest.find(|c| !digits(c)).unwrap_or(rest.len())));
             }
-            Some((symbol(plain.encode_utf8(&mut buffer))?, length))
+            Some((symbol(meant.encode_utf8(&mut buffer))?, length))
         }),
     }
 }
@@ -105,21 +82,17 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
 fn divides(rest: &str) -> bool {
     let rest = rest.trim_start_matches(' ');
     let rest = rest.strip_prefix('-').unwrap_or(rest);
-    let name = name_length(rest);
+    let name = prefix(rest, in_name);
     let behind = rest[name..].trim_start_matches(' ');
     rest.starts_with(|c: char| c.is_ascii_digit() || c == '(')
         || matches!(name, 1 | 2) && !behind.starts_with(char::is_alphabetic)
 }
 
-fn name_length(text: &str) -> usize {
-    text.find(|c| !in_name(c)).unwrap_or(text.len())
-}
-
 /// `<sup>2</sup>`, and what stands around a formula.
 fn tag(rest: &str) -> Option<(char, usize)> {
-    let end = crate::scan::start(rest, 80).find('>')?;
+    let end = start(rest, 80).find('>')?;
     let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);
-    let word = &inner[..name_length(inner)];
+    let word = &inner[..prefix(inner, in_name)];
     let attributes = &inner[word.len()..];
     if !(attributes.is_empty()
         || attributes.starts_with(' ') && attributes.contains('=')
@@ -131,7 +104,7 @@ fn tag(rest: &str) -> Option<(char, usize)> {
         if rest.starts_with("</") {
             return Some((' ', end + 1));
         }
-        let close = crate::scan::start(&rest[end + 1..], 40).find("</sup>")?;
+        let close = start(&rest[end + 1..], 40).find("</sup>")?;
         // A sum above would need brackets.
         let is_short = rest[end + 1..end + 1 + close].chars().all(in_name);
         return is_short.then_some(('^', end + 1));
@@ -139,53 +112,8 @@ fn tag(rest: &str) -> Option<(char, usize)> {
     // `x <b> y` compares: what opens must close.
     let closes = || {
         let close = format!("</{word}>");
-        crate::scan::start(&rest[end + 1..], 400).contains(&close)
+        start(&rest[end + 1..], 400).contains(&close)
     };
     let is_tag = rest.starts_with("</") || word == "br" || closes();
     (TAGS.contains(&word) && is_tag).then_some((' ', end + 1))
-}
-
-/// The letter, digit or sign that a character is another form of: of full width, or set for mathematics.
-pub(crate) fn plain(character: char) -> Option<char> {
-    let code = u32::from(character);
-    let letter = |first: u32, from: char, count: u32| {
-        (first..first + count)
-            .contains(&code)
-            .then(|| char::from_u32(u32::from(from) + code - first))
-    };
-    if (0xFF01..=0xFF5E).contains(&code) {
-        return char::from_u32(code - 0xFF01 + 0x21);
-    }
-    if character == 'ℎ' {
-        return Some('h');
-    }
-    // Alphabets of 26 capitals and 26 small letters, from bold to monospace.
-    if (0x1D400..0x1D6A4).contains(&code) {
-        let at = (code - 0x1D400) % 52;
-        let first = if at < 26 { 'A' } else { 'a' };
-        return char::from_u32(u32::from(first) + at % 26);
-    }
-    letter(0x1D7CE, '0', 50)
-        .flatten()
-        .map(|c| char::from(b'0' + u8::try_from((u32::from(c) - 0x30) % 10).unwrap_or(0)))
-}
-
-/// A text with such characters replaced; subscripts become what `x_1` is.
-pub(crate) fn plain_text(text: &str) -> String {
-    let mut all = String::with_capacity(text.len());
-    let mut is_below = false;
-    for character in text.chars() {
-        let digit = u32::from(character).checked_sub(u32::from('₀')).filter(|digit| *digit < 10);
-        if let Some(digit) = digit.and_then(|digit| char::from_digit(digit, 10)) {
-            if !is_below {
-                all.push('_');
-            }
-            all.push(digit);
-            is_below = true;
-        } else {
-            all.push(plain(character).unwrap_or(character));
-            is_below = false;
-        }
-    }
-    all
 }

@@ -2,17 +2,16 @@
 
 use crate::aliases::Aliases;
 use crate::ast::{ExprKind, Name, NamedValue};
-use crate::calls::{Given, Procedure};
 use crate::control::RESULT;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::note::{Note, NoteKind};
-use crate::program_words::{SCENES, Words, bracketed, closing, size_of, split};
-use crate::reader::{Frame, Reader, Statements};
-use crate::scan::Token;
+use crate::program::Head;
+use crate::program_words::{SCENES, Words, size_of};
+use crate::reader::{Frame, Given, Procedure, Reader, Statements};
 use crate::scope::coordinate;
 use crate::span::Span;
-use crate::statement::Head;
 use crate::steps::Step;
+use crate::token::{Token, bracketed, closing, split};
 use std::rc::Rc;
 
 /// The most functions on one line.
@@ -46,7 +45,7 @@ impl Reader<'_> {
             return Ok(tokens);
         };
         let types = &tokens[..self.words.types(&tokens)];
-        let is_void = types.iter().any(|token| self.words.word(*token) == "void");
+        let is_void = self.words.has(types, "void");
         let word = self.words.word(name).to_owned();
         if is_void && matches!(word.as_str(), "main" | "mainImage") {
             // What it would be drawn with.
@@ -58,8 +57,7 @@ impl Reader<'_> {
         let mut steps = self.words.block(&body, 0)?;
         let given = self.given(&parameters);
         if is_void || given.iter().any(|given| given.is_out) {
-            let changes = given.iter().any(|given| given.is_out);
-            let procedure = Procedure { parameters: given, body: steps, changes };
+            let procedure = Procedure { parameters: given, body: steps };
             self.procedures.insert(word, Rc::new(procedure));
             return Ok(rest);
         }
@@ -88,7 +86,7 @@ impl Reader<'_> {
 
     /// Ends a function, which must return something.
     pub(crate) fn leave_function(&mut self, frame: &Frame) -> Fallible<()> {
-        let Some((name, _)) = &frame.function else { return Ok(()) };
+        let Some(Head { name, .. }) = &frame.function else { return Ok(()) };
         if !frame.is_done && frame.aliases.find(RESULT).is_none() {
             let word = "void".to_owned();
             return Err(Error::new(name.span, ErrorKind::Program { word }));
@@ -101,7 +99,7 @@ impl Reader<'_> {
     pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<Given> {
         let one = |tokens: &Vec<Token>| {
             let (token, size, _) = self.words.parameter(tokens)?;
-            let has = |word: &str| tokens.iter().any(|token| self.words.word(*token) == word);
+            let has = |word: &str| self.words.has(tokens, word);
             let is_out = has("out") || has("inout");
             Some(Given { name: self.words.name(token), size, is_in: !has("out"), is_out })
         };
@@ -161,29 +159,27 @@ impl Reader<'_> {
         });
         let note =
             trigonometric.map(|token| Note { span: token.span, kind: NoteKind::DegreesOfOpenscad });
-        let value = tokens.get(1..).and_then(bracketed);
-        let value = value.filter(|(inner, rest)| {
-            let has_values = inner.iter().any(|token| token.symbol == '=');
-            has_values && rest.first().is_some_and(|next| next.symbol == '=')
-        });
-        match self.words.with_bindings(&tokens) {
-            None if value.is_some() => {
-                if let Some((inner, rest)) = value {
-                    let name = self.words.name(tokens[0]);
-                    let frame = self.enter(name, split(inner, ','))?;
-                    self.result(rest[1..].to_vec(), &frame)?;
-                }
+        let name = self.words.name(tokens[0]);
+        match bracketed(&tokens[1..]) {
+            Some((inner, [equals, rest @ ..]))
+                if equals.symbol == '='
+                    && rest.first().is_some_and(|word| self.words.word(*word) == "let") =>
+            {
+                let mut frame = self.enter(name, split(inner, ','))?;
+                self.bindings(rest.to_vec(), &mut frame)?;
             }
-            Some((name, parameters, bindings)) => {
-                let mut frame = self.enter(self.words.name(name), parameters)?;
-                self.bindings(bindings, &mut frame)?;
+            Some((inner, [equals, rest @ ..]))
+                if equals.symbol == '=' && inner.iter().any(|token| token.symbol == '=') =>
+            {
+                let frame = self.enter(name, split(inner, ','))?;
+                self.result(rest.to_vec(), &frame)?;
             }
-            None => {
-                if let Some((parameters, rest)) = tokens.get(1..).and_then(bracketed)
-                    && !parameters.iter().any(|token| token.symbol == ',')
-                    && self.words.is_point(&parameters, &[rest])
+            found => {
+                if let Some((inner, rest)) = found
+                    && !inner.iter().any(|token| token.symbol == ',')
+                    && self.words.is_point(inner, &[rest.to_vec()])
                 {
-                    self.draws(&self.words.name(tokens[0]));
+                    self.draws(&name);
                 }
                 self.plain(tokens, frame, false)?;
             }
@@ -206,23 +202,15 @@ impl Reader<'_> {
         let own = self.words.indent(tokens);
         let is_indented =
             following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);
-        while lines.is_empty() || is_indented {
-            let next = following.as_slice().first();
-            if next.is_none_or(|next| is_indented && self.words.indent(next) <= own) {
+        // What lost its indentation ends where it returns.
+        while let Some(next) = following.as_slice().first() {
+            let ends = if is_indented { self.words.indent(next) <= own } else { self.ends(&lines) };
+            if ends {
                 break;
             }
             lines.extend(following.next());
         }
-        if !is_indented && !self.ends(&lines) {
-            // Lost its indentation: it ends where it returns.
-            for next in following.by_ref() {
-                lines.push(next);
-                if self.ends(&lines) {
-                    break;
-                }
-            }
-        }
-        if !lines.iter().any(|line| line.iter().any(|token| self.words.word(*token) == "return")) {
+        if !lines.iter().any(|line| self.words.has(line, "return")) {
             return Err(refused);
         }
         let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, &lines));
@@ -285,8 +273,9 @@ impl Reader<'_> {
             self.push(value, Some(head), None, &Aliases::default(), false)?;
             frame.aliases.push(parameter.text, kind);
         }
-        let names = names.into_iter().map(|(name, _)| name).collect();
-        frame.function = Some((name, names));
+        let names: Vec<Name> = names.into_iter().map(|(name, _)| name).collect();
+        let parameters = Some(names).filter(|names| !names.is_empty());
+        frame.function = Some(Head { name, parameters });
         Ok(frame)
     }
 
@@ -311,7 +300,7 @@ impl Reader<'_> {
         }
         let mut frame = self.enter(name, parameters)?;
         let Some(body) = body else { return self.result(value, &frame) };
-        if !body.iter().any(|token| self.words.word(*token) == "return") {
+        if !self.words.has(&body, "return") {
             return self.result(body, &frame);
         }
         let steps = self.words.block(&body, 0)?;
@@ -326,9 +315,9 @@ impl Reader<'_> {
         };
         for tokens in split(inner, ',') {
             if let Some((name, None, value)) = self.words.assignment(&tokens) {
-                self.set(self.words.name(name), 1, value, None, frame)?;
+                self.set(self.words.name(name), 1, value, frame)?;
             }
         }
-        self.result(rest, frame)
+        self.result(rest.to_vec(), frame)
     }
 }

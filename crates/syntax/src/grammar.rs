@@ -1,11 +1,6 @@
 //! The grammar, compiled in.
 
-use crate::diagnose::diagnose;
-use crate::error::{Error, ErrorKind, Fallible};
-use crate::scan::Piece;
-use pest::Parser as _;
-use pest::error::{ErrorVariant, InputLocation};
-pub(crate) use rules::Rule;
+pub(crate) use rules::{Rule, Zeroset};
 
 /// A recognised part of a statement.
 pub(crate) type Pair<'i> = pest::iterators::Pair<'i, Rule>;
@@ -13,17 +8,9 @@ pub(crate) type Pair<'i> = pest::iterators::Pair<'i, Rule>;
 /// Parts of a statement that are still to be read.
 pub(crate) type Pairs<'i> = pest::iterators::Pairs<'i, Rule>;
 
-/// Recognises a statement of `text`.
-pub(crate) fn recognise<'i>(text: &str, piece: &'i Piece, rule: Rule) -> Fallible<Pair<'i>> {
-    let mut pairs = rules::Zeroset::parse(rule, &piece.symbols).map_err(|refusal| {
-        // Where a thread has little of its stack left, pest stops.
-        if matches!(&refusal.variant, ErrorVariant::CustomError { .. }) {
-            return Error::new(piece.span, ErrorKind::NoStack);
-        }
-        let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = refusal.location;
-        diagnose(text, piece, rule, piece.index(at))
-    })?;
-    Ok(pairs.next().expect("a statement is one pair"))
+/// What stands behind the word of a line.
+pub(crate) fn parts(line: Pair<'_>) -> Vec<Pair<'_>> {
+    line.into_inner().filter(|part| part.as_rule() != Rule::EOI).collect()
 }
 
 /// A module of its own, because the generated items carry no documentation.

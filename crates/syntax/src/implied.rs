@@ -2,10 +2,11 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
 use crate::error::{Error, ErrorKind, Fallible};
+use crate::made::Built;
 use crate::note::{Note, NoteKind};
 use crate::program::Program;
 use crate::span::Span;
-use crate::statement::{Built, is_plain_number};
+use crate::statement::is_plain_number;
 use zeroset_ir::Axis;
 
 /// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a

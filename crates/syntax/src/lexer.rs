@@ -4,64 +4,17 @@
 //! languages, names of modules before functions, components of vectors.
 
 use crate::environment::environment;
-use crate::foreign::{foreign, plain_text};
-use crate::scan::start;
-use crate::spelling::{closer, in_name, is_closer, is_name, superscript_digit, symbol, vulgar};
-
-/// What is known where a symbol is read.
-#[derive(Clone, Copy, Default)]
-#[allow(clippy::struct_excessive_bools)] // what was seen, each by itself
-pub(crate) struct Context {
-    /// Whether a part of a fraction is next, which is one digit or stands in braces.
-    pub is_part: bool,
-    /// Whether a root of LaTeX is open, of which one digit stands below.
-    pub is_radicand: bool,
-    /// Whether a color is next.
-    pub is_color: bool,
-    /// Whether nothing stands before it on its line.
-    pub starts_line: bool,
-    /// The symbol before it, if nothing stands between.
-    pub touching: Option<char>,
-    /// The last symbol of its statement.
-    pub last: Option<char>,
-}
+use crate::foreign::foreign;
+use crate::spelling::{
+    ends_operand, in_name, is_closer, is_name, line_length, plain_text, prefix, start,
+    superscript_digit, symbol, vulgar,
+};
+use crate::token::Context;
 
 /// Names of modules, which mean nothing before a dot and a name.
 const MODULES: &[&str] = &[
     "np", "numpy", "math", "Math", "sp", "sympy", "scipy", "jnp", "torch", "tf", "glm", "linalg",
     "mpmath", "mp", "cp", "xp", "Mathf",
-];
-
-/// LaTeX commands that set type and mean nothing.
-const TYPESETTING: &[&str] = &[
-    "Bigl",
-    "Bigr",
-    "Big",
-    "bigg",
-    "biggl",
-    "biggr",
-    "Bigg",
-    "Biggl",
-    "Biggr",
-    "small",
-    "large",
-    "Large",
-    "normalsize",
-    "nonumber",
-    "notag",
-    "textstyle",
-    "limits",
-    "nolimits",
-    "middle",
-    "mathbf",
-    "mathsf",
-    "boldsymbol",
-    "displaylimits",
-    "hspace",
-    "bf",
-    "rm",
-    "it",
-    "enspace",
 ];
 
 /// LaTeX commands whose text in braces is no part of a formula.
@@ -192,16 +145,6 @@ fn comment(rest: &str, context: Context) -> Option<usize> {
     (context.starts_line && rest.starts_with('%')).then(|| line_length(rest))
 }
 
-/// The length of the line that `rest` starts in.
-pub(crate) fn line_length(rest: &str) -> usize {
-    rest.find('\n').unwrap_or(rest.len())
-}
-
-/// The length of what `text` starts with, as far as its characters are `accepted`.
-fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
-    text.find(|c| !accepted(c)).unwrap_or(text.len())
-}
-
 /// Whether a component can follow: a vector has a name or stands in brackets.
 fn ends_value(symbol: char) -> bool {
     matches!(symbol, 'a' | 'x' | 'y' | 'z' | '‧') || is_closer(symbol)
@@ -324,8 +267,6 @@ fn command(rest: &str, context: Context) -> (char, usize) {
                 return (found.0, end + found.1);
             }
         }
-        "sum" => return ('Σ', end),
-        "prod" => return ('Π', end),
         "left" | "right" => {
             let bar = [r"\lvert", r"\rvert", r"\vert", r"\lVert", r"\rVert", r"\Vert", r"\|", "|"];
             let space = prefix(after, |c| c == ' ');
@@ -335,17 +276,7 @@ fn command(rest: &str, context: Context) -> (char, usize) {
                 None => (' ', end),
             };
         }
-        "lvert" | "lVert" => return ('❘', end),
-        "rvert" | "rVert" => return ('¦', end),
-        "vert" | "Vert" => return ('|', end),
         "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (' ', end),
-        "over" => return ('÷', end),
-        "lbrace" => return ('{', end),
-        "rbrace" => return ('}', end),
-        "pm" | "mp" | "int" | "iint" | "iiint" | "oint" | "partial" | "nabla" | "lim" => {
-            return ('?', end);
-        }
-        _ if TYPESETTING.contains(&word) => return (' ', end),
         _ if LABELS.contains(&word) && after.starts_with('{') => {
             return (' ', after.find('}').map_or(rest.len(), |length| end + length + 1));
         }
@@ -370,13 +301,9 @@ fn sign(rest: &str) -> (char, usize) {
             let word = prefix(&rest[2..], |c| c.is_ascii_alphabetic());
             if word > 0 && rest[2 + word..].starts_with(']') { ('a', word + 3) } else { (' ', 2) }
         }
-        r"\]" | r"\(" | r"\)" => (' ', 2),
         // A brace before an environment is its ornament.
         r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (' ', 2),
-        r"\|" => ('|', 2),
-        r"\{" => ('{', 2),
-        r"\}" => ('}', 2),
-        other => symbol(other).map_or(('?', 1), |blank| (blank, two)),
+        other => symbol(other).map_or(('?', 1), |symbol| (symbol, two)),
     }
 }
 
@@ -409,16 +336,4 @@ fn braced(rest: &str) -> Option<usize> {
     let inner = rest.strip_prefix('{')?;
     let length = prefix(inner, in_name);
     (length > 0 && inner[length..].starts_with('}')).then_some(length + 2)
-}
-
-/// Whether an operand can end with this symbol.
-pub(crate) fn ends_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '1' | '½' | '²' | '‧' | '!') || is_name(symbol) || is_closer(symbol)
-}
-
-/// Whether an operand can begin with this symbol.
-pub(crate) fn begins_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '½' | 'F' | '√' | '∛' | '¬' | 'Σ' | 'Π')
-        || is_name(symbol)
-        || closer(symbol).is_some()
 }

@@ -1,9 +1,18 @@
-//! Statements that a text does not spell out: what branches, loops and calls are written out to.
+//! Statements with their trees, and those that a text does not spell out: what branches, loops and calls are written out to.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
+use crate::ast::{Definition, Expr, ExprKind, Function, LETTERS, NamedValue, Statement};
+use crate::note::Note;
 use crate::span::Span;
-use crate::statement::Built;
 use rustc_hash::FxHashSet;
+
+/// A statement with its trees, what was noticed while building them, and the names that it uses.
+#[derive(Clone)]
+pub(crate) struct Built {
+    pub statement: Statement,
+    pub span: Span,
+    pub notes: Vec<Note>,
+    pub used: FxHashSet<String>,
+}
 
 impl Built {
     /// A statement that the text does not spell out.
@@ -11,47 +20,34 @@ impl Built {
         let mut used = FxHashSet::default();
         let (Statement::Draw { expr, .. } | Statement::Define(Definition { body: expr, .. })) =
             &statement;
-        names_in(expr, &mut used);
+        for part in expr.all_parts() {
+            if let ExprKind::Name(NamedValue::Defined(name))
+            | ExprKind::Call(Function::Defined(name), _) = &part.kind
+            {
+                used.insert(name.clone());
+            }
+        }
         Self { statement, span, notes: Vec::new(), used }
     }
 }
 
-/// Collects the names of the document that what a program makes is made of.
-fn names_in(expr: &Expr, used: &mut FxHashSet<String>) {
-    match &expr.kind {
-        ExprKind::Name(NamedValue::Defined(name)) => {
-            used.insert(name.clone());
-        }
-        ExprKind::Call(function, arguments) => {
-            if let Function::Defined(name) = function {
-                used.insert(name.clone());
-            }
-            for argument in arguments {
-                names_in(argument, used);
-            }
-        }
-        ExprKind::Choice(pieces, otherwise) => {
-            for (condition, value) in pieces {
-                names_in(condition, used);
-                names_in(value, used);
-            }
-            if let Some(otherwise) = otherwise {
-                names_in(otherwise, used);
-            }
-        }
-        ExprKind::Compare(left, rest) => {
-            names_in(left, used);
-            for (_, right) in rest {
-                names_in(right, used);
-            }
-        }
-        ExprKind::Sum(left, rest) => {
-            names_in(left, used);
-            for (_, right) in rest {
-                names_in(right, used);
-            }
-        }
-        ExprKind::Component(inner, _) | ExprKind::Negate(inner) => names_in(inner, used),
-        _ => {}
-    }
+/// A vector of which some components are set.
+pub(crate) fn with_parts(
+    letters: &str,
+    before: &ExprKind,
+    size: usize,
+    value: &ExprKind,
+    span: Span,
+) -> ExprKind {
+    let expr = |kind: &ExprKind| Expr::new(kind.clone(), span);
+    let part = |of: &ExprKind, letter: char| {
+        Expr::new(ExprKind::Component(Box::new(expr(of)), letter.to_string()), span)
+    };
+    let parts = LETTERS.chars().take(size).map(|letter| match letters.find(letter) {
+        Some(_) if letters.len() == 1 => expr(value),
+        Some(at) => part(value, LETTERS.chars().nth(at).unwrap_or('x')),
+        None => part(before, letter),
+    });
+    let function = Function::Vector(u8::try_from(size).unwrap_or(3));
+    ExprKind::Call(function, parts.collect())
 }

@@ -4,9 +4,10 @@
 use crate::aliases::Aliases;
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Statement};
 use crate::counting::number_of;
+use crate::made::Built;
+use crate::program::Head;
 use crate::reader::{Frame, Reader};
 use crate::span::Span;
-use crate::statement::Built;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::control::{LEFT, RESULT, more_than};
@@ -14,15 +15,20 @@ use crate::control::{LEFT, RESULT, more_than};
 impl Reader<'_> {
     /// Adds a definition that no statement spells out; what it is called by.
     pub(crate) fn make(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
-        let span = frame.function.as_ref().map_or(Span::default(), |(name, _)| name.span);
-        let text = self.fresh(&frame.made_name(name));
-        self.generated.insert(text.clone());
-        let (parameters, kind) = frame.call(&text);
+        let span = frame.function.as_ref().map_or(Span::default(), |head| head.name.span);
+        let (Head { name, parameters }, kind) = self.made_head(name, span, frame);
         let body = Expr::new(body, span);
-        let name = Name { text, span };
         let definition = Definition { name, parameters, body, range: None };
         self.program.made.push(Built::made(Statement::Define(definition), span));
         kind
+    }
+
+    /// The left side of what is made under a name that nothing else has, and how it is called.
+    pub(crate) fn made_head(&mut self, name: &str, span: Span, frame: &Frame) -> (Head, ExprKind) {
+        let text = self.fresh(&frame.made_name(name));
+        self.program.generated.insert(text.clone());
+        let (parameters, kind) = frame.call(&text);
+        (Head { name: Name { text, span }, parameters }, kind)
     }
 
     /// Names stand for what either side made of them.
@@ -87,10 +93,7 @@ impl Reader<'_> {
 
     /// Ends a function, or what is outside functions: what it returns, if that was not plain.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
-        let Some(left) = frame.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0))
-        else {
-            return;
-        };
+        let Some(left) = frame.left() else { return };
         let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.is_done) else {
             return;
         };
@@ -102,10 +105,9 @@ impl Reader<'_> {
             Expr::new(ExprKind::Choice(vec![piece], None), span)
         };
         let statement = match &frame.function {
-            Some((name, parameters)) => {
-                let parameters = Some(parameters.clone()).filter(|names| !names.is_empty());
+            Some(head) => {
+                let Head { name, parameters } = head.clone();
                 self.heads.insert(name.text.clone());
-                let name = name.clone();
                 Statement::Define(Definition { name, parameters, body, range: None })
             }
             None => Statement::Draw { expr: body, restrictions: Vec::new() },
@@ -138,15 +140,14 @@ impl Frame {
     pub(crate) fn made_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
-            (None, Some((function, _))) => format!("{}_{name}", function.text),
+            (None, Some(function)) => format!("{}_{name}", function.name.text),
             (None, None) => format!("{name}_2"),
         }
     }
 
     /// The parameters of what is made here, and how it is called.
     pub(crate) fn call(&self, name: &str) -> (Option<Vec<Name>>, ExprKind) {
-        let parameters = self.function.as_ref().map(|(_, parameters)| parameters.clone());
-        let parameters = parameters.filter(|parameters| !parameters.is_empty());
+        let parameters = self.function.as_ref().and_then(|head| head.parameters.clone());
         let kind = match &parameters {
             None => ExprKind::Name(NamedValue::Defined(name.to_owned())),
             Some(parameters) => {
@@ -161,6 +162,11 @@ impl Frame {
         (parameters, kind)
     }
 
+    /// What says whether the loop or the function was left, unless it is known that nothing was.
+    pub(crate) fn left(&self) -> Option<&ExprKind> {
+        self.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0))
+    }
+
     /// What a name stood for before a branch, if it was something.
     fn before(&self, name: &str) -> Option<ExprKind> {
         if name == LEFT {
@@ -169,8 +175,14 @@ impl Frame {
         if let Some(kind) = self.aliases.find(name) {
             return Some(kind.clone());
         }
-        let (_, parameters) = self.function.as_ref()?;
+        let parameters = self.function.as_ref()?.parameters.as_ref()?;
         let is_parameter = parameters.iter().any(|parameter| parameter.text == name);
         is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
+    }
+
+    /// What a name stands for that may be one of the document.
+    pub(crate) fn meaning(&self, name: &str) -> ExprKind {
+        let document = || ExprKind::Name(NamedValue::Defined(name.to_owned()));
+        self.before(name).unwrap_or_else(document)
     }
 }

@@ -6,21 +6,16 @@ use crate::ast::Expr;
 use crate::build::Builder;
 use crate::constant::{evaluate, evaluate_range};
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::grammar::{Pair, Rule};
+use crate::grammar::{Pair, Rule, parts};
 use crate::limits::Limits;
 use crate::lower::{Binding, Lowering};
 use crate::scene::SrgbColor;
 use crate::scope::{Meaning, Scope, nearest};
-use crate::setting::{SceneSetting, bad, parts};
+use crate::setting::bad;
 use crate::span::Span;
+use crate::spelling::COLOR_MAPS;
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
-
-/// Color maps that a `color` line can name.
-pub const COLOR_MAPS: [&str; 12] = [
-    "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "spectral", "sinebow", "rainbow",
-    "blues", "greys", "redblue",
-];
 
 /// Names that a value at each point of a surface may depend on beside x, y and z: the unit normal, and the distance from the
 /// eye. Their numbers as parameters follow those of the document.
@@ -134,7 +129,12 @@ impl<'a> PointValues<'a> {
 }
 
 impl Builder<'_> {
-    pub(crate) fn color_line(&mut self, line: Pair<'_>, span: Span) -> Fallible<SceneSetting> {
+    /// A color, perhaps with an opacity, and where that stands.
+    pub(crate) fn color_line(
+        &mut self,
+        line: Pair<'_>,
+        span: Span,
+    ) -> Fallible<(TypedColor, Option<(f64, Span)>)> {
         let (mut color, mut opacity) = (None, None);
         for part in line.into_inner() {
             match part.as_rule() {
@@ -149,7 +149,7 @@ impl Builder<'_> {
             }
         }
         let color = color.ok_or_else(|| bad("color", span))?;
-        Ok(SceneSetting::Color(span.start, color, opacity))
+        Ok((color, opacity))
     }
 
     /// `viridis(z)` or `viridis(z, -1, 1)`.

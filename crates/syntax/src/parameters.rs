@@ -6,12 +6,13 @@ use crate::document::{Parameter, ParameterKind, Reader};
 use crate::error::{Error, ErrorKind, Fallible, Origin};
 use crate::limits::Limits;
 use crate::lower::Binding;
+use crate::made::Built;
 use crate::note::{Note, NoteKind};
 use crate::scene::ConstantRange;
 use crate::scope::{coordinate, nearest};
 use crate::span::Span;
 use crate::spelling::is_definable;
-use crate::statement::{Built, is_plain_number};
+use crate::statement::is_plain_number;
 use crate::whole::counting;
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_interval::Interval;
@@ -81,24 +82,16 @@ impl<'a> Reader<'a> {
                 continue;
             }
             if counting.contains(name) && !is_time && definition.range.is_none() {
-                match given.map_or_else(|| evaluate(&definition.body, &self.options.limits), Ok) {
-                    Ok(value) => names.insert(name, Binding::Number(value)),
-                    Err(error) => {
-                        self.errors.push(*error);
-                        continue;
-                    }
-                };
+                let limits = &self.options.limits;
+                let value = given.map_or_else(|| evaluate(&definition.body, limits), Ok);
+                let Some(value) = self.kept(value) else { continue };
+                names.insert(name, Binding::Number(value));
                 let kind = NoteKind::CountsTerms { name: name.to_owned() };
                 self.notes.push(Note { span: definition.name.span, kind });
                 continue;
             }
-            let (mut value, range) = match slider(definition, given, &self.options.limits) {
-                Ok(slider) => slider,
-                Err(error) => {
-                    self.errors.push(*error);
-                    continue;
-                }
-            };
+            let slider = self.kept(slider(definition, given, &self.options.limits));
+            let Some((mut value, range)) = slider else { continue };
             let span = definition.name.span;
             if let (true, Some(time)) = (is_time, &time) {
                 value = time.clone();

@@ -4,11 +4,10 @@
 
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::note::{Note, NoteKind};
-use crate::program_words::{Words, bracketed, closing, split};
-use crate::scan::Token;
+use crate::program_words::Words;
 use crate::span::Span;
 use crate::spelling::plain_name;
-use crate::steps::outside;
+use crate::token::{Token, bracketed, closing, in_brackets, outside, split};
 
 /// Commands that plot their first argument.
 const PLOTS: &[&str] = &[
@@ -67,15 +66,12 @@ impl Words<'_> {
     /// What a command plots; `None` if `tokens` are none.
     pub(crate) fn plot(self, tokens: &[Token]) -> Fallible<Option<Plot>> {
         // `plots[implicitplot3d](…)` of Maple
-        let tokens = match tokens {
-            [plots, open, command, close, ..]
-                if self.word(*plots) == "plots" && open.symbol == '[' && close.symbol == ']' =>
-            {
-                let rest = &tokens[4..];
-                return self.plot_of(self.word(*command), rest);
-            }
-            _ => tokens,
-        };
+        if let [plots, open, command, close, rest @ ..] = tokens
+            && self.word(*plots) == "plots"
+            && (open.symbol, close.symbol) == ('[', ']')
+        {
+            return self.plot_of(self.word(*command), rest);
+        }
         let Some(first) = tokens.first() else { return Ok(None) };
         if self.word(*first) == "isosurface" && tokens.get(1).is_some_and(|t| t.symbol == '{') {
             return Ok(self.isosurface(&tokens[1..], first.span));
@@ -118,7 +114,7 @@ impl Words<'_> {
         let mut formulas = Self::listed(formula);
         for formula in &mut formulas {
             if let Some(level) = level.clone().filter(|_| outside(formula, '=').is_none()) {
-                *formula = less(std::mem::take(formula), level);
+                *formula = less(formula, &level);
             }
             // A function by its name alone is drawn where nothing else is.
             if matches!(formula.as_slice(), [name] if name.symbol == 'a') {
@@ -136,17 +132,15 @@ impl Words<'_> {
             let at = inner.iter().position(|token| self.word(*token) == word)?;
             Some(&inner[at + 1..])
         };
-        let mut rest = behind("function")?.to_vec();
+        let mut rest = behind("function")?;
         if rest.first()?.symbol == '(' {
-            rest = bracketed(&rest)?.1;
+            rest = bracketed(rest)?.1;
         }
-        let (mut body, _) = bracketed(&rest)?;
+        let (body, _) = bracketed(rest)?;
         let is_sign = |token: &&Token| matches!(token.symbol, '0' | '-');
         let level: Vec<Token> =
             behind("threshold").unwrap_or_default().iter().take_while(is_sign).copied().collect();
-        if !level.is_empty() {
-            body = less(body, level);
-        }
+        let body = if level.is_empty() { body.to_vec() } else { less(body, &level) };
         let (domain, note) = match behind("contained_by") {
             None => (None, None),
             Some(container) => match self.contained(container) {
@@ -182,7 +176,7 @@ impl Words<'_> {
         if formula[0].symbol == '@'
             && let Some((_, body)) = bracketed(&formula[1..])
         {
-            return vec![body];
+            return vec![body.to_vec()];
         }
         let is_list = matches!(formula[0].symbol, '{' | '[');
         let is_whole = closing(formula).is_some_and(|end| end + 1 == formula.len());
@@ -198,8 +192,8 @@ impl Words<'_> {
             [name, minus, arrow, value @ ..]
                 if self.word(*name) == "Contours" && minus.symbol == '-' && arrow.symbol == '>' =>
             {
-                let inner = bracketed(value).map_or(value.to_vec(), |(inner, _)| inner);
-                (!inner.iter().any(|token| token.symbol == ',')).then_some(inner)
+                let inner = bracketed(value).map_or(value, |(inner, _)| inner);
+                (!inner.iter().any(|token| token.symbol == ',')).then(|| inner.to_vec())
             }
             _ => None,
         })
@@ -216,11 +210,11 @@ impl Words<'_> {
             if matches!(part[0].symbol, '{' | '(' | '[')
                 && let Some((inner, _)) = bracketed(part)
             {
-                let parts = split(inner.clone(), ',');
+                let parts = split(inner, ',');
                 if let Ok([name, low, high]) = <[_; 3]>::try_from(parts) {
                     let axis = axis(&name);
                     ranges.extend(axis.map(|axis| Range { axis, low, high }));
-                } else if let Some(numbers) = self.numbers(&inner) {
+                } else if let Some(numbers) = self.numbers(inner) {
                     ranges.extend(in_order(&numbers));
                 }
             } else if let [name, equals, ends @ ..] = part.as_slice()
@@ -314,17 +308,10 @@ fn in_order(numbers: &[Vec<Token>]) -> Vec<Range> {
 }
 
 /// `(formula) - (level)`
-pub(crate) fn less(formula: Vec<Token>, level: Vec<Token>) -> Vec<Token> {
-    let at = |tokens: &[Token]| Span::at(tokens.last().map_or(0, |last| last.span.end));
-    let start = |tokens: &[Token]| Span::at(tokens.first().map_or(0, |first| first.span.start));
-    let mut all = vec![Token::new('(', start(&formula))];
-    let end = at(&formula);
-    all.extend(formula);
-    all.push(Token::new(')', end));
+fn less(formula: &[Token], level: &[Token]) -> Vec<Token> {
+    let mut all = in_brackets(formula);
+    let end = all[all.len() - 1].span;
     all.push(Token::new('-', end));
-    all.push(Token::new('(', start(&level)));
-    let end = at(&level);
-    all.extend(level);
-    all.push(Token::new(')', end));
+    all.extend(in_brackets(level));
     all
 }

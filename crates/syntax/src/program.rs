@@ -7,16 +7,10 @@
 
 use crate::aliases::Aliases;
 use crate::ast::{ExprKind, Name};
-use crate::error::Fallible;
-use crate::limits::Limits;
+use crate::made::Built;
 use crate::note::Note;
-use crate::program_words::Words;
-use crate::reader::{Frame, Reader};
-use crate::scan::{Piece, scan};
-use crate::span::Span;
-use crate::statement::{Built, Head};
-use rustc_hash::{FxHashMap, FxHashSet};
-use std::cell::Cell;
+use crate::scan::Piece;
+use rustc_hash::FxHashSet;
 
 /// A statement, and what the program around it says of it.
 pub(crate) struct Unit {
@@ -29,6 +23,13 @@ pub(crate) struct Unit {
     pub wrap: Option<Wrap>,
     /// Whether a height over x and y is drawn.
     pub is_height: bool,
+}
+
+/// `name` or `name(parameters)` before a `=`.
+#[derive(Clone, Debug)]
+pub(crate) struct Head {
+    pub name: Name,
+    pub parameters: Option<Vec<Name>>,
 }
 
 /// What a program makes of a value before it has a name.
@@ -53,42 +54,7 @@ pub(crate) struct Program {
     pub last_value: Option<Name>,
     /// What the text does not spell out.
     pub made: Vec<Built>,
-    /// Names that were made for branches and loops, which may be used nowhere.
+    /// Names that were made in branches and loops, which may be used nowhere.
     pub generated: FxHashSet<String>,
     pub notes: Vec<Note>,
-}
-
-/// Reads `text` as statements.
-pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
-    let mut statements = scan(text, limits)?;
-    let words = Words { text };
-    words.join_bodies(&mut statements);
-    let taken = statements
-        .iter()
-        .flatten()
-        .map(|token| &text[token.span.range()])
-        .collect::<FxHashSet<_>>();
-    let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
-    let mut reader = Reader {
-        words,
-        limits,
-        taken: taken.into_iter().map(str::to_owned).collect(),
-        heads: FxHashSet::default(),
-        whole: FxHashSet::default(),
-        macros: FxHashMap::default(),
-        procedures: FxHashMap::default(),
-        constants: FxHashMap::default(),
-        generated: FxHashSet::default(),
-        steps: 0,
-        written: Cell::new(0),
-        program: Program { in_steps, ..Program::default() },
-    };
-    let mut top = Frame::default();
-    let mut statements = statements.into_iter();
-    while let Some(tokens) = statements.next() {
-        reader.statement(tokens, &mut top, &mut statements)?;
-    }
-    reader.end(&top, Span::at(text.len()));
-    reader.program.generated = reader.generated;
-    Ok(reader.program)
 }

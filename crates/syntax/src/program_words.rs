@@ -1,9 +1,10 @@
 //! The words of programs, and where their parts begin and end: no formula is looked into.
 
 use crate::ast::Name;
-use crate::scan::Token;
+use crate::error::{Error, ErrorKind};
 use crate::span::Span;
-use crate::spelling::{closer, is_closer, is_name, plain_name};
+use crate::spelling::{is_name, plain_name};
+use crate::token::{Token, bracketed, closing, in_brackets, split};
 
 /// Types and what else stands before a name that is declared, but for vectors and matrices.
 const TYPES: &[&str] = &[
@@ -86,8 +87,18 @@ impl<'a> Words<'a> {
         if is_name(token.symbol) { &self.text[token.span.range()] } else { "" }
     }
 
+    /// Whether a word is among symbols.
+    pub(crate) fn has(self, tokens: &[Token], word: &str) -> bool {
+        tokens.iter().any(|token| self.word(*token) == word)
+    }
+
     pub(crate) fn name(self, token: Token) -> Name {
         Name { text: plain_name(&self.text[token.span.range()]), span: token.span }
+    }
+
+    /// The error for a word of programs that is not read.
+    pub(crate) fn unread(self, token: Token) -> Box<Error> {
+        Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
     /// Whether a word is followed by brackets or a name, and not by a sign.
@@ -183,7 +194,7 @@ impl<'a> Words<'a> {
             return None;
         }
         let (body, rest) = bracketed(&rest[brace..])?;
-        Some((name, split(parameters, ','), body, rest))
+        Some((name, split(parameters, ','), body.to_vec(), rest.to_vec()))
     }
 
     /// Name, parameters and what stands behind the colon of `def name(parameters):`.
@@ -208,7 +219,7 @@ impl<'a> Words<'a> {
         };
         if self.word(*rest.first()?) == "lambda" {
             let colon = rest.iter().position(|token| token.symbol == ':')?;
-            let parameters = split(rest[1..colon].to_vec(), ',');
+            let parameters = split(&rest[1..colon], ',');
             return Some((name, parameters, rest[colon + 1..].to_vec()));
         }
         // `Function[{x, y}, value]`
@@ -230,7 +241,7 @@ impl<'a> Words<'a> {
         }..];
         let (parameters, value) = bracketed(rest).filter(|_| rest[0].symbol == '(')?;
         let parameters = split(parameters, ',');
-        match value.as_slice() {
+        match value {
             [first, second, value @ ..]
                 if second.symbol == '>'
                     && matches!(first.symbol, '=' | '-')
@@ -246,18 +257,6 @@ impl<'a> Words<'a> {
             }
             _ => None,
         }
-    }
-
-    /// Name, parameters and right side of `f(x) = let(a = 1) value`.
-    #[allow(clippy::type_complexity)] // taken apart at once
-    pub(crate) fn with_bindings(
-        self,
-        tokens: &[Token],
-    ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
-        let (parameters, rest) = bracketed(tokens.get(1..)?)?;
-        let [equals, word, ..] = rest.as_slice() else { return None };
-        let is_let = equals.symbol == '=' && self.word(*word) == "let";
-        is_let.then(|| (tokens[0], split(parameters, ','), rest[1..].to_vec()))
     }
 
     /// Name, size and value of a parameter.
@@ -299,10 +298,7 @@ impl<'a> Words<'a> {
                 let mut whole = vec![*name];
                 whole.extend(letters);
                 whole.push(*operator);
-                whole.push(Token::new('(', Span::at(value[0].span.start)));
-                whole.extend(value);
-                let end = value[value.len() - 1].span.end;
-                whole.push(Token::new(')', Span::at(end)));
+                whole.extend(in_brackets(value));
                 Some((*name, typed, whole))
             }
             _ => None,
@@ -310,14 +306,14 @@ impl<'a> Words<'a> {
     }
 
     /// The names before an equals sign, and what stands behind it.
-    fn set_at_once(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
+    fn set_at_once(tokens: &[Token]) -> Option<(Vec<Token>, &[Token])> {
         let equals = tokens.iter().position(|token| token.symbol == '=')?;
         let single = |tokens: &Vec<Token>| match tokens.as_slice() {
             [only] if is_name(only.symbol) => Some(*only),
             _ => None,
         };
-        let names: Option<_> = split(tokens[..equals].to_vec(), ',').iter().map(single).collect();
-        names.map(|names| (names, tokens[equals + 1..].to_vec()))
+        let names: Option<_> = split(&tokens[..equals], ',').iter().map(single).collect();
+        names.map(|names| (names, &tokens[equals + 1..]))
     }
 
     /// The names and values of `a, b = 1, 2`.
@@ -328,7 +324,7 @@ impl<'a> Words<'a> {
     }
 
     /// The names and the value of `x, y, z = p`.
-    pub(crate) fn unpacked(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
+    pub(crate) fn unpacked(tokens: &[Token]) -> Option<(Vec<Token>, &[Token])> {
         Self::set_at_once(tokens).filter(|(names, _)| matches!(names.len(), 2..=4))
     }
 
@@ -342,9 +338,8 @@ impl<'a> Words<'a> {
                     && (pair[1].symbol == '‧'
                         || pair[1].symbol == '[' && pair[0].span.end == pair[1].span.start)
             });
-            let unpacks = Self::unpacked(line).is_some_and(
-                |(_, value)| matches!(value.as_slice(), [only] if self.word(*only) == name),
-            );
+            let unpacks = Self::unpacked(line)
+                .is_some_and(|(_, value)| matches!(value, [only] if self.word(*only) == name));
             // `norm(p)`
             let measures = line.iter().any(|t| matches!(self.word(*t), "norm" | "length"));
             takes || unpacks || measures
@@ -394,13 +389,11 @@ impl<'a> Words<'a> {
 
     /// `f[x_, y_]` as `f[x, y]`, on the left of a definition.
     pub(crate) fn patterns(self, tokens: &mut [Token]) {
-        let Some((inner, _)) = tokens.get(1..).and_then(bracketed) else {
+        let Some(end) = tokens.get(1..).and_then(closing).filter(|_| tokens[1].symbol == '[')
+        else {
             return;
         };
-        if tokens[1].symbol != '[' {
-            return;
-        }
-        for token in &mut tokens[2..2 + inner.len()] {
+        for token in &mut tokens[2..=end] {
             let typed = &self.text[token.span.range()];
             if token.symbol == 'a' && typed.len() > 1 && typed.ends_with('_') {
                 token.span = Span::new(token.span.start, token.span.end - 1);
@@ -410,49 +403,6 @@ impl<'a> Words<'a> {
             }
         }
     }
-}
-
-/// Where the bracket is closed that `tokens` begin with.
-pub(crate) fn closing(tokens: &[Token]) -> Option<usize> {
-    closer(tokens.first()?.symbol)?;
-    let mut depth = 0_usize;
-    for (index, token) in tokens.iter().enumerate() {
-        if closer(token.symbol).is_some() {
-            depth += 1;
-        } else if is_closer(token.symbol) {
-            depth = depth.checked_sub(1)?;
-            if depth == 0 {
-                return Some(index);
-            }
-        }
-    }
-    None
-}
-
-/// What brackets hold that `tokens` begin with, and what follows them.
-pub(crate) fn bracketed(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
-    let end = closing(tokens)?;
-    Some((tokens[1..end].to_vec(), tokens[end + 1..].to_vec()))
-}
-
-/// The parts between `sign`, outside brackets; empty ones are left out.
-pub(crate) fn split(tokens: Vec<Token>, sign: char) -> Vec<Vec<Token>> {
-    let mut parts = vec![Vec::new()];
-    let mut depth = 0_usize;
-    for token in tokens {
-        if closer(token.symbol).is_some() {
-            depth += 1;
-        } else if is_closer(token.symbol) {
-            depth = depth.saturating_sub(1);
-        }
-        if depth == 0 && token.symbol == sign {
-            parts.push(Vec::new());
-        } else if let Some(part) = parts.last_mut() {
-            part.push(token);
-        }
-    }
-    parts.retain(|part: &Vec<Token>| !part.is_empty());
-    parts
 }
 
 /// Whether a symbol is a name.

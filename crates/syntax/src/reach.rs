@@ -4,9 +4,9 @@ use crate::ast::{Expr, ExprKind, NamedValue};
 use crate::build::Builder;
 use crate::note::NoteKind;
 use crate::print::factor_text;
-use crate::scan::Token;
 use crate::span::Span;
 use crate::spelling::short_formula;
+use crate::token::Token;
 use zeroset_ir::NamedConstant;
 
 impl Builder<'_> {

@@ -2,18 +2,19 @@
 
 use crate::aliases::Aliases;
 use crate::arrange::arrange;
-use crate::ast::{Expr, ExprKind, Name, NamedValue, Statement};
-use crate::calls::{Macro, Procedure};
+use crate::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
+use crate::made::Built;
 use crate::plots::Plot;
-use crate::program::{Program, Unit, Wrap};
-use crate::program_words::{Words, begins_name, closing, is_whole_type, size_of};
-use crate::scan::Token;
+use crate::program::{Head, Program, Unit, Wrap};
+use crate::program_words::{Words, begins_name, is_whole_type, size_of};
+use crate::scan::scan;
 use crate::scope::coordinate;
+use crate::span::Span;
 use crate::spelling::is_setting;
-use crate::statement::{Built, Head};
-use crate::wrappers::Unwrapped;
+use crate::steps::Step;
+use crate::token::{Token, closing};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::Cell;
 use std::rc::Rc;
@@ -22,7 +23,7 @@ use std::rc::Rc;
 #[derive(Clone, Default)]
 pub(crate) struct Frame {
     /// The function's name and parameters.
-    pub function: Option<(Name, Vec<Name>)>,
+    pub function: Option<Head>,
     pub aliases: Aliases,
     /// Names that were set, with the number of their components.
     pub set: Vec<(String, usize)>,
@@ -38,6 +39,28 @@ pub(crate) struct Frame {
     pub is_done: bool,
 }
 
+/// A function that changes what it is given, or returns nothing.
+pub(crate) struct Procedure {
+    pub parameters: Vec<Given>,
+    pub body: Vec<Step>,
+}
+
+/// A parameter.
+pub(crate) struct Given {
+    pub name: Name,
+    pub size: usize,
+    /// Whether it has a value when the function begins.
+    pub is_in: bool,
+    /// Whether what it was made into goes back.
+    pub is_out: bool,
+}
+
+/// What stands for something else wherever it is called.
+pub(crate) struct Macro {
+    pub parameters: Option<Vec<String>>,
+    pub body: Vec<Token>,
+}
+
 pub(crate) struct Reader<'a> {
     pub words: Words<'a>,
     pub limits: &'a Limits,
@@ -47,12 +70,10 @@ pub(crate) struct Reader<'a> {
     pub whole: FxHashSet<String>,
     /// Names that were defined.
     pub heads: FxHashSet<String>,
-    pub macros: FxHashMap<String, Rc<Macro>>,
+    pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
     /// Numbers that names stand for outside functions.
     pub constants: FxHashMap<String, f64>,
-    /// Names that were made in branches and loops.
-    pub generated: FxHashSet<String>,
     /// How many statements were run.
     pub steps: usize,
     /// How many symbols macros were written out to.
@@ -61,6 +82,39 @@ pub(crate) struct Reader<'a> {
 }
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
+
+/// Reads `text` as statements.
+pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
+    let mut statements = scan(text, limits)?;
+    let words = Words { text };
+    words.join_bodies(&mut statements);
+    let taken = statements
+        .iter()
+        .flatten()
+        .map(|token| &text[token.span.range()])
+        .collect::<FxHashSet<_>>();
+    let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
+    let mut reader = Reader {
+        words,
+        limits,
+        taken: taken.into_iter().map(str::to_owned).collect(),
+        heads: FxHashSet::default(),
+        whole: FxHashSet::default(),
+        macros: FxHashMap::default(),
+        procedures: FxHashMap::default(),
+        constants: FxHashMap::default(),
+        steps: 0,
+        written: Cell::new(0),
+        program: Program { in_steps, ..Program::default() },
+    };
+    let mut top = Frame::default();
+    let mut statements = statements.into_iter();
+    while let Some(tokens) = statements.next() {
+        reader.statement(tokens, &mut top, &mut statements)?;
+    }
+    reader.end(&top, Span::at(text.len()));
+    Ok(reader.program)
+}
 
 impl Reader<'_> {
     /// One statement, which may be a function with the statements after it.
@@ -81,9 +135,12 @@ impl Reader<'_> {
             return self.plain(tokens, frame, false);
         }
         if frame.function.is_none()
-            && let Some(unwrapped) = self.words.unwrapped(&tokens)
+            && let Some(statements) = self.words.unwrapped(&tokens)
         {
-            return self.unwrapped(unwrapped, frame);
+            // Each is shorter, so that this ends.
+            return statements
+                .into_iter()
+                .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
         }
         match self.words.word(first) {
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
@@ -96,8 +153,7 @@ impl Reader<'_> {
             "struct" | "switch" | "do" | "else" | "elif"
                 if Words::is_command(&tokens) || self.words.governs(&tokens) =>
             {
-                let word = self.words.word(first).to_owned();
-                return Err(Error::new(first.span, ErrorKind::Program { word }));
+                return Err(self.words.unread(first));
             }
             "def" if tokens.len() > 3 => return self.python(&tokens, following),
             "return" if tokens.len() > 1 => {
@@ -124,6 +180,15 @@ impl Reader<'_> {
                 let formula = "write equations for its parts, and `subtract(a, b)`, `union(a, b)` or `intersect(a, b)` of them";
                 return Err(Error::new(first.span, ErrorKind::Solid { formula }));
             }
+            "draw_surface"
+                if tokens.len() == 1 && frame.function.is_none() && self.words.sets_surface() =>
+            {
+                let value = NamedValue::Defined("surface".to_owned());
+                let expr = Expr::new(ExprKind::Name(value), first.span);
+                let statement = Statement::Draw { expr, restrictions: Vec::new() };
+                self.program.made.push(Built::made(statement, first.span));
+                return Ok(());
+            }
             "let" if tokens.get(1).is_some_and(|token| token.symbol == '(') => {
                 return self.bindings(tokens, frame);
             }
@@ -140,18 +205,15 @@ impl Reader<'_> {
         if types > 0 {
             let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
             let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
-            tokens.drain(..types);
-            return self.declarations(tokens, size.unwrap_or(1), is_whole, frame);
+            return self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame);
         }
         if self.counts(&tokens, frame) {
             return Ok(());
         }
-        let tokens = if self.program.in_steps || frame.function.is_some() {
-            let Some(tokens) = self.step(tokens, frame)? else { return Ok(()) };
-            tokens
-        } else {
-            tokens
-        };
+        let in_steps = self.program.in_steps || frame.function.is_some();
+        if in_steps && self.step(&tokens, frame)? {
+            return Ok(());
+        }
         if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
             return self.lambda(name, parameters, value, frame);
         }
@@ -192,14 +254,12 @@ impl Reader<'_> {
         is_height: bool,
     ) -> Fallible<()> {
         if tokens.is_empty() {
-            return match head {
-                Some(head) => Err(Error::new(head.name.span, ErrorKind::Unfinished)),
-                None => Ok(()),
-            };
+            let unfinished = |head: Head| Err(Error::new(head.name.span, ErrorKind::Unfinished));
+            return head.map_or(Ok(()), unfinished);
         }
         let changing = |token: &&Token| {
             let procedure = self.procedures.get(self.words.word(**token));
-            procedure.is_some_and(|procedure| procedure.changes)
+            procedure.is_some_and(|procedure| procedure.parameters.iter().any(|given| given.is_out))
         };
         if let Some(span) = self.cut_quotient(&tokens) {
             return Err(Error::new(span, ErrorKind::WholeQuotient));
@@ -216,41 +276,25 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// What stands for a statement of another system.
-    pub(crate) fn unwrapped(&mut self, unwrapped: Unwrapped, frame: &mut Frame) -> Fallible<()> {
-        match unwrapped {
-            // Each is shorter, so that this ends.
-            Unwrapped::Statements(all) => all
-                .into_iter()
-                .try_for_each(|tokens| self.statement(tokens, frame, &mut Vec::new().into_iter())),
-            Unwrapped::Drawn(name) => {
-                let value = NamedValue::Defined("surface".to_owned());
-                let expr = Expr::new(ExprKind::Name(value), name.span);
-                let statement = Statement::Draw { expr, restrictions: Vec::new() };
-                self.program.made.push(Built::made(statement, name.span));
-                Ok(())
-            }
-        }
-    }
-
-    /// A statement that sets names; what is left, if it sets none in steps.
-    pub(crate) fn step(
-        &mut self,
-        tokens: Vec<Token>,
-        frame: &mut Frame,
-    ) -> Fallible<Option<Vec<Token>>> {
-        if let Some((left, right)) = Words::parallel(&tokens) {
+    /// Reads a statement that sets names in steps; whether it is one.
+    fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        if let Some((left, right)) = Words::parallel(tokens) {
             // All values are those before any of the names is set.
             let within = frame.aliases.clone();
             for (name, value) in left.into_iter().zip(right) {
                 self.set_to(self.words.name(name), 1, value, None, &within, frame)?;
             }
-            return Ok(None);
+            return Ok(true);
         }
-        if let Some((names, value)) = Words::unpacked(&tokens) {
-            return self.unpack(&names, &value, frame).map(|()| None);
+        if let Some((names, value)) = Words::unpacked(tokens) {
+            let within = frame.aliases.clone();
+            for (name, letter) in names.into_iter().zip(LETTERS.chars()) {
+                let (name, part) = (self.words.name(name), Some(Wrap::Pick(letter)));
+                self.set_to(name, 1, value.to_vec(), part, &within, frame)?;
+            }
+            return Ok(true);
         }
-        if let Some((name, letters, value)) = self.words.assignment(&tokens) {
+        if let Some((name, letters, value)) = self.words.assignment(tokens) {
             let name = self.words.name(name);
             let known = frame.set.iter().rfind(|(set, _)| *set == name.text);
             let size = known.map_or(3, |(_, size)| *size);
@@ -258,18 +302,21 @@ impl Reader<'_> {
             // `x = 3` is an equation, unless a program has declared x.
             let is_coordinate = name.text == "t" || coordinate(&name.text).is_some();
             if is_coordinate && !is_set {
-                return self.plain(tokens, frame, true).map(|()| None);
+                return self.plain(tokens.to_vec(), frame, true).map(|()| true);
             }
-            let is_steps = is_set || self.words.is_step(&tokens);
-            if is_steps || value.iter().any(|t| self.words.word(*t) == name.text) {
-                return self.set(name, size, value, letters, frame).map(|()| None);
+            let is_steps = is_set || self.words.is_step(tokens);
+            if is_steps || self.words.has(&value, &name.text) {
+                let within = frame.aliases.clone();
+                let before = frame.meaning(&name.text);
+                let write = letters.map(|letters| Wrap::Write { letters, before, size });
+                return self.set_to(name, size, value, write, &within, frame).map(|()| true);
             }
             let is_number = matches!(value.as_slice(), [only] if only.symbol == '0');
-            if frame.function.is_none() && !is_number && self.words.lambda(&tokens).is_none() {
+            if frame.function.is_none() && !is_number && self.words.lambda(tokens).is_none() {
                 self.program.last_value = Some(name.clone());
             }
             frame.set.push((name.text, size));
         }
-        Ok(Some(tokens))
+        Ok(false)
     }
 }

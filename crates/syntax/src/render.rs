@@ -3,7 +3,7 @@
 use crate::error::{Error, Errors, Origin};
 use crate::note::Note;
 use crate::span::Span;
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet, Title};
 
 /// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the
 /// terminal.
@@ -28,75 +28,43 @@ impl Error {
             Origin::Document => (source_name, text),
             Origin::Override(given) => (Some("-D"), given.as_str()),
         };
-        let excerpt = Excerpt::around(text, self.span);
-        let message = self.message();
-        let mut annotation = AnnotationKind::Primary.span(excerpt.span(self.span));
-        if let Some(label) = self.label() {
-            annotation = annotation.label(label);
-        }
-        let mut group = Level::ERROR
-            .primary_title(message.as_str())
-            .element(excerpt.snippet(source_name).annotation(annotation));
-        if let Some(reason) = self.reason() {
-            group = group.element(Level::NOTE.message(reason));
-        }
         let help = self.help(text);
-        if let Some(help) = &help {
-            group = group.element(Level::HELP.message(help.as_str()));
-        }
-        renderer(color).render(&[group])
+        let more = [(Level::NOTE, self.reason()), (Level::HELP, help.as_deref())];
+        let title = Level::ERROR.primary_title(self.message());
+        draw(title, (source_name, text, self.span), self.label(), more, color)
     }
 }
 
 impl Note {
     /// This note as text with a caret, without a line break at the end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
-        let excerpt = Excerpt::around(text, self.span);
-        let message = self.message();
-        let annotation = AnnotationKind::Primary.span(excerpt.span(self.span));
-        let group: Group<'_> = Level::NOTE
-            .primary_title(message.as_str())
-            .element(excerpt.snippet(source_name).annotation(annotation));
-        renderer(color).render(&[group])
+        let title = Level::NOTE.primary_title(self.message());
+        draw(title, (source_name, text, self.span), None, [], color)
     }
 }
 
-fn renderer(color: bool) -> Renderer {
+/// A title, the place that it is about with a label, and what else is said of it.
+fn draw<'a>(
+    title: Title<'a>,
+    (source_name, text, span): (Option<&'a str>, &'a str, Span),
+    label: Option<&'a str>,
+    more: impl IntoIterator<Item = (Level<'a>, Option<&'a str>)>,
+    color: bool,
+) -> String {
+    let place = span.start.min(text.len());
+    let line = 1 + text[..place].matches('\n').count();
+    // Whole lines are shown, or less of the last where it is very long; columns are counted from the start of the first.
+    let start = text[..place].rfind('\n').map_or(0, |at| at + 1);
+    let end = span.end.clamp(place, text.len());
+    let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);
+    let shown = &text[start..line_end.min(text.floor_char_boundary(place + CONTEXT))];
+    let clip = |at: usize| at.saturating_sub(start).min(shown.len());
+    let annotation = AnnotationKind::Primary.span(clip(span.start)..clip(span.end)).label(label);
+    let snippet = Snippet::source(shown).line_start(line).path(source_name);
+    let mut group = title.element(snippet.annotation(annotation));
+    for (level, said) in more {
+        group = group.elements(said.map(|said| level.message(said)));
+    }
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
-    renderer.term_width(WIDTH)
-}
-
-/// The part of a text that is shown: whole lines, or less of the last where it is very long. It
-/// starts with a line, because columns are counted from its start.
-struct Excerpt<'a> {
-    shown: &'a str,
-    start: usize,
-    line: usize,
-}
-
-impl<'a> Excerpt<'a> {
-    fn around(text: &'a str, span: Span) -> Self {
-        let place = span.start.min(text.len());
-        let line = 1 + text[..place].matches('\n').count();
-        let line_start = text[..place].rfind('\n').map_or(0, |at| at + 1);
-        let end = span.end.clamp(place, text.len());
-        let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);
-        let floor = |mut at: usize| {
-            while !text.is_char_boundary(at) {
-                at -= 1;
-            }
-            at
-        };
-        let stop = line_end.min(floor((place + CONTEXT).min(text.len())));
-        Self { shown: &text[line_start..stop], start: line_start, line }
-    }
-
-    fn span(&self, span: Span) -> std::ops::Range<usize> {
-        let clip = |at: usize| at.saturating_sub(self.start).min(self.shown.len());
-        clip(span.start)..clip(span.end)
-    }
-
-    fn snippet<A: Clone>(&self, source_name: Option<&'a str>) -> Snippet<'a, A> {
-        Snippet::source(self.shown).line_start(self.line).path(source_name)
-    }
+    renderer.term_width(WIDTH).render(&[group])
 }

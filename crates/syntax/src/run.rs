@@ -4,20 +4,19 @@
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
 use crate::arithmetic::{Arithmetic, arithmetic};
-use crate::ast::{Expr, ExprKind, NamedValue, ProductSign};
+use crate::ast::{Expr, ExprKind, LETTERS, NamedValue, ProductSign};
 use crate::build::{Builder, Signs, number_only, root_text};
 use crate::closed::native;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
 use crate::lexer::method;
 use crate::note::NoteKind;
-use crate::scope::{Callee, Meaning, meaning, read_as};
+use crate::scope::{Callee, Meaning, coordinate, meaning, read_as};
 use crate::span::Span;
 use crate::special::{Logic, logic};
 use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
-use crate::value::LETTERS;
 use std::collections::VecDeque;
-use zeroset_ir::{Axis, NamedConstant};
+use zeroset_ir::NamedConstant;
 use zeroset_ops::{Form, Op};
 
 /// A piece of a run.
@@ -25,12 +24,8 @@ pub(crate) enum Item<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
-    /// What takes more than numbers, in the brackets that follow.
-    Form(&'static Form, Span),
-    /// A condition, its parts in the brackets that follow.
-    Logic(Logic, Span),
-    /// Arithmetic that is written as a function.
-    Arithmetic(Arithmetic, Span),
+    /// What is no function, of what stands in the brackets that follow.
+    Word(Word, Span),
     /// A function behind what it is applied to, with its other arguments.
     Method(String, Span, Pair<'i>),
     /// `.xz` behind a vector.
@@ -49,6 +44,16 @@ pub(crate) enum Item<'i> {
     Radical(char, Span),
 }
 
+/// What is written like a function and is none.
+#[derive(Clone, Copy)]
+pub(crate) enum Word {
+    /// What takes more than numbers.
+    Form(&'static Form),
+    /// A condition.
+    Logic(Logic),
+    Arithmetic(Arithmetic),
+}
+
 /// What is left of a run.
 pub(crate) type Items<'i> = VecDeque<Item<'i>>;
 
@@ -62,6 +67,14 @@ impl Builder<'_> {
         }
         self.note_powers(&factors);
         Ok(factors)
+    }
+
+    /// A part of a fraction that is one name.
+    #[inline(never)] // not in the stack frames of nested fractions
+    pub(crate) fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let mut items = Items::new();
+        self.item(pair, &mut items)?;
+        self.power(&mut items)
     }
 
     #[inline(never)] // not a part of the recursion, so not of its stack frames
@@ -124,17 +137,14 @@ impl Builder<'_> {
         let behind = self.text[span.end..].trim_start_matches(BLANKS);
         let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
         if behind.starts_with(['(', '[']) || behind.starts_with(r"\begin{") {
-            if let Some(form) = self.scope.form(&name, &self.locals) {
-                items.push_back(Item::Form(form, span));
-                return Ok(());
-            }
-            let square = behind.starts_with('[');
-            if let (Some(kind), false) = (arithmetic(&name, square), self.scope.is_defined(&name)) {
-                items.push_back(Item::Arithmetic(kind, span));
-                return Ok(());
-            }
-            if let (Some(logic), false) = (logic(&name), self.scope.is_defined(&name)) {
-                items.push_back(Item::Logic(logic, span));
+            let form = self.scope.form(&name, &self.locals).map(Word::Form);
+            let elsewhere = || {
+                let kind = arithmetic(&name, behind.starts_with('[')).map(Word::Arithmetic);
+                kind.or_else(|| logic(&name).map(Word::Logic))
+            };
+            let elsewhere = || elsewhere().filter(|_| !self.scope.is_defined(&name));
+            if let Some(word) = form.or_else(elsewhere) {
+                items.push_back(Item::Word(word, span));
                 return Ok(());
             }
         }
@@ -173,12 +183,6 @@ impl Builder<'_> {
                 }
             }
             Meaning::Unknown => {
-                if TIMES.contains(&typed) {
-                    let name = typed.to_owned();
-                    self.note(span, NoteKind::TimeOfShaders { name });
-                    items.push_back(self.leaf(NamedValue::Time, span));
-                    return Ok(());
-                }
                 if typed == "°" {
                     items.push_back(Item::Leaf(degree(span)));
                     return Ok(());
@@ -196,23 +200,20 @@ impl Builder<'_> {
                 {
                     return Ok(());
                 }
-                if typed == "E" {
-                    self.note(span, NoteKind::CapitalE);
-                    let value = NamedValue::Constant(NamedConstant::E);
-                    items.push_back(self.leaf(value, span));
-                    return Ok(());
-                }
                 // Beside a parameter x, X is no coordinate.
-                let hides = |axis: &Axis| {
-                    let lower = NamedValue::Coordinate(*axis);
-                    self.locals.iter().any(|local| local.text == lower.name())
-                };
-                let Some(axis) = capital(&name).filter(|axis| !hides(axis)) else {
+                let lower = name.to_lowercase();
+                let is_hidden = self.locals.iter().any(|local| local.text == lower);
+                let (value, kind) = if TIMES.contains(&typed) {
+                    (NamedValue::Time, NoteKind::TimeOfShaders { name })
+                } else if typed == "E" {
+                    (NamedValue::Constant(NamedConstant::E), NoteKind::CapitalE)
+                } else if let Some(axis) = coordinate(&lower).filter(|_| !is_hidden) {
+                    (NamedValue::Coordinate(axis), NoteKind::CapitalCoordinates)
+                } else {
                     return Err(self.unknown(&name, typed, span));
                 };
-                self.note(span, NoteKind::CapitalCoordinates);
-                let value = NamedValue::Coordinate(axis);
-                items.push_back(Item::Leaf(Expr::new(ExprKind::Name(value), span)));
+                self.note(span, kind);
+                items.push_back(self.leaf(value, span));
             }
         }
         Ok(())
@@ -419,17 +420,13 @@ impl Builder<'_> {
             Item::Function(callee, span) => {
                 self.deeper(span, 1, |b| b.application(&callee, span, items))
             }
-            Item::Form(form, span) => {
+            Item::Word(word, span) => {
                 let group = self.brackets(items, span)?;
-                self.deeper(span, 1, |b| b.form(form, span, group))
-            }
-            Item::Logic(logic, span) => {
-                let group = self.brackets(items, span)?;
-                self.deeper(span, 1, |b| b.logic(logic, span, group))
-            }
-            Item::Arithmetic(kind, span) => {
-                let group = self.brackets(items, span)?;
-                self.deeper(span, 1, |b| b.arithmetic(kind, span, group))
+                self.deeper(span, 1, |b| match word {
+                    Word::Form(form) => b.form(form, span, group),
+                    Word::Logic(logic) => b.logic(logic, span, group),
+                    Word::Arithmetic(kind) => b.arithmetic(kind, span, group),
+                })
             }
             Item::Closed(pair) => {
                 let span = self.span(&pair);
@@ -464,7 +461,11 @@ impl Builder<'_> {
         number_only(&inner)?;
         let place = span.to(inner.span);
         if let Some(
-            Item::Leaf(_) | Item::Group(_) | Item::Function(..) | Item::Form(..) | Item::Closed(_),
+            Item::Leaf(_)
+            | Item::Group(_)
+            | Item::Function(..)
+            | Item::Word(Word::Form(_), _)
+            | Item::Closed(_),
         ) = items.front()
         {
             self.note(place, NoteKind::RadicalScope { radical });
@@ -545,16 +546,6 @@ const TIMES: [&str; 6] = ["iTime", "iGlobalTime", "u_time", "uTime", "time", "TI
 
 /// Blanks between a name and its brackets.
 const BLANKS: [char; 2] = [' ', '\t'];
-
-/// The coordinate that a capital letter stands for in other languages.
-fn capital(name: &str) -> Option<Axis> {
-    match name {
-        "X" => Some(Axis::X),
-        "Y" => Some(Axis::Y),
-        "Z" => Some(Axis::Z),
-        _ => None,
-    }
-}
 
 /// The letters of `.rgb`, by position.
 fn letters(typed: &str) -> String {

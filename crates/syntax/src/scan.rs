@@ -6,28 +6,15 @@
 
 use crate::bars::pair_bars;
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::lexer::{Context, ends_operand, lex, line_length};
+use crate::lexer::lex;
 use crate::limits::Limits;
 use crate::note::Note;
 use crate::span::Span;
-use crate::spelling::{closer, in_name, is_closer, is_name};
-
-/// A symbol and where it stands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Token {
-    /// What the grammar knows it by: see `spelling::symbol`, and the grammar for what has no fixed
-    /// spelling. `?` has no meaning in the language.
-    pub symbol: char,
-    pub span: Span,
-    /// Its offset in [`Piece::symbols`].
-    at: usize,
-}
-
-impl Token {
-    pub(crate) fn new(symbol: char, span: Span) -> Self {
-        Self { symbol, span, at: 0 }
-    }
-}
+use crate::spelling::{
+    closer, ends_operand, in_name, is_closer, is_name, is_setting, line_length, prefix, start,
+    symbol,
+};
+use crate::token::{Context, Token};
 
 /// One statement.
 #[derive(Clone, Debug)]
@@ -110,13 +97,10 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             '&' if within == '⟦' => symbol = ',',
             '&' if aligned > 0 => symbol = ' ',
             // Windows ends lines with two characters.
-            '\n' if text[end - length..].starts_with("\r\n") => symbol = ' ',
+            '\n' if rest.starts_with("\r\n") => symbol = ' ',
             // A line that starts with an operator goes on with the one before.
             '␤' if !in_rows => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
             _ => {}
-        }
-        if symbol == '\n' {
-            starts_line = true;
         }
         if matches!(symbol, ' ' | '⇥' | '⇤') {
             continue;
@@ -129,20 +113,17 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let mut first = tokens.len();
         // A line that ends with an operator goes on below.
         let last = tokens.last().map_or(' ', |token| token.symbol);
-        if symbol == '\n' && open.is_empty() && "+-*/^".contains(last) && continues(&text[end..]) {
-            continue;
-        }
-        if symbol == '\n' && open.is_empty() && goes_back(&text[end..], &tokens) {
-            continue;
-        }
+        let goes_on = || {
+            "+-*/^".contains(last) && continues(&text[end..]) || goes_back(&text[end..], &tokens)
+        };
         match symbol {
+            '\n' if !open.is_empty() || goes_on() => continue,
             '\n' | ';' if open.is_empty() => {
                 if !tokens.is_empty() {
                     statements.push(std::mem::take(&mut tokens));
                 }
                 continue;
             }
-            '\n' => continue,
             _ if closer(symbol).is_some() => {
                 if open.len() >= limits.depth {
                     return Err(Error::new(span, ErrorKind::TooDeep { limit: limits.depth }));
@@ -183,21 +164,12 @@ fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> 
         Some(Token { symbol: '(' | '[', .. }) => !line.contains([')', ']']),
         Some(_) => true,
         None => {
-            let word = line.find(|c| !in_name(c)).unwrap_or(line.len());
+            let word = prefix(line, in_name);
             let is_divisor = line.starts_with(|c: char| c.is_ascii_digit() || "(.-".contains(c));
             let is_letter = word <= 1 && word == line.len();
             !(is_divisor || is_letter || line[word..].starts_with(" ="))
         }
     }
-}
-
-/// The first bytes of `text`, no more than `most`.
-pub(crate) fn start(text: &str, most: usize) -> &str {
-    let mut end = most.min(text.len());
-    while !text.is_char_boundary(end) {
-        end -= 1;
-    }
-    &text[..end]
 }
 
 /// Whether a line of an environment goes on with the one before.
@@ -216,13 +188,11 @@ fn goes_on(rest: &str) -> bool {
 fn continues(rest: &str) -> bool {
     let line = rest.trim_start_matches([' ', '\t', '\r']);
     let line = start(&line[..line_length(line)], 300);
-    let name = line.find(|c| !in_name(c)).unwrap_or(line.len());
+    let name = prefix(line, in_name);
     let after = line[name..].trim_start();
     let defines = name > 0 && (after.starts_with('=') || after.starts_with(":="));
     let is_operand = name > 0 || line.starts_with(['(', '[', '{', '\\', '+', '-', '−', '|']);
-    is_operand
-        && !defines
-        && !crate::spelling::symbol(&line[..name]).is_some_and(crate::spelling::is_setting)
+    is_operand && !defines && !symbol(&line[..name]).is_some_and(is_setting)
 }
 
 /// Whether a line is the rest of the formula above it, since no other starts as it does: with a plus or a relation, or, if it

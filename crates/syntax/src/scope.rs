@@ -2,7 +2,6 @@
 //! language's own.
 
 use crate::ast::{Function, Name, NamedValue};
-use crate::words::{WordKind, words};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Form, Notation, Op, TABLE, form, names, natives};
@@ -21,16 +20,6 @@ pub(crate) struct Scope {
 
 /// Longest name, in bytes, that is looked at letter by letter.
 const LONGEST_PRODUCT: usize = 64;
-
-/// Every function, constant and coordinate of the language, aliases included.
-///
-/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
-/// written as a whole number and odd, negative numbers have roots too; any other n is read as
-/// `a^(1/n)`, for a ≥ 0.
-pub fn language_names() -> impl Iterator<Item = &'static str> {
-    let is_name = |kind| matches!(kind, WordKind::Function | WordKind::Value);
-    words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
-}
 
 /// Names that are other names here, if they are not products of letters that have values.
 const ELSEWHERE: &[(&str, &str)] = &[

@@ -1,7 +1,6 @@
 //! Forms: what looks like a function and takes more than numbers, in the spellings of several
 //! languages.
 
-use crate::application::note_form;
 use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation};
 use crate::build::{Builder, joined, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
@@ -157,15 +156,14 @@ impl Builder<'_> {
         let size = parts.len();
         let rows: Option<Vec<Vec<Pair<'_>>>> =
             parts.iter().map(|part| tuple(part).filter(|row| row.len() == size)).collect();
-        let (Some(rows), Ok(2..=4)) = (rows, u8::try_from(size)) else { return Ok(None) };
+        let (Some(rows), Ok(count @ 2..=4)) = (rows, u8::try_from(size)) else { return Ok(None) };
         let mut elements = Vec::new();
         for column in 0..size {
             for row in &rows {
                 elements.push(self.value(row[column].clone())?);
             }
         }
-        let function = Function::Matrix(u8::try_from(size).unwrap_or(2));
-        Ok(Some(Expr::new(ExprKind::Call(function, elements), span)))
+        Ok(Some(Expr::new(ExprKind::Call(Function::Matrix(count), elements), span)))
     }
 
     /// A list as a vector, one of lists as a matrix.
@@ -368,7 +366,7 @@ impl Builder<'_> {
         let Some(function) = self.scope.forms(&callee).function(count) else {
             return Err(self.wrong_count(&callee, at, place, count));
         };
-        note_form(self, &callee, at);
+        self.note_form(&callee, at);
         let function = Function::Iterate(Box::new(function));
         Ok(Some(Expr::new(ExprKind::Call(function, arguments), place)))
     }

@@ -1,6 +1,5 @@
 //! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
-use crate::foreign::plain_text;
 use crate::setting::{SETTINGS, setting};
 
 /// Directions that a `view` line can name.
@@ -8,6 +7,12 @@ pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", 
 
 /// What a `look` line may name.
 pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
+
+/// Color maps that a `color` line can name.
+pub const COLOR_MAPS: [&str; 12] = [
+    "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "spectral", "sinebow", "rainbow",
+    "blues", "greys", "redblue",
+];
 
 /// The symbol of a fixed spelling: the character that the grammar knows it by. A blank only
 /// separates, a line break ends a statement.
@@ -20,9 +25,15 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         | "\u{2061}" | "\u{200E}" | "\u{200F}" | "\u{202A}" | "\u{202C}" | "\u{202D}" | "\u{2066}" | "\u{2069}"
         // In print these set spaces and the sizes of brackets; they mean nothing here.
         | r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle"
-        | r"\left" | r"\right" | r"\bigl" | r"\bigr" | r"\big"
+        | r"\left" | r"\right" | r"\middle" | r"\bigl" | r"\bigr" | r"\big" | r"\biggl" | r"\biggr"
+        | r"\bigg" | r"\Bigl" | r"\Bigr" | r"\Big" | r"\Biggl" | r"\Biggr" | r"\Bigg"
+        // These set type.
+        | r"\small" | r"\normalsize" | r"\large" | r"\Large" | r"\textstyle" | r"\limits"
+        | r"\nolimits" | r"\displaylimits" | r"\mathbf" | r"\mathsf" | r"\boldsymbol" | r"\bf"
+        | r"\rm" | r"\it" | r"\hspace" | r"\enspace" | r"\nonumber" | r"\notag" | "&nbsp;"
+        | "&thinsp;"
         // These set formulas apart from the text around them.
-        | "$" => ' ',
+        | r"\(" | r"\)" | r"\]" | "$" => ' ',
         "\n" | "\r" => '\n',
         ";" => ';',
         "," => ',',
@@ -32,18 +43,19 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         "%" => '%',
         "+" => '+',
         // A dash between values can only be meant as a minus.
-        "-" | "−" | "–" | "—" | "‒" | "﹣" => '-',
-        "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times" => '*',
-        "/" | "÷" | "∕" | "⁄" | r"\div" => '/',
+        "-" | "−" | "&minus;" | "–" | "—" | "‒" | "﹣" => '-',
+        "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times"
+        | "&times;" | "&middot;" | "&sdot;" => '*',
+        "/" | "÷" | "∕" | "⁄" | r"\div" | "&divide;" => '/',
         "^" | "**" | "ˆ" => '^',
-        "√" => '√',
+        "√" | "&radic;" => '√',
         "∛" => '∛',
         "=" | "==" | ":=" => '=',
-        "!=" | "≠" | "<>" | r"\ne" | r"\neq" => '≠',
-        "<" | r"\lt" => '<',
-        "<=" | "≤" | "⩽" | "≦" | r"\le" | r"\leq" | r"\leqslant" => '≤',
-        ">" | r"\gt" => '>',
-        ">=" | "≥" | "⩾" | "≧" | r"\ge" | r"\geq" | r"\geqslant" => '≥',
+        "!=" | "≠" | "<>" | r"\ne" | r"\neq" | "&ne;" => '≠',
+        "<" | r"\lt" | "&lt;" => '<',
+        "<=" | "≤" | "⩽" | "≦" | r"\le" | r"\leq" | r"\leqslant" | "&le;" => '≤',
+        ">" | r"\gt" | "&gt;" => '>',
+        ">=" | "≥" | "⩾" | "≧" | r"\ge" | r"\geq" | r"\geqslant" | "&ge;" => '≥',
         "and" | "&&" | "∧" | r"\land" | r"\wedge" => '∧',
         "or" | "∨" | r"\lor" | r"\vee" => '∨',
         "not" | "¬" | r"\lnot" | r"\neg" => '¬',
@@ -52,13 +64,22 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         ")" => ')',
         "[" => '[',
         "]" => ']',
-        "{" => '{',
-        "}" => '}',
+        "{" | r"\{" | r"\lbrace" => '{',
+        "}" | r"\}" | r"\rbrace" => '}',
         "⌊" | r"\lfloor" => '⌊',
         "⌋" | r"\rfloor" => '⌋',
         "⌈" | r"\lceil" => '⌈',
         "⌉" | r"\rceil" => '⌉',
-        "|" | "‖" | "∣" | r"\mid" => '|',
+        "|" | "‖" | "∣" | r"\|" | r"\mid" | r"\vert" | r"\Vert" => '|',
+        r"\lvert" | r"\lVert" => '❘',
+        r"\rvert" | r"\rVert" => '¦',
+        r"\over" => '÷',
+        r"\sum" => 'Σ',
+        r"\prod" => 'Π',
+        "&sup2;" | "&sup3;" => '²',
+        // What has no meaning, or none that is known here.
+        r"\pm" | r"\mp" | r"\int" | r"\iint" | r"\iiint" | r"\oint" | r"\partial" | r"\nabla"
+        | r"\lim" | "&amp;" => '?',
         r"\bmod" => '٪',
         r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => 'F',
         r"\sqrt" => 'R',
@@ -78,7 +99,7 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
 
 /// Whether a symbol is that of a word that begins a line about the picture rather than a formula.
 pub(crate) fn is_setting(symbol: char) -> bool {
-    const { &SETTINGS }.iter().any(|setting| setting.symbol == symbol)
+    SETTINGS.iter().any(|setting| setting.symbol == symbol)
 }
 
 /// Whether a symbol stands for a name.
@@ -89,6 +110,18 @@ pub(crate) fn is_name(symbol: char) -> bool {
 /// Whether a symbol is an operator, a relation or a comma.
 pub(crate) fn is_operator(symbol: char) -> bool {
     "+-*/^²√∛,=≠<≤>≥∧∨¬∈".contains(symbol)
+}
+
+/// Whether an operand can end with this symbol.
+pub(crate) fn ends_operand(symbol: char) -> bool {
+    matches!(symbol, '0' | '1' | '½' | '²' | '‧' | '!') || is_name(symbol) || is_closer(symbol)
+}
+
+/// Whether an operand can begin with this symbol.
+pub(crate) fn begins_operand(symbol: char) -> bool {
+    matches!(symbol, '0' | '½' | 'F' | '√' | '∛' | '¬' | 'Σ' | 'Π')
+        || is_name(symbol)
+        || closer(symbol).is_some()
 }
 
 /// The bracket that closes `open`.
@@ -107,6 +140,21 @@ pub(crate) fn in_name(character: char) -> bool {
         || character.is_ascii_digit()
         || character == '_'
         || ('₀'..='₉').contains(&character)
+}
+
+/// The length of what `text` starts with, as far as its characters are `accepted`.
+pub(crate) fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
+    text.find(|c| !accepted(c)).unwrap_or(text.len())
+}
+
+/// The length of the line that `rest` starts in.
+pub(crate) fn line_length(rest: &str) -> usize {
+    rest.find('\n').unwrap_or(rest.len())
+}
+
+/// The first bytes of `text`, no more than `most`.
+pub(crate) fn start(text: &str, most: usize) -> &str {
+    &text[..text.floor_char_boundary(most)]
 }
 
 /// Whether `text` can be defined: a name that is no operator.
@@ -141,6 +189,48 @@ pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
         '⅞' => ['7', '8'],
         _ => return None,
     })
+}
+
+/// The letter, digit or sign that a character is another form of: of full width, or set for mathematics.
+pub(crate) fn plain(character: char) -> Option<char> {
+    let code = u32::from(character);
+    if (0xFF01..=0xFF5E).contains(&code) {
+        return char::from_u32(code - 0xFF01 + 0x21);
+    }
+    if character == 'ℎ' {
+        return Some('h');
+    }
+    // Alphabets of 26 capitals and 26 small letters, from bold to monospace.
+    if (0x1D400..0x1D6A4).contains(&code) {
+        let at = (code - 0x1D400) % 52;
+        let first = if at < 26 { 'A' } else { 'a' };
+        return char::from_u32(u32::from(first) + at % 26);
+    }
+    // Digits in five styles.
+    if (0x1D7CE..0x1D800).contains(&code) {
+        return char::from_digit((code - 0x1D7CE) % 10, 10);
+    }
+    None
+}
+
+/// A text with such characters replaced; subscripts become what `x_1` is.
+pub(crate) fn plain_text(text: &str) -> String {
+    let mut all = String::with_capacity(text.len());
+    let mut is_below = false;
+    for character in text.chars() {
+        let digit = u32::from(character).checked_sub(u32::from('₀')).filter(|digit| *digit < 10);
+        if let Some(digit) = digit.and_then(|digit| char::from_digit(digit, 10)) {
+            if !is_below {
+                all.push('_');
+            }
+            all.push(digit);
+            is_below = true;
+        } else {
+            all.push(plain(character).unwrap_or(character));
+            is_below = false;
+        }
+    }
+    all
 }
 
 /// A number's text in one spelling: `.5` as `0.5`, `1.` as `1`, `0,5` as `0.5`, an exponent after

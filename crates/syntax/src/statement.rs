@@ -2,17 +2,19 @@
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
 use crate::build::{Builder, relation};
-use crate::calls::with_parts;
+use crate::diagnose::recognise;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
-use crate::grammar::{Pair, Rule, recognise};
+use crate::grammar::{Pair, Rule};
 use crate::limits::Limits;
+use crate::made::{Built, with_parts};
 use crate::note::{Note, NoteKind};
-use crate::program::{Unit, Wrap};
-use crate::scan::{Piece, Token};
+use crate::program::{Head, Unit, Wrap};
+use crate::scan::Piece;
 use crate::scope::{Meaning, Scope, built_in, coordinate};
 use crate::setting::{SETTINGS, Setting};
 use crate::span::Span;
 use crate::spelling::{is_definable, is_name, plain_name};
+use crate::token::Token;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::Meaning as Stands;
@@ -22,27 +24,10 @@ const MOST_PARAMETERS: usize = 64;
 
 /// A statement that the grammar has recognised.
 pub(crate) struct Line<'i> {
-    pub piece: &'i Piece,
     pub unit: &'i Unit,
     /// Its rule tells what the statement is.
     pub pair: Pair<'i>,
     pub head: Option<Head>,
-}
-
-/// `name` or `name(parameters)` before a `=`.
-#[derive(Clone, Debug)]
-pub(crate) struct Head {
-    pub name: Name,
-    pub parameters: Option<Vec<Name>>,
-}
-
-/// A statement with its trees, what was noticed while building them, and the names that it uses.
-#[derive(Clone)]
-pub(crate) struct Built {
-    pub statement: Statement,
-    pub span: Span,
-    pub notes: Vec<Note>,
-    pub used: FxHashSet<String>,
 }
 
 /// Recognises each statement of `text`.
@@ -58,7 +43,7 @@ pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, 
         match recognise(text, piece, rule) {
             Ok(pair) => {
                 let head = unit.head.clone().or_else(|| head(text, piece, &pair));
-                lines.push(Line { piece, unit, pair, head });
+                lines.push(Line { unit, pair, head });
             }
             Err(error) => errors.push(*error),
         }
@@ -73,7 +58,7 @@ pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, 
 fn rule(piece: &Piece) -> Rule {
     let mut symbols = piece.symbols.chars();
     let first = symbols.next();
-    let setting = const { &SETTINGS }.iter().find(|setting| Some(setting.symbol) == first);
+    let setting = SETTINGS.iter().find(|setting| Some(setting.symbol) == first);
     let Some(Setting { rule, .. }) = setting else { return Rule::line };
     let rule = *rule;
     // `view = 3` and `view(x) = …` are definitions like any other.
@@ -184,7 +169,8 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
             continue;
         }
         let key = (head.name.text.clone(), parameters.count());
-        let is_value = line.unit.head.is_none() && is_value(text, line.piece, key.1, &numbers);
+        let is_value =
+            line.unit.head.is_none() && is_value(text, &line.unit.piece, key.1, &numbers);
         if is_value && defined.contains(&key) {
             notes.push(Note { span: head.name.span, kind: NoteKind::LevelOf { name: key.0 } });
             line.head = None;
@@ -198,7 +184,7 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
 fn numbers(text: &str, lines: &[Line<'_>]) -> FxHashSet<String> {
     let named = lines.iter().filter(|line| {
         line.head.as_ref().is_some_and(|head| head.parameters.is_none())
-            && right_side(line.piece).all(|token| matches!(token.symbol, '0' | '-'))
+            && right_side(&line.unit.piece).all(|token| matches!(token.symbol, '0' | '-'))
     });
     let name = |line: &Line<'_>| text[line.head.as_ref()?.name.span.range()].to_owned().into();
     named.filter_map(name).collect()
@@ -273,7 +259,8 @@ fn accepts(head: &Head) -> Option<bool> {
 /// Builds the trees of one line.
 pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) -> Fallible<Built> {
     let locals = line.head.as_ref().and_then(|head| head.parameters.as_deref());
-    let mut builder = Builder::new(text, line.piece, scope, locals.unwrap_or_default(), limits);
+    let mut builder =
+        Builder::new(text, &line.unit.piece, scope, locals.unwrap_or_default(), limits);
     builder.aliases = line.unit.aliases.clone();
     let mut parts = line.pair.into_inner();
     let expression = parts.next().expect("a line has an expression");
@@ -304,9 +291,9 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         if let Some(span) = braces {
             let error = Error::new(span, ErrorKind::RestrictedDefinition);
             let bounds = slider_bounds(&head.name, &restrictions);
-            let typed = builder.text[line.piece.span.start..span.start].trim_end();
+            let typed = builder.text[line.unit.piece.span.start..span.start].trim_end();
             let meant = bounds.map(|(low, high)| format!("{typed} in [{low}, {high}]"));
-            return Err(error.suggest_any(line.piece.span, meant));
+            return Err(error.suggest_any(line.unit.piece.span, meant));
         }
         let range = range.map(|(ends, _)| ends);
         Statement::Define(match &line.unit.head {
@@ -327,7 +314,7 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         Statement::Draw { expr, restrictions }
     };
     let Builder { notes, used, .. } = builder;
-    Ok(Built { statement, span: line.piece.span, notes, used })
+    Ok(Built { statement, span: line.unit.piece.span, notes, used })
 }
 
 /// The ends between which `0 < a < 3` in braces lets a value move.

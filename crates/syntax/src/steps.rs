@@ -1,9 +1,9 @@
 //! What a program does, statement by statement: blocks in braces, or indented. No statement is looked into.
 
 use crate::error::{Error, ErrorKind, Fallible};
-use crate::program_words::{Words, closing, split};
-use crate::scan::Token;
-use crate::spelling::{closer, is_closer, is_name};
+use crate::program_words::Words;
+use crate::spelling::is_name;
+use crate::token::{Token, closing, outside, split};
 
 /// How deep blocks may nest that stand in no brackets.
 const DEEPEST: usize = 40;
@@ -54,19 +54,6 @@ impl Step {
     }
 }
 
-/// The first place of `sign` outside brackets.
-pub(crate) fn outside(tokens: &[Token], sign: char) -> Option<usize> {
-    let mut depth = 0_usize;
-    tokens.iter().position(|token| {
-        if closer(token.symbol).is_some() {
-            depth += 1;
-        } else if is_closer(token.symbol) {
-            depth = depth.saturating_sub(1);
-        }
-        depth == 0 && token.symbol == sign
-    })
-}
-
 /// What stands behind the semicolons and line ends at the start.
 fn skip(tokens: &[Token]) -> &[Token] {
     let count = tokens.iter().take_while(|token| token.symbol == ';').count();
@@ -95,40 +82,24 @@ impl Words<'_> {
         }
     }
 
-    /// What follows the first statement; `None` if that is not whole.
-    fn behind(self, tokens: &[Token], depth: usize) -> Option<&[Token]> {
-        let tokens = skip(tokens);
-        let first = tokens.first()?;
-        if depth > DEEPEST {
-            return Some(&[]);
-        }
-        if first.symbol == '{' {
-            return Some(&tokens[closing(tokens)? + 1..]);
-        }
-        if self.word(*first) == "else" {
-            return self.behind(&tokens[1..], depth + 1);
-        }
-        if self.governs(tokens) {
-            let end = closing(&tokens[1..])? + 2;
-            let rest = self.behind(&tokens[end..], depth + 1)?;
-            let next = skip(rest);
-            let is_else = next.first().is_some_and(|next| self.word(*next) == "else");
-            return if is_else { self.behind(&next[1..], depth + 1) } else { Some(rest) };
-        }
-        let end = outside(tokens, ';').unwrap_or(tokens.len());
-        Some(&tokens[end..])
-    }
-
-    /// Whether the last statement that `tokens` hold is whole.
+    /// Whether the last statement that `tokens` hold is whole: something stands behind what governs it.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
+        let mut is_whole = true;
         let mut rest = skip(tokens);
-        while !rest.is_empty() {
-            match self.behind(rest, 0) {
-                Some(behind) => rest = skip(behind),
-                None => return false,
-            }
+        while let Some(first) = rest.first() {
+            let is_else = self.word(*first) == "else";
+            let governs = is_else || self.governs(rest);
+            let end = match first.symbol {
+                _ if is_else => Some(1),
+                _ if governs => closing(&rest[1..]).map(|close| close + 2),
+                '{' => closing(rest).map(|close| close + 1),
+                _ => outside(rest, ';').or(Some(rest.len())),
+            };
+            let Some(end) = end else { return false };
+            is_whole = !governs;
+            rest = skip(&rest[end..]);
         }
-        true
+        is_whole
     }
 
     /// The statements of a block in braces.
@@ -153,10 +124,6 @@ impl Words<'_> {
         if depth > DEEPEST {
             return Err(Error::new(first.span, ErrorKind::TooDeep { limit: DEEPEST }));
         }
-        let unread = |token: Token| {
-            let word = self.word(token).to_owned();
-            Error::new(token.span, ErrorKind::Program { word })
-        };
         if first.symbol == '{'
             && let Some(end) = closing(tokens)
         {
@@ -164,14 +131,14 @@ impl Words<'_> {
             return Ok(&tokens[end + 1..]);
         }
         if matches!(self.word(first), "switch" | "struct" | "do") && Self::is_command(tokens) {
-            return Err(unread(first));
+            return Err(self.unread(first));
         }
         if !self.governs(tokens) || self.word(first) == "else" {
             let end = outside(tokens, ';').unwrap_or(tokens.len());
             steps.push(Step::Plain(tokens[..end].to_vec()));
             return Ok(&tokens[end..]);
         }
-        let Some(end) = closing(&tokens[1..]) else { return Err(unread(first)) };
+        let Some(end) = closing(&tokens[1..]) else { return Err(self.unread(first)) };
         let (header, rest) = (&tokens[2..=end], &tokens[end + 2..]);
         let mut body = Vec::new();
         let mut rest = self.step(rest, depth + 1, &mut body)?;
@@ -197,7 +164,7 @@ impl Words<'_> {
                 } else {
                     // `for (const c of [1, 2])`
                     let of = header.iter().position(|token| self.word(*token) == "of");
-                    let Some(of) = of.filter(|of| *of > 0) else { return Err(unread(first)) };
+                    let Some(of) = of.filter(|of| *of > 0) else { return Err(self.unread(first)) };
                     let values = header[of + 1..].to_vec();
                     steps.push(Step::Each { name: header[of - 1], values, body });
                 }
@@ -283,10 +250,7 @@ impl Words<'_> {
                 [name, within, values @ ..] if within.symbol == '∈' => {
                     steps.push(Step::Each { name: *name, values: values.to_vec(), body });
                 }
-                _ => {
-                    let word = self.word(first).to_owned();
-                    return Err(Error::new(first.span, ErrorKind::Program { word }));
-                }
+                _ => return Err(self.unread(first)),
             },
         }
         Ok(next)
@@ -297,7 +261,7 @@ impl Words<'_> {
         if outside(&tokens, ',').is_none() || self.types(&tokens) > 0 {
             return vec![tokens];
         }
-        let parts = split(tokens.clone(), ',');
+        let parts = split(&tokens, ',');
         if parts.iter().all(|part| self.assignment(part).is_some()) { parts } else { vec![tokens] }
     }
 }

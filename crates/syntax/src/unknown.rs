@@ -3,11 +3,10 @@
 use crate::ast::Name;
 use crate::build::Builder;
 use crate::error::{Error, ErrorKind};
-use crate::lexer::ends_operand;
 use crate::scope::{Meaning, Scope, nearest, read_as};
 use crate::setting::SETTINGS;
 use crate::span::Span;
-use crate::spelling::{is_name, is_setting, short_name, symbol};
+use crate::spelling::{ends_operand, is_name, is_setting, short_name, start, symbol};
 
 /// Longest name, in bytes, whose parts are looked up: a bound keeps hostile names cheap.
 const LONGEST: usize = 64;
@@ -50,7 +49,7 @@ impl Builder<'_> {
             return None;
         }
         let statement = self.piece.span;
-        let text = crate::scan::start(&self.text[statement.range()], LONGEST);
+        let text = start(&self.text[statement.range()], LONGEST);
         let mut words = text.split(|c: char| !c.is_alphabetic());
         // `cylinder(r = 1, h = 2)` has names of its arguments only.
         let is_called = self.piece.tokens.get(1).is_some_and(|next| next.symbol == '(');
@@ -106,10 +105,8 @@ impl Builder<'_> {
         }
         // `i` alone, or next to values as in `iy`.
         let rest = name.strip_prefix('i').or_else(|| name.strip_suffix('i'));
-        if rest.is_some_and(|rest| rest.is_empty() || scope.is_product(rest, locals)) {
-            return Error::new(span, ErrorKind::Complex);
-        }
-        if name == "I" {
+        let is_unit = |rest: &str| rest.is_empty() || scope.is_product(rest, locals);
+        if name == "I" || rest.is_some_and(is_unit) {
             return Error::new(span, ErrorKind::Complex);
         }
         let is_parameter = matches!(name, "u" | "v" | "s");
@@ -117,10 +114,8 @@ impl Builder<'_> {
             return Error::new(span, ErrorKind::Parametric);
         }
         let after = self.text[span.end..].trim_start_matches(['}', ' ']);
-        let is_over = |rest: &str| {
-            rest.strip_prefix(['/', '{']).is_some_and(|rest| rest.trim_start().starts_with('d'))
-        };
-        if name == "d" && is_over(after) {
+        let below = after.strip_prefix(['/', '{']);
+        if name == "d" && below.is_some_and(|below| below.trim_start().starts_with('d')) {
             return Error::new(span, ErrorKind::Calculus);
         }
         if symbol(name).is_some_and(is_setting) && span.start > self.piece.span.start {
@@ -132,7 +127,7 @@ impl Builder<'_> {
         let begins =
             span.start == self.piece.span.start && behind.len() < self.text.len() - span.end;
         if begins && behind.starts_with(|c: char| c.is_alphanumeric() || c == '#') {
-            let words = const { &SETTINGS }.iter().map(|setting| setting.word);
+            let words = SETTINGS.iter().map(|setting| setting.word);
             if let Some(meant) = nearest(name, words) {
                 let kind = ErrorKind::UnknownName { name: short_name(name), letter: None };
                 return Error::new(span, kind).suggest(span, meant);

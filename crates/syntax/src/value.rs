@@ -3,15 +3,13 @@
 //! An operation on vectors is done component by component, a number beside a vector counting for
 //! each. What mixes components has a name: `length`, `dot`, `cross`, `normalize`.
 
+use crate::ast::LETTERS;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::Lowering;
 use crate::note::{Note, NoteKind};
 use crate::span::Span;
 use zeroset_ir::NodeId;
 use zeroset_ops::{Op, VectorFunction};
-
-/// The components' letters.
-pub(crate) const LETTERS: &str = "xyzw";
 
 /// What an expression lowers to.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

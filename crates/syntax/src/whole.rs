@@ -3,8 +3,8 @@
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Series};
 use crate::build::{Builder, number_only};
 use crate::error::{Error, ErrorKind, Fallible};
+use crate::made::Built;
 use crate::span::Span;
-use crate::statement::Built;
 use rustc_hash::FxHashSet;
 
 impl Builder<'_> {
@@ -19,13 +19,13 @@ impl Builder<'_> {
             _ => false,
         };
         let is_negative = matches!(base.kind, ExprKind::Negate(_));
-        if is_negative || all_parts(&base).into_iter().any(varies) {
+        if is_negative || base.all_parts().into_iter().any(varies) {
             return Err(Error::new(sign, ErrorKind::UnexpectedCharacter { character: '!' }));
         }
         let is_free = |index: &&str| {
             let is_own =
                 |part: &Expr| matches!(&part.kind, ExprKind::Name(name) if name.name() == *index);
-            !all_parts(&base).into_iter().any(is_own)
+            !base.all_parts().into_iter().any(is_own)
         };
         let text =
             (*["k", "j", "i", "l"].iter().find(|name| is_free(name)).unwrap_or(&"m")).to_owned();
@@ -38,17 +38,6 @@ impl Builder<'_> {
     }
 }
 
-/// An expression and everything that it is made of.
-fn all_parts(expr: &Expr) -> Vec<&Expr> {
-    let mut all = vec![expr];
-    let mut at = 0;
-    while let Some(next) = all.get(at) {
-        all.extend(next.parts());
-        at += 1;
-    }
-    all
-}
-
 /// The names that say how many terms or repetitions there are, by themselves or through definitions.
 pub(crate) fn counting<'d>(
     definitions: &[(&'d Definition, &'d Built)],
@@ -57,7 +46,7 @@ pub(crate) fn counting<'d>(
     let built = drawings.iter().copied().chain(definitions.iter().map(|(_, built)| *built));
     let mut names: FxHashSet<&str> = FxHashSet::default();
     for expr in built.flat_map(|built| built.statement.expressions()) {
-        for part in all_parts(expr) {
+        for part in expr.all_parts() {
             let ends: Vec<&Expr> = match &part.kind {
                 ExprKind::Series(series) => {
                     [&series.low, &series.high].into_iter().chain(&series.step).collect()
@@ -67,7 +56,7 @@ pub(crate) fn counting<'d>(
                 }
                 _ => continue,
             };
-            for part in ends.into_iter().flat_map(all_parts) {
+            for part in ends.into_iter().flat_map(Expr::all_parts) {
                 if let ExprKind::Name(NamedValue::Defined(name)) = &part.kind {
                     names.insert(name);
                 }

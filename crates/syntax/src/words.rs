@@ -1,10 +1,10 @@
 //! Every word of the language and what kind it is, for help, completion and colours: drawn from the tables that reading
 //! uses. What is done with them is not known here.
 
-use crate::paint::{COLOR_MAPS, POINT_NAMES};
+use crate::paint::POINT_NAMES;
 use crate::scope::{ROOT_NAMES, meaning};
 use crate::setting::SETTINGS;
-use crate::spelling::{LOOKS, PRESETS};
+use crate::spelling::{COLOR_MAPS, LOOKS, PRESETS};
 use zeroset_ir::NamedConstant;
 
 /// What a word is.
@@ -68,9 +68,19 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
         .map(|word| (word, Function))
         .chain(values.map(|word| (word, Value)))
         .chain(JOINTS.iter().map(first).map(|word| (word, Joint)))
-        .chain(const { &SETTINGS }.iter().map(|setting| (setting.word, Setting)))
+        .chain(SETTINGS.iter().map(|setting| (setting.word, Setting)))
         .chain(within.map(|word| (word, InSetting)))
         .chain(PROGRAM.iter().map(first).map(|word| (word, Program)))
+}
+
+/// Every function, constant and coordinate of the language, aliases included.
+///
+/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
+/// written as a whole number and odd, negative numbers have roots too; any other n is read as
+/// `a^(1/n)`, for a ≥ 0.
+pub fn language_names() -> impl Iterator<Item = &'static str> {
+    let is_name = |kind| matches!(kind, WordKind::Function | WordKind::Value);
+    words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
 }
 
 /// What a word that is no function is, in one line.
@@ -78,7 +88,7 @@ pub fn word_help(word: &str) -> Option<String> {
     let found = |table: &[(&'static str, &'static str)]| {
         table.iter().find(|(name, _)| *name == word).map(|(_, text)| *text)
     };
-    if let Some(setting) = const { &SETTINGS }.iter().find(|setting| setting.word == word) {
+    if let Some(setting) = SETTINGS.iter().find(|setting| setting.word == word) {
         return Some(format!("a line about the picture: {}", setting.hint));
     }
     if ROOT_NAMES.contains(&word) {
@@ -98,7 +108,7 @@ pub fn word_help(word: &str) -> Option<String> {
     if let Some(text) = found(PROGRAM) {
         return Some(format!("a word of programs, as in {text}"));
     }
-    let lines = || const { &SETTINGS }.iter().filter(|setting| setting.hint.contains(word));
+    let lines = || SETTINGS.iter().filter(|setting| setting.hint.contains(word));
     words().any(|known| known == (word, WordKind::InSetting)).then(|| {
         let within = lines().map(|setting| format!("`{}`", setting.word)).collect::<Vec<_>>();
         match within.as_slice() {

@@ -1,12 +1,10 @@
 //! What other systems put around a formula: commands that plot it, declarations of names, braces of print. No formula is
 //! looked into.
 
-use crate::lexer::begins_operand;
-use crate::program_words::{Words, bracketed, closing, split};
-use crate::scan::Token;
+use crate::program_words::Words;
 use crate::span::Span;
-use crate::spelling::{closer, is_closer, is_name};
-use crate::steps::outside;
+use crate::spelling::{begins_operand, closer, is_closer, is_name};
+use crate::token::{Token, bracketed, closing, outside, split};
 
 /// Commands that only declare names, or set up a system.
 const SETUP: &[&str] = &[
@@ -55,77 +53,56 @@ const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 /// Words before a formula that ask for its picture.
 const ASKS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
-/// What stands for a statement.
-pub(crate) enum Unwrapped {
-    /// These statements; none if it means nothing.
-    Statements(Vec<Vec<Token>>),
-    /// The value of this name is drawn.
-    Drawn(Token),
-}
-
 impl Words<'_> {
-    /// What stands for a statement that is more than a formula.
-    pub(crate) fn unwrapped(self, tokens: &[Token]) -> Option<Unwrapped> {
+    /// The statements that one stands for which is more than a formula; none if it means nothing.
+    pub(crate) fn unwrapped(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let first = *tokens.first()?;
         let next = tokens.get(1);
         let word = self.word(first);
         let opens = next.is_some_and(|next| matches!(next.symbol, '(' | '['));
         let is_setting = next.is_some_and(|next| matches!(next.symbol, '=' | ':' | ','));
-        let statements = |all: Vec<Vec<Token>>| Some(Unwrapped::Statements(all));
         if SETUP.contains(&word)
             && (next.is_none_or(|next| is_name(next.symbol)) || word == "Needs")
             || SETUP_CALLS.contains(&word) && opens && !is_setting && Self::is_whole_call(tokens)
         {
-            return statements(Vec::new());
-        }
-        if word == "draw_surface" && next.is_none() {
-            let mut places = self.text.match_indices("surface");
-            let is_set =
-                places.any(|(at, word)| self.text[at + word.len()..].trim_start().starts_with('='));
-            return is_set.then_some(Unwrapped::Drawn(first));
+            return Some(Vec::new());
         }
         if let Some(equals) = tokens.iter().position(|token| token.symbol == '=')
             && let [made, open, ..] = &tokens[equals + 1..]
             && (SYMBOLS.contains(&self.word(*made)) && open.symbol == '('
                 || GRIDS.contains(&self.word(*made)))
         {
-            return statements(Vec::new());
+            return Some(Vec::new());
         }
-        if let Some(rest) = self.behind_mark(tokens) {
-            return statements(vec![rest]);
-        }
-        if let Some(found) = self.with_rules(tokens) {
-            return statements(found);
-        }
-        if let Some(found) = self.with_values(tokens) {
-            return statements(found);
-        }
-        if let Some(found) = self.of_surfer(tokens) {
-            return statements(found);
+        let found = self.behind_mark(tokens).map(|rest| vec![rest]);
+        let found = found.or_else(|| self.with_rules(tokens));
+        let found = found.or_else(|| self.with_values(tokens));
+        if let Some(found) = found.or_else(|| self.of_surfer(tokens)) {
+            return Some(found);
         }
         if first.symbol == '{' {
-            return self.in_braces(tokens).map(|inner| Unwrapped::Statements(vec![inner]));
+            return self.in_braces(tokens).map(|inner| vec![inner]);
         }
         match word {
-            "With" | "Module" | "Block" if opens => return Self::with(tokens).and_then(statements),
+            "With" | "Module" | "Block" if opens => return Self::with(tokens),
             "function" if next.is_some_and(|next| next.symbol == '{') => {
                 let (inner, rest) = bracketed(&tokens[1..])?;
-                return rest.is_empty().then(|| Unwrapped::Statements(vec![inner]));
+                return rest.is_empty().then(|| vec![inner.to_vec()]);
             }
             _ if AROUND.contains(&word) && opens && Self::is_whole_call(tokens) => {
                 let (inner, _) = bracketed(&tokens[1..])?;
-                return statements(vec![inner]);
+                return Some(vec![inner.to_vec()]);
             }
             _ if ASKS.contains(&word)
                 && tokens.get(2).is_some()
                 && next.is_some_and(|next| self.word(*next) == "of") =>
             {
-                return statements(vec![tokens[2..].to_vec()]);
+                return Some(vec![tokens[2..].to_vec()]);
             }
             _ if ASKS.contains(&word)
                 && next.is_some_and(|next| next.symbol != '(' && begins_operand(next.symbol)) =>
             {
-                return statements(vec![tokens[1..].to_vec()]);
+                return Some(vec![tokens[1..].to_vec()]);
             }
             _ => {}
         }
@@ -136,9 +113,9 @@ impl Words<'_> {
         {
             let mut all = vec![*name, Token::new('=', Span::at(less.span.start))];
             all.extend(&tokens[3..]);
-            return statements(vec![all]);
+            return Some(vec![all]);
         }
-        self.of_maple(tokens).and_then(statements)
+        self.of_maple(tokens)
     }
 
     /// What stands behind a command that sets up, `with(plots):`, or behind the mark of a session, `In[1]:=`, `(%i1)`,
@@ -180,7 +157,7 @@ impl Words<'_> {
         };
         let at = tokens.windows(2).position(is_sign)?;
         let rules = &tokens[at + 2..];
-        let rules = bracketed(rules).map_or(rules.to_vec(), |(inner, _)| inner);
+        let rules = bracketed(rules).map_or(rules, |(inner, _)| inner);
         let mut all = vec![tokens[..at].to_vec()];
         for rule in split(rules, ',') {
             let [name, minus, arrow, value @ ..] = rule.as_slice() else { return None };
@@ -205,8 +182,8 @@ impl Words<'_> {
             formula.pop();
         }
         let mut all = vec![formula];
-        for part in split(tokens[at + 1..].to_vec(), ',') {
-            all.extend(split(part, '∧'));
+        for part in split(&tokens[at + 1..], ',') {
+            all.extend(split(&part, '∧'));
         }
         let is_value = |part: &Vec<Token>| match part.as_slice() {
             [name, equals, value, ..] => {
@@ -244,6 +221,12 @@ impl Words<'_> {
                 .iter()
                 .any(|begin| word.starts_with(begin));
         is_look.then(Vec::new)
+    }
+
+    /// Whether the text sets a name of Surfer's that `draw_surface` draws.
+    pub(crate) fn sets_surface(self) -> bool {
+        let mut places = self.text.match_indices("surface");
+        places.any(|(at, word)| self.text[at + word.len()..].trim_start().starts_with('='))
     }
 
     /// Whether a statement is one call and nothing else.
@@ -293,7 +276,7 @@ impl Words<'_> {
         }
         let mut all = split(names, ',');
         all.retain(|tokens| tokens.len() > 1);
-        all.extend(split(body, ';'));
+        all.extend(split(&body, ';'));
         Some(all)
     }
 
