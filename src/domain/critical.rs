@@ -148,25 +148,17 @@ impl Seeker<'_> {
         ended.filter(|(_, end)| *end != End::Lost).collect()
     }
 
-    /// The places whose values tell how a function changes around one.
-    fn around(&self, place: Vector) -> [Vector; AROUND] {
-        let steps: [[i8; 3]; AROUND] = [
-            [0, 0, 0],
-            [1, 0, 0],
-            [0, 1, 0],
-            [0, 0, 1],
-            [-1, 0, 0],
-            [0, -1, 0],
-            [0, 0, -1],
-            [0, 1, 1],
-            [1, 0, 1],
-            [1, 1, 0],
-            [0, -1, -1],
-            [-1, 0, -1],
-            [-1, -1, 0],
-        ];
+    /// The places whose values tell how a function changes around one: that, those a step away along
+    /// each axis and back, and those along two axes and back.
+    fn around(&self, place: Vector) -> Vec<Vector> {
+        let alone: [[i8; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+        let both: [[i8; 3]; 3] = [[0, 1, 1], [1, 0, 1], [1, 1, 0]];
+        let back = |steps: [[i8; 3]; 3]| steps.map(|step| step.map(|along| -along));
         let apart = APART * self.half;
-        steps.map(|steps| [0, 1, 2].map(|axis| place[axis] + apart * f64::from(steps[axis])))
+        let there =
+            |step: [i8; 3]| [0, 1, 2].map(|axis| place[axis] + apart * f64::from(step[axis]));
+        let steps = [alone, back(alone), both, back(both)].into_iter().flatten();
+        [[0; 3]].into_iter().chain(steps).map(there).collect()
     }
 
     /// A step of Newton's method.

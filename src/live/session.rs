@@ -25,6 +25,7 @@ pub struct Live {
     pipeline: Pipeline,
 }
 
+#[derive(Default)]
 pub(super) struct State {
     /// What is asked for, with the document as entered.
     pub request: Request,
@@ -63,14 +64,10 @@ impl Live {
         let text = || Arc::clone(&request.text);
         let state = State {
             shown: text(),
-            typed: Vec::new(),
             readable: text(),
             kept: text(),
-            dragged: Vec::new(),
-            undo: Undo::default(),
-            revision: 0,
-            cleared: 0,
             request: request.clone(),
+            ..State::default()
         };
         let live = Self { state: Mutex::new(state), pipeline: Pipeline::new(request) };
         live.refresh();
@@ -86,10 +83,9 @@ impl Live {
     pub fn snapshot(&self) -> Snapshot {
         let cleared = self.lock().cleared;
         let Snapshot { rendering, fault, settled } = self.pipeline.snapshot();
-        let is_shown = |revision: u64| revision > cleared;
         Snapshot {
-            rendering: rendering.filter(|seen| is_shown(seen.revision)),
-            fault: fault.filter(|fault| is_shown(fault.revision)),
+            rendering: rendering.filter(|seen| seen.revision > cleared),
+            fault: fault.filter(|fault| fault.revision > cleared),
             settled,
         }
     }
