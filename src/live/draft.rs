@@ -144,7 +144,7 @@ fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> O
     }
     let rest = &base[span.end..];
     let end = span.end + end_of_statement(rest).unwrap_or(rest.len());
-    let range = kept_range(base, line, &wanted);
+    let range = kept_range(base, line, &wanted).unwrap_or_default();
     let line = format!("{line}{range}");
     let space = if is_comment(&base[end..]) { " " } else { "" };
     Some(format!("{}{line}{space}{}", &base[..span.start], &base[end..]))

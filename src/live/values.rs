@@ -60,18 +60,15 @@ pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
 }
 
 /// What is to follow `line`, a definition of `name`, so that the range which `text` gives it stays:
-/// extended where the new value lies beyond; nothing if the line has a range or is no number.
-pub(super) fn kept_range(text: &str, line: &str, name: &str) -> String {
-    let kept = || {
-        let (low, high) = place(text, name)?.range?;
-        let Place { body, range: None } = place(line, name)? else { return None };
-        let (value, low, high) = (line.get(body)?, text.get(low)?, text.get(high)?);
-        let (least, most, at) = (number(low)?, number(high)?, number(value)?);
-        let low = if at < least { value } else { low };
-        let high = if at > most { value } else { high };
-        Some(format!(" in [{low}, {high}]"))
-    };
-    kept().unwrap_or_default()
+/// extended where the new value lies beyond; `None` if the line has a range or is no number.
+pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
+    let (low, high) = place(text, name)?.range?;
+    let Place { body, range: None } = place(line, name)? else { return None };
+    let (value, low, high) = (line.get(body)?, text.get(low)?, text.get(high)?);
+    let (least, most, at) = (number(low)?, number(high)?, number(value)?);
+    let low = if at < least { value } else { low };
+    let high = if at > most { value } else { high };
+    Some(format!(" in [{low}, {high}]"))
 }
 
 /// A number as it is typed, no longer than it need be.

@@ -21,7 +21,8 @@ const LEAST_DEPTH: u32 = 6;
 /// What was made for earlier requests, as far as it may serve for the next.
 pub(super) struct Worker {
     pub shared: Arc<Shared>,
-    read: Option<Read>,
+    /// The document that was read last, and the request for which it was.
+    read: Option<(Arc<Request>, Arc<Document>)>,
     built: Option<Built>,
     /// The last search for a domain.
     search: Option<Program>,
@@ -32,12 +33,6 @@ pub(super) struct Worker {
     pub pace: Pace,
     /// What the last picture was of that lacks nothing.
     finished: Option<Arc<Request>>,
-}
-
-/// A document, and the request for which it was read.
-struct Read {
-    request: Arc<Request>,
-    document: Arc<Document>,
 }
 
 /// A model, and what it was made for.
@@ -315,13 +310,13 @@ impl Worker {
     }
 
     fn document(&mut self, request: &Arc<Request>) -> Result<Arc<Document>, Errors> {
-        if let Some(Read { request: old, document }) = &self.read
+        if let Some((old, document)) = &self.read
             && same_document(old, request)
         {
             return Ok(Arc::clone(document));
         }
         let document = Arc::new(request.read()?);
-        self.read = Some(Read { request: Arc::clone(request), document: Arc::clone(&document) });
+        self.read = Some((Arc::clone(request), Arc::clone(&document)));
         Ok(document)
     }
 
