@@ -20,7 +20,7 @@ mod window;
 
 use crate::enclosure;
 use crate::program::{Program, ProgramError};
-use cells::{BOX_DEPTH, Cell, FINE_DEPTH, PLAIN, Search};
+use cells::{BOX_DEPTH, Cell, FINE_DEPTH, PLAIN, Search, places_about};
 use homogeneous::Homogeneous;
 use shape::Shape;
 use std::cell::Cell as Counter;
@@ -108,22 +108,21 @@ pub fn find_while(
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
     let surfaces = (0..program.roots().len()).take_while(|_| wanted());
-    let kernels = surfaces.map(|surface| program.kernels::<f64>(surface).zeros());
-    let surfaces = kernels.collect::<Result<Vec<_>, _>>()?;
+    let surfaces = surfaces.map(|surface| program.kernels::<f64>(surface).zeros());
+    let surfaces = surfaces.collect::<Result<Vec<_>, _>>()?;
     if !wanted() {
         return Ok(None);
     }
     let mut search = Search { surfaces, forms: Vec::new(), wanted, work: Counter::new(WORK) };
     let mut at_infinity = WORK_AT_INFINITY;
-    let (found, finding) = if let Some(whole) = everything(program, &search, &mut at_infinity) {
+    let whole = everything(program, &search, &mut at_infinity)
+        .map(|whole| (whole, Finding::Bounded, Finding::Empty));
+    let near =
+        || everything_near(&search).map(|whole| (whole, Finding::BoundedNear, Finding::EmptyNear));
+    let (found, finding) = if let Some((whole, bounded, empty)) = whole.or_else(near) {
         match snug(program, &mut search, whole)? {
-            Some(hull) => (around(program, &hull), Finding::Bounded),
-            None => (Cell::cube(PLAIN), Finding::Empty),
-        }
-    } else if let Some(whole) = everything_near(&search) {
-        match snug(program, &mut search, whole)? {
-            Some(hull) => (around(program, &hull), Finding::BoundedNear),
-            None => (Cell::cube(PLAIN), Finding::EmptyNear),
+            Some(hull) => (around(program, &hull), bounded),
+            None => (Cell::cube(PLAIN), empty),
         }
     } else {
         let (window, is_round) = windows(program, &search)?;
@@ -171,18 +170,15 @@ fn around(program: &Program, hull: &Cell) -> Cell {
 /// with an inside has other values there, however small it is and whatever it is multiplied by.
 fn is_point(program: &Program, hull: &Cell) -> bool {
     let (graph, parameters) = (program.graph(), program.values().to_vec());
-    let may_vanish = |n: usize| {
-        let sides = [n % 3, n / 3 % 3, n / 9].map(|side| (side as f64 - 1.0) / 8.0);
-        let domain = [0, 1, 2].map(|axis| {
-            let along = hull.centre()[axis] + sides[axis] * hull.extent(axis);
-            Interval { lo: along, hi: along }
-        });
+    let may_vanish = |place: [f64; 3]| {
+        let domain = place.map(|along| Interval { lo: along, hi: along });
         let assumptions = Assumptions { domain, parameters: parameters.clone() };
         let found = enclosure::enclose_all(graph, program.roots(), &assumptions);
         found.iter().any(|(bounds, _)| bounds.lo <= 0.0 && 0.0 <= bounds.hi)
     };
+    let eighths = [0, 1, 2].map(|axis| hull.extent(axis) / 8.0);
     hull.largest() <= FLOATS * f64::EPSILON * hull.reach()
-        || hull.largest() < TINY && (0..27).all(may_vanish)
+        || hull.largest() < TINY && places_about(hull.centre(), eighths).all(may_vanish)
 }
 
 /// Cubes of ±2 to these powers are tried as boxes that hold a whole surface.
@@ -221,14 +217,8 @@ fn everything(program: &Program, search: &Search<'_>, work: &mut u64) -> Option<
 /// A box that all surfaces are proven to lie in as far as [`REACH`], if there is a proof.
 fn everything_near(search: &Search<'_>) -> Option<Cell> {
     let cube = |exponent: i32| Cell::cube(f64::from(exponent).exp2());
-    let mut least = None;
-    for exponent in (0..40).rev() {
-        if !search.nothing_between(&cube(exponent), &cube(exponent + 1)) {
-            break;
-        }
-        least = Some(cube(exponent));
-    }
-    least
+    let is_clear = |exponent: &i32| search.nothing_between(&cube(*exponent), &cube(exponent + 1));
+    (0..40).rev().take_while(is_clear).last().map(cube)
 }
 
 /// Weights with which the highest powers of the three axes alone weigh the same, if there are any.
@@ -344,12 +334,17 @@ fn proper(mut cell: Cell) -> Cell {
 
 /// A place with digits down to `grain`.
 fn rounded(place: f64, grain: f64) -> f64 {
+    let near = in_grains(place, grain, f64::round);
+    if near.is_finite() { near } else { place }
+}
+
+/// A place whose number of grains, of the power of ten up to `grain`, was brought to a whole one;
+/// not finite where floats have no such digits.
+fn in_grains(place: f64, grain: f64, whole: impl Fn(f64) -> f64) -> f64 {
     let power = grain.log10().floor();
     // Division by the power of ten's reciprocal gives the decimal nearest to what is meant.
     let grain = 10.0_f64.powf(power.abs());
-    let near =
-        if power < 0.0 { (place * grain).round() / grain } else { (place / grain).round() * grain };
-    if near.is_finite() { near } else { place }
+    if power < 0.0 { whole(place * grain) / grain } else { whole(place / grain) * grain }
 }
 
 /// The cube around a place with this half extent, both of few digits. Around the origin it is that exactly.
@@ -367,21 +362,17 @@ fn roomy(cell: &Cell) -> Cell {
     let least = cell.largest() * 1e-6;
     for axis in 0..3 {
         let extent = cell.extent(axis).max(least);
-        // A hundredth of the extent, as a power of ten.
-        let power = (extent / 100.0).log10().floor();
         let space = SPACE * extent;
-        // Division by the power of ten's reciprocal gives the decimal nearest to what is meant.
-        let grain = 10.0_f64.powf(power.abs());
-        let steps = |bound: f64| if power < 0.0 { bound * grain } else { bound / grain };
-        let digits = |steps: f64| if power < 0.0 { steps / grain } else { steps * grain };
-        // What is a whole number of grains but for rounding is not moved by another; the space absorbs it.
-        let snapped = |steps: f64, outward: f64| {
-            let near = steps.round();
-            if (steps - near).abs() < 1e-6 { near } else { outward }
+        let neat = |bound: f64, outward: fn(f64) -> f64| {
+            in_grains(bound, extent / 100.0, |grains| {
+                // What is a whole number of them but for rounding is not moved by another; the
+                // space absorbs it.
+                let near = grains.round();
+                if (grains - near).abs() < 1e-6 { near } else { outward(grains) }
+            })
         };
-        let (below, above) = (steps(cell.low[axis] - space), steps(cell.high[axis] + space));
-        let (low, high) =
-            (digits(snapped(below, below.floor())), digits(snapped(above, above.ceil())));
+        let low = neat(cell.low[axis] - space, f64::floor);
+        let high = neat(cell.high[axis] + space, f64::ceil);
         // Far away there may be no such digits.
         roomy.low[axis] = if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
         roomy.high[axis] =

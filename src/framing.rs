@@ -59,7 +59,7 @@ pub fn camera_while(
     settings: &Settings,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
-    fitted(&[model], document, choice, settings, model.region(), false, wanted)
+    camera_over(&[model], document, choice, settings, model.region(), false, wanted)
 }
 
 /// One camera for pictures of several models over the same region, as [`camera_while`] chooses it for one. If it is to turn
@@ -67,22 +67,7 @@ pub fn camera_while(
 ///
 /// # Errors
 /// As [`camera_while`].
-///
-/// # Panics
-/// Never: the camera is wanted to the end.
 pub fn camera_over(
-    models: &[&Model],
-    document: &Document,
-    choice: &CameraChoice,
-    settings: &Settings,
-    region: &Region,
-    is_turned: bool,
-) -> Result<Camera, SceneError> {
-    let camera = fitted(models, document, choice, settings, region, is_turned, &|| true)?;
-    Ok(camera.expect("wanted to the end"))
-}
-
-fn fitted(
     models: &[&Model],
     document: &Document,
     choice: &CameraChoice,
@@ -207,41 +192,6 @@ fn corners(region: &Region) -> Vec<Spot> {
     (0..8).map(corner).collect()
 }
 
-/// What is painted in a small picture.
-fn spots(
-    model: &Model,
-    camera: &Camera,
-    settings: &Settings,
-    wanted: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Vec<Spot>>, SceneError> {
-    let small = Settings {
-        width: SIDE,
-        height: SIDE,
-        precision: settings.precision,
-        is_preview: true,
-        normals: None,
-        ..Settings::default()
-    };
-    let picture = model.trace(camera, &small, &|_| wanted())?;
-    if !wanted() {
-        return Ok(None);
-    }
-    let rays = camera.rays(SIDE, SIDE);
-    let frame = camera.rays(1, 1);
-    let slope = match camera.projection() {
-        Projection::Perspective { fov } => (fov.to_radians() / 2.0).tan(),
-        Projection::Orthographic { .. } => 0.0,
-    };
-    let painted = (0..SIDE * SIDE).filter(|pixel| picture.buffer.is_drawn(*pixel));
-    let spot = |pixel: usize| {
-        let ray = rays.ray(pixel % SIDE, pixel / SIDE);
-        let at = ray.at(ray.parameter(picture.buffer.drawn[pixel]));
-        let depth = (at - camera.eye()).dot(frame.forward());
-        Spot { at, radius: REACH * depth * 2.0 * slope / SIDE as f64 }
-    };
-    Ok(Some(painted.map(spot).filter(|spot| spot.at.is_finite()).collect()))
-}
-
 /// What of a camera is not its place.
 struct View {
     fov: f64,
@@ -251,7 +201,8 @@ struct View {
 }
 
 impl View {
-    /// What the models show from the side of `back`; `None` if that was no longer wanted.
+    /// What is painted in small pictures of the models from the side of `back`; `None` if that was
+    /// no longer wanted.
     fn seen(
         &self,
         models: &[&Model],
@@ -260,11 +211,31 @@ impl View {
         settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Vec<Spot>>, SceneError> {
-        let whole = self.fitted(back, &corners(region), 1.0)?;
+        let camera = self.fitted(back, &corners(region), 1.0)?;
+        let small = Settings {
+            width: SIDE,
+            height: SIDE,
+            precision: settings.precision,
+            is_preview: true,
+            normals: None,
+            ..Settings::default()
+        };
+        let (rays, forward) = (camera.rays(SIDE, SIDE), camera.rays(1, 1).forward());
+        let slope = self.slope();
         let mut seen = Vec::new();
         for model in models {
-            let Some(spots) = spots(model, &whole, settings, wanted)? else { return Ok(None) };
-            seen.extend(spots);
+            let picture = model.trace(&camera, &small, &|_| wanted())?;
+            if !wanted() {
+                return Ok(None);
+            }
+            let painted = (0..SIDE * SIDE).filter(|pixel| picture.buffer.is_drawn(*pixel));
+            let spot = |pixel: usize| {
+                let ray = rays.ray_of(pixel);
+                let at = ray.at(ray.parameter(picture.buffer.drawn[pixel]));
+                let depth = (at - camera.eye()).dot(forward);
+                Spot { at, radius: REACH * depth * 2.0 * slope / SIDE as f64 }
+            };
+            seen.extend(painted.map(spot).filter(|spot| spot.at.is_finite()));
         }
         Ok(Some(seen))
     }

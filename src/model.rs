@@ -119,11 +119,27 @@ impl Model {
             return Ok(None);
         }
         times.compile = watch.lap();
-        let (region, styles) = (*region, document.surfaces.clone());
-        let (remarks, times) = (program.remarks(document), Some(times));
-        let setting = Setting::of(document);
-        let turned = vec![OnceLock::new(); styles.len()];
-        Ok(Some(Self { region, program, styles, setting, remarks, precision, times, turned }))
+        Ok(Some(Self::of(program, document, region, precision, Some(times))))
+    }
+
+    fn of(
+        program: Program,
+        document: &Document,
+        region: &Region,
+        precision: Precision,
+        times: Option<Times>,
+    ) -> Self {
+        let styles = document.surfaces.clone();
+        Self {
+            region: *region,
+            setting: Setting::of(document),
+            remarks: program.remarks(document),
+            program,
+            precision,
+            times,
+            turned: vec![OnceLock::new(); styles.len()],
+            styles,
+        }
     }
 
     /// The same code for the parameter values of another document and in another region, or `None` if the document differs
@@ -142,15 +158,8 @@ impl Model {
         if !scene::bounds(region).into_iter().zip(self.program.domain()).all(within) {
             return None;
         }
-        let (region, precision) = (*region, self.precision);
         let program = self.program.rebound(document)?;
-        let styles = document.surfaces.clone();
-        Some(program.map(|program| {
-            let remarks = program.remarks(document);
-            let setting = Setting::of(document);
-            let (times, turned) = (None, vec![OnceLock::new(); styles.len()]);
-            Self { region, program, styles, setting, remarks, precision, times, turned }
-        }))
+        Some(program.map(|program| Self::of(program, document, region, self.precision, None)))
     }
 
     /// Whether the code was made for another model.
@@ -203,12 +212,12 @@ impl Model {
         point: DVec3,
     ) -> (f64, [f64; 3]) {
         let is_other = surface < self.surfaces() && self.program.is_reduced(surface);
-        let typed = is_other.then(|| Program::unchecked(document, scene::bounds(&self.region)));
-        match typed {
-            Some(Ok(typed)) => self.sample_of(&typed, surface, point),
-            Some(Err(_)) => (f64::NAN, [f64::NAN; 3]),
-            None => self.sample(surface, point),
+        if !is_other {
+            return self.sample(surface, point);
         }
+        let typed = Program::unchecked(document, scene::bounds(&self.region));
+        let none = (f64::NAN, [f64::NAN; 3]);
+        typed.map_or(none, |typed| self.sample_of(&typed, surface, point))
     }
 
     fn sample_of(&self, program: &Program, surface: usize, point: DVec3) -> (f64, [f64; 3]) {

@@ -168,39 +168,17 @@ pub fn region(
     choice: DomainChoice,
     cut: impl Into<Cut>,
 ) -> Result<(Region, Option<AutoDomain>), SceneError> {
-    Ok(region_while(document, choice, cut, &|| true)?.expect("wanted to the end"))
+    Ok(region_while(&mut None, document, choice, cut, &|| true)?.expect("wanted to the end"))
 }
 
 /// As [`region`], but asks during the search whether the domain is still wanted; `None` if not.
-/// Once `wanted` is false, it must stay false.
+/// Once `wanted` is false, it must stay false. `search` is the program of the search before, which
+/// is made again without compiling if the documents differ in values only; the new one is left there.
 ///
 /// # Errors
 /// As [`region`].
 pub fn region_while(
-    document: &Document,
-    choice: DomainChoice,
-    cut: impl Into<Cut>,
-    wanted: &dyn Fn() -> bool,
-) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
-    region_again(&mut None, document, choice, cut, wanted)
-}
-
-/// A search for a document's surfaces, which can be made again for other values of its parameters without compiling again.
-pub struct Search(Program);
-
-impl Search {
-    /// The same search for another document, if that differs from the first in values only.
-    fn again(&self, document: &Document) -> Option<Self> {
-        self.0.rebound(document)?.ok().map(Self)
-    }
-}
-
-/// As [`region_while`], with the kernels of the search before, if it serves; leaves the new one there.
-///
-/// # Errors
-/// As [`region`].
-pub fn region_again(
-    search: &mut Option<Search>,
+    search: &mut Option<Program>,
     document: &Document,
     choice: DomainChoice,
     cut: impl Into<Cut>,
@@ -278,20 +256,20 @@ pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
     Ok(search_while(&mut None, document, &|| true)?.expect("wanted to the end"))
 }
 
-/// As [`search`], by kernels of the search before if it serves, but asks between kernels and evaluations whether the answer is still wanted;
-/// `None` if not.
+/// As [`search`], by the program of the search before if it serves, but asks between kernels and
+/// evaluations whether the answer is still wanted; `None` if not.
 ///
 /// # Errors
 /// As [`search`].
 fn search_while(
-    search: &mut Option<Search>,
+    search: &mut Option<Program>,
     document: &Document,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
-    let again = search.take().and_then(|search| search.again(document));
-    let Search(program) = search.insert(match again {
-        Some(search) => search,
-        None => Search(Program::new(document, [Interval::ENTIRE; 3])?),
+    let again = search.take().and_then(|before| before.rebound(document)?.ok());
+    let program = search.insert(match again {
+        Some(program) => program,
+        None => Program::new(document, [Interval::ENTIRE; 3])?,
     });
     domain::find_while(&program.over_time(document), wanted)
 }

@@ -124,7 +124,7 @@ impl Sequence {
     /// If the text is wrong, if no frame has a surface, or if domain or camera are impossible.
     ///
     /// # Panics
-    /// Never: there is at least one sample.
+    /// Never: there is at least one sample, and the camera is wanted to the end.
     pub fn stage(
         &self,
         text: &str,
@@ -166,11 +166,12 @@ impl Sequence {
         // Of nothing all is seen that is written around it.
         let visible = if shows_domain { &[] } else { &*models };
         let camera = if shows_domain && !is_turned {
-            framing::of_domain(&region, &seen[0], choice, settings)
+            framing::of_domain(&region, &seen[0], choice, settings).map(Some)
         } else {
-            framing::camera_over(visible, &seen[0], choice, settings, &region, is_turned)
+            let (document, wanted) = (&seen[0], &|| true);
+            framing::camera_over(visible, document, choice, settings, &region, is_turned, wanted)
         };
-        let camera = camera.map_err(at_start)?;
+        let camera = camera.map_err(at_start)?.expect("wanted to the end");
         Ok(Stage { region, searched, camera })
     }
 

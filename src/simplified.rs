@@ -100,14 +100,8 @@ pub enum ProgramError {
         limit: usize,
     },
     /// A kernel that was asked for cannot be had.
-    #[error("{0}")]
-    Kernel(KernelError),
-}
-
-impl From<KernelError> for ProgramError {
-    fn from(error: KernelError) -> Self {
-        Self::Kernel(error)
-    }
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
 }
 
 impl Simplified {
@@ -119,24 +113,23 @@ impl Simplified {
         form: Form,
         hoisted: bool,
     ) -> Result<Option<(Tape<T>, Uniforms)>, ProgramError> {
-        let function = || own(&self.graph, self.roots[surface]);
-        let (graph, roots) = match (form, self.cleared_for(surface, form)?) {
-            (Form::Function, _) | (Form::Branches, None) => {
-                let (graph, root) = function();
-                (graph, vec![root])
-            }
-            (Form::Gradient, _) => {
+        let function = || compact(&self.graph, &[self.roots[surface]]);
+        let (graph, roots) = match form {
+            Form::Function => function(),
+            Form::Gradient => {
                 let (mut graph, root) = self.symbolic(surface);
                 let [x, y, z] = gradient(&mut graph, root);
                 self.simplify(&graph, &[root, x, y, z])?
             }
-            (Form::Numerator | Form::Denominator, None) => return Ok(None),
-            (Form::Numerator, Some(cleared)) => (cleared.graph.clone(), vec![cleared.numerator]),
-            (Form::Denominator, Some(cleared)) => {
-                (cleared.graph.clone(), vec![cleared.denominator])
-            }
-            (Form::Branches, Some(cleared)) => {
-                (cleared.graph.clone(), vec![cleared.function, cleared.numerator])
+            Form::Branches => match self.cleared(surface)? {
+                Some(cleared) => (cleared.graph.clone(), vec![cleared.function, cleared.numerator]),
+                None => function(),
+            },
+            Form::Numerator | Form::Denominator => {
+                let Some(cleared) = self.cleared(surface)? else { return Ok(None) };
+                let is_above = form == Form::Numerator;
+                let root = if is_above { cleared.numerator } else { cleared.denominator };
+                (cleared.graph.clone(), vec![root])
             }
         };
         let (uniforms, graph, roots) = Uniforms::split(&graph, &roots, &self.assumptions, hoisted);
@@ -148,14 +141,6 @@ impl Simplified {
             Some(Tape::new(&graph, &roots, &assumptions))
         };
         Ok(tape.map(|tape| (tape, uniforms)))
-    }
-
-    /// The cleared form, where a form is made of it.
-    fn cleared_for(&self, surface: usize, form: Form) -> Result<Option<&Cleared>, ProgramError> {
-        match form {
-            Form::Function | Form::Gradient => Ok(None),
-            Form::Numerator | Form::Denominator | Form::Branches => self.cleared(surface),
-        }
     }
 
     pub fn cleared(&self, surface: usize) -> Result<Option<&Cleared>, ProgramError> {
@@ -171,19 +156,15 @@ impl Simplified {
         Ok(cleared.as_ref().map_err(Clone::clone)?.as_ref())
     }
 
-    /// A surface's function before constants are folded, alone.
+    /// A surface's function before constants are folded, in a graph of its own: what is done for
+    /// one surface must not take time for all others.
     fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
         let (graph, roots) = &self.symbolic;
-        own(graph, roots[surface])
+        let (graph, roots) = compact(graph, &[roots[surface]]);
+        (graph, roots[0])
     }
 
     fn simplify(&self, graph: &Graph, roots: &[NodeId]) -> Result<(Graph, Vec<NodeId>), IrError> {
         simplify(graph, roots, &self.assumptions.domain, &self.assumptions.parameters)
     }
-}
-
-/// What `root` needs, in a graph of its own: what is done for one surface must not take time for all others.
-fn own(graph: &Graph, root: NodeId) -> (Graph, NodeId) {
-    let (graph, roots) = compact(graph, &[root]);
-    (graph, roots[0])
 }

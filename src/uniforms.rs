@@ -69,7 +69,7 @@ impl Uniforms {
 fn known(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Vec<(Interval, Facts)> {
     let assumptions =
         Assumptions { domain: [Interval::ENTIRE; 3], parameters: parameters.to_vec() };
-    let computed = nodes.iter().map(|node| enclosure::enclose(graph, *node, &assumptions));
+    let computed = enclosure::enclose_all(graph, nodes, &assumptions);
     parameters.iter().map(|bounds| (*bounds, Facts::TOTAL)).chain(computed).collect()
 }
 

@@ -21,7 +21,7 @@ pub fn stage(
 ) -> Result<Option<(Model, Camera)>> {
     let document = zeroset_syntax::read(example.text, &Options::default())
         .map_err(|errors| anyhow!("{errors}"))?;
-    let found = scene::region_while(&document, DomainChoice::Document, None, wanted)?;
+    let found = scene::region_while(&mut None, &document, DomainChoice::Document, None, wanted)?;
     let Some((region, _)) = found else { return Ok(None) };
     let Some(model) = Model::new_while(&document, &region, &region, settings, wanted)? else {
         return Ok(None);

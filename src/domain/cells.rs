@@ -76,6 +76,15 @@ impl Cell {
     }
 }
 
+/// A place and those around it that are a step away along some of the axes: 27, of which that place
+/// is the middle one.
+pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
+    (0..27).map(move |n: i32| {
+        let sides = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1].map(f64::from);
+        [0, 1, 2].map(|axis| place[axis] + sides[axis] * steps[axis])
+    })
+}
+
 /// Which cells may hold a point of some surface, for so many evaluations.
 pub struct Search<'a> {
     /// The surfaces' kernels.

@@ -55,16 +55,8 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
             && heights[*n].is_finite()
     };
     (0..SIDE * SIDE).filter(inner).filter_map(|n| {
-        let around = [
-            n - SIDE - 1,
-            n - SIDE,
-            n - SIDE + 1,
-            n - 1,
-            n + 1,
-            n + SIDE - 1,
-            n + SIDE,
-            n + SIDE + 1,
-        ];
+        let around = [1, SIDE - 1, SIDE, SIDE + 1].map(|off| [n - off, n + off]);
+        let around = around.as_flattened();
         let size =
             around.iter().fold(heights[n].abs(), |most, other| most.max(heights[*other].abs()));
         let differs = |sign: f64| {

@@ -4,7 +4,7 @@
 //! are found moved. What counts is confirmed by a change of sign nearby that intervals do not rule out; that others were
 //! missed is possible. Knows neither cameras nor pictures.
 
-use super::cells::{Cell, Search};
+use super::cells::{Cell, Search, places_about};
 use super::polynomial::{Vector, principal};
 use zeroset_eval::{Kernel, Sample};
 
@@ -148,25 +148,17 @@ impl Seeker<'_> {
         ended.filter(|(_, end)| *end != End::Lost).collect()
     }
 
-    /// The places whose values tell how a function changes around one.
-    fn around(&self, place: Vector) -> [Vector; AROUND] {
-        let steps: [[i8; 3]; AROUND] = [
-            [0, 0, 0],
-            [1, 0, 0],
-            [0, 1, 0],
-            [0, 0, 1],
-            [-1, 0, 0],
-            [0, -1, 0],
-            [0, 0, -1],
-            [0, 1, 1],
-            [1, 0, 1],
-            [1, 1, 0],
-            [0, -1, -1],
-            [-1, 0, -1],
-            [-1, -1, 0],
-        ];
+    /// The places whose values tell how a function changes around one: that, those a step away along
+    /// each axis and back, and those along two axes and back.
+    fn around(&self, place: Vector) -> Vec<Vector> {
+        let alone: [[i8; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+        let both: [[i8; 3]; 3] = [[0, 1, 1], [1, 0, 1], [1, 1, 0]];
+        let back = |steps: [[i8; 3]; 3]| steps.map(|step| step.map(|along| -along));
         let apart = APART * self.half;
-        steps.map(|steps| [0, 1, 2].map(|axis| place[axis] + apart * f64::from(steps[axis])))
+        let there =
+            |step: [i8; 3]| [0, 1, 2].map(|axis| place[axis] + apart * f64::from(step[axis]));
+        let steps = [alone, back(alone), both, back(both)].into_iter().flatten();
+        [[0; 3]].into_iter().chain(steps).map(there).collect()
     }
 
     /// A step of Newton's method.
@@ -215,16 +207,10 @@ impl Seeker<'_> {
             return None;
         }
         let is_near = (0..HALVINGS).rev().map(|k| NEAR * far * 0.5_f64.powi(k)).any(|radius| {
-            let around = (0..27).map(|n: i32| {
-                let side = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1];
-                [0, 1, 2].map(|axis| {
-                    let along = if self.depends[axis] { f64::from(side[axis]) } else { 0.0 };
-                    place[axis] + along * radius
-                })
-            });
-            let around: Vec<Vector> = around.collect();
+            let steps = self.depends.map(|depends| if depends { radius } else { 0.0 });
+            let around: Vec<Vector> = places_about(place, steps).collect();
             let values = self.search.values(self.values, &around);
-            // The thirteenth is the critical point.
+            // That in the middle is the critical point.
             let here = values[13];
             let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let is_on = here.abs() <= NOTHING * most;

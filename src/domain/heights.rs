@@ -86,11 +86,6 @@ impl Grid {
         [self.sorted[left_out], self.sorted[last - left_out]]
     }
 
-    /// Between which heights half of all lies.
-    pub fn quarters(&self) -> [f64; 2] {
-        self.without(0.25)
-    }
-
     /// The median; where that is at one side of a gap, as between two branches, the middle of what is about it.
     fn middle(&self, height: f64) -> f64 {
         let [median, _] = self.without(0.5);
@@ -107,7 +102,7 @@ impl Grid {
 
     /// Whether some heights are as far below most others, and some as far above, as where there are poles.
     pub fn is_far_out(&self) -> bool {
-        let [quarter, rest] = self.quarters();
+        let [quarter, rest] = self.without(0.25);
         let far = POLE * (rest - quarter);
         self.ends().is_some_and(|[lowest, highest]| quarter - lowest > far && highest - rest > far)
     }

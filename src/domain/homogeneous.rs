@@ -9,6 +9,7 @@
 //! Knows neither kernels nor what becomes of the answer.
 
 use super::outward::Bounds;
+use std::array::from_fn;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -33,6 +34,15 @@ enum Step {
 
 /// A step times a power of w.
 type Lifted = (usize, u32);
+
+/// An axis and its side.
+type Chart = (usize, f64);
+
+/// Between which ends u, v and w lie.
+type Part = [[f64; 2]; 3];
+
+/// Bounds of a value, and of its derivatives by the first `N` of u, v and w.
+type Jet<const N: usize> = (Bounds, [Bounds; N]);
 
 /// A function that can be asked at infinity.
 pub struct Homogeneous {
@@ -85,59 +95,53 @@ impl Homogeneous {
             return false;
         }
         let scratch = &mut Vec::new();
-        (0..3).all(|axis| {
-            [1.0, -1.0].into_iter().all(|side| {
-                let mut stack = vec![[[-1.0, 1.0], [-1.0, 1.0], [0.0, farthest]]];
-                while let Some(part) = stack.pop() {
-                    if *work == 0 {
-                        return false;
-                    }
-                    *work -= 1;
-                    if !self.over(axis, side, part, scratch).has_zero() {
-                        continue;
-                    }
-                    let share =
-                        |k: usize| (part[k][1] - part[k][0]) / if k == 2 { farthest } else { 2.0 };
-                    let spreads = self.slopes(axis, side, part).map(|slopes| {
-                        let (value, spreads) = self.about_middle(axis, side, part, slopes, scratch);
-                        (value.has_zero(), spreads)
-                    });
-                    let (open_still, spreads) =
-                        spreads.unwrap_or_else(|| (true, [0, 1, 2].map(share)));
-                    if !open_still {
-                        continue;
-                    }
-                    // Across what it changes most along.
-                    let widest =
-                        (1..3).fold(0, |most, k| if spreads[k] > spreads[most] { k } else { most });
-                    let middle = part[widest][0].midpoint(part[widest][1]);
-                    if share(widest) < SMALLEST {
-                        return false;
-                    }
-                    let [mut near, mut far] = [part; 2];
-                    (near[widest][1], far[widest][0]) = (middle, middle);
-                    stack.extend([far, near]);
+        charts().all(|chart| {
+            let mut stack = vec![[[-1.0, 1.0], [-1.0, 1.0], [0.0, farthest]]];
+            while let Some(part) = stack.pop() {
+                if *work == 0 {
+                    return false;
                 }
-                true
-            })
+                *work -= 1;
+                if !self.over(chart, part, scratch).has_zero() {
+                    continue;
+                }
+                let share =
+                    |k: usize| (part[k][1] - part[k][0]) / if k == 2 { farthest } else { 2.0 };
+                let mut spreads = [0, 1, 2].map(share);
+                if let Some((value, changes)) = self.about_middle(chart, part, scratch) {
+                    if !value.has_zero() {
+                        continue;
+                    }
+                    spreads = changes;
+                }
+                // Across what it changes most along.
+                let widest =
+                    (1..3).fold(0, |most, k| if spreads[k] > spreads[most] { k } else { most });
+                let middle = part[widest][0].midpoint(part[widest][1]);
+                if share(widest) < SMALLEST {
+                    return false;
+                }
+                let [mut near, mut far] = [part; 2];
+                (near[widest][1], far[widest][0]) = (middle, middle);
+                stack.extend([far, near]);
+            }
+            true
         })
     }
 
     /// Whether there are values of both signs at infinity, so that no proof can be had.
     fn changes_sign_at_infinity(&self, work: &mut u64) -> bool {
         let (mut below, mut above, mut scratch) = (false, false, Vec::new());
-        for axis in 0..3 {
-            for side in [1.0, -1.0] {
-                for n in 0..SAMPLES * SAMPLES {
-                    let place = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(SAMPLES) - 1.0;
-                    let (u, v) = (place(n % SAMPLES), place(n / SAMPLES));
-                    *work = work.saturating_sub(1);
-                    let value = self.over(axis, side, [[u, u], [v, v], [0.0, 0.0]], &mut scratch);
-                    below |= value.is_negative();
-                    above |= value.is_positive();
-                    if below && above {
-                        return true;
-                    }
+        for chart in charts() {
+            for n in 0..SAMPLES * SAMPLES {
+                let place = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(SAMPLES) - 1.0;
+                let (u, v) = (place(n % SAMPLES), place(n / SAMPLES));
+                *work = work.saturating_sub(1);
+                let value = self.over(chart, [[u, u], [v, v], [0.0, 0.0]], &mut scratch);
+                below |= value.is_negative();
+                above |= value.is_positive();
+                if below && above {
+                    return true;
                 }
             }
         }
@@ -145,17 +149,16 @@ impl Homogeneous {
     }
 
     /// Bounds over part of a chart by the mean value theorem, from the value in the middle and bounds of the slopes, and how
-    /// much each coordinate adds to them.
+    /// much each coordinate adds to them; `None` where there are no such bounds.
     fn about_middle(
         &self,
-        axis: usize,
-        side: f64,
-        part: [[f64; 2]; 3],
-        slopes: [Bounds; 3],
-        known: &mut Vec<Bounds>,
-    ) -> (Bounds, [f64; 3]) {
+        chart: Chart,
+        part: Part,
+        known: &mut Vec<Jet<0>>,
+    ) -> Option<(Bounds, [f64; 3])> {
+        let (_, slopes) = self.jet::<3>(chart, part, &mut Vec::new())?;
         let middle = part.map(|[low, high]| low.midpoint(high));
-        let mut value = self.over(axis, side, middle.map(|c| [c, c]), known);
+        let mut value = self.over(chart, middle.map(|c| [c, c]), known);
         let mut spreads = [0.0; 3];
         for (k, slope) in slopes.into_iter().enumerate() {
             let way = Bounds::new(part[k][0], part[k][1]);
@@ -163,84 +166,74 @@ impl Homogeneous {
             value = value.plus(change);
             spreads[k] = change.width();
         }
-        (value, spreads)
+        Some((value, spreads))
     }
 
-    /// Bounds of the derivatives by u, v and w over part of a chart.
-    fn slopes(&self, axis: usize, side: f64, part: [[f64; 2]; 3]) -> Option<[Bounds; 3]> {
-        const ZERO: Bounds = Bounds::ZERO;
-        let [u, v, w] = part.map(|[low, high]| Bounds::new(low, high));
-        let mut coordinates = [(Bounds::new(side, side), [ZERO; 3]); 3];
-        coordinates[(axis + 1) % 3] = (u, [Bounds::ONE, ZERO, ZERO]);
-        coordinates[(axis + 2) % 3] = (v, [ZERO, Bounds::ONE, ZERO]);
-        let mut known: Vec<(Bounds, [Bounds; 3])> = Vec::with_capacity(self.steps.len());
-        let each = |f: &dyn Fn(usize) -> Bounds| [f(0), f(1), f(2)];
+    /// Bounds over part of a chart.
+    fn over(&self, chart: Chart, part: Part, known: &mut Vec<Jet<0>>) -> Bounds {
+        self.jet(chart, part, known).map_or(Bounds::ENTIRE, |(value, [])| value)
+    }
+
+    /// Bounds over part of a chart, with those of the derivatives by its first `N` coordinates;
+    /// `None` if such are wanted of a step that is no sum, product or power.
+    fn jet<const N: usize>(
+        &self,
+        (axis, side): Chart,
+        part: Part,
+        known: &mut Vec<Jet<N>>,
+    ) -> Option<Jet<N>> {
+        let number = |value: Bounds| (value, [Bounds::ZERO; N]);
+        let coordinate = |k: usize| {
+            let slope = |other: usize| if other == k { Bounds::ONE } else { Bounds::ZERO };
+            (Bounds::new(part[k][0], part[k][1]), from_fn(slope))
+        };
+        let mut coordinates = [number(Bounds::new(side, side)); 3];
+        (coordinates[(axis + 1) % 3], coordinates[(axis + 2) % 3]) = (coordinate(0), coordinate(1));
+        let w = coordinate(2);
+        known.clear();
         for step in &self.steps {
-            let power = |(base, slopes): (Bounds, [Bounds; 3]), n: u32| {
-                let factor = match n {
-                    0 => ZERO,
-                    _ => Bounds::new(f64::from(n), f64::from(n)).times(base.power(n - 1)),
-                };
-                (base.power(n), each(&|k| factor.times(slopes[k])))
+            let negated = |(a, da): Jet<N>| (a.negated(), da.map(Bounds::negated));
+            let sum =
+                |(a, da): Jet<N>, (b, db): Jet<N>| (a.plus(b), from_fn(|k| da[k].plus(db[k])));
+            let product = |(a, da): Jet<N>, (b, db): Jet<N>| {
+                (a.times(b), from_fn(|k| a.times(db[k]).plus(b.times(da[k]))))
             };
-            let product = |(a, da): (Bounds, [Bounds; 3]), (b, db): (Bounds, [Bounds; 3])| {
-                (a.times(b), each(&|k| a.times(db[k]).plus(b.times(da[k]))))
+            let power = |(base, slopes): Jet<N>, n: u32| {
+                let factor = match n {
+                    1.. if N > 0 => Bounds::new(n.into(), n.into()).times(base.power(n - 1)),
+                    _ => Bounds::ZERO,
+                };
+                (base.power(n), from_fn(|k| factor.times(slopes[k])))
             };
             let lifted = |(place, n): Lifted| match n {
                 0 => known[place],
-                _ => product(known[place], power((w, [ZERO, ZERO, Bounds::ONE]), n)),
+                _ => product(known[place], power(w, n)),
             };
-            let sum = |a: (Bounds, [Bounds; 3]), b: (Bounds, [Bounds; 3])| {
-                (a.0.plus(b.0), each(&|k| a.1[k].plus(b.1[k])))
-            };
-            let negated = |(a, da): (Bounds, [Bounds; 3])| (a.negated(), da.map(Bounds::negated));
+            let alone = |value: Bounds| (N == 0).then_some(number(value));
             let value = match *step {
                 Step::Axis(axis) => coordinates[axis],
-                Step::Number(value) => (value, [ZERO; 3]),
+                Step::Number(value) => number(value),
                 Step::Negation(a) => negated(known[a]),
                 Step::Sum(a, b) => sum(lifted(a), lifted(b)),
                 Step::Difference(a, b) => sum(lifted(a), negated(lifted(b))),
                 Step::Product(a, b) if a == b => power(known[a], 2),
                 Step::Product(a, b) => product(known[a], known[b]),
                 Step::Power(a, n) => power(known[a], n),
-                Step::Quotient(..)
-                | Step::Root(_)
-                | Step::Absolute(_)
-                | Step::Least(..)
-                | Step::Most(..) => return None,
+                Step::Quotient(a, b) => alone(known[a].0.over(known[b].0))?,
+                Step::Root(a) => alone(known[a].0.root())?,
+                Step::Absolute(a) => alone(known[a].0.absolute())?,
+                Step::Least(a, b) => alone(lifted(a).0.least(lifted(b).0))?,
+                Step::Most(a, b) => alone(lifted(a).0.most(lifted(b).0))?,
             };
             known.push(value);
         }
-        known.last().map(|last| last.1)
+        known.last().copied()
     }
+}
 
-    /// Bounds over part of a chart.
-    fn over(&self, axis: usize, side: f64, part: [[f64; 2]; 3], known: &mut Vec<Bounds>) -> Bounds {
-        let [u, v, w] = part.map(|[low, high]| Bounds::new(low, high));
-        let mut coordinates = [Bounds::new(side, side); 3];
-        (coordinates[(axis + 1) % 3], coordinates[(axis + 2) % 3]) = (u, v);
-        known.clear();
-        for step in &self.steps {
-            let lifted = |(place, power): Lifted| known[place].times(w.power(power));
-            let value = match *step {
-                Step::Axis(axis) => coordinates[axis],
-                Step::Number(value) => value,
-                Step::Negation(a) => known[a].negated(),
-                Step::Sum(a, b) => lifted(a).plus(lifted(b)),
-                Step::Difference(a, b) => lifted(a).plus(lifted(b).negated()),
-                Step::Product(a, b) if a == b => known[a].power(2),
-                Step::Product(a, b) => known[a].times(known[b]),
-                Step::Quotient(a, b) => known[a].over(known[b]),
-                Step::Power(a, n) => known[a].power(n),
-                Step::Root(a) => known[a].root(),
-                Step::Absolute(a) => known[a].absolute(),
-                Step::Least(a, b) => lifted(a).least(lifted(b)),
-                Step::Most(a, b) => lifted(a).most(lifted(b)),
-            };
-            known.push(value);
-        }
-        known.last().copied().unwrap_or(Bounds::ENTIRE)
-    }
+/// The charts of all axes.
+fn charts() -> impl Iterator<Item = Chart> {
+    (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)])
 }
 
 /// Parts of a chart below this share of it are not halved.

@@ -103,10 +103,8 @@ impl Bounds {
 
     /// Whether a bound 0 of the product comes from a factor that is 0, not from underflow.
     fn is_zero_by(self, other: Self) -> bool {
-        [self.low, self.high, other.low, other.high].contains(&0.0)
-            && [self.low, self.high, other.low, other.high]
-                .into_iter()
-                .all(|end| end == 0.0 || end.abs() > LEAST_FACTOR)
+        let ends = [self.low, self.high, other.low, other.high];
+        ends.contains(&0.0) && ends.into_iter().all(|end| end == 0.0 || end.abs() > LEAST_FACTOR)
     }
 
     /// a/b

@@ -170,12 +170,8 @@ pub struct Pull {
 impl Pull {
     /// What lies at `place` along a direction of length 1.
     fn add(&mut self, along: Vector, place: f64) {
-        for axis in 0..3 {
-            self.places[axis] += along[axis] * place;
-            for other in 0..3 {
-                self.directions[axis][other] += along[axis] * along[other];
-            }
-        }
+        let places = along.map(|along| along * place);
+        self.join(&Self { directions: onto(along), places });
     }
 
     /// Both.
@@ -225,13 +221,14 @@ fn within(free: Symmetric, matrix: Symmetric) -> Symmetric {
 }
 
 /// A projection without one of its directions.
-fn without(mut free: Symmetric, along: Vector) -> Symmetric {
-    for axis in 0..3 {
-        for other in 0..3 {
-            free[axis][other] -= along[axis] * along[other];
-        }
-    }
-    free
+fn without(free: Symmetric, along: Vector) -> Symmetric {
+    let gone = onto(along);
+    [0, 1, 2].map(|axis| [0, 1, 2].map(|other| free[axis][other] - gone[axis][other]))
+}
+
+/// The projection onto a direction of length 1.
+fn onto(along: Vector) -> Symmetric {
+    along.map(|one| along.map(|other| one * other))
 }
 
 /// Sweeps over the three pairs of axes: each squares what is left beside the diagonal, so that few are enough.

@@ -64,15 +64,12 @@ impl Shape {
                 Node::Variable(axis) => {
                     let unit = |k: usize| if k == *axis as usize { 1.0 } else { 0.0 };
                     let linear = [unit(0), unit(1), unit(2)];
-                    let depends = linear.map(|factor| factor != 0.0);
-                    let solved = linear.map(Some);
                     Known {
-                        depends,
+                        depends: linear.map(|factor| factor != 0.0),
                         linear: Some(linear),
-                        is_of_planes: true,
-                        solved,
-                        is_polynomial: true,
+                        solved: linear.map(Some),
                         value: None,
+                        ..number(Interval::ZERO)
                     }
                 }
                 Node::Parameter(at) => {
@@ -181,7 +178,8 @@ fn combined(op: Op, operands: &[Known]) -> Known {
         let scaled = |part: Option<f64>| part.map(|part| factor * part);
         (each(&|axis| scaled(part(k, axis))), operands[k].solved.map(scaled))
     } else {
-        (None, unsolved(depends))
+        // The factor is 0 where nothing depends on the axis.
+        (None, depends.map(|depends| (!depends).then_some(0.0)))
     };
     let is_built = if op == Op::Pow {
         number(1).is_some_and(|n| n.fract() == 0.0 && n >= 0.0)
@@ -197,9 +195,4 @@ fn combined(op: Op, operands: &[Known]) -> Known {
     let is_of_planes =
         linear.is_some() || is_product && operands.iter().all(|one| one.is_of_planes);
     Known { depends, linear, is_of_planes, solved, is_polynomial, value }
-}
-
-/// A factor 0 where nothing depends on the axis.
-fn unsolved(depends: [bool; 3]) -> [Option<f64>; 3] {
-    depends.map(|depends| (!depends).then_some(0.0))
 }

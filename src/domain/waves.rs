@@ -2,6 +2,7 @@
 //!
 //! All of it is sampled. Knows neither surfaces nor kernels.
 
+use super::cells::{PLAIN, places_about};
 use std::f64::consts::PI;
 
 /// What a function waves with, by place.
@@ -22,12 +23,9 @@ const GROWS: f64 = 1.8;
 /// Half the side of the cube around a place in which a wave's argument stays small; of a square on the ground if not all axes
 /// count. The first argument that grows with the distance is taken; `None` if none does.
 pub fn calm(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
+    let counted = |along: [f64; 3]| [0, 1, 2].map(|k| if axes[k] { along[k] } else { 0.0 });
     let largest = |wave: &Wave<'_>, half: f64| {
-        let corners = (0..27).map(|n: i32| {
-            let place = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1];
-            let along = |k: usize| centre[k] + half * f64::from(place[k]);
-            [0, 1, 2].map(|k| if axes[k] { along(k) } else { 0.0 })
-        });
+        let corners = places_about(counted(centre), counted([half; 3]));
         let values = corners.map(wave).filter(|value| value.is_finite());
         values.fold(0.0, |most: f64, value| most.max(value.abs()))
     };
@@ -37,5 +35,5 @@ pub fn calm(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f6
     let power = |k: i32| (f64::from(k) / f64::from(STEPS)).exp2();
     let halves: Vec<f64> = (STEPS * FIRST..=STEPS * LAST).map(power).collect();
     let calm = halves.partition_point(|half| largest(wave, *half) <= WAVES);
-    Some(calm.checked_sub(1).map_or(super::cells::PLAIN, |last| halves[last]))
+    Some(calm.checked_sub(1).map_or(PLAIN, |last| halves[last]))
 }

@@ -66,37 +66,27 @@ pub struct Sight<'a> {
 
 impl Sight<'_> {
     /// The window on the surface, and whether it looks better cut by a ball.
-    pub fn window(&self) -> (Cell, bool) {
+    pub fn window(mut self) -> (Cell, bool) {
         // Where there is nothing, or all is alike, the origin is as good a place as any, and easier to read.
         let Shape { depends, period, is_plane, .. } = self.shape;
         let counts = |axis: usize| depends[axis] && period[axis].is_none() && !is_plane;
-        let centre = [0, 1, 2].map(|axis| if counts(axis) { self.centre[axis] } else { 0.0 });
+        self.centre = [0, 1, 2].map(|axis| if counts(axis) { self.centre[axis] } else { 0.0 });
         // A line that is off by rounding meets far away what it should be parallel to.
-        let known = KNOWN * Cell { low: centre, high: centre }.reach();
-        let centre = centre.map(|along| super::rounded(along, known));
-        let view = View { sight: self, centre };
-        let half = view.half();
+        let known = self.known();
+        self.centre = self.centre.map(|along| super::rounded(along, known));
+        let half = self.half();
         // What is particular moves with the surface, and so does the size.
-        let neat = centre.map(|along| {
+        self.centre = self.centre.map(|along| {
             if along.abs() <= CENTRED * half { 0.0 } else { super::rounded(along, GRAIN * half) }
         });
-        let view = View { centre: neat, ..view };
-        let cell = view.cell(half);
-        (cell, view.is_round(&cell))
+        let cell = self.cell(half);
+        (cell, self.is_round(&cell))
     }
-}
 
-/// A surface as it is arranged about a place.
-struct View<'a> {
-    sight: &'a Sight<'a>,
-    centre: [f64; 3],
-}
-
-impl View<'_> {
     /// Whether a surface that goes on alike in all directions is cut off there: edges that a box makes are then taken for its
     /// own. What is flat, repeats, or is as high as a function of two axes is read against the box.
     fn is_round(&self, cell: &Cell) -> bool {
-        let Shape { depends, period, ref waves, is_of_planes, height, .. } = self.sight.shape;
+        let Shape { depends, period, ref waves, is_of_planes, height, .. } = self.shape;
         let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
         let repeats = !waves.is_empty() || period.iter().any(Option::is_some);
         let largest = cell.largest();
@@ -109,20 +99,20 @@ impl View<'_> {
 
     /// Half the side of the window that shows what is particular.
     fn half(&self) -> f64 {
-        let Shape { period, is_plane, height, .. } = self.sight.shape;
+        let Shape { period, is_plane, height, .. } = self.shape;
         let on_ground = |axis: usize| height.is_none_or(|(up, _)| axis != up);
         let periods = (0..3).filter(|axis| on_ground(*axis)).filter_map(|axis| period[axis]);
         let longest = periods.fold(0.0_f64, f64::max);
         if longest > 0.0 {
             return longest;
         }
-        if let Some(half) = calm(&self.sight.waves, self.centre, [0, 1, 2].map(on_ground)) {
+        if let Some(half) = calm(&self.waves, self.centre, [0, 1, 2].map(on_ground)) {
             return few_digits(half);
         }
         if let Some((up, factor)) = height {
             return few_digits(around_tops(&|places| self.heights(up, factor, places)));
         }
-        if let Some(profile) = self.sight.shape.profile {
+        if let Some(profile) = self.shape.profile {
             return few_digits(around_tops(&|places| self.ridge(profile, places)));
         }
         let reach = self.landmarks().reach();
@@ -143,7 +133,7 @@ impl View<'_> {
 
     /// The window with this half side.
     fn cell(&self, half: f64) -> Cell {
-        let Shape { depends, is_plane, height, .. } = self.sight.shape;
+        let Shape { depends, is_plane, height, .. } = self.shape;
         if let Some((up, factor)) = height {
             return self.graph(up, factor, half);
         }
@@ -155,7 +145,7 @@ impl View<'_> {
             let near = marks.low[axis] + marks.high[axis];
             let about = PLAIN.max(NEAR * near.abs());
             (window.low[axis], window.high[axis]) = (near - about, near + about);
-            let found = self.sight.search.tight(window, BOX_DEPTH).unwrap_or(window).centre()[axis];
+            let found = self.search.tight(window, BOX_DEPTH).unwrap_or(window).centre()[axis];
             // What is as good as a short decimal is one.
             let short = (found * 100.0).round() / 100.0;
             let middle = if short.is_finite() { short } else { found };
@@ -167,7 +157,7 @@ impl View<'_> {
         let mut cubes = halves.map(|half| (half, super::cube_about(self.centre, half)));
         let found = cubes.find_map(|(half, cube)| Some((half, self.pruned(cube)?)));
         let (half, window) = found.unwrap_or((half, super::cube_about(self.centre, half)));
-        match self.sight.shape.profile {
+        match self.shape.profile {
             Some(profile) => self.trimmed(window, profile, half),
             None => window,
         }
@@ -196,13 +186,12 @@ impl View<'_> {
     /// Where critical points are that are about as far from the centre as the end of a window that is known, or as lengths are
     /// that people type.
     fn critical(&self, half: f64) -> Found {
-        let Sight { search, values, ref shape, .. } = *self.sight;
         let sizes = [half, 4.0 * half, PLAIN, 4.0 * PLAIN];
         let is_new =
             |n: &usize| sizes[..*n].iter().all(|other| !(0.5..=2.0).contains(&(sizes[*n] / other)));
         let find = |n: usize| {
-            let (depends, centre) = (shape.depends, self.centre);
-            Seeker { search, values, depends, centre, half: sizes[n] }.find()
+            let Self { search, values, centre, .. } = *self;
+            Seeker { search, values, depends: self.shape.depends, centre, half: sizes[n] }.find()
         };
         (0..sizes.len()).filter(is_new).map(find).fold(Found::default(), Found::and)
     }
@@ -210,8 +199,8 @@ impl View<'_> {
     /// The part of a window that may hold the surface, if there is any. Where nothing changes along an axis, as much of it as
     /// fits the rest.
     fn pruned(&self, window: Cell) -> Option<Cell> {
-        let hull = self.sight.search.tight(window, BOX_DEPTH)?;
-        let Shape { depends, .. } = self.sight.shape;
+        let hull = self.search.tight(window, BOX_DEPTH)?;
+        let Shape { depends, .. } = self.shape;
         let across = (0..3).filter(|axis| depends[*axis]);
         let widest = across.map(|axis| hull.extent(axis)).fold(0.0, f64::max) / 2.0;
         let mut hull = super::roomy(&hull);
@@ -239,8 +228,7 @@ impl View<'_> {
             point
         };
         let points: Vec<[f64; 3]> = places.iter().map(point).collect();
-        let Sight { search, values, .. } = *self.sight;
-        let values = search.values(values, &points).into_iter();
+        let values = self.search.values(self.values, &points).into_iter();
         values.map(|value| self.centre[up] - value / factor).collect()
     }
 
@@ -279,7 +267,7 @@ impl View<'_> {
     /// A box, as seen from the centre, around that, the places where the surface meets the lines through it along the axes, or
     /// else a cube that it does not enter.
     fn landmarks(&self) -> Cell {
-        let largest = if self.sight.shape.is_polynomial { LARGEST } else { LARGEST_OF_ANY };
+        let largest = if self.shape.is_polynomial { LARGEST } else { LARGEST_OF_ANY };
         let mut marks = Cell::cube(0.0);
         for axis in 0..3 {
             for side in [1.0, -1.0] {
@@ -313,7 +301,7 @@ impl View<'_> {
         let octaves =
             octaves.filter(|[from, _]| *from >= known).map(|[from, to]| stretch(from, to));
         let all: Vec<Cell> = octaves.collect();
-        let mut left = self.sight.search.open(&all).into_iter().peekable();
+        let mut left = self.search.open(&all).into_iter().peekable();
         let within = |octave: &Cell| match left.next_if(|open| open == octave) {
             Some(octave) => self.places(axis, octave),
             None => Some(Vec::new()),
@@ -342,7 +330,7 @@ impl View<'_> {
                 (near.high[axis], far.low[axis]) = (middle, middle);
                 [near, far]
             });
-            open = self.sight.search.open(&halves.collect::<Vec<_>>());
+            open = self.search.open(&halves.collect::<Vec<_>>());
             if open.len() > MOST_PLACES {
                 return None;
             }
@@ -353,14 +341,13 @@ impl View<'_> {
     /// About how far the surface stays away from the centre, in the largest coordinate; 0 if it does not.
     fn nearest(&self, largest: i32) -> f64 {
         let known = self.known();
-        if !self.sight.search.open(&[self.cube(known)]).is_empty() {
+        if !self.search.open(&[self.cube(known)]).is_empty() {
             return 0.0;
         }
         let sizes = (4 * SMALLEST..4 * largest).map(|k| (f64::from(k) / 4.0).exp2());
         let sizes = sizes.filter(|size| *size >= known);
-        let clear = |half: &f64| {
-            self.sight.search.nothing_between(&self.cube(half / 4096.0), &self.cube(*half))
-        };
+        let clear =
+            |half: &f64| self.search.nothing_between(&self.cube(half / 4096.0), &self.cube(*half));
         let sizes: Vec<f64> = sizes.collect();
         let known = sizes.partition_point(clear);
         if known == 0 { 0.0 } else { sizes.get(known).copied().unwrap_or_default() }

@@ -1,12 +1,12 @@
 //! Lines that are typed, and the commands among them: one row per command, from which reading,
 //! help, completion and suggestions are derived. What touches files is left to the caller.
 
-use super::edit::Refusal;
 use super::help::help;
 use super::pipeline::Request;
-use super::session::{Live, Reply};
+use super::reply::{Refusal, Reply, refused, say};
+use super::session::Live;
 use super::settings::{depth, look, method, precision, shadows, steps, switch, tolerance};
-use super::slider::TIME;
+use super::values::TIME;
 use super::{cut, status};
 use crate::names::Named;
 use crate::picture::Precision;
@@ -136,16 +136,6 @@ impl Live {
                 .unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage())))),
         }
     }
-}
-
-// What the shape of a result asks for, everywhere the same.
-#[allow(clippy::unnecessary_wraps)]
-pub(super) fn say(text: String) -> Result<Reply, Refusal> {
-    Ok(Reply::Say(text))
-}
-
-pub(super) fn refused<T>(message: String) -> Result<T, Refusal> {
-    Err(Refusal::Command(message))
 }
 
 fn done(result: Result<(), Refusal>) -> Result<Reply, Refusal> {

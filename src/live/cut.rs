@@ -1,8 +1,7 @@
 //! The clipping plane: what is in front of it is cut away. Knows no keys.
 
-use super::command::{refused, say};
-use super::edit::Refusal;
-use super::session::{Live, Reply};
+use super::reply::{Refusal, Reply, refused, say};
+use super::session::Live;
 use super::undo::Gesture;
 use crate::scene::{ClipChoice, typed_clip};
 use glam::DVec3;
@@ -52,25 +51,23 @@ fn none(own: Option<HalfSpace>) -> ClipChoice {
 pub(super) fn clip(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
     let request = live.request();
     let own = || request.read().ok().and_then(|document| typed_clip(&document));
-    let clip = match text {
-        "" => {
-            return Some(say(match request.clip.or(own()) {
-                Some(HalfSpace { normal: n, offset }) => {
-                    format!("kept is {}*x + {}*y + {}*z <= {offset}", n.x, n.y, n.z)
-                }
-                None => "nothing is cut away".to_owned(),
-            }));
-        }
-        _ => match text.parse().ok()? {
-            ClipChoice::Document | ClipChoice::Off => none(own()),
-            ClipChoice::Plane(clip) => {
-                let anywhere = Region::new(DVec3::NEG_ONE, DVec3::ONE);
-                if let Err(error) = anywhere.and_then(|region| region.with_clip(clip)) {
-                    return Some(refused(error.to_string()));
-                }
-                ClipChoice::Plane(clip)
+    if text.is_empty() {
+        return Some(say(match request.clip.or(own()) {
+            Some(HalfSpace { normal: n, offset }) => {
+                format!("kept is {}*x + {}*y + {}*z <= {offset}", n.x, n.y, n.z)
             }
-        },
+            None => "nothing is cut away".to_owned(),
+        }));
+    }
+    let clip = match text.parse().ok()? {
+        ClipChoice::Document | ClipChoice::Off => none(own()),
+        ClipChoice::Plane(clip) => {
+            let anywhere = Region::new(DVec3::NEG_ONE, DVec3::ONE);
+            if let Err(error) = anywhere.and_then(|region| region.with_clip(clip)) {
+                return Some(refused(error.to_string()));
+            }
+            ClipChoice::Plane(clip)
+        }
     };
     live.change(|request| request.clip = clip);
     Some(Ok(Reply::Done))

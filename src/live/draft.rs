@@ -1,7 +1,8 @@
 //! How a line that is entered changes a document's text. Knows statements and lines, but not what
 //! they mean.
 
-use super::values;
+use super::values::{Place, kept_range, name, place, right_side};
+use crate::scene::number;
 use std::ops::Range;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse, setting_word};
@@ -40,13 +41,9 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         return text;
     }
     let draws = new.iter().any(|(_, one)| matches!(one, Statement::Draw { .. }));
-    let replaced = |one: &Statement| {
-        match one {
-        Statement::Draw { .. } => draws && !adding,
-        Statement::Define(definition) => new.iter().any(|(_, one)| {
-            matches!(one, Statement::Define(other) if other.name.text == definition.name.text)
-        }),
-    }
+    let replaced = |one: &Statement| match name(one) {
+        Some(own) => new.iter().any(|(_, other)| name(other) == Some(own)),
+        None => draws && !adding,
     };
     let mut kept = joined.clone();
     for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
@@ -69,8 +66,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
 /// Whether a line defines what a text lacks to be read.
 pub(super) fn completes(text: &str, line: &str) -> bool {
     let limits = Limits::default();
-    let defines = |one: &Statement| matches!(one, Statement::Define(_));
-    parse(line, &limits).is_ok_and(|all| all.iter().all(defines))
+    parse(line, &limits).is_ok_and(|all| all.iter().all(|one| name(one).is_some()))
         && parse(&format!("{}\n{line}", text.trim_end()), &limits).is_ok()
 }
 
@@ -135,23 +131,46 @@ fn is_typed(statement: &Statement) -> bool {
 /// The text with one value replaced where it stands, so that parameters keep their order, if that
 /// is all that `line` does.
 fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> Option<String> {
-    let name = |(_, one): &Placed<'_>| match one {
+    let value = |(_, one): &Placed<'_>| match one {
         Statement::Define(value) if value.parameters.is_none() => Some(value.name.text.clone()),
         Statement::Define(_) | Statement::Draw { .. } => None,
     };
     let [one] = new else { return None };
-    let wanted = name(one)?;
-    let mut places = old.iter().filter(|other| name(other).as_ref() == Some(&wanted));
+    let wanted = value(one)?;
+    let mut places = old.iter().filter(|other| value(other).as_ref() == Some(&wanted));
     let (Some((span, _)), None) = (places.next(), places.next()) else { return None };
     if line.contains(['\n', ';', '#']) {
         return None;
     }
     let rest = &base[span.end..];
     let end = span.end + end_of_statement(rest).unwrap_or(rest.len());
-    let range = values::kept_range(base, line, &wanted);
+    let range = kept_range(base, line, &wanted).unwrap_or_default();
     let line = format!("{line}{range}");
     let space = if is_comment(&base[end..]) { " " } else { "" };
     Some(format!("{}{line}{space}{}", &base[..span.start], &base[end..]))
+}
+
+/// The text with another value for `name`, and with this range if it has none; its definition is
+/// added if there is none.
+pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Option<String> {
+    let Some(Place { body, range: typed }) = place(text, name) else {
+        // A text that lacks a value given on the command line is read with the definition only.
+        let joined = format!("{}\n{name} = {value} in {range}", text.trim_end());
+        return parse(&joined, &Limits::default()).is_ok().then_some(joined);
+    };
+    let with = |what: &str| format!("{}{what}{}", &text[..body.start], &text[body.end..]);
+    if let Some((low, high)) = typed {
+        let holds = || {
+            let (low, high) = (number(&text[low])?, number(&text[high])?);
+            Some((low..=high).contains(&number(value)?))
+        };
+        // One from the command line may lie beyond the range, and then so may its neighbours.
+        let extended = || entered(text, &format!("{name} = {value}"), false);
+        return Some(if holds() == Some(false) { extended() } else { with(value) });
+    }
+    // A program's definition, say, has no place for a range.
+    let is_read = |new: &String| right_side(new, name).is_some_and(|(read, _)| read == value);
+    [format!("{value} in {range}"), value.to_owned()].iter().map(|what| with(what)).find(is_read)
 }
 
 /// A statement and where it stands.
@@ -247,6 +266,23 @@ mod tests {
         ] {
             assert_eq!(entered(text, line, false), expected, "{text:?} and {line:?}");
         }
+    }
+
+    #[test]
+    fn a_value_is_changed_where_it_stands() {
+        for (text, value, expected) in [
+            ("r = 2 in [0, 5] # radius\nx = r", "3.5", "r = 3.5 in [0, 5] # radius\nx = r"),
+            ("r = 2 in [0, 5] # radius\nx = r", "7", "r = 7 in [0, 7] # radius\nx = r"),
+            ("r = 2\nx = r", "-1", "r = -1 in [0, 9]\nx = r"),
+            ("s = 1; r = -2; x = r", "0.5", "s = 1; r = 0.5 in [0, 9]; x = r"),
+            ("x = r", "0.5", "x = r\nr = 0.5 in [0, 9]"),
+        ] {
+            assert_eq!(with_value(text, "r", value, "[0, 9]").as_deref(), Some(expected), "{text}");
+        }
+        let program = "float r = 0.5;\nfloat d = length(p) - r;";
+        let new = with_value(program, "r", "0.75", "[0, 1]").expect("a value");
+        assert!(parse(&new, &Limits::default()).is_ok(), "{new}");
+        assert_eq!(right_side(&new, "r").map(|(value, _)| value).as_deref(), Some("0.75"));
     }
 
     #[test]

@@ -2,9 +2,8 @@
 //! functions and of what is written elsewhere.
 
 use super::coming;
-use super::command::{COMMANDS, refused, say};
-use super::edit::Refusal;
-use super::session::Reply;
+use super::command::COMMANDS;
+use super::reply::{Refusal, Reply, refused, say};
 use super::status_words;
 use std::collections::HashSet;
 use std::fmt::Write as _;

@@ -52,18 +52,17 @@ impl Orbit {
             back
         };
         let (a, b) = axes(pole);
+        let mut projection = camera.projection();
+        if let Projection::Orthographic { height } = &mut projection {
+            *height /= scale;
+        }
         Self {
             pole,
             azimuth: lying.dot(b).atan2(lying.dot(a)),
             elevation,
             distance: back.length() / scale,
             target: (camera.target() - region.centre()) / scale,
-            projection: match camera.projection() {
-                Projection::Orthographic { height } => {
-                    Projection::Orthographic { height: height / scale }
-                }
-                perspective @ Projection::Perspective { .. } => perspective,
-            },
+            projection,
         }
     }
 
@@ -75,12 +74,10 @@ impl Orbit {
         let scale = region.half_extent();
         let (back, _, up) = self.directions();
         let target = region.centre() + self.target * scale;
-        let projection = match self.projection {
-            Projection::Orthographic { height } => {
-                Projection::Orthographic { height: height * scale }
-            }
-            perspective @ Projection::Perspective { .. } => perspective,
-        };
+        let mut projection = self.projection;
+        if let Projection::Orthographic { height } = &mut projection {
+            *height *= scale;
+        }
         Camera::new(target + back * self.distance * scale, target, up, projection)
     }
 

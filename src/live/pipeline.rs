@@ -12,9 +12,9 @@ mod view;
 mod worker;
 
 use self::worker::Worker;
-use super::edit::missing_letter;
 use super::orbit::Orbit;
 use super::source::DocumentSource;
+use super::values::TIME;
 use crate::blank::Blank;
 use crate::domain::AutoDomain;
 use crate::model::Model;
@@ -23,7 +23,7 @@ use crate::scene::{CameraChoice, ClipChoice, DomainChoice, SceneError};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use zeroset_syntax::{Document, Errors, Options};
+use zeroset_syntax::{Document, ErrorKind, Errors, Options};
 use zeroset_trace::{Camera, Region};
 
 /// Whether the domain's box is shown with axes: a view that nobody chose then has it whole.
@@ -78,6 +78,14 @@ impl Request {
     /// What reading the document depends on beside its text.
     pub(super) fn options(&self) -> Options<'_> {
         Options { overrides: &self.overrides, time: self.time, ..Options::default() }
+    }
+
+    /// Lets the text say what these names are, not what was given for them on the command line.
+    pub(super) fn forget_given(&mut self, names: &[String]) {
+        self.overrides.retain(|(other, _)| !names.contains(other));
+        if names.iter().any(|name| name == TIME) {
+            self.time = None;
+        }
     }
 
     /// The document that is asked for.
@@ -141,6 +149,12 @@ enum Reason {
     Text(Errors),
     Scene(SceneError),
     Bug,
+}
+
+impl<E: Into<SceneError>> From<E> for Reason {
+    fn from(error: E) -> Self {
+        Self::Scene(error.into())
+    }
 }
 
 impl Fault {
@@ -289,6 +303,19 @@ impl Drop for Pipeline {
             let _ = worker.join();
         }
     }
+}
+
+/// The one letter that lacks a value, if that is all that is wrong.
+pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
+    let letter = |error: &zeroset_syntax::Error| match &error.kind {
+        ErrorKind::UnknownName { name, letter } => {
+            let mut letters = name.chars();
+            letter.or(letters.next().filter(|_| letters.next().is_none()))
+        }
+        _ => None,
+    };
+    let first = letter(errors.iter().next()?)?;
+    errors.iter().all(|error| letter(error) == Some(first)).then_some(first)
 }
 
 /// Whether both ask for the same text with the same values.

@@ -1,12 +1,12 @@
 //! One document and its picture, as all who type, drag and look share them. Knows no commands.
 
-use super::edit::{Refusal, after};
+use super::draft::with_value;
 use super::orbit::Orbit;
 use super::pipeline::{Axes, Pipeline, Rendering, Request, Snapshot, same_document};
-use super::slider::TIME;
+use super::reply::Refusal;
 use super::source::DocumentSource;
 use super::undo::{Dragged, Gesture, Said, Undo};
-use super::values::{defined, right_side, with_value};
+use super::values::right_side;
 use crate::picture::Settings;
 use crate::scene::CameraChoice;
 use std::mem;
@@ -25,6 +25,7 @@ pub struct Live {
     pipeline: Pipeline,
 }
 
+#[derive(Default)]
 pub(super) struct State {
     /// What is asked for, with the document as entered.
     pub request: Request,
@@ -50,49 +51,11 @@ impl State {
         Said { request: self.request.clone(), dragged: self.dragged.clone() }
     }
 
-    /// Lets the text say what these names are, not what was given for them on the command line.
-    pub fn forget_given(&mut self, names: &[String]) {
-        forget_given(&mut self.request, names);
-    }
-
     /// Values whose definition is no longer what dragging left of it are no longer dragged ones.
     pub fn forget_dragged(&mut self, before: &str) {
         let now = Arc::clone(&self.request.text);
         self.dragged.retain(|one| right_side(before, &one.name) == right_side(&now, &one.name));
     }
-}
-
-fn forget_given(request: &mut Request, names: &[String]) {
-    request.overrides.retain(|(other, _)| !names.contains(other));
-    if names.iter().any(|name| name == TIME) {
-        request.time = None;
-    }
-}
-
-/// What a line that was entered leads to.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Reply {
-    /// It is done.
-    Done,
-    /// It is done, and this is to be shown.
-    Say(String),
-    /// The caller is to find this text and hand it to [`Live::load`].
-    Load(String),
-    /// The caller is to write [`Live::text`] to this file, or to where it came from.
-    Save(Option<String>),
-    /// The caller is to write the picture to this file, or to one with a new name.
-    Png(Option<String>),
-    /// The caller is to show tips, or no longer.
-    Tips(bool),
-    /// The caller is to show how the document was read and compiled, with the code or without.
-    Explain {
-        /// Whether the code is asked for.
-        code: bool,
-    },
-    /// The caller is to show what is in the gallery.
-    Gallery,
-    /// The caller is to end.
-    Quit,
 }
 
 impl Live {
@@ -101,14 +64,10 @@ impl Live {
         let text = || Arc::clone(&request.text);
         let state = State {
             shown: text(),
-            typed: Vec::new(),
             readable: text(),
             kept: text(),
-            dragged: Vec::new(),
-            undo: Undo::default(),
-            revision: 0,
-            cleared: 0,
             request: request.clone(),
+            ..State::default()
         };
         let live = Self { state: Mutex::new(state), pipeline: Pipeline::new(request) };
         live.refresh();
@@ -122,15 +81,11 @@ impl Live {
 
     /// What can be seen now: nothing while the document is empty.
     pub fn snapshot(&self) -> Snapshot {
-        let (is_empty, cleared) = {
-            let state = self.lock();
-            (state.shown.trim().is_empty(), state.cleared)
-        };
+        let cleared = self.lock().cleared;
         let Snapshot { rendering, fault, settled } = self.pipeline.snapshot();
-        let is_shown = |revision: u64| !is_empty && revision > cleared;
         Snapshot {
-            rendering: rendering.filter(|seen| is_shown(seen.revision)),
-            fault: fault.filter(|fault| is_shown(fault.revision)),
+            rendering: rendering.filter(|seen| seen.revision > cleared),
+            fault: fault.filter(|fault| fault.revision > cleared),
             settled,
         }
     }
@@ -207,23 +162,6 @@ impl Live {
     /// How pictures are made at present.
     pub fn settings(&self) -> Settings {
         self.lock().request.settings.clone()
-    }
-
-    /// Shows what the document would be if a line that is still being typed were entered; `None`
-    /// for the document as it is.
-    pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
-        let shown = |request: &Request, readable: &str| {
-            Ok(match line {
-                Some(line) => (after(request, readable, line, adding).0.into(), defined(line)),
-                None => (Arc::clone(&request.text), Vec::new()),
-            })
-        };
-        let _never_refused = self.change_after(shown, |state, (shown, typed): (Arc<str>, _)| {
-            if (&shown, &typed) != (&state.shown, &state.typed) {
-                state.typed = typed;
-                self.show(state, shown);
-            }
-        });
     }
 
     /// Does `work`, which may take long, without the lock, and again if somebody has changed the
@@ -311,13 +249,6 @@ impl Live {
         state.kept.trim_end() != state.request.text.trim_end()
     }
 
-    /// What a value was before it was dragged, if it was.
-    pub(super) fn before_dragged(&self, name: &str) -> Option<String> {
-        let state = self.lock();
-        let one = state.dragged.iter().find(|one| one.name == name)?;
-        Some(one.value.clone())
-    }
-
     /// Asks for pictures of this size, in pixels; nothing below 1 is taken.
     pub fn resize(&self, width: usize, height: usize) {
         let (width, height) = (width.max(1), height.max(1));
@@ -383,6 +314,37 @@ impl Live {
         self.say(&mut state, before, gesture);
     }
 
+    /// Takes back the last step: what was entered, set, turned or dragged. Tells whether there was
+    /// one.
+    pub fn undo(&self) -> bool {
+        self.step(Undo::back)
+    }
+
+    /// Does again what was last taken back, if there is such a thing, and tells whether there is.
+    pub fn redo(&self) -> bool {
+        self.step(Undo::forth)
+    }
+
+    fn step(&self, step: impl FnOnce(&mut Undo, &Said) -> Option<Said>) -> bool {
+        let mut state = self.lock();
+        let now = state.said();
+        let Some(Said { request, dragged }) = step(&mut state.undo, &now) else { return false };
+        let text = Arc::clone(&request.text);
+        if parse(&text, &Limits::default()).is_ok() {
+            state.readable = Arc::clone(&text);
+        }
+        (state.request, state.dragged) = (request, dragged);
+        state.typed.clear();
+        self.show(&mut state, text);
+        true
+    }
+
+    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step of
+    /// [`Live::undo`].
+    pub fn hold(&self, held: bool) {
+        self.lock().undo.hold(held);
+    }
+
     /// Asks for a picture of what is said now, and keeps what was said before.
     pub(super) fn say(&self, state: &mut State, before: Said, gesture: Option<Gesture>) {
         let now = state.said();
@@ -398,7 +360,7 @@ impl Live {
             return;
         }
         let mut request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };
-        forget_given(&mut request, &state.typed);
+        request.forget_given(&state.typed);
         // A mistake in what is typed is no mistake of the file.
         if state.shown != state.request.text {
             request.source = DocumentSource::Typed;

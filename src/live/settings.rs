@@ -1,34 +1,25 @@
 //! The commands that say how pictures are made: each sets what is given, and tells how it is.
 
-use super::command::{refused, say};
-use super::edit::Refusal;
-use super::session::{Live, Reply};
+use super::reply::{Refusal, Reply, refused, say};
+use super::session::Live;
 use crate::names::Named;
 use crate::picture::{Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
 use zeroset_trace::{LOOKS, Look, METHODS, Method, MethodOption};
 
 pub(super) fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
-    if name.is_empty() {
-        let rows = METHODS.iter().map(|row| (row.name, row.help));
-        return say(listed(rows, live.settings().method.name));
-    }
     let Some(method) = Method::named(name) else {
-        let names: Vec<&str> = METHODS.iter().map(|row| row.name).collect();
-        return refused(format!("no method named '{name}'; there is {}", names.join(", ")));
+        let rows = METHODS.iter().map(|row| (row.name, row.help));
+        return listed("method", name, rows, live.settings().method.name);
     };
     live.change(|request| request.settings.method = method);
     Ok(Reply::Done)
 }
 
 pub(super) fn look(live: &Live, name: &str) -> Result<Reply, Refusal> {
-    if name.is_empty() {
+    let Some(look) = Look::named(name) else {
         let rows = LOOKS.iter().map(|row| (row.name, row.help));
         let used = live.snapshot().rendering.map(|seen| seen.model.look(&live.settings()));
-        return say(listed(rows, used.unwrap_or_default().name));
-    }
-    let Some(look) = Look::named(name) else {
-        let names: Vec<&str> = LOOKS.iter().map(|row| row.name).collect();
-        return refused(format!("no look named '{name}'; there is {}", names.join(", ")));
+        return listed("look", name, rows, used.unwrap_or_default().name);
     };
     live.change(|request| request.settings.look = Some(look));
     Ok(Reply::Done)
@@ -53,13 +44,23 @@ pub(super) fn switch(word: &str) -> Option<bool> {
     }
 }
 
-/// Rows of a table by name and help, that in use with a star.
-fn listed<'a>(rows: impl Iterator<Item = (&'a str, &'a str)>, used: &str) -> String {
+/// What is said where no row of a table has this name: without one, all rows by name and help, that
+/// in use with a star.
+fn listed<'a>(
+    kind: &str,
+    name: &str,
+    rows: impl Iterator<Item = (&'a str, &'a str)>,
+    used: &str,
+) -> Result<Reply, Refusal> {
+    if !name.is_empty() {
+        let names: Vec<&str> = rows.map(|(name, _)| name).collect();
+        return refused(format!("no {kind} named '{name}'; there is {}", names.join(", ")));
+    }
     let line = |(name, help)| {
         let mark = if name == used { '*' } else { ' ' };
         format!("{mark} {name:8} {help}")
     };
-    rows.map(line).collect::<Vec<_>>().join("\n")
+    say(rows.map(line).collect::<Vec<_>>().join("\n"))
 }
 
 pub(super) fn tolerance(live: &Live, wanted: Option<f64>) -> Result<Reply, Refusal> {

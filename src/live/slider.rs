@@ -1,18 +1,16 @@
 //! Values that are moved by hand or by the clock: which there are, how far they go, and what moving
 //! one says. Knows no window and no mouse.
 
+use super::draft::with_value;
 use super::edit::base;
 use super::pipeline::{Rendering, Request};
 use super::session::Live;
 use super::undo::{Dragged, Gesture};
-use super::values::{right_side, with_value, written};
+use super::values::{right_side, written};
 use crate::scene::{self, nearest};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use zeroset_syntax::{Parameter, ParameterKind};
-
-/// The time's name.
-pub(super) const TIME: &str = "t";
 
 /// A value that can be moved, as a picture shows it.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,7 +126,8 @@ impl Live {
     /// Gives a name back the value that the document gave it before it was dragged, and tells whether
     /// it was dragged at all.
     pub fn restore(&self, slider: &Slider) -> bool {
-        let Some(value) = self.before_dragged(&slider.name) else { return false };
+        let before = |one: &Dragged| (one.name == slider.name).then(|| one.value.clone());
+        let Some(value) = self.lock().dragged.iter().find_map(before) else { return false };
         self.put(slider, &value, true);
         true
     }
@@ -161,7 +160,7 @@ impl Live {
             state.shown = shown.map_or_else(|| Arc::clone(&text), Arc::from);
             state.request.text = Arc::clone(&text);
             state.readable = text;
-            state.forget_given(std::slice::from_ref(name));
+            state.request.forget_given(std::slice::from_ref(name));
             let before = before.unwrap_or_else(|| state.said());
             self.say(state, before, Some(Gesture::Value(name.clone())));
         });

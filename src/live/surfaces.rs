@@ -2,8 +2,9 @@
 //! Knows lines about surfaces and where they stand, but no window.
 
 use super::draft::without_drawing;
-use super::edit::{Edit, Refusal, base};
+use super::edit::{Edit, base, nothing_drawn};
 use super::pipeline::{Rendering, Request};
+use super::reply::{Refusal, Reply, refused};
 use super::session::Live;
 use super::undo::Gesture;
 use std::ops::Range;
@@ -112,14 +113,15 @@ fn percent(share: f64) -> f64 {
     (share * 1e4).round() / 1e2
 }
 
-/// The text in which `change` was made to what is said of its drawings; the lines with these words
-/// are written anew. `None` where that cannot be said by such lines, as in a program.
+/// The text in which `change` was made to what is said of its drawings, and the document as read;
+/// the lines with these words are written anew. `None` where that cannot be said by such lines, as
+/// in a program.
 fn changed(
     text: &str,
     options: &Options<'_>,
     words: &[&str],
     change: impl FnOnce(&mut Vec<Drawn>),
-) -> Option<String> {
+) -> Option<(String, Document)> {
     let document = zeroset_syntax::read(text, options).ok()?;
     let slots: Vec<Range<usize>> =
         document.surfaces.iter().map(|surface| surface.span.range()).collect();
@@ -168,7 +170,8 @@ fn changed(
         let now = Drawn::all(&new, said);
         now.len() == drawn.len() && now.iter().zip(&drawn).all(alike)
     };
-    zeroset_syntax::read(&new, options).ok().filter(is_said).map(|_| new)
+    let said = zeroset_syntax::read(&new, options).ok().filter(is_said)?;
+    Some((new, said))
 }
 
 /// A line about the picture with what ends it, unless a comment stands behind it.
@@ -223,6 +226,16 @@ impl Live {
         })
     }
 
+    /// Takes away the drawing with this number, counted from 1.
+    pub(super) fn delete(&self, number: usize) -> Result<Reply, Refusal> {
+        let document = self.edit(None, |request, readable| {
+            let text = without(&base(request, readable, ""), &request.options(), number)
+                .map_err(|count| no_surface(number, count))?;
+            Edit::checked(request, text, Vec::new())
+        })?;
+        Ok(document.map_or_else(nothing_drawn, |_| Reply::Done))
+    }
+
     fn restyle(
         &self,
         number: usize,
@@ -237,16 +250,16 @@ impl Live {
             if !(1..=count).contains(&number) {
                 return Err(no_surface(number, count));
             }
-            let text = changed(&base, &options, words, &change).ok_or_else(|| {
-                Refusal::Command(format!(
-                    "this text has no place for that: write `{}` lines yourself",
-                    words.join("`, `")
-                ))
-            })?;
+            let Some((text, document)) = changed(&base, &options, words, &change) else {
+                let words = words.join("`, `");
+                return refused(format!(
+                    "this text has no place for that: write `{words}` lines yourself"
+                ));
+            };
             // Formulas are as they were, and need not be looked at again.
-            Ok(Edit::unchecked(text))
+            Ok(Edit::unchecked(text, document))
         };
-        self.edit_by(gesture, work).map(drop)
+        self.edit(gesture, work).map(drop)
     }
 }
 
@@ -272,7 +285,7 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
         let like = drawn.last().unwrap_or(&one).clone();
         drawn.push(Drawn { body: one.body, ..like });
     });
-    let moved = last.and_then(|text| without_drawing(&text, wanted.len() + 1).ok());
+    let moved = last.and_then(|(text, _)| without_drawing(&text, wanted.len() + 1).ok());
     Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
 }
 
@@ -290,7 +303,7 @@ mod tests {
     use super::*;
 
     fn edited(text: &str, words: &[&str], change: impl FnOnce(&mut Vec<Drawn>)) -> Option<String> {
-        changed(text, &Options::default(), words, change)
+        changed(text, &Options::default(), words, change).map(|(text, _)| text)
     }
 
     fn hidden(text: &str, number: usize, hidden: bool) -> String {

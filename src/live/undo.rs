@@ -2,10 +2,8 @@
 //! what a step means.
 
 use super::pipeline::Request;
-use super::session::Live;
-use std::sync::Arc;
+use std::mem;
 use std::time::{Duration, Instant};
-use zeroset_syntax::{Limits, parse};
 
 /// So many steps are kept.
 const KEPT: usize = 200;
@@ -96,58 +94,19 @@ impl Undo {
 
     /// What was said before, in exchange for what is said now; `None` if there is no such thing.
     pub fn back(&mut self, now: &Said) -> Option<Said> {
-        Self::step(&mut self.past, &mut self.future, &mut self.last, now)
+        let mut other = self.past.pop()?;
+        other.take_frame(now);
+        self.future.push(now.clone());
+        self.last = None;
+        Some(other)
     }
 
     /// What was said before it was taken back.
     pub fn forth(&mut self, now: &Said) -> Option<Said> {
-        Self::step(&mut self.future, &mut self.past, &mut self.last, now)
-    }
-
-    fn step(
-        from: &mut Vec<Said>,
-        to: &mut Vec<Said>,
-        last: &mut Option<(Gesture, Instant)>,
-        now: &Said,
-    ) -> Option<Said> {
-        let mut other = from.pop()?;
-        other.take_frame(now);
-        to.push(now.clone());
-        *last = None;
-        Some(other)
-    }
-}
-
-impl Live {
-    /// Takes back the last step: what was entered, set, turned or dragged. Tells whether there was
-    /// one.
-    pub fn undo(&self) -> bool {
-        self.step(Undo::back)
-    }
-
-    /// Does again what was last taken back, if there is such a thing, and tells whether there is.
-    pub fn redo(&self) -> bool {
-        self.step(Undo::forth)
-    }
-
-    fn step(&self, step: impl FnOnce(&mut Undo, &Said) -> Option<Said>) -> bool {
-        let mut state = self.lock();
-        let now = state.said();
-        let Some(Said { request, dragged }) = step(&mut state.undo, &now) else { return false };
-        let text = Arc::clone(&request.text);
-        if parse(&text, &Limits::default()).is_ok() {
-            state.readable = Arc::clone(&text);
-        }
-        (state.request, state.dragged) = (request, dragged);
-        state.typed.clear();
-        self.show(&mut state, text);
-        true
-    }
-
-    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step of
-    /// [`Live::undo`].
-    pub fn hold(&self, held: bool) {
-        self.lock().undo.hold(held);
+        mem::swap(&mut self.past, &mut self.future);
+        let other = self.back(now);
+        mem::swap(&mut self.past, &mut self.future);
+        other
     }
 }
 

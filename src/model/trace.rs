@@ -359,23 +359,18 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             kernels: made,
             nodes: model.program.nodes(),
         };
-        let undefined = model.seen().any(|surface| model.program.is_undefined(surface));
-        let (method, precision) = (settings.method, settings.precision);
-        let (hit, undecided) = (statistics.pixels.hit, statistics.pixels.undecided);
         // Where it is 0 everywhere no ray through the region is decided.
-        let flat = hit == 0 && undecided > 0 && model.is_flat::<T>()?;
-        let (remarks, rgb, look) = (model.remarks.clone(), lit.rgb, model.look(settings));
-        let legends = lit.legends;
+        let flat = pixels.hit == 0 && pixels.undecided > 0 && model.is_flat::<T>()?;
         Ok(Picture {
             buffer,
-            rgb,
-            method,
-            precision,
-            look,
-            legends,
+            rgb: lit.rgb,
+            method: settings.method,
+            precision: settings.precision,
+            look: model.look(settings),
+            legends: lit.legends,
             statistics,
-            undefined,
-            remarks,
+            undefined: model.seen().any(|surface| model.program.is_undefined(surface)),
+            remarks: model.remarks.clone(),
             flat,
         })
     }

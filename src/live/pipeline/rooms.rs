@@ -1,6 +1,7 @@
 //! How domains that are searched for follow sliders: a surface is seen to grow and to shrink, and nothing is compiled.
 
-use crate::scene::{self, DomainChoice, Search};
+use crate::program::Program;
+use crate::scene::{self, DomainChoice};
 use glam::DVec3;
 use zeroset_syntax::{Document, Parameter};
 use zeroset_trace::{HalfSpace, Region, RegionError};
@@ -48,7 +49,7 @@ pub fn reach(
     shown: &Region,
     document: &Document,
     domain: DomainChoice,
-    search: &mut Option<Search>,
+    search: &mut Option<Program>,
     wanted: &dyn Fn() -> bool,
 ) -> Region {
     let moving =
@@ -59,7 +60,7 @@ pub fn reach(
         for end in [first, last] {
             let mut there = document.clone();
             there.parameters[parameter.number as usize].value = end.clone();
-            let found = scene::region_again(search, &there, domain, None, wanted);
+            let found = scene::region_while(search, &there, domain, None, wanted);
             // At its very ends there may be no surface.
             if let Ok(Some((region, _))) = found {
                 let room = SPARE * (region.high() - region.low());

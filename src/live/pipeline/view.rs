@@ -2,49 +2,24 @@
 //! stays while values are moved, and then glides to the next one.
 
 use super::glide::Glide;
-use super::worker::{Shot, Worker, coarser};
+use super::worker::{Asked, Framed, Made, Shot, Worker, coarser};
 use super::{NextView, Reason, Request};
 use crate::framing;
-use crate::model::Model;
-use crate::scene::{CameraChoice, SceneError};
-use std::sync::{Arc, Weak};
-use zeroset_trace::{Camera, Region};
-
-/// A camera that was fitted, and to what.
-pub(super) struct Framed {
-    /// It may be gone.
-    model: Weak<Model>,
-    region: Region,
-    /// The number of the formula.
-    formula: u64,
-    asked: Asked,
-    camera: Camera,
-    /// Whether it is where it was fitted to, and not still on the way.
-    arrived: bool,
-}
-
-/// What a camera depends on beside what is seen.
-#[derive(Clone, Copy, PartialEq)]
-struct Asked {
-    choice: CameraChoice,
-    size: (usize, usize),
-    axes: bool,
-}
+use crate::scene::SceneError;
+use std::sync::Arc;
+use zeroset_trace::Camera;
 
 impl Worker {
-    /// The camera for a request, after pictures on the way to it if there is one; `None` if it is no longer wanted. `formula`
-    /// is the number of what is drawn.
-    pub fn camera(&mut self, shot: &Shot<'_>, formula: u64) -> Result<Option<Camera>, Reason> {
-        let scene = |error: SceneError| Reason::Scene(error);
+    /// The camera for a request, after pictures on the way to it if there is one; `None` if it is
+    /// no longer wanted.
+    pub fn camera(&mut self, shot: &Shot<'_>) -> Result<Option<Camera>, Reason> {
         if let Some(orbit) = &shot.job.request.orbit {
-            return orbit.camera(&shot.seat).map(Some).map_err(|error| scene(error.into()));
+            return Ok(Some(orbit.camera(&shot.made.seat)?));
         }
         let before = self.framed.as_ref().map(|one| (one.formula, one.asked, one.camera));
-        let Some(camera) = self.framed(shot, formula).map_err(scene)? else { return Ok(None) };
-        let same =
-            |framed: &Framed, formula, asked| (framed.formula, framed.asked) == (formula, asked);
+        let Some(camera) = self.framed(shot)? else { return Ok(None) };
         if let (Some(framed), Some((formula, asked, from))) = (&self.framed, before)
-            && same(framed, formula, asked)
+            && (framed.formula, framed.asked) == (formula, asked)
             && let Some(glide) = Glide::new(from, camera)
             && self.shared.lock().next_view == NextView::Glides
             && !self.glide(shot, &glide)?
@@ -62,11 +37,10 @@ impl Worker {
     fn glide(&mut self, shot: &Shot<'_>, glide: &Glide) -> Result<bool, Reason> {
         let full = &shot.job.request.settings;
         let settings = coarser(full, self.pace.first(full.width * full.height)).plain();
-        let scene = |error: SceneError| Reason::Scene(error);
+        let wanted = |_| self.shared.wanted(shot.job);
         while let Some(camera) = glide.camera() {
-            let picture = shot.model.trace(&camera, &settings, &|_| self.wanted(shot.job));
-            let picture = picture.map_err(|error| scene(error.into()))?;
-            if !self.wanted(shot.job) {
+            let picture = shot.made.model.trace(&camera, &settings, &wanted)?;
+            if !wanted(0) {
                 // Whatever comes next goes on from where it is seen.
                 if let Some(framed) = &mut self.framed {
                     (framed.camera, framed.arrived) = (camera, false);
@@ -76,12 +50,13 @@ impl Worker {
             self.publish(Arc::new(shot.rendering(camera, picture, true)));
             self.rest(shot.job, glide.pause());
         }
-        Ok(self.wanted(shot.job))
+        Ok(wanted(0))
     }
 
     /// The camera where nobody turned the view: fitted once for a model, and kept while only parameters move.
-    fn framed(&mut self, shot: &Shot<'_>, formula: u64) -> Result<Option<Camera>, SceneError> {
-        let Shot { job, document, model, .. } = *shot;
+    fn framed(&mut self, shot: &Shot<'_>) -> Result<Option<Camera>, SceneError> {
+        let Shot { job, document, made: Made { model, formula, .. }, .. } = shot;
+        let formula = *formula;
         let Request { choice, settings, axes, .. } = &*job.request;
         let axes = axes.are_shown(document);
         let asked = Asked { choice: *choice, size: (settings.width, settings.height), axes };
@@ -100,7 +75,7 @@ impl Worker {
                 return Ok(Some(framed.camera));
             }
         }
-        let wanted = || self.wanted(job);
+        let wanted = || self.shared.wanted(job);
         let region = model.region();
         let camera = if axes {
             Some(framing::of_domain(region, document, choice, settings)?)

@@ -2,15 +2,15 @@
 
 use super::pace::Pace;
 use super::rooms;
-use super::view::Framed;
 use super::{Fault, Reason, Rendering, Request, Shared, State, same_document};
 use crate::blank::Blank;
 use crate::domain::AutoDomain;
 use crate::model::Model;
 use crate::picture::{Picture, Settings};
-use crate::scene::{self, SceneError, Search};
+use crate::program::Program;
+use crate::scene::{self, CameraChoice, SceneError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, PoisonError, Weak};
 use std::time::{Duration, Instant};
 use zeroset_syntax::{Document, Errors};
 use zeroset_trace::{Camera, Proves, Region};
@@ -21,10 +21,11 @@ const LEAST_DEPTH: u32 = 6;
 /// What was made for earlier requests, as far as it may serve for the next.
 pub(super) struct Worker {
     pub shared: Arc<Shared>,
-    read: Option<Read>,
+    /// The document that was read last, and the request for which it was.
+    read: Option<(Arc<Request>, Arc<Document>)>,
     built: Option<Built>,
     /// The last search for a domain.
-    search: Option<Search>,
+    search: Option<Program>,
     pub framed: Option<Framed>,
     /// How many formulas there were.
     formulas: u64,
@@ -32,12 +33,6 @@ pub(super) struct Worker {
     pub pace: Pace,
     /// What the last picture was of that lacks nothing.
     finished: Option<Arc<Request>>,
-}
-
-/// A document, and the request for which it was read.
-struct Read {
-    request: Arc<Request>,
-    document: Arc<Document>,
 }
 
 /// A model, and what it was made for.
@@ -49,37 +44,57 @@ struct Built {
 
 /// A model, what was found if its domain was searched for, and what views of it are relative to.
 #[derive(Clone)]
-struct Made {
-    model: Arc<Model>,
+pub(super) struct Made {
+    pub model: Arc<Model>,
     searched: Option<AutoDomain>,
-    seat: Region,
+    pub seat: Region,
     /// Another for every other formula, whatever its values.
-    formula: u64,
+    pub formula: u64,
+}
+
+/// A camera that was fitted, and to what.
+pub(super) struct Framed {
+    /// It may be gone.
+    pub model: Weak<Model>,
+    pub region: Region,
+    /// The number of the formula.
+    pub formula: u64,
+    pub asked: Asked,
+    pub camera: Camera,
+    /// Whether it is where it was fitted to, and not still on the way.
+    pub arrived: bool,
+}
+
+/// What a camera depends on beside what is seen.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Asked {
+    pub choice: CameraChoice,
+    pub size: (usize, usize),
+    pub axes: bool,
 }
 
 /// What all pictures of a request share.
 pub(super) struct Shot<'a> {
     pub job: &'a Job,
     pub document: &'a Arc<Document>,
-    pub model: &'a Arc<Model>,
-    searched: Option<AutoDomain>,
-    pub seat: Region,
+    pub made: &'a Made,
     parse: Duration,
 }
 
 impl Shot<'_> {
     pub fn rendering(&self, camera: Camera, picture: Picture, coarse: bool) -> Rendering {
-        let Self { job, searched, seat, parse, .. } = *self;
+        let Self { job, parse, .. } = *self;
+        let Made { ref model, searched, seat, .. } = *self.made;
         let pixels = picture.statistics.pixels;
         let is_blank = !coarse && pixels.hit + pixels.undecided == 0;
-        let region = self.model.region();
+        let undefined = picture.undefined;
         let blank =
-            is_blank.then(|| Blank::find(self.document, region, picture.undefined, searched));
+            is_blank.then(|| Blank::find(self.document, model.region(), undefined, searched));
         Rendering {
             revision: job.revision,
             request: Arc::clone(&job.request),
             document: Arc::clone(self.document),
-            model: Arc::clone(self.model),
+            model: Arc::clone(model),
             searched,
             seat,
             camera,
@@ -97,6 +112,14 @@ pub(super) struct Job {
     pub request: Arc<Request>,
     revision: u64,
     requested: Instant,
+}
+
+impl Shared {
+    /// Whether a request is still the latest.
+    pub fn wanted(&self, job: &Job) -> bool {
+        let state = self.lock();
+        !state.stop && state.revision == job.revision
+    }
 }
 
 impl Worker {
@@ -170,16 +193,14 @@ impl Worker {
         let started = Instant::now();
         let document = self.document(&job.request).map_err(Reason::Text)?;
         let parse = started.elapsed();
-        if !self.wanted(job) {
+        if !self.shared.wanted(job) {
             return Ok(());
         }
-        let scene = |error: SceneError| Reason::Scene(error);
-        let made = self.model(job, &document).map_err(scene)?;
-        let Some(Made { model, searched, seat, formula }) = made else { return Ok(()) };
-        let shot = Shot { job, document: &document, model: &model, searched, seat, parse };
-        let Some(camera) = self.camera(&shot, formula)? else { return Ok(()) };
+        let Some(made) = self.model(job, &document)? else { return Ok(()) };
+        let shot = Shot { job, document: &document, made: &made, parse };
+        let Some(camera) = self.camera(&shot)? else { return Ok(()) };
         let full = &job.request.settings;
-        if let Some(seen) = self.seen_alike(&model, &camera, full) {
+        if let Some(seen) = self.seen_alike(&made.model, &camera, full) {
             return self.relight(job, &seen);
         }
         let size = full.width * full.height;
@@ -190,9 +211,9 @@ impl Worker {
             let started = Instant::now();
             // A coarse picture is worth finishing while only the camera moves: it is what is seen
             // of the movement.
-            let advance = |_| if is_full { self.wanted(job) } else { self.wanted_coarsely(job) };
-            let picture = model.trace(&camera, &settings, &advance);
-            let picture = picture.map_err(|error| scene(error.into()))?;
+            let advance =
+                |_| if is_full { self.shared.wanted(job) } else { self.wanted_coarsely(job) };
+            let picture = made.model.trace(&camera, &settings, &advance)?;
             if !advance(0) {
                 return Ok(());
             }
@@ -212,9 +233,9 @@ impl Worker {
         let (job, full) = (shot.job, &shot.job.request.settings);
         let plain = full.plain();
         if seen.coarse {
-            let advance = |_| self.wanted(job);
-            let picture = shot.model.settle(&seen.picture, &seen.camera, &plain, &advance);
-            let picture = picture.map_err(|error| Reason::Scene(error.into()))?;
+            let advance = |_| self.shared.wanted(job);
+            let model = &shot.made.model;
+            let picture = model.settle(&seen.picture, &seen.camera, &plain, &advance)?;
             let Some(picture) = picture.filter(|_| advance(0)) else { return Ok(()) };
             seen = Arc::new(shot.rendering(seen.camera, picture, false));
             self.publish(Arc::clone(&seen));
@@ -243,13 +264,12 @@ impl Worker {
 
     /// The full picture as it was asked for, once the plain one is shown and nothing newer is wanted.
     fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), Reason> {
-        let (settings, advance) = (&job.request.settings, |_| self.wanted(job));
+        let (settings, advance) = (&job.request.settings, |_| self.shared.wanted(job));
         if !advance(0) {
             return Ok(());
         }
         let Rendering { model, camera, .. } = plain;
-        let lit = model.relight(&plain.picture, camera, settings, &advance);
-        let picture = lit.map_err(|error| Reason::Scene(error.into()))?;
+        let picture = model.relight(&plain.picture, camera, settings, &advance)?;
         if advance(0) {
             let (document, model) = (Arc::clone(&plain.document), Arc::clone(model));
             let (request, revision) = (Arc::clone(&job.request), job.revision);
@@ -283,11 +303,6 @@ impl Worker {
         drop(self.shared.changed.wait_timeout_while(state, time, waiting));
     }
 
-    pub fn wanted(&self, job: &Job) -> bool {
-        let state = self.shared.lock();
-        !state.stop && state.revision == job.revision
-    }
-
     fn wanted_coarsely(&self, job: &Job) -> bool {
         let state = self.shared.lock();
         !state.stop
@@ -295,13 +310,13 @@ impl Worker {
     }
 
     fn document(&mut self, request: &Arc<Request>) -> Result<Arc<Document>, Errors> {
-        if let Some(Read { request: old, document }) = &self.read
+        if let Some((old, document)) = &self.read
             && same_document(old, request)
         {
             return Ok(Arc::clone(document));
         }
         let document = Arc::new(request.read()?);
-        self.read = Some(Read { request: Arc::clone(request), document: Arc::clone(&document) });
+        self.read = Some((Arc::clone(request), Arc::clone(&document)));
         Ok(document)
     }
 
@@ -352,13 +367,10 @@ impl Worker {
                 return Ok(Some(Made { model: Arc::new(model?), ..*made }));
             }
         }
-        let mut search = self.search.take();
-        let wanted = || self.wanted(job);
-        let found = scene::region_again(&mut search, document, *domain, Some(*clip), &wanted);
-        let Some((found, searched)) = found?.filter(|_| wanted()) else {
-            self.search = search;
-            return Ok(None);
-        };
+        let Self { shared, search, .. } = self;
+        let wanted = || shared.wanted(job);
+        let found = scene::region_while(search, document, *domain, Some(*clip), &wanted)?;
+        let Some((found, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
         let old = old.map(|built| &built.made);
         let known = old.filter(|made| made.model.program().serves(document));
         let formula = known.map(|made| made.formula);
@@ -372,12 +384,11 @@ impl Worker {
             Some(model?)
         } else {
             let reach = match searched {
-                Some(_) => rooms::reach(&region, document, *domain, &mut search, &wanted),
+                Some(_) => rooms::reach(&region, document, *domain, search, &wanted),
                 None => region,
             };
             Model::new_while(document, &region, &reach, settings, &wanted)?
         };
-        self.search = search;
         let Some(model) = model else { return Ok(None) };
         if !model.is_rebound() {
             self.pace = Pace::default();
