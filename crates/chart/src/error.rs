@@ -29,12 +29,12 @@ pub enum ChartError {
         why: String,
     },
     /// A file or directory cannot be read or written.
-    #[error("{path}: {source}", path = path.display())]
+    #[error("{path}: {why}", path = path.display())]
     File {
         /// Which.
         path: PathBuf,
         /// Why.
-        source: std::io::Error,
+        why: std::io::Error,
     },
     /// A file is there, and is not what it should be.
     #[error("{path}: {why}", path = path.display())]
@@ -67,7 +67,7 @@ impl ChartError {
 
     /// For `map_err`: of a file.
     pub fn of_file(path: &Path) -> impl Fn(std::io::Error) -> Self {
-        move |source| Self::File { path: path.to_owned(), source }
+        move |why| Self::File { path: path.to_owned(), why }
     }
 
     /// For `map_err`: of what is in a file.

@@ -2,6 +2,8 @@
 
 use anyhow::Result;
 use clap::Parser;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset_chart::arguments::{Arguments, Command};
@@ -21,10 +23,14 @@ const DIFFERS: u8 = 1;
 const USER_ERROR: u8 = 2;
 
 fn main() -> ExitCode {
-    dispatch(&Arguments::parse()).unwrap_or_else(|error| {
+    let mut text = String::new();
+    let code = dispatch(&Arguments::parse(), &mut text).unwrap_or_else(|error| {
         eprintln!("error: {error:#}");
         ExitCode::from(USER_ERROR)
-    })
+    });
+    // Whoever no longer reads misses nothing.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    code
 }
 
 /// The line that started this.
@@ -33,39 +39,41 @@ fn command() -> String {
     format!("zeroset-chart {}", words.join(" "))
 }
 
-fn draw(directory: &Path) -> Result<()> {
+fn draw(directory: &Path, text: &mut String) -> Result<()> {
     let store = Store::existing(directory)?;
     let charts = store.path("charts");
-    println!("{} charts are in {}", draw_all(&store.rows, &charts)?, charts.display());
-    println!("everything is on {}", write_page(&store)?.display());
+    writeln!(text, "{} charts are in {}", draw_all(&store.rows, &charts)?, charts.display())?;
+    writeln!(text, "everything is on {}", write_page(&store)?.display())?;
     Ok(())
 }
 
-fn dispatch(arguments: &Arguments) -> Result<ExitCode> {
+/// Does what is asked for, and adds what there is to say to `text`.
+fn dispatch(arguments: &Arguments, text: &mut String) -> Result<ExitCode> {
     match &arguments.command {
         Command::Run(arguments) => {
             let new = run(arguments)?;
-            println!("{new} rows are new in {}", arguments.output.display());
+            writeln!(text, "{new} rows are new in {}", arguments.output.display())?;
             Store::existing(&arguments.output)?.keep_command(&command())?;
-            draw(&arguments.output)?;
+            draw(&arguments.output, text)?;
         }
-        Command::Stability(arguments) => print!("{}", stability(arguments)?),
-        Command::Rigour(arguments) => print!("{}", rigour(arguments)?),
-        Command::Compile(arguments) => print!("{}", growth(arguments)?),
-        Command::Rays(arguments) => print!("{}", rays(arguments)?),
-        Command::Draw { directory } => draw(directory)?,
+        Command::Stability(arguments) => text.push_str(&stability(arguments)?),
+        Command::Rigour(arguments) => text.push_str(&rigour(arguments)?),
+        Command::Compile(arguments) => text.push_str(&growth(arguments)?),
+        Command::Rays(arguments) => text.push_str(&rays(arguments)?),
+        Command::Draw { directory } => draw(directory, text)?,
         Command::Check { directory } => {
             let found = check(directory)?;
             for line in &found.counts {
-                println!("differs: {line}");
+                writeln!(text, "differs: {line}")?;
             }
             for line in &found.times {
-                println!("slower or faster: {line}");
+                writeln!(text, "slower or faster: {line}")?;
             }
             let (rows, counts, times) = (found.rows, found.counts.len(), found.times.len());
-            println!(
+            writeln!(
+                text,
                 "{rows} rows measured again: {counts} counts or hashes and {times} times differ"
-            );
+            )?;
             if counts > 0 {
                 return Ok(ExitCode::from(DIFFERS));
             }

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use zeroset_chart::growth;
 use zeroset_chart::rigour::{self, Asked};
 
@@ -53,6 +53,14 @@ fn rows_are_written_kept_and_checked() {
     let checked = chart(&["check", path]);
     assert_eq!(checked.status.code(), Some(0), "{checked:?}");
 
+    // Nobody reads what it says.
+    let mut command = Command::new(env!("CARGO_BIN_EXE_zeroset-chart"));
+    command.args(["draw", path]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut unread = command.spawn().expect("it runs");
+    drop(unread.stdout.take());
+    let unread = unread.wait_with_output().expect("it ends");
+    assert!(unread.status.success() && unread.stderr.is_empty(), "{unread:?}");
+
     let mut damaged = written;
     damaged[0]["status_hash"] = "0".repeat(64).into();
     let text = serde_json::to_vec(&damaged).expect("rows");
@@ -61,6 +69,14 @@ fn rows_are_written_kept_and_checked() {
     assert_eq!(checked.status.code(), Some(1), "{checked:?}");
     let said = String::from_utf8_lossy(&checked.stdout);
     assert_eq!(said.lines().filter(|line| line.starts_with("differs: ")).count(), 1, "{said}");
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_said_once() {
+    let output = chart(&["draw", "no-such-directory"]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(said.matches("os error").count(), 1, "{said}");
 }
 
 #[test]
