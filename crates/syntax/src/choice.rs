@@ -6,11 +6,11 @@
 //! value; and where no piece holds, and there is no last value, a choice has none.
 
 use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation, Series};
-use crate::condition::{comparisons, sides};
+use crate::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::{Locals, Lowering};
 use crate::span::Span;
-use crate::value::{Value, common_size};
+use crate::value::Value;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
@@ -30,30 +30,17 @@ impl<'a> Lowering<'a> {
     ) -> Fallible<Value> {
         if let Some((index, argument)) = as_sinc(pieces, otherwise) {
             let argument = self.value_of(argument, locals)?;
-            return self.composed(index, argument, pieces[0].0.span);
+            return self.call(&Function::Composed(index), vec![argument], pieces[0].0.span);
         }
-        let mut values = Vec::with_capacity(pieces.len());
-        for (_, value) in pieces {
-            values.push(self.value_of(value, locals)?);
-        }
-        let mut rest = match otherwise {
-            Some(value) => Some(self.value_of(value, locals)?),
-            None => None,
-        };
+        let exprs = pieces.iter().map(|(_, value)| value).chain(otherwise);
+        let mut values = self.values_of(exprs, locals)?;
+        let mut rest = otherwise.and_then(|_| values.pop());
         for ((condition, place), value) in pieces.iter().zip(values).rev() {
             let operands: Vec<Value> = std::iter::once(value).chain(rest).collect();
-            let size = common_size(&operands, place.span)?;
-            let mut nodes = Vec::with_capacity(size);
-            for index in 0..size {
-                nodes.push(match operands.as_slice() {
-                    [yes, no] => {
-                        let (yes, no) = (yes.part(index), no.part(index));
-                        self.choose(condition, false, yes, no, locals)?
-                    }
-                    only => self.only_where(only[0].part(index), condition, locals)?,
-                });
-            }
-            rest = Some(Value::shaped(nodes, &operands));
+            rest = Some(self.by_component(&operands, place.span, |all, parts| match parts {
+                [yes, no] => all.choose(condition, false, *yes, *no, locals),
+                only => all.only_where(only[0], condition, locals),
+            })?);
         }
         rest.ok_or_else(|| Error::new(Span::default(), ErrorKind::Empty))
     }
@@ -68,7 +55,7 @@ impl<'a> Lowering<'a> {
         locals: &Locals<'a>,
     ) -> Fallible<NodeId> {
         if has_one_sign(condition) {
-            let (margin, strict) = self.margin(condition, negated, locals)?;
+            let (margin, strict) = self.margin(condition, negated, Purpose::Restriction, locals)?;
             return Ok(self.by_margin(margin, strict, yes, no));
         }
         match &condition.kind {
@@ -225,7 +212,7 @@ impl<'a> Lowering<'a> {
     /// A function applied as often as the first argument says, to the second; what follows stays.
     pub(crate) fn iterate(
         &mut self,
-        function: &'a Function,
+        function: &Function,
         mut arguments: Vec<Value>,
         span: Span,
     ) -> Fallible<Value> {
@@ -316,32 +303,6 @@ fn as_sinc<'e>(
         && arguments.as_slice() == std::slice::from_ref(&**left);
     let index = zeroset_ops::COMPOSED.iter().position(|composed| composed.name == "sinc")?;
     is_sinc.then_some((index, &**left))
-}
-
-/// Whether a condition is one margin: of inequalities that are all strict or all not.
-fn has_one_sign(condition: &Expr) -> bool {
-    fn strictness(condition: &Expr, negated: bool, all: &mut Vec<bool>) -> bool {
-        match &condition.kind {
-            ExprKind::And(items) | ExprKind::Or(items) => {
-                items.iter().all(|item| strictness(item, negated, all))
-            }
-            ExprKind::Not(inner) => strictness(inner, !negated, all),
-            ExprKind::Compare(_, rest) => rest.iter().all(|(relation, _)| match relation {
-                Relation::Equal | Relation::Unequal => false,
-                Relation::Less | Relation::Greater => {
-                    all.push(!negated);
-                    true
-                }
-                Relation::LessEqual | Relation::GreaterEqual => {
-                    all.push(negated);
-                    true
-                }
-            }),
-            _ => false,
-        }
-    }
-    let mut all = Vec::new();
-    strictness(condition, false, &mut all) && all.windows(2).all(|pair| pair[0] == pair[1])
 }
 
 /// Whether a condition can restrict a value by itself.

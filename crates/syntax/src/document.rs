@@ -440,7 +440,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
     };
     let (root, kind) = match lowering.equation(expr)? {
         Some(root) => (root, SurfaceKind::Equation),
-        None => (lowering.solid(expr, false)?, SurfaceKind::Solid),
+        None => (lowering.solid(expr)?, SurfaceKind::Solid),
     };
     let root = restrictions.iter().try_fold(root, |root, condition| match kind {
         SurfaceKind::Equation => lowering.restrict(root, condition, &[]),

@@ -210,21 +210,17 @@ impl<'a> Lowering<'a> {
 
     #[inline(never)]
     fn negated(&mut self, inner: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
-        let inner = self.value_of(inner, locals)?;
-        Ok(self.each(inner, Self::opposite))
+        let value = self.value_of(inner, locals)?;
+        self.by_component(&[value], inner.span, |all, parts| Ok(all.opposite(parts[0])))
     }
 
     #[inline(never)]
-    fn values_of(
+    pub(crate) fn values_of(
         &mut self,
         exprs: impl Iterator<Item = &'a Expr>,
         locals: &Locals<'a>,
     ) -> Fallible<Vec<Value>> {
-        let mut values = Vec::with_capacity(exprs.size_hint().0);
-        for expr in exprs {
-            values.push(self.value_of(expr, locals)?);
-        }
-        Ok(values)
+        exprs.map(|expr| self.value_of(expr, locals)).collect()
     }
 
     /// A sum or a product, from the left: `op` is the operation of each sign.
@@ -301,7 +297,7 @@ impl<'a> Lowering<'a> {
     #[inline(never)]
     pub(crate) fn call(
         &mut self,
-        function: &'a Function,
+        function: &Function,
         mut arguments: Vec<Value>,
         span: Span,
     ) -> Fallible<Value> {
@@ -313,8 +309,7 @@ impl<'a> Lowering<'a> {
                     .try_fold(first, |all, next| self.native(*op, &[all, next], span))
             }
             Function::Native(op) if op.arity() > arguments.len() => {
-                let nodes = arguments.pop().map(|value| value.parts().to_vec());
-                Ok(Value::Number(self.fold(*op, &nodes.unwrap_or_default())))
+                Ok(Value::Number(self.fold(*op, arguments[0].parts())))
             }
             Function::Native(op) => self.native(*op, &arguments, span),
             Function::Length => {
@@ -333,8 +328,7 @@ impl<'a> Lowering<'a> {
                 if zeroset_ops::COMPOSED[*index].name == "hypot"
                     && matches!(arguments.as_slice(), [Value::Vector(_)]) =>
             {
-                let Some(Value::Vector(nodes)) = arguments.pop() else { unreachable!("matched") };
-                Ok(Value::Number(self.length(&nodes)))
+                Ok(Value::Number(self.length(arguments[0].parts())))
             }
             Function::Composed(index) => {
                 let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
@@ -350,18 +344,6 @@ impl<'a> Lowering<'a> {
                 self.expand(function, arguments, names, &definition.body, span)
             }
         }
-    }
-
-    /// A function of one value that is a formula over others.
-    pub(crate) fn composed(
-        &mut self,
-        index: usize,
-        argument: Value,
-        span: Span,
-    ) -> Fallible<Value> {
-        let names = zeroset_ops::COMPOSED[index].parameters.iter().copied();
-        let function = Function::Composed(index);
-        self.expand(&function, vec![argument], names, prelude::body(index), span)
     }
 
     /// The body of a function with `names` replaced by its arguments.

@@ -6,6 +6,7 @@
 use crate::ast::LETTERS;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::Lowering;
+use crate::matrix::{elements, transposed};
 use crate::note::{Note, NoteKind};
 use crate::span::Span;
 use zeroset_ir::NodeId;
@@ -27,7 +28,7 @@ impl Value {
     }
 
     /// The component at `index`, which must be below their number; or the number itself.
-    pub(crate) fn part(&self, index: usize) -> NodeId {
+    fn part(&self, index: usize) -> NodeId {
         match self {
             Self::Number(node) => *node,
             Self::Vector(nodes) | Self::Matrix(nodes) => nodes[index],
@@ -46,12 +47,7 @@ impl Value {
         matches!(self, Self::Matrix(_))
     }
 
-    /// Parts in the shape of the first of `operands` that is more than a number.
-    pub(crate) fn shaped(nodes: Vec<NodeId>, operands: &[Self]) -> Self {
-        if operands.iter().any(Self::is_matrix) { Self::Matrix(nodes) } else { Self::new(nodes) }
-    }
-
-    pub(crate) fn new(mut nodes: Vec<NodeId>) -> Self {
+    fn new(mut nodes: Vec<NodeId>) -> Self {
         if nodes.len() == 1 { Self::Number(nodes.remove(0)) } else { Self::Vector(nodes) }
     }
 }
@@ -66,14 +62,21 @@ pub(crate) fn numbers(values: &[Value], span: Span) -> Fallible<Vec<NodeId>> {
 }
 
 impl Lowering<'_> {
-    /// `apply` to each component.
-    pub(crate) fn each(
+    /// What `apply` makes of the components of `operands` that stand at the same place, for each.
+    pub(crate) fn by_component(
         &mut self,
-        value: Value,
-        apply: impl Fn(&mut Self, NodeId) -> NodeId,
-    ) -> Value {
-        let nodes = value.parts().iter().map(|node| apply(self, *node)).collect();
-        Value::shaped(nodes, &[value])
+        operands: &[Value],
+        span: Span,
+        mut apply: impl FnMut(&mut Self, &[NodeId]) -> Fallible<NodeId>,
+    ) -> Fallible<Value> {
+        let size = common_size(operands, span)?;
+        let mut nodes = Vec::with_capacity(size);
+        for index in 0..size {
+            let parts: Vec<NodeId> = operands.iter().map(|value| value.part(index)).collect();
+            nodes.push(apply(self, &parts)?);
+        }
+        let has_matrix = operands.iter().any(Value::is_matrix);
+        Ok(if has_matrix { Value::Matrix(nodes) } else { Value::new(nodes) })
     }
 
     /// An operation, component by component.
@@ -81,13 +84,7 @@ impl Lowering<'_> {
         if operands.iter().any(Value::is_matrix) {
             return self.of_matrices(op, operands, span);
         }
-        let size = common_size(operands, span)?;
-        let mut nodes = Vec::with_capacity(size);
-        for index in 0..size {
-            let parts: Vec<NodeId> = operands.iter().map(|value| value.part(index)).collect();
-            nodes.push(self.graph.apply(op, &parts));
-        }
-        Ok(Value::new(nodes))
+        self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
     /// Notes that a product of two vectors is no scalar product.
@@ -116,8 +113,12 @@ impl Lowering<'_> {
         span: Span,
     ) -> Fallible<Value> {
         match function {
-            VectorFunction::Transpose => Self::transpose(&arguments[0], span),
-            VectorFunction::Determinant => self.determinant(&arguments[0], span).map(Value::Number),
+            VectorFunction::Transpose => {
+                Ok(Value::Matrix(transposed(elements(&arguments[0], span)?)))
+            }
+            VectorFunction::Determinant => {
+                Ok(Value::Number(self.determinant(elements(&arguments[0], span)?)))
+            }
             // As numpy and Mathematica have it.
             VectorFunction::Dot if arguments.iter().any(Value::is_matrix) => {
                 self.of_matrices(Op::Mul, arguments, span)
@@ -139,12 +140,10 @@ impl Lowering<'_> {
                 self.native(Op::Sub, &[arguments[0].clone(), along], span)
             }
             VectorFunction::Cross => {
-                let (Value::Vector(a), Value::Vector(b)) = (&arguments[0], &arguments[1]) else {
+                let (a @ [_, _, _], b @ [_, _, _]) = (arguments[0].parts(), arguments[1].parts())
+                else {
                     return Err(Error::new(span, ErrorKind::CrossSize));
                 };
-                if a.len() != 3 || b.len() != 3 {
-                    return Err(Error::new(span, ErrorKind::CrossSize));
-                }
                 let mut part = |i: usize, j: usize| {
                     let first = self.graph.apply(Op::Mul, &[a[i], b[j]]);
                     let second = self.graph.apply(Op::Mul, &[a[j], b[i]]);
@@ -199,7 +198,7 @@ pub(crate) fn component(value: Value, letters: &str, span: Span) -> Fallible<Val
 }
 
 /// The number of components of all operands; that of numbers is 1.
-pub(crate) fn common_size(operands: &[Value], span: Span) -> Fallible<usize> {
+fn common_size(operands: &[Value], span: Span) -> Fallible<usize> {
     let mut size = 1;
     if operands.iter().any(Value::is_matrix)
         && operands.iter().any(|value| value.size() > 1 && !value.is_matrix())
