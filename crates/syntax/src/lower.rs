@@ -286,7 +286,9 @@ impl<'a> Lowering<'a> {
                     }
                     Binding::Definition(definition) => (*name, *definition),
                 };
-                let value = self.value_of(&definition.body, &[]).map_err(|e| at_use(e, span))?;
+                let is_typed = definition.name.span != Span::default();
+                let value = self.value_of(&definition.body, &[]);
+                let value = value.map_err(|error| at_use(error, span, is_typed))?;
                 self.values.insert(name, value.clone());
                 Ok(value)
             }
@@ -361,7 +363,12 @@ impl<'a> Lowering<'a> {
             return Ok(value.clone());
         }
         let locals: Vec<(&str, Value)> = names.zip(key.1.iter().cloned()).collect();
-        let value = self.value_of(body, &locals).map_err(|error| at_use(error, span))?;
+        let (is_typed, noted) = (!matches!(function, Function::Composed(_)), self.notes.len());
+        let value = self.value_of(body, &locals);
+        let value = value.map_err(|error| at_use(error, span, is_typed))?;
+        if !is_typed {
+            self.notes.truncate(noted);
+        }
         self.expanded.insert(key, value.clone());
         Ok(value)
     }
@@ -398,9 +405,10 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Errors of size inside a definition are shown where it is used: that is what can be changed.
-fn at_use(mut error: Box<Error>, span: Span) -> Box<Error> {
-    if matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
+/// Errors of size inside a definition are shown where it is used: that is what can be changed. So are all errors where the
+/// definition is not typed, whose places are those of another text.
+fn at_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
+    if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;
     }
     error
