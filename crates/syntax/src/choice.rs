@@ -17,6 +17,9 @@ use zeroset_ops::Op;
 /// The most terms of a sum, factors of a product and repetitions of a function.
 pub(crate) const MOST_TERMS: i64 = 1000;
 
+/// The most steps of arithmetic by which a whole number is found.
+const MOST_STEPS: usize = 256;
+
 /// The most numbers that are chosen between where a choice depends on another.
 const MOST_LEAVES: usize = 500;
 
@@ -133,26 +136,22 @@ impl<'a> Lowering<'a> {
         left: &mut usize,
     ) -> Option<NodeId> {
         *left = left.checked_sub(1)?;
-        let (op, operands) = match self.graph.node(margin) {
+        let operands = match self.graph.node(margin) {
             Node::Constant(constant) => {
                 let bounds = constant.bounds();
                 let holds = if constant.is_zero() { !strict } else { bounds.lo > 0.0 };
                 return Some(if holds { values.0 } else { values.1 });
             }
-            Node::Apply(op, operands) => (*op, operands.to_vec()),
-            Node::Variable(_) | Node::Parameter(_) => return None,
+            Node::Apply(op, operands) if *op == Op::SelectNegative => operands.to_vec(),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return None,
         };
-        match (op == Op::SelectNegative, operands.as_slice()) {
-            (true, [by, below, above]) => {
-                let below = self.by_numbers(*below, strict, values, left)?;
-                let above = self.by_numbers(*above, strict, values, left)?;
-                if below == above && self.total.get(by.index()) == Some(&true) {
-                    return Some(below);
-                }
-                Some(self.graph.apply(op, &[*by, below, above]))
-            }
-            _ => None,
+        let by = operands[0];
+        let below = self.by_numbers(operands[1], strict, values, left)?;
+        let above = self.by_numbers(operands[2], strict, values, left)?;
+        if below == above && self.total.get(by.index()) == Some(&true) {
+            return Some(below);
         }
+        Some(self.graph.apply(Op::SelectNegative, &[by, below, above]))
     }
 
     /// `node` where `condition` holds, undefined elsewhere.
@@ -217,7 +216,7 @@ impl<'a> Lowering<'a> {
         span: Span,
     ) -> Fallible<Value> {
         let count = match arguments.remove(0) {
-            Value::Number(node) => self.integer_of(node),
+            Value::Number(node) => integer_of(&self.graph, node, &mut MOST_STEPS.clone()),
             Value::Vector(_) | Value::Matrix(_) => None,
         };
         let Some(count) = count.filter(|count| *count >= 0) else {
@@ -238,16 +237,11 @@ impl<'a> Lowering<'a> {
     /// The whole number that an expression is.
     fn whole(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<i64> {
         let node = self.number(expr, locals)?;
-        match self.integer_of(node) {
+        match integer_of(&self.graph, node, &mut MOST_STEPS.clone()) {
             Some(whole) if whole.abs() <= 1_000_000_000 => Ok(whole),
             Some(_) => Err(Error::new(expr.span, ErrorKind::TooManyTerms { limit: MOST_TERMS })),
             None => Err(Error::new(expr.span, ErrorKind::RangeNotWhole)),
         }
-    }
-
-    /// The whole number that a node is.
-    fn integer_of(&self, node: NodeId) -> Option<i64> {
-        integer_of(&self.graph, node, &mut 256)
     }
 }
 

@@ -130,7 +130,7 @@ pub(crate) fn implied(
         let is_vector = is_program || has_components(text, lines, name);
         if let (Some(span), true) = (place(name), is_vector) {
             notes.push(Note { span, kind: NoteKind::PointOfSpace { name: name.to_owned() } });
-            given.push((if name == "p" { "p" } else { "pos" }, "vec3(x, y, z)"));
+            given.push((name, "vec3(x, y, z)"));
         }
     }
     let [r, rho, theta, phi] = ["r", "rho", "theta", "phi"].map(place);

@@ -5,12 +5,12 @@
 use crate::ast::Expr;
 use crate::build::Builder;
 use crate::constant::{evaluate, evaluate_range};
-use crate::error::{Error, ErrorKind, Fallible};
+use crate::error::{ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule, parts};
 use crate::limits::Limits;
 use crate::lower::{Binding, Lowering};
 use crate::scene::SrgbColor;
-use crate::scope::{Meaning, Scope, nearest};
+use crate::scope::{Meaning, Scope};
 use crate::setting::bad;
 use crate::span::Span;
 use crate::spelling::COLOR_MAPS;
@@ -133,7 +133,6 @@ impl Builder<'_> {
     pub(crate) fn color_line(
         &mut self,
         line: Pair<'_>,
-        span: Span,
     ) -> Fallible<(TypedColor, Option<(f64, Span)>)> {
         let (mut color, mut opacity) = (None, None);
         for part in line.into_inner() {
@@ -148,7 +147,7 @@ impl Builder<'_> {
                 _ => {}
             }
         }
-        let color = color.ok_or_else(|| bad("color", span))?;
+        let color = color.ok_or_else(|| bad("color", self.piece.span))?;
         Ok((color, opacity))
     }
 
@@ -157,63 +156,42 @@ impl Builder<'_> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
         let name = parts.next().expect("a color map has a name");
-        let (place, typed) = (self.span(&name), self.typed(&name));
-        let map = COLOR_MAPS.into_iter().find(|known| known.eq_ignore_ascii_case(typed));
-        let map = map.ok_or_else(|| {
-            let meant = nearest(typed, COLOR_MAPS.into_iter());
-            Error::new(place, ErrorKind::BadColorMap).suggest_any(place, meant)
-        })?;
-        let mut arguments = Vec::new();
-        for part in parts {
-            if part.as_rule() != Rule::expression {
-                return Err(bad("color", self.span(&part)));
-            }
-            arguments.push(self.value(part)?);
-        }
-        let mut arguments = arguments.into_iter();
-        let (value, rest) = (arguments.next(), arguments.collect::<Vec<_>>());
-        let value = value.ok_or_else(|| bad("color", span))?;
-        let range = match &rest[..] {
-            [] => None,
-            [low, high] => {
+        let map = self.one_of(&name, &COLOR_MAPS, ErrorKind::BadColorMap)?;
+        let mut arguments = self.values("color", parts)?;
+        let range = match &arguments[..] {
+            [_] => None,
+            [_, low, high] => {
                 let span = low.span.to(high.span);
                 Some(evaluate_range(low, high, span, self.limits)?.into())
             }
             _ => return Err(bad("color", span)),
         };
-        Ok(TypedColor::Mapped { map, value, range })
+        Ok(TypedColor::Mapped { map, value: arguments.swap_remove(0), range })
     }
 
     pub(crate) fn contours(
         &mut self,
         line: Pair<'_>,
-        span: Span,
     ) -> Fallible<(Option<Expr>, Option<Constant>)> {
-        let mut values = Vec::new();
-        for part in parts(line) {
-            let value = match part.as_rule() {
-                Rule::opacity => {
-                    let limits = self.limits;
-                    let span = self.span(&part);
-                    let [amount] = &parts(part)[..] else { return Err(bad("contours", span)) };
-                    let number = self.term(&mut amount.clone().into_inner())?;
-                    return Ok((None, Some(step(limits, &number)?)));
-                }
-                Rule::expression => self.value(part)?,
-                _ => return Err(bad("contours", self.span(&part))),
-            };
-            values.push(value);
+        let all = parts(line);
+        if let [amount] = &all[..]
+            && amount.as_rule() == Rule::opacity
+        {
+            let span = self.span(amount);
+            let [number] = &parts(amount.clone())[..] else { return Err(bad("contours", span)) };
+            let number = self.term(&mut number.clone().into_inner())?;
+            return Ok((None, Some(step(self.limits, &number)?)));
         }
-        let mut values = values.into_iter();
-        match (values.next(), values.next(), values.next()) {
-            (None, ..) => Ok((None, None)),
-            (Some(one), None, _) if evaluate(&one, self.limits).is_ok() => {
-                Ok((None, Some(step(self.limits, &one)?)))
+        let values = self.values("contours", all)?;
+        let step = match &values[..] {
+            [one] if evaluate(one, self.limits).is_ok() => {
+                return Ok((None, Some(step(self.limits, one)?)));
             }
-            (Some(one), None, _) => Ok((Some(one), None)),
-            (Some(one), Some(other), None) => Ok((Some(one), Some(step(self.limits, &other)?))),
-            _ => Err(bad("contours", span)),
-        }
+            [] | [_] => None,
+            [_, other] => Some(step(self.limits, other)?),
+            _ => return Err(bad("contours", self.piece.span)),
+        };
+        Ok((values.into_iter().next(), step))
     }
 }
 
