@@ -33,20 +33,20 @@ pub struct Contours {
 /// The color of a surface.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant)] // a document has few
-pub enum SurfaceColor {
+pub enum SurfaceColor<V = PointValue> {
     /// Everywhere the same.
     Plain(SrgbColor),
     /// By a value.
-    Mapped(MappedColor),
+    Mapped(MappedColor<V>),
 }
 
 /// Which value has which color.
 #[derive(Clone, Debug)]
-pub struct MappedColor {
+pub struct MappedColor<V = PointValue> {
     /// One of [`COLOR_MAPS`].
     pub map: &'static str,
     /// The value.
-    pub value: PointValue,
+    pub value: V,
     /// The values that have the first and the last color; `None` for the least and the greatest that are seen.
     pub range: Option<[Constant; 2]>,
 }
@@ -62,18 +62,8 @@ pub struct PointValue {
     pub echo: String,
 }
 
-/// A color before names have values.
-#[allow(clippy::large_enum_variant)] // likewise
-pub(crate) enum TypedColor {
-    /// The one that a surface has of itself.
-    Auto,
-    Plain(SrgbColor),
-    Mapped {
-        map: &'static str,
-        value: Expr,
-        range: Option<[Constant; 2]>,
-    },
-}
+/// A color before names have values; `None` is the one that a surface has of itself.
+pub(crate) type TypedColor = Option<SurfaceColor<Expr>>;
 
 /// The same names, and those of a point's own.
 pub(crate) fn with_point_names(scope: &Scope) -> Scope {
@@ -117,13 +107,12 @@ impl<'a> PointValues<'a> {
     /// A surface's color.
     pub fn color(&self, typed: &'a TypedColor) -> Fallible<Option<SurfaceColor>> {
         Ok(match typed {
-            TypedColor::Auto => None,
-            TypedColor::Plain(color) => Some(SurfaceColor::Plain(*color)),
-            TypedColor::Mapped { map, value, range } => Some(SurfaceColor::Mapped(MappedColor {
-                map,
-                value: self.value(value)?,
-                range: range.clone(),
-            })),
+            None => None,
+            Some(SurfaceColor::Plain(color)) => Some(SurfaceColor::Plain(*color)),
+            Some(SurfaceColor::Mapped(MappedColor { map, value, range })) => {
+                let (value, range) = (self.value(value)?, range.clone());
+                Some(SurfaceColor::Mapped(MappedColor { map, value, range }))
+            }
         })
     }
 }
@@ -141,9 +130,11 @@ impl Builder<'_> {
                     let place = self.span(&part);
                     opacity = Some((self.opacity(part)?, place));
                 }
-                Rule::automatic => color = Some(TypedColor::Auto),
-                Rule::mapped => color = Some(self.mapped(part)?),
-                Rule::hex | Rule::name => color = Some(TypedColor::Plain(self.plain(&part)?)),
+                Rule::automatic => color = Some(None),
+                Rule::mapped => color = Some(Some(SurfaceColor::Mapped(self.mapped(part)?))),
+                Rule::hex | Rule::name => {
+                    color = Some(Some(SurfaceColor::Plain(self.plain(&part)?)));
+                }
                 _ => {}
             }
         }
@@ -152,7 +143,7 @@ impl Builder<'_> {
     }
 
     /// `viridis(z)` or `viridis(z, -1, 1)`.
-    fn mapped(&mut self, pair: Pair<'_>) -> Fallible<TypedColor> {
+    fn mapped(&mut self, pair: Pair<'_>) -> Fallible<MappedColor<Expr>> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
         let name = parts.next().expect("a color map has a name");
@@ -166,7 +157,7 @@ impl Builder<'_> {
             }
             _ => return Err(bad("color", span)),
         };
-        Ok(TypedColor::Mapped { map, value: arguments.swap_remove(0), range })
+        Ok(MappedColor { map, value: arguments.swap_remove(0), range })
     }
 
     pub(crate) fn contours(
