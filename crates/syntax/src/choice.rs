@@ -81,10 +81,7 @@ impl<'a> Lowering<'a> {
                 }
                 Ok(node)
             }
-            _ => {
-                let word = "if".to_owned();
-                Err(Error::new(condition.span, ErrorKind::ValueAsCondition { word }))
-            }
+            _ => Err(Error::new(condition.span, ErrorKind::ValueAsCondition { word: "if" })),
         }
     }
 
