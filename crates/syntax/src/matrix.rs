@@ -18,16 +18,14 @@ impl Lowering<'_> {
         arguments: &[Value],
         span: Span,
     ) -> Fallible<Value> {
-        let given: usize = arguments.iter().map(|value| value.parts().len()).sum();
-        let source = match arguments {
-            [Value::Number(node)] => vec![*node],
-            [Value::Matrix(nodes)] => nodes.clone(),
-            _ if given == size * size => {
-                let nodes = arguments.iter().flat_map(|value| value.parts().iter().copied());
-                return Ok(Value::Matrix(nodes.collect()));
+        let source: Vec<NodeId> = arguments.iter().flat_map(Value::parts).copied().collect();
+        if !matches!(arguments, [Value::Number(_) | Value::Matrix(_)]) {
+            let given = source.len();
+            if given != size * size {
+                return Err(Error::new(span, ErrorKind::MatrixSize { size, given }));
             }
-            _ => return Err(Error::new(span, ErrorKind::MatrixSize { size, given })),
-        };
+            return Ok(Value::Matrix(source));
+        }
         let (zero, one) = (self.graph.integer(0), self.graph.integer(1));
         let known = if source.len() == 1 { 0 } else { source.len().isqrt() };
         let element = |index: usize| {

@@ -23,9 +23,9 @@ pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 
 /// Lines on a surface along which a value stays the same.
 #[derive(Clone, Debug)]
-pub struct Contours {
+pub struct Contours<V = PointValue> {
     /// The value; `None` for that of the surface's color, else z.
-    pub value: Option<PointValue>,
+    pub value: Option<V>,
     /// How far the values of two lines are apart; `None` for a round number.
     pub step: Option<Constant>,
 }
@@ -160,10 +160,7 @@ impl Builder<'_> {
         Ok(MappedColor { map, value: arguments.swap_remove(0), range })
     }
 
-    pub(crate) fn contours(
-        &mut self,
-        line: Pair<'_>,
-    ) -> Fallible<(Option<Expr>, Option<Constant>)> {
+    pub(crate) fn contours(&mut self, line: Pair<'_>) -> Fallible<Contours<Expr>> {
         let all = parts(line);
         if let [amount] = &all[..]
             && amount.as_rule() == Rule::opacity
@@ -171,18 +168,18 @@ impl Builder<'_> {
             let span = self.span(amount);
             let [number] = &parts(amount.clone())[..] else { return Err(bad("contours", span)) };
             let number = self.term(&mut number.clone().into_inner())?;
-            return Ok((None, Some(step(self.limits, &number)?)));
+            return Ok(Contours { value: None, step: Some(step(self.limits, &number)?) });
         }
         let values = self.values("contours", all)?;
         let step = match &values[..] {
             [one] if evaluate(one, self.limits).is_ok() => {
-                return Ok((None, Some(step(self.limits, one)?)));
+                return Ok(Contours { value: None, step: Some(step(self.limits, one)?) });
             }
             [] | [_] => None,
             [_, other] => Some(step(self.limits, other)?),
             _ => return Err(bad("contours", self.piece.span)),
         };
-        Ok((values.into_iter().next(), step))
+        Ok(Contours { value: values.into_iter().next(), step })
     }
 }
 

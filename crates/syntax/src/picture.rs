@@ -60,7 +60,7 @@ pub(crate) struct Collected {
     pub hidden: Vec<(usize, bool)>,
     /// Where they stand.
     pub lines: Vec<SettingLine>,
-    pub contours: Option<(Option<Expr>, Option<Constant>)>,
+    pub contours: Option<Contours<Expr>>,
     /// With the names of a point's own, once it was needed.
     scope: Option<Scope>,
     /// Names of the document that values of points depend on.

@@ -162,14 +162,13 @@ impl Lowering<'_> {
 
 /// A vector of `size` components: of as many in all, or of one that is repeated.
 pub(crate) fn vector(size: usize, arguments: &[Value], span: Span) -> Fallible<Value> {
-    let given = arguments.iter().map(Value::size).sum();
+    let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Value::parts).copied().collect();
+    let given = nodes.len();
     // `vec2(p)` takes the first components of a longer vector.
     let is_cut = arguments.len() == 1 && given > size;
     if given != size && given != 1 && !is_cut {
         return Err(Error::new(span, ErrorKind::VectorSize { size, given }));
     }
-    let mut nodes: Vec<NodeId> =
-        arguments.iter().flat_map(|value| value.parts().iter().copied()).take(size).collect();
     nodes.resize(size, nodes[0]);
     Ok(Value::new(nodes))
 }
