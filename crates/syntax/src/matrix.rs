@@ -79,7 +79,7 @@ impl Lowering<'_> {
             _ => return None,
         };
         let rows = match left {
-            Value::Matrix(nodes) => transposed(nodes),
+            Value::Matrix(nodes) => Self::transposed(nodes),
             _ => left.parts().to_vec(),
         };
         let mut nodes = Vec::new();
@@ -117,18 +117,10 @@ impl Lowering<'_> {
         }
         sum.unwrap_or(nodes[0])
     }
-}
 
-/// The elements of a value that must be a matrix.
-pub(crate) fn elements(value: &Value, span: Span) -> Fallible<&[NodeId]> {
-    match value {
-        Value::Matrix(nodes) => Ok(nodes),
-        _ => Err(Error::new(span, ErrorKind::NotAMatrix)),
+    /// The elements of a matrix with rows and columns exchanged.
+    pub(crate) fn transposed(nodes: &[NodeId]) -> Vec<NodeId> {
+        let n = nodes.len().isqrt();
+        (0..n * n).map(|at| nodes[at % n * n + at / n]).collect()
     }
-}
-
-/// The elements of a matrix with rows and columns exchanged.
-pub(crate) fn transposed(nodes: &[NodeId]) -> Vec<NodeId> {
-    let n = nodes.len().isqrt();
-    (0..n * n).map(|at| nodes[at % n * n + at / n]).collect()
 }

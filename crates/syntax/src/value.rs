@@ -6,7 +6,6 @@
 use crate::ast::LETTERS;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::Lowering;
-use crate::matrix::{elements, transposed};
 use crate::note::{Note, NoteKind};
 use crate::span::Span;
 use zeroset_ir::NodeId;
@@ -40,6 +39,14 @@ impl Value {
         match self {
             Self::Number(node) => std::slice::from_ref(node),
             Self::Vector(nodes) | Self::Matrix(nodes) => nodes,
+        }
+    }
+
+    /// The elements of what must be a matrix.
+    fn elements(&self, span: Span) -> Fallible<&[NodeId]> {
+        match self {
+            Self::Matrix(nodes) => Ok(nodes),
+            Self::Number(_) | Self::Vector(_) => Err(Error::new(span, ErrorKind::NotAMatrix)),
         }
     }
 
@@ -114,10 +121,10 @@ impl Lowering<'_> {
     ) -> Fallible<Value> {
         match function {
             VectorFunction::Transpose => {
-                Ok(Value::Matrix(transposed(elements(&arguments[0], span)?)))
+                Ok(Value::Matrix(Self::transposed(arguments[0].elements(span)?)))
             }
             VectorFunction::Determinant => {
-                Ok(Value::Number(self.determinant(elements(&arguments[0], span)?)))
+                Ok(Value::Number(self.determinant(arguments[0].elements(span)?)))
             }
             // As numpy and Mathematica have it.
             VectorFunction::Dot if arguments.iter().any(Value::is_matrix) => {
